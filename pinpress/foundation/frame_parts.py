@@ -211,7 +211,8 @@ def refuse_pulled(load: Array, gravity: Array) -> None:
     along = load @ -gravity
     if (along < -PULLED * np.abs(along).sum()).any():
         number = int(along.argmin())
+        pulled = -along[number] / np.linalg.norm(gravity)
         raise PinpressError(
-            f"mount {number + 1} of {len(along)} would be pulled by the weight, {abs(load[number, 2]):.4g} N: the centre of mass is not"
-            " between the mounts; move them"
+            f"mount {number + 1} of {len(along)} would be pulled by the weight, {pulled:.4g} N: the centre of mass is not between the"
+            " mounts; move them"
         )

@@ -137,7 +137,7 @@ def lifting_response(
 
     Raises:
         PinpressError: as `steady_response` or `time_response`; several strokes of what is no period; a mount that has no stiffness along z;
-            a foot that chatters.
+            gravity that is not along -z; a foot that chatters.
 
     Warns:
         PinpressWarning: the frame turns by more than 0.1 rad, beyond what is small.
@@ -234,6 +234,9 @@ class _Feet:
 
     def __init__(self, system: MountedPress, speed: float) -> None:
         self.system, self.load = system, np.asarray(system.mount_load)
+        if system.press.up[FREE_FALL] < 1.0 - ROUNDING:
+            direction = ", ".join(f"{part:g}" for part in np.round(system.press.up, 6) + 0.0)
+            raise PinpressError(f"feet lift off along z, but up is ({direction}), against gravity: turn the press so that z is up")
         self.stiffness, self.damping, self.lossy = mount_constants(system)
         if not (self.stiffness[:, FREE_FALL] > 0).all():
             number = int(self.stiffness[:, FREE_FALL].argmin()) + 1

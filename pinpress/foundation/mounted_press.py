@@ -99,7 +99,7 @@ class MountedPress(Tabular):
         press_weight: (6,) part of it that the links of the press have.
         press_inertia: (6, 6) mean spatial inertia of the links of the press, see the function `press_inertia`.
         mount_load: (mounts, 3) force of each mount on the frame at rest, in world axes [N].
-        sag: (mounts, 3) displacement of each mount from its unloaded place, in world axes, downwards negative [m].
+        sag: (mounts, 3) displacement of each mount from its unloaded place, in world axes [m].
     """
 
     press: Linkage
@@ -133,11 +133,11 @@ class MountedPress(Tabular):
         x, y, z = self.centre
         rows = [["mount at", "load", "share", "sag", "pressure"]]
         for mount, load, share, sag, pressure in zip(
-            self.mounts, self.mount_load[:, 2], self.load_share, self.sag[:, 2], self.pressure, strict=True
+            self.mounts, self.upward_load, self.load_share, self.downward_sag, self.pressure, strict=True
         ):
             place = ", ".join(f"{coordinate:.4g}" for coordinate in mount.point) + " m"
             last = [] if pressure is None else [f"{pressure / 1e6:.4g} MPa"]
-            rows.append([place, f"{load:.5g} N", f"{100 * share:.2f} %", f"{-1e3 * sag:.4g} mm", *last])
+            rows.append([place, f"{load:.5g} N", f"{100 * share:.2f} %", f"{1e3 * sag:.4g} mm", *last])
         title = f"{self.press.name} on its mounts at rest: {self.total_mass:.6g} kg, centre of mass {x:.4g}, {y:.4g}, {z:.4g} m"
         return "\n".join([title, *tables.table(rows, [28, 14, 10, 14])])
 
@@ -146,9 +146,9 @@ class MountedPress(Tabular):
         places = {f"{axis} [m]": [mount.point[i] for mount in self.mounts] for i, axis in enumerate("xyz")}
         return {
             **places,
-            "load [N]": self.mount_load[:, 2].tolist(),
+            "load [N]": self.upward_load.tolist(),
             "share [-]": self.load_share.tolist(),
-            "sag [m]": (-self.sag[:, 2]).tolist(),
+            "sag [m]": self.downward_sag.tolist(),
             "pressure [Pa]": list(self.pressure),
         }
 
@@ -168,16 +168,26 @@ class MountedPress(Tabular):
         return np.asarray(self.rigid.T @ self.mass @ self.rigid)
 
     @property
+    def upward_load(self) -> Array:
+        """(mounts,) force of each mount on the frame at rest, upwards (`Linkage.up`) [N]."""
+        return np.asarray(self.mount_load @ self.press.up)
+
+    @property
+    def downward_sag(self) -> Array:
+        """(mounts,) displacement of each mount from its unloaded place, downwards [m]."""
+        return np.asarray(-(self.sag @ self.press.up) + 0.0)
+
+    @property
     def load_share(self) -> Array:
         """(mounts,) share of the weight on each mount [-]."""
-        share: Array = self.mount_load[:, 2] / self.mount_load[:, 2].sum()
+        share: Array = self.upward_load / self.upward_load.sum()
         return share
 
     @property
     def pressure(self) -> tuple[float | None, ...]:
         """Mean pressure on each mount at rest [Pa]; None where the mount has no area."""
         return tuple(
-            None if mount.area is None else float(load / mount.area) for mount, load in zip(self.mounts, self.mount_load[:, 2], strict=True)
+            None if mount.area is None else float(load / mount.area) for mount, load in zip(self.mounts, self.upward_load, strict=True)
         )
 
     @cached_property

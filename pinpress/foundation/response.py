@@ -181,7 +181,7 @@ class FrameMotion(Tabular):
         pressures = [pressure for pressure in self.system.pressure if pressure is not None]
         if pressures:
             lines.append(tables.entry("mean pressure at rest", f"{max(pressures) / 1e6:.4g}", "MPa at most"))
-        lines.append(tables.entry("sag at rest", f"{1e3 * np.abs(self.system.sag[:, 2]).max():.4g}", "mm at most"))
+        lines.append(tables.entry("sag at rest", f"{1e3 * np.abs(self.system.downward_sag).max():.4g}", "mm at most"))
         return "\n".join(lines)
 
     @classmethod
@@ -246,7 +246,7 @@ class FrameMotion(Tabular):
 
         Where it is negative, a mount that is not bolted down lifts off, and the linear model does not hold: see `lifting_response`.
         """
-        least: Array = (self.system.mount_load[:, 2] + self.mount_force[:, :, 2]).min(axis=0)
+        least: Array = (self.system.upward_load + self.mount_force @ self.system.press.up).min(axis=0)
         return least
 
     def rms(self, point: str) -> Array:

@@ -396,4 +396,4 @@ def _scaled(mounts: Sequence[Mount], factor: float) -> tuple[Mount, ...]:
 
 def _sag(system: MountedPress) -> float:
     """Largest vertical displacement of a mount at rest [m]."""
-    return float(np.abs(system.sag[:, 2]).max())
+    return float(np.abs(system.downward_sag).max())

@@ -158,7 +158,12 @@ class CheckResult(Tabular):
 
 @typed
 def check(
-    path: str | os.PathLike[str], driver: str | Sequence[str] | None = None, slide: str | None = None, *, allow_open: bool = False
+    path: str | os.PathLike[str],
+    driver: str | Sequence[str] | None = None,
+    slide: str | None = None,
+    *,
+    allow_open: bool = False,
+    gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> CheckResult:
     """Find all errors of a file, and what else is odd in it or worth knowing, and say how the press moves. `load` raises the first error.
 
@@ -167,6 +172,7 @@ def check(
         driver: as for `load`.
         slide: as for `load`.
         allow_open: as for `load`.
+        gravity: as for `load`: it says what is up.
 
     Raises:
         UrdfError: there is no such file.
@@ -180,18 +186,23 @@ def check(
         if not os.path.exists(file):
             raise
         return CheckResult(file, Records(Finding, [Finding.of(error)]), None)
-    return check_document(file, document, driver, slide, allow_open)
+    return check_document(file, document, driver, slide, allow_open, gravity)
 
 
 def check_document(
-    file: str, document: Document, driver: str | Sequence[str] | None = None, slide: str | None = None, allow_open: bool = False
+    file: str,
+    document: Document,
+    driver: str | Sequence[str] | None = None,
+    slide: str | None = None,
+    allow_open: bool = False,
+    gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> CheckResult:
     """`check` of what was read from a file."""
     findings = [*reader.errors(document), *document.remarks, *element_checks.remarks(document.robot)]
     facts = None
     if all(finding.error is None for finding in findings):
         try:
-            found, facts = _put_together(document, driver, slide, allow_open)
+            found, facts = _put_together(document, driver, slide, allow_open, gravity)
             findings += found
         except UrdfError as error:
             findings.append(Finding.of(error))
@@ -200,11 +211,11 @@ def check_document(
 
 
 def _put_together(
-    document: Document, driver: str | Sequence[str] | None, slide: str | None, allow_open: bool
+    document: Document, driver: str | Sequence[str] | None, slide: str | None, allow_open: bool, gravity: Sequence[float]
 ) -> tuple[list[Finding], Facts]:
     """Findings and facts of the linkage that the elements make; raises the errors of `assembled`."""
     description = reader.describe(document)
-    press = with_spins_held(assembled(document, driver, slide))
+    press = with_spins_held(assembled(document, driver, slide, gravity))
     errors = list(assembly_checks.errors(press))
     remarks = assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press, document.robot, allow_open)
     findings = [*errors, *remarks]

@@ -128,7 +128,7 @@ def forward_share(ends: DeadCentres, speed: float = 1.0) -> float:
 
 def directions(press: Linkage) -> tuple[str, str]:
     """Words for the slide's ways to bottom and to top dead centre: "down" and "up" where it moves so."""
-    return ("down", "up") if press.slide_direction[2] > UPRIGHT else ("to bottom dead centre", "to top dead centre")
+    return ("down", "up") if press.slide_direction @ press.up > UPRIGHT else ("to bottom dead centre", "to top dead centre")
 
 
 def main_lines(data: MainData, drivers: Sequence[str]) -> list[str]:

@@ -20,7 +20,7 @@ from ..engines.pinocchio.kinematics import PassiveJacobian, rank, singular_value
 from ..engines.pinocchio.model import Rows
 from ..engines.planar.model import PARALLEL
 from . import mobility
-from .linkage import UPRIGHT, Linkage
+from .linkage import LEVEL, Linkage
 from .urdf import element_checks, units
 from .urdf.document import Element, Finding
 from .urdf.reader import describe
@@ -391,12 +391,12 @@ def _stroke(press: Linkage, robot: "Element") -> Iterator[Finding]:
 
 
 def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
-    """The note of an upright slide whose axis points down, or of one that lies, whose axis says where its bottom dead centre is."""
+    """The note of a slide whose axis points down, or of one that moves horizontally, whose axis says where its bottom dead centre is."""
     if press.slide is None:
         return
     name, axis = press.joints[press.slide_guide.joint], press.slide_direction
     joint = next(joint for joint in robot.all("joint") if joint.get("name") == name)
-    if abs(axis[2]) <= UPRIGHT:
+    if abs(axis @ press.up) <= LEVEL:
         x, y, z = np.round(axis, 3) + 0.0
         end = f"farthest {'left' if x > 0 else 'right'}" if x and not y else "at its far end against that axis"
         tops = f"the axis ({x:g}, {y:g}, {z:g}) points to the top dead centre of slide {press.slide!r}"

@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from ..engines.pinocchio.forward_dynamics import ForwardDynamics
 
 NAME_A_SLIDE = "name a link that the frame guides: load(..., slide=...) or build(..., slide=...), on the command line --slide"
-UPRIGHT = 0.7  # cosine between the slide's axis and the vertical above which it goes up and down
+UPRIGHT = 0.7  # cosine between the slide's axis and the vertical above which words call its ways up and down
+LEVEL = 1e-6  # cosine between a slide's axis and the vertical up to which it moves horizontally: files round directions to some six digits
 SHOWN = np.pi / 3  # crank angle at which a linkage is drawn in notebooks: a drawn pose is often a dead centre [rad]
 EVEN = 1e-9  # unbalance of a shaft that is rounding, as a share of its moment of inertia, or of its mass times the linkage's size
 
@@ -42,7 +43,7 @@ class SlideGuide(NamedTuple):
     Attributes:
         joint: place of the guide in v.
         offset: the slide's position where the coordinate is zero [m].
-        sign: 1, or -1 where the slide goes up and the guide's axis points down: `Linkage.slide_direction`.
+        sign: 1, or -1 where the guide's axis points down: `Linkage.slide_direction`.
     """
 
     joint: int
@@ -55,8 +56,9 @@ class Linkage(Frozen):
     """A closed linkage and its drivers. Made by `load`; read-only, ``model`` too: once it was changed in place, whatever is asked of the
     linkage raises a PinpressError.
 
-    World axes: z up; a planar press stands in the x-z plane. Angles are zero in the drawn pose. SI units. A changed linkage is made by
-    ``dataclasses.replace(press, model=...)`` with a changed copy of the model: everything else here is derived.
+    World axes: up is against gravity, z by default (`up`); a planar press then stands in the x-z plane. Angles are zero in the drawn pose.
+    SI units. A changed linkage is made by ``dataclasses.replace(press, model=...)`` with a changed copy of the model: everything else here
+    is derived.
 
     Attributes:
         name: the URDF's robot name.
@@ -309,13 +311,20 @@ class Linkage(Frozen):
         guide = frame.parentJoint - 1
         place = self.model.jointPlacements[frame.parentJoint]  # in the world, as the frame carries the guide
         axis = place.rotation @ self.axes[guide].direction
-        sign = -1.0 if axis[2] < -UPRIGHT else 1.0
+        sign = -1.0 if axis @ self.up < -LEVEL else 1.0
         return SlideGuide(guide, sign * float(axis @ place.act(frame.placement.translation)), sign)
 
     @property
+    def up(self) -> Array:
+        """(3,) unit vector in world axes that points up: against gravity, and along z where there is no gravity."""
+        gravity = np.asarray(self.model.gravity.linear)
+        size = float(np.linalg.norm(gravity))
+        return -gravity / size if size else np.array([0.0, 0.0, 1.0])
+
+    @property
     def slide_direction(self) -> Array:
-        """(3,) unit vector in world axes along which the slide's position grows: upwards where its guide is upright, wherever its axis
-        points; of an inclined or horizontal slide along the guide's axis.
+        """(3,) unit vector in world axes along which the slide's position grows: upwards (see `up`), wherever the axis of its guide points;
+        of a slide that moves horizontally along the axis of its guide.
 
         Raises:
             PinpressError: the linkage has no slide.

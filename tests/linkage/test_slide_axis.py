@@ -1,14 +1,17 @@
-"""World z says what is up: a guide whose axis points down makes the same press as one whose axis points up."""
+"""Gravity says what is up: a guide whose axis points down makes the same press as one whose axis points up, however the file lies."""
 
 import re
 import warnings
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
 from support import texts
 
 import pinpress as pp
+from pinpress.dynamics.summary import summary
 
 PRESSES = ("crank_slide", "zxn2_3000b")
 
@@ -92,9 +95,9 @@ def test_check_says_so(both):
     ]
 
 
-@pytest.mark.parametrize(("lean", "sign"), [(0.0, -1.0), (40.0, -1.0), (50.0, 1.0), (90.0, 1.0)])
-def test_of_inclined_slides_the_axis_counts(tmp_path, lean, sign):
-    """A crank-slide turned about y by an angle as a whole, its guide's axis downwards."""
+@pytest.mark.parametrize(("lean", "sign"), [(0.0, -1.0), (40.0, -1.0), (50.0, -1.0), (89.0, -1.0), (90.0, 1.0), (91.0, 1.0)])
+def test_only_of_a_horizontal_slide_the_axis_counts(tmp_path, lean, sign):
+    """A crank-slide turned about y by an angle as a whole, its guide's axis downwards: below 90 deg that is the end where weights pull."""
     text, turn = texts.guide_turned_round("crank_slide"), np.radians(lean)
     for joint in ("O", "slide_guide"):
         part = re.search(rf'<joint name="{joint}".*?</joint>', text, re.DOTALL)[0]
@@ -111,6 +114,69 @@ def test_of_inclined_slides_the_axis_counts(tmp_path, lean, sign):
     down = pp.cycle(inclined, speed=1.0, points=8)
     way = down.joint_position[:, inclined.slide_guide.joint]
     assert_allclose(np.diff(down.slide_position), sign * np.diff(way), atol=1e-12)
+
+
+def lying(text, rotation):
+    """A press whose file has turned the world: gravity turns with it, so that it is the same press."""
+    x, y, z = (float(angle) for angle in pin.rpy.matrixToRpy(rotation))
+    bolts = f'<parent link="floor"/><child link="frame"/><origin rpy="{x!r} {y!r} {z!r}"/>'
+    floor = f'<link name="floor"/><joint name="bolts" type="fixed">{bolts}</joint>'
+    return texts.load(re.sub(r"(<robot[^>]*>)", rf"\1{floor}", text, count=1), gravity=tuple(rotation @ (0.0, 0.0, -9.81)))
+
+
+ONTO = {  # rotations that bring z to these axes, of files with another axis up, and any others
+    "x": np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
+    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
+    "-y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    "-z": np.diag([1.0, -1.0, -1.0]),
+} | {f"random {seed}": Rotation.random(rng=np.random.default_rng(seed)).as_matrix() for seed in range(6)}
+
+
+@pytest.mark.parametrize("turned", ONTO)
+@pytest.mark.parametrize("downwards", [False, True])
+def test_a_press_is_the_same_however_its_file_lies(both, turned, downwards):
+    """The laws of mechanics do not depend on the axes: scalars are equal, vectors turn with the world."""
+    rotation, upright = ONTO[turned], both[0]
+    turned_press = lying(both[downwards].text.decode(), rotation)
+    np.testing.assert_allclose(turned_press.slide_direction, rotation @ [0.0, 0.0, 1.0], atol=1e-12)
+    for one, other in zip(*(vars(pp.dead_centres(press)).values() for press in (upright, turned_press)), strict=True):
+        assert other == pytest.approx(one, abs=1e-9)
+    loads = [pp.loads.DeepDrawing(1e5, 0.02), pp.loads.ConstantForce(5e4, 0.03)]
+    motions = [pp.cycle(press, speed=7.0, points=48) for press in (upright, turned_press)]
+    for name in ("slide_position", "slide_velocity", "slide_acceleration"):
+        same(*(getattr(motion, name) for motion in motions), 1e-8)
+    first, second = (pp.inverse_dynamics(press, motion, loads) for press, motion in zip((upright, turned_press), motions, strict=True))
+    same(first.driving_torque, second.driving_torque, 1e-8)
+    same(first.process_work, second.process_work, 1e-8)
+    for name in first.bearing_force:
+        same(first.bearing_force[name] @ rotation.T, second.bearing_force[name], 1e-7)
+    same(first.shaking_force @ rotation.T, second.shaking_force, 1e-8)
+    text = [summary(press, motion, found) for press, motion, found in zip((upright, turned_press), motions, (first, second), strict=True)]
+    slides = [re.search(r"Slide \(.*?\n\n", each, re.DOTALL)[0] for each in text]
+    assert slides[0] == slides[1]
+    runs = [
+        pp.simulate(press, 0.2, speed=8.0, flywheel=pp.drives.Flywheel(2e3), loads=loads, points=5) for press in (upright, turned_press)
+    ]
+    same(runs[0].slide_position, runs[1].slide_position, 1e-6)
+
+
+def test_mounts_carry_a_press_that_lies_by_its_weight():
+    """The load on mounts, their sag and share are along gravity: those of the upright press."""
+    rotation, upright = ONTO["y"], texts.shipped("crank_slide")
+    feet = [(x, y, -1.0) for x in (-0.5, 0.5) for y in (-0.4, 0.4)]
+    systems = []
+    for press, turn, stiff in ((upright, np.eye(3), (2e6, 1e6, 3e6)), (lying(upright.text.decode(), rotation), rotation, (2e6, 3e6, 1e6))):
+        mounts = [pp.foundation.Mount(tuple(turn @ foot), stiff, area=0.01) for foot in feet]
+        frame = pp.foundation.Frame(900.0, tuple(turn @ (0.02, 0.01, -0.3)), turn @ np.diag([90.0, 80.0, 60.0]) @ turn.T)
+        systems.append(pp.foundation.mounted(press, frame, mounts))
+    for name in ("load_share", "pressure", "upward_load", "downward_sag"):
+        same(*(getattr(system, name) for system in systems))
+    assert str(systems[0]).splitlines()[2].split()[4:] == str(systems[1]).splitlines()[2].split()[4:]
+
+
+def test_without_gravity_up_is_z():
+    press = texts.load(texts.guide_turned_round("crank_slide"), gravity=(0.0, 0.0, 0.0))
+    assert press.up.tolist() == press.slide_direction.tolist() == [0.0, 0.0, 1.0]
 
 
 @pytest.mark.parametrize(("axis", "end"), [("1 0 0", "left"), ("-1 0 0", "right")])

@@ -31,7 +31,7 @@ DECADE = 10.0  # ratio of largest to smallest value up to which an axis is linea
 def standing(system: MountedPress, shown: Shown) -> Section:
     """The section of a press at rest on its mounts; raises `PinpressError` where it is of another press."""
     refuse_others("mounts", system.press, shown)
-    load, length = tables.scale("N", system.mount_load[:, 2].tolist()), tables.scale("m", [0.0])
+    load, length = tables.scale("N", system.upward_load.tolist()), tables.scale("m", [0.0])
     pressed = any(pressure is not None for pressure in system.pressure)
     heads = ["mount", "x [m]", "y [m]", "z [m]", f"load [{load.unit}]", "share [%]", "sag [mm]", *(["pressure [MPa]"] if pressed else [])]
     rows = []
@@ -39,10 +39,10 @@ def standing(system: MountedPress, shown: Shown) -> Section:
         pressure = system.pressure[k]
         cells = [
             *(f"{value:.4g}" for value in mount.point),
-            load.shown(float(system.mount_load[k, 2])),
+            load.shown(float(system.upward_load[k])),
             f"{100 * system.load_share[k]:.2f}",
         ]
-        cells.append(length.shown(-float(system.sag[k, 2])))
+        cells.append(length.shown(float(system.downward_sag[k])))
         rows.append([f"{k + 1}", *cells, *(["" if pressure is None else f"{1e-6 * pressure:.4g}"] if pressed else [])])
     views = [_view(system, "from the front", 0, 2), _view(system, "from the side", 1, 2)]
     centre = ", ".join(f"{round(value, 4) + 0.0:g}" for value in system.centre)
