@@ -144,7 +144,8 @@ def test_a_press_is_the_same_however_its_file_lies(both, turned, downwards):
     loads = [pp.loads.DeepDrawing(1e5, 0.02), pp.loads.ConstantForce(5e4, 0.03)]
     motions = [pp.cycle(press, speed=7.0, points=48) for press in (upright, turned_press)]
     for name in ("slide_position", "slide_velocity", "slide_acceleration"):
-        same(*(getattr(motion, name) for motion in motions), 1e-8)
+        first_values, other_values = (getattr(motion, name) for motion in motions)
+        same(first_values, other_values, 1e-8)
     first, second = (pp.inverse_dynamics(press, motion, loads) for press, motion in zip((upright, turned_press), motions, strict=True))
     same(first.driving_torque, second.driving_torque, 1e-8)
     same(first.process_work, second.process_work, 1e-8)
