@@ -310,6 +310,7 @@ def remarks(press: Linkage, robot: "Element", allow_open: bool) -> Iterator[Find
             yield from _range_of_driver(press, branch, where)
             yield from _limits(press, branch, robot)
     yield from _held_spins(press)
+    yield from _gears_without_carrier(press)
     yield from _redundant(press, poses)
     yield from _engine(press)
 
@@ -342,6 +343,17 @@ def _held_spins(press: Linkage) -> Iterator[Finding]:
         )
         remedy = f"it is held, with joint {press.joints[spin.joint]!r} as drawn: forces of a slender link do not depend on it"
         yield Finding("note", press.document.called("link", spin.link), None, problem, remedy)
+
+
+def _gears_without_carrier(press: Linkage) -> Iterator[Finding]:
+    """Notes of joints that follow others by their coordinates, as the file says, though no link carries both axes."""
+    for pair in press.couplings:
+        ends = [{int(press.model.parents[joint + 1]), joint + 1} for joint in (pair.follower, pair.leader)]
+        if ends[0].isdisjoint(ends[1]):
+            leader = press.joints[pair.leader]
+            problem = f"its coordinate is {pair.multiplier:.6g} times that of joint {leader!r}, though no link carries the axes of both"
+            remedy = "this is no pair of gears: teeth would mesh by the angles against a link that carries both"
+            yield Finding("note", press.document.called("joint", pair.name), pair.line, problem, remedy)
 
 
 def _spin_in_words(spin: mobility.Spin) -> str:

@@ -117,6 +117,7 @@ class _Growing:
         joints = tuple(Joint(self._joint_name(name), *self.by[name], name) for name in self.links)
         named = {joint.pin or joint.name: joint.name for joint in reversed(joints)}  # of several at a pin, the first
         gears = {self._bearing(name, named): (self._bearing(leader, named), k) for name, (leader, k) in self.parts.gears.items()}
+        self._refuse_without_carrier({joint.name: joint for joint in joints}, gears)
         return Tree(joints, tuple(self._loops()), tuple(self._bearing(name, named) for name in self.parts.drivers), gears)
 
     def _hang(self, link: str, pin: str | None, parent: str) -> None:
@@ -218,6 +219,18 @@ class _Growing:
         if name in self.parts.pins:
             entry.refuse(f"nothing hangs by pin {name}", "name a pin between the frame and a link, or a guide")
         entry.refuse(f"no pin or guide {name}{suggestion(name, named)}", f"name one of {', '.join(named)}")
+
+    def _refuse_without_carrier(self, joints: dict[str, Joint], gears: dict[str, tuple[str, float]]) -> None:
+        """Raise PinTableError for a gear pair whose two axes no link holds: teeth mesh by angles against the link that carries both gears,
+        and the joints' angles are against other links."""
+        for follower, (leader, _) in gears.items():
+            geared = joints[follower], joints[leader]
+            if {geared[0].parent, geared[0].child}.isdisjoint((geared[1].parent, geared[1].child)):
+                carriers = ", ".join(f"{joint.name} is between {joint.parent} and {joint.child}" for joint in geared)
+                problem = f"no link carries both axes of the gear pair {follower}, {leader}: {carriers}; teeth would part"
+                gears_entry = self.table.items("a table").get("gears", self.table)
+                written = gears_entry.items("gears").get(follower, gears_entry)
+                written.refuse(problem, "gear bearings that have a link in common; other planetary gears are not computed")
 
     def _where(self, name: str) -> Entry:
         items = self.table.items("a table")

@@ -347,15 +347,59 @@ def test_travel_needs_a_guide(tmp_path):
 
 
 @pytest.mark.exhaustive
+@pytest.mark.filterwarnings("ignore:.*pin M is not in the frame")
 def test_a_screw_on_geared_spindles_turns_metres_into_radians(tmp_path):
-    """The same toggle, its knee pushed by a nut: the driver is the spindle, geared to the guide by its lead."""
+    """The same toggle, its knee pushed by a nut: the driver is the spindle in the barrel, geared to the guide by its lead."""
     text = template("toggle").replace(b"drive: cylinder", b"gears: {cylinder: 0.02/(2*pi) * M}\ndrive: M")
-    text = text.replace(b"frame: U G", b"frame: U G M").replace(b"  U: [0, 0]", b"  U: [0, 0]\n  M: [-1000, 200]")
+    text = text.replace(b"  U: [0, 0]", b"  U: [0, 0]\n  M: [-1000, 200]").replace(b"{pins: G,", b"{pins: G M,")
     path = tmp_path / "press.yaml"
     path.write_bytes(text.replace(b"links:", b"links:\n  spindle: {pins: M, mass: 3, inertia: 0.01}", 1))
     press = pp.build(path)
     motion = pp.servo_cycle(press, angle=np.linspace(-20, 51, 8), speed=0.0, acceleration=0.0)
     np.testing.assert_allclose(motion.slide_position, toggle_slide(np.linspace(-20, 51, 8) * 0.02 / (2 * np.pi)), rtol=0, atol=1e-12)
+
+
+LEVER_GEAR = {
+    "units": "mm",
+    "frame": "A A1",
+    "pins": {"A": [0, 0], "A1": "A", "B": [70, 0], "C": {"B": 310, "z": 0, "side": "right"}},
+    "links": {
+        "crank": {"pins": "A B", "mass": 2},
+        "ring": {"pins": "A1", "disc": "140 x 20", "mass": 8},
+        "rod": {"pins": "B C", "mass": 3},
+        "slide": {"pins": "C", "guide": "right", "mass": 5},
+    },
+    "drive": "A1",
+}
+
+
+@pytest.mark.parametrize("gears", [{"A1": "0.4 * B"}, {"B": "2.5 * A1"}, {"B": "-A1"}])
+def test_gears_of_different_carriers_are_refused(gears):
+    """A gear on a rod and a ring in the frame: no link holds both axes, and coordinates of joints are not what teeth couple."""
+    with pytest.raises(pp.PinTableError, match=r"gears: (A1|B): no link carries both axes .* between frame and ring") as refused:
+        pp.build(**LEVER_GEAR, gears=gears)
+    assert "B is between crank and rod" in str(refused.value)
+
+
+def test_a_planet_rolls_in_a_fixed_ring():
+    """Cardan's gears, a ring of twice the planet's size: the crank carries both, so that -80 (0 - crank) + 40 (planet - crank) = 0, and a
+    pin of the planet as far out as the crank is long goes along a straight line, 2 a cos(crank) from the centre."""
+    press = pp.build(
+        units="mm",
+        frame="A",
+        pins={"A": [0, 0], "B": [100, 0], "S": [200, 0], "W": {"S": 500, "x": 0, "side": "down"}},
+        links={
+            "crank": {"pins": "A B", "mass": 4},
+            "planet": {"pins": "B S", "mass": 2},
+            "rod": {"pins": "S W", "mass": 3},
+            "slide": {"pins": "W", "guide": "up", "mass": 20},
+        },
+        gears={"B": "-2 * A"},
+        drive="A",
+    )
+    motion = pp.cycle(press, speed=1.0, points=36)
+    across = 0.2 * np.cos(motion.crank_angle)
+    np.testing.assert_allclose(motion.slide_position, -np.sqrt(0.5**2 - across**2), rtol=0, atol=1e-14)
 
 
 def test_a_travel_that_is_not_given_is_listed(tmp_path):
