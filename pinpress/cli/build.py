@@ -11,7 +11,7 @@ import numpy as np
 
 from ..common import files, tables
 from ..common.errors import PinpressError, PinpressWarning, PinTableError
-from ..kinematics.check import check, said_in_a_line
+from ..kinematics.check import check_document, said_in_a_line
 from ..linkage.urdf.document import MOST_BYTES
 from ..pin_table.templates import TEMPLATES, template
 from .words.press import add_refused_option, add_slide_option, drawn
@@ -98,7 +98,7 @@ def run(options: argparse.Namespace) -> int:
         press = draft.press(slide=options.slide)
         files.write(out, draft.urdf)
     files.write(sketch, draft.sketch.encode())
-    print(check(out, slide=options.slide))
+    print(check_document(str(out), draft.document(str(out), draft.urdf), slide=options.slide))
     print("\n".join([*_other_places(draft, options.slide), *_estimates(draft)]))
     print(f"wrote {out} and {sketch} of {press.name}")
     return 0

@@ -39,6 +39,7 @@ SLOWEST_STROKE = 120.0  # no stroke and no pause between strokes takes longer [s
 TILTED = 5e-3  # no slide may lean by more over its points [m]
 GIANT = 1e5, 1e12  # no process takes a force as large, up to where it is no force at all [weights of the slide]
 SHALLOW, SOFT = 1e-3, 0.01  # no contact this deep [lengths of the linkage] has a force this small [of the slide's weight]
+UNWEIGHED = 1e-5  # mass up to which a slide stands for one without mass, as of a table with ``masses: none`` [kg]
 WEAK, FEEBLE = 1e4, 0.05  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
 
 
@@ -216,7 +217,7 @@ def forces(load: str, largest: float, weight: float, feeble: float = FEEBLE) -> 
     if 0.0 < largest < min(WEAK, feeble * weight):
         share = f"{100 * largest / weight:.2g} % of the weight of the slide"
         caution(f"{load}: its largest force is {largest:g} N, {share}: if kN are meant, write {1e3 * largest:g}")
-    elif GIANT[0] * weight < largest < GIANT[1] * weight:
+    elif weight > GRAVITY * UNWEIGHED and GIANT[0] * weight < largest < GIANT[1] * weight:
         caution(f"{load}: its largest force is {largest:g} N, {largest / weight:.2g} times the weight of the slide: give it in N")
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..common.errors import AssemblyError, PinpressError, SingularityError, UrdfError
+from ..common.plausibility import UNWEIGHED
 from ..common.quantities import Array
 from ..engines.branch import MOST_TURNS, Branch, predict
 from ..engines.engine import ACCEPTED
@@ -371,7 +372,7 @@ def severe(press: Linkage, centres: bool = True) -> Iterator[Finding]:
 def units_remarks(press: Linkage, centres: bool = True) -> Iterator[Finding]:
     """Warnings of lengths, angles, masses or inertias that are hardly in SI units; ``centres``: whether centres of mass are looked at."""
     masses = [float(inertia.mass) for inertia in press.model.inertias][1:]
-    yield from units.remarks(press.document.robot, press.size, sum(masses), centres)
+    yield from units.remarks(press.document, press.size, sum(masses), centres)
     if press.slide is not None and press.slide_guide.joint not in press.driver_indices:
         yield from _light_slide(press, masses)
 
@@ -379,7 +380,7 @@ def units_remarks(press: Linkage, centres: bool = True) -> Iterator[Finding]:
 def _light_slide(press: Linkage, masses: list[float]) -> Iterator[Finding]:
     """The warning of a slide, moved by other links, that is far lighter than one of them; ``masses``: of all bodies but the frame [kg]."""
     heaviest, weight = int(np.argmax(masses)), masses[press.slide_guide.joint]
-    if 0.0 < weight < LIGHTEST_SLIDE * masses[heaviest]:
+    if UNWEIGHED < weight < LIGHTEST_SLIDE * masses[heaviest]:
         link = next(link for link in press.document.robot.all("link") if link.get("name") == press.slide)
         problem = f"the slide weighs {weight:.4g} kg, link {press.link_of(heaviest + 1)!r} {masses[heaviest]:.4g} kg"
         yield Finding("warning", str(link), link.line, problem, "write masses in kg, 1000 for a tonne")

@@ -65,12 +65,12 @@ def load(
     return _loaded(document_of(located(path)), driver, slide, gravity, allow_open)
 
 
-def load_text(text: bytes, file: str, slide: str | None = None, gravity: Sequence[float] = (0.0, 0.0, -9.81), command: str = "") -> Linkage:
-    """`load` of the text of a URDF that is in no file; ``file`` names it in messages, ``command`` what lists all that is found in it.
+def load_document(document: Document, slide: str | None = None, gravity: Sequence[float] = (0.0, 0.0, -9.81), command: str = "") -> Linkage:
+    """`load` of a URDF that is in no file; ``command``: what lists all that is found in it.
 
     Warnings name no line of it, and its centres of mass are not looked at: who wrote the text knows them.
     """
-    return _loaded(Document(file, text), None, slide, gravity, in_file=False, command=command)
+    return _loaded(document, None, slide, gravity, in_file=False, command=command)
 
 
 def _loaded(

@@ -22,7 +22,7 @@ from ..common.tables import Columns
 from ..kinematics.check import CheckResult, check_document
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from ..linkage.loading import load_text
+from ..linkage.loading import load_document
 from ..linkage.urdf.document import Document, Finding, check_command
 from ..visual.shapes.appearance import bodies
 from .copies import Parts, copied
@@ -92,7 +92,7 @@ class DrawnPress(Tabular):
         Raises:
             PinpressError: what `load` raises.
         """
-        return load_text(self._text(), self._file_as_urdf, slide, gravity, command=self._check_command)
+        return load_document(self.document(self._file_as_urdf, self._text()), slide, gravity, command=self._check_command)
 
     def check(self, slide: str | None = None) -> CheckResult:
         """How the press moves, and everything that is wrong with it, odd in it or worth knowing, as `pinpress.check` finds it.
@@ -100,9 +100,13 @@ class DrawnPress(Tabular):
         Args:
             slide: as for `load`.
         """
-        found = check_document(self.file, Document(self._file_as_urdf, self._text()), slide=slide)
+        found = check_document(self.file, self.document(self._file_as_urdf, self._text()), slide=slide)
         findings = (replace(finding, line=None) for finding in found.findings)  # lines are of a URDF that nobody has seen
         return replace(found, findings=Records(Finding, findings))
+
+    def document(self, file: str, text: bytes) -> Document:
+        """A URDF of this press, which says of which links the moments of inertia are estimated."""
+        return Document(file, text, estimated=frozenset(link.name for link in self.parts.links if not link.inertia_given))
 
     @property
     def _file_as_urdf(self) -> str:

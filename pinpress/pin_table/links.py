@@ -21,13 +21,16 @@ from .reading import Entry
 FRAME = "frame"
 STEEL = 7850.0  # density unless the table gives one [kg/m3]
 LIGHTEST, HEAVIEST = 25.0, 25e3  # of solid parts, from foam to tungsten and beyond [kg/m3]; densities in g/cm3 are below
-MASSLESS = 1e-6  # mass of every link where the table says ``masses: none`` [kg]
+DENSEST = 1e7  # mass by the volume of a link above which it is hardly in kg, hundreds of times that of any metal [kg/m3]
+MASSLESS = 1e-6  # mass of a link that has none of its own where the table says ``masses: none`` [kg]
 SLENDER = 1 / 10  # thickness of a rod of which only the mass is given, beside its length
 FAR_BESIDE = 1 / 4  # a centre of mass is hardly meant to be farther beside a rod, divided by its length
 WAYS = "up, down, left, right, an angle, or two points"  # of a guide
 KEYS = ("pins", "guide", "travel", "mass", "com", "inertia", "gyration", "section", "overhang", "box", "disc", "density", "parts", "note")
 PART_KEYS = ("mass", "disc", "box", "density", "at", "inertia", "note")
 SOLIDS = ("section", "box", "disc")
+MASSIVE = (*SOLIDS, "mass", "parts")  # keys that give a link mass
+OF_MASS = ("com", "inertia", "gyration", "density")  # keys that mean nothing without mass
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +64,7 @@ class Link:
         origin: (3,) its first pin.
         rotation: (3, 3) its own axes in the world.
         estimates: what was not given, in words.
+        inertia_given: whether its moments of inertia are given.
         entry: where it stands in the table.
     """
 
@@ -73,6 +77,7 @@ class Link:
     origin: Array
     rotation: Array
     estimates: tuple[str, ...]
+    inertia_given: bool
     entry: Entry
 
 
@@ -140,6 +145,8 @@ class _Reader:
                 entry.refuse(f"{name!r} cannot name a link", "call it otherwise; `frame` at the top lists the pins of the frame")
             refuse_unless_a_word(name, entry, "a link")
             self.carried[name] = self._pins(entry.known(KEYS, "a link"), entry)
+        if self.without and all(any(key in MASSIVE for key in entry.items("a link")) for entry in self.items.values()):
+            table["masses"].doubt("every link has a mass of its own, which counts: leave out masses: none, or these masses")
 
     def link(self, name: str, entry: Entry) -> Link:
         """A link with all that it has."""
@@ -154,7 +161,8 @@ class _Reader:
         rotation = self._rotation(pins, guide)
         space = _Space(self, name, pins, guide, origin, rotation)
         body, estimates = _Masses(space, items, entry).found()
-        return Link(name, tuple(pins), guide, body.mass, body.centre, body.inertia, origin, rotation, estimates, entry)
+        inertia_given = "inertia" in items or "gyration" in items
+        return Link(name, tuple(pins), guide, body.mass, body.centre, body.inertia, origin, rotation, estimates, inertia_given, entry)
 
     def _without(self, entry: Entry) -> bool:
         if entry.value not in ("none", "all"):
@@ -330,18 +338,21 @@ class _Masses:
             self.items["overhang"].refuse("an overhang without a section", "give section: height x width too")
         if "inertia" in self.items and "gyration" in self.items:
             self.items["gyration"].refuse("inertia and gyration", "give one of them")
-        if self.space.reader.without:
-            body = self._weightless()
-        elif given:
+        if given:
             body = self._of_solid(given[0])
         elif "mass" in self.items:
             body = self._of_mass()
+        elif self.space.reader.without:
+            body = self._weightless()
         else:
             self.entry.refuse("no mass", "give mass, section, box or disc; or say masses: none at the top")
-        bodies = [body, *(self._part(each) for each in self._parts())] if not self.space.reader.without else [body]
-        return _sum(bodies), tuple(self.estimates)
+        return _sum([body, *(self._part(each) for each in self._parts())]), tuple(self.estimates)
 
     def _weightless(self) -> _Body:
+        """A link without a mass of its own where the table says ``masses: none``."""
+        if idle := next((key for key in OF_MASS if key in self.items), None):
+            self.items[idle].refuse(f"{idle} of a link without mass", "give its mass too")
+        self.estimates.append(f"a mass of {1e6 * MASSLESS:g} mg, as masses: none says")
         points = self.space.points()
         centre = np.mean(points, axis=0)
         size = max((float(np.linalg.norm(p - centre)) for p in points), default=0.0) or 0.1
@@ -350,6 +361,8 @@ class _Masses:
     def _of_mass(self) -> _Body:
         mass = self.space.reader.above_zero(self.items["mass"], "a mass")
         centre, inertia, words = self._estimated(mass)
+        if not (words.startswith("a cube") and "inertia" not in self.items and "gyration" not in self.items):
+            self._doubt_density(self.items)
         if "com" in self.items:
             centre = self.space.place(self.items["com"])
         if "inertia" in self.items or "gyration" in self.items:
@@ -357,15 +370,20 @@ class _Masses:
                 self.estimates.append(f"centre of mass {self._middle()}")
             return _Body(mass, centre, self._inertia(mass, centre))
         self._check_beside(centre)
+        if len(self.space.pins) > 1 and self.space.guide is None:
+            self._doubt_mass(mass, float(np.ptp(self.space.points(), axis=0).max()) ** 3)
         self.estimates.append(f"moments of inertia of {words}" + ("" if "com" in self.items else ", whose centre is taken too"))
         return _Body(mass, centre, inertia)
 
     def _middle(self) -> str:
         """Where the centre of mass is put that is not given."""
-        pins = self.space.pins
+        pins, points = self.space.pins, _apart(self.space.points())
         if self.space.guide is not None or len(pins) == 1:
             return f"at {pins[0]}"
-        return f"half-way from {pins[0]} to {pins[1]}" if len(pins) == 2 else "of a flat plate with its corners at the pins"
+        if len(points) > 2:
+            return "of a flat plate with its corners at the pins"
+        ends = [name for name, place in zip(pins, self.space.points(), strict=True) if any(place is each for each in points)]
+        return f"half-way from {ends[0]} to {ends[1]}"
 
     def _check_beside(self, centre: Array) -> None:
         """Warn of a centre of mass far beside a link that is taken for a rod: world coordinates, where the link's own are meant."""
@@ -382,19 +400,19 @@ class _Masses:
             )
 
     def _estimated(self, mass: float) -> tuple[Array, Array, str]:
-        """Centre of mass and inertia of a plain body with the link's pins: a cube, a rod or a plate."""
-        points = self.space.points()
+        """Centre of mass and inertia of a plain body with the link's pins: a cube, a rod or a plate. Pins at one point count once."""
+        points = _apart(self.space.points())
         own_given = "inertia" in self.items or "gyration" in self.items
-        if self.space.guide is not None or len(points) == 1:
-            density = self.space.reader.density
+        if self.space.guide is not None or len(self.space.pins) == 1:
+            density = self.space.reader.density_of(self.items, self.space.reader.density)
             side = (mass / density) ** (1 / 3)
             of = "steel" if density == STEEL else f"{density:g} kg/m3"
             return points[0], mass * side**2 / 6 * np.eye(3), f"a cube of {of}, {side:.3g} m wide"
+        if len(points) == 1:
+            self.items["pins"].refuse(f"{' and '.join(self.space.pins)} are one point: a rod of length zero", "move one")
         if len(points) == 2:
             way = points[1] - points[0]
             length = float(np.linalg.norm(way))
-            if not length > 0:
-                self.items["pins"].refuse(f"{self.space.pins[0]} and {self.space.pins[1]} are one point: a rod of length zero", "move one")
             along = np.outer(way, way) / length**2
             thick = (SLENDER * length) ** 2 / 6
             return (
@@ -480,9 +498,31 @@ class _Masses:
             solid = self._solid(kind, entry, centre)
         density = space.reader.density_of(self.items, space.reader.density)
         mass = space.reader.above_zero(self.items["mass"], "a mass") if "mass" in self.items else density * _volume(solid)
+        self._doubt_mass(mass, _volume(solid))
         centre = space.place(self.items["com"]) if "com" in self.items else solid.centre
-        inertia = self._inertia(mass, centre) if "inertia" in self.items or "gyration" in self.items else _inertia_of(solid, mass)
+        inertia_given = "inertia" in self.items or "gyration" in self.items
+        if "mass" in self.items:
+            self._doubt_density(self.items)
+        elif inertia_given:
+            self.estimates.append(f"mass of its {kind} of {density:g} kg/m3, {mass:.4g} kg, beside the moment of inertia that is given")
+        if not inertia_given and "mass" in self.items:
+            self.estimates.append(f"moments of inertia of its {kind}, with the mass that is given")
+        if not inertia_given and "com" in self.items and kind == "section":
+            self.estimates.append("moments of inertia of its section about its middle, taken about com")
+        inertia = self._inertia(mass, centre) if inertia_given else _inertia_of(solid, mass)
         return _Body(mass, centre, inertia)
+
+    def _doubt_mass(self, mass: float, volume: float) -> None:
+        """Warn of a mass that is hardly in kg, of a link that fills at most this volume [m3]."""
+        if "mass" in self.items and mass > DENSEST * volume:
+            self.items["mass"].doubt(
+                f"{mass:.6g} kg in {volume:.3g} m3, which no material weighs: write kg, and see that units is the drawing's"
+            )
+
+    def _doubt_density(self, items: Mapping[str, Entry]) -> None:
+        """Warn of a density that changes nothing."""
+        if "density" in items:
+            items["density"].doubt("it is not used, because the mass is given: leave out one of them")
 
     def _prism(self, entry: Entry) -> _Solid:
         height, width = self.space.lengths(entry, "section: height x width", 2)
@@ -520,9 +560,17 @@ class _Masses:
             density = space.reader.density_of(items, space.reader.density)
             mass = mass or density * _volume(solid)
             inertia = _inertia_of(solid, mass)
+        if "mass" in items:
+            self._doubt_density(items)
         if "inertia" in items:
             inertia = self._given_inertia(items["inertia"], mass, centre)
         return _Body(mass, centre, inertia)
+
+
+def _apart(points: Sequence[Array]) -> list[Array]:
+    """The points without those that are where another one is."""
+    size = float(np.ptp(points, axis=0).max())
+    return [p for k, p in enumerate(points) if all(np.abs(p - other).max() > ALIKE * size for other in points[:k])]
 
 
 def axes_along(way: Array) -> Array:

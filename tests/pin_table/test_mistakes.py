@@ -175,3 +175,52 @@ def test_a_length_with_an_angle_is_not_negative():
     table["pins"]["P"]["length"] = -100
     with pytest.raises(pp.PinTableError, match="pins: P: length: a length of -100; write 100, and turn the angle by 180"):
         pp.build(**table)
+
+
+FOUR_BAR = {
+    "frame": "A D",
+    "pins": {"A": [4.3, 3.9], "B": [1.4, 0.3], "C": [-2.1, -2.1], "D": [0.3, 1.4], "E": [-2.4, 1.8]},
+    "links": {"ab": {"pins": "A B", "mass": 1}, "cbe": {"pins": "B C E", "mass": 1}, "dc": {"pins": "D C", "mass": 1}},
+    "drive": "A",
+}
+
+
+def test_moments_of_inertia_that_are_estimated_are_not_doubted():
+    """Coordinates in metres taken for mm: only the size is odd, and the moments of inertia follow from it."""
+    with pytest.warns(pp.PinpressWarning) as said:
+        pp.build(units="mm", **FOUR_BAR)
+    assert not any("moments of inertia" in str(each.message) for each in said)
+    with pytest.warns(pp.PinpressWarning):
+        drawn = draft(units="mm", **FOUR_BAR)
+    assert not [each for each in drawn.check().findings if "moments of inertia" in each.remedy]
+
+
+def test_moments_of_inertia_that_are_given_are_doubted():
+    links = FOUR_BAR["links"] | {"ab": {"pins": "A B", "mass": 1000, "inertia": 1e-4}}
+    with pytest.warns(pp.PinpressWarning, match='<link name="ab">: with 1000 kg .* write moments of inertia in kg m2'):
+        pp.build(units="m", **FOUR_BAR | {"links": links})
+
+
+@pytest.mark.parametrize("given", [{"mass": 12e6}, {"mass": 12e6, "section": "40 x 40"}])
+def test_a_mass_in_grams_is_doubted(given):
+    links = FOUR_BAR["links"] | {"ab": {"pins": "A B"} | given}
+    pins = {name: [10 * x, 10 * z] for name, (x, z) in FOUR_BAR["pins"].items()}
+    with pytest.warns(pp.PinpressWarning, match="links: ab: mass: 1.2e\\+07 kg in .*, which no material weighs: write kg"):
+        draft(units="mm", **FOUR_BAR | {"links": links, "pins": pins})
+
+
+def test_pins_at_one_point_count_once():
+    """A crank with the shaft of a gear at its own: m l2 / 12 of a rod."""
+    pins = FOUR_BAR["pins"] | {"A1": "A"}
+    links = FOUR_BAR["links"] | {"ab": {"pins": "A A1 B", "mass": 3}, "wheel": {"pins": "A1", "disc": "0.1 x 0.1"}}
+    drawn = draft(units="m", **FOUR_BAR | {"pins": pins, "links": links, "frame": "A D A1", "gears": {"A1": "2 * A"}})
+    crank = next(link for link in drawn.links if link.name == "ab")
+    assert crank.inertia[1, 1] == pytest.approx(3 * (2.9**2 + 3.6**2) / 12, rel=1e-12)
+    assert crank.centre == pytest.approx([2.85, 0, 2.1])
+
+
+def test_a_link_of_one_point_names_its_pins():
+    pins = FOUR_BAR["pins"] | {"B1": "B", "B2": "B"}
+    links = FOUR_BAR["links"] | {"piece": {"pins": "B B1 B2", "mass": 3}}
+    with pytest.raises(pp.PinTableError, match="links: piece: pins: B and B1 and B2 are one point"):
+        draft(units="m", **FOUR_BAR | {"pins": pins, "links": links})

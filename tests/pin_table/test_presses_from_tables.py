@@ -218,6 +218,72 @@ def test_without_masses_the_forces_of_loads_remain():
     assert abs(torque) == pytest.approx(1000 * lever, rel=1e-9)
 
 
+def test_a_mass_that_is_given_counts_beside_masses_none():
+    """The shaking force of a crank-slide whose slide alone has a mass, m (g + acceleration) in closed form; the others weigh 1 mg, which is
+    below a thousandth of a newton."""
+    r, rod, mass, speed = 0.055, 0.21, 3.5, 30.0
+    pins = {"O": [0, 0], "P": {"from": "O", "length": 55, "angle": -90}, "W": {"P": 210, "x": 0, "side": "down"}}
+    made = {"crank": {"pins": "O P"}, "rod": {"pins": "P W"}, "slide": {"pins": "W", "guide": "up", "mass": mass}}
+    table = crank_slide(masses="none", pins=pins, links=made)
+    motion = pp.cycle(press := pp.build(**table), speed=speed, points=72)
+    s, c = np.sin(motion.crank_angle), np.cos(motion.crank_angle)
+    root = np.sqrt(rod**2 - (r * s) ** 2)
+    upwards = speed**2 * (r * c + r**2 * (c**2 - s**2) / root + r**4 * (s * c) ** 2 / root**3)
+    np.testing.assert_allclose(pp.inverse_dynamics(press, motion).shaking_force[:, 2], -mass * (9.81 + upwards), rtol=0, atol=1e-3)
+    assert dict(draft(**table).estimates())["rod"] == "a mass of 1 mg, as masses: none says"
+    assert not any("1 mg" in words for link, words in draft(**table).estimates() if link == "slide")
+
+
+def test_parts_count_beside_masses_none():
+    """A point mass welded on a crank without mass: its weight at its radius is the torque in the drawn pose."""
+    made = {"crank": {"pins": "O P", "parts": [{"mass": 7, "at": [30, 40]}]}, "rod": {"pins": "P W"}, "slide": {"pins": "W", "guide": "up"}}
+    press = pp.build(**crank_slide(masses="none", links=made))
+    still = pp.servo_cycle(press, angle=[0.0], speed=[0.0], acceleration=[0.0])
+    assert pp.inverse_dynamics(press, still).driving_torque[0] == pytest.approx(7 * 9.81 * 0.04, abs=1e-4)  # x of the crank points down
+
+
+@pytest.mark.parametrize("key", ["com: [30, 0]", "inertia: 0.1", "gyration: 40", "density: 2700"])
+def test_what_needs_a_mass_is_refused_without_one(tmp_path, key):
+    path = tmp_path / "press.yaml"
+    path.write_text(
+        "units: mm\nframe: O\npins: {O: [0, 0], P: [0, -100], W: {P: 400, x: 0, side: down}}\nmasses: none\n"
+        f"links: {{crank: {{pins: O P, {key}}}, rod: {{pins: P W}}, slide: {{pins: W, guide: up}}}}\ndrive: O\n"
+    )
+    with pytest.raises(pp.PinTableError, match=rf"links: crank: {key[:3]}.* of a link without mass; give its mass too"):
+        pp.build(path)
+
+
+def test_masses_none_beside_all_masses_is_doubted():
+    with pytest.warns(pp.PinpressWarning, match="masses: every link has a mass of its own, which counts"):
+        pp.build(**crank_slide(masses="none"))
+
+
+def test_the_density_of_a_link_is_that_of_its_cube():
+    """A slide of which only mass and density are given: m a2 / 6 of a cube of aluminium."""
+    made = links(slide={"pins": "W", "guide": "up", "mass": 100, "density": 2700})
+    slide = next(link for link in draft(**crank_slide(links=made)).links if link.name == "slide")
+    assert slide.inertia[1, 1] == pytest.approx(100 * (100 / 2700) ** (2 / 3) / 6, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rod", "said"),
+    [
+        ({"mass": 15, "section": "40 x 40"}, "moments of inertia of its section, with the mass that is given"),
+        ({"inertia": 0.2, "section": "40 x 40"}, "mass of its section of 7850 kg/m3, 5.024 kg, beside the moment of inertia that is given"),
+        ({"com": [100, 0], "section": "40 x 40"}, "moments of inertia of its section about its middle, taken about com"),
+    ],
+)
+def test_what_is_taken_of_a_mixture_is_said(rod, said):
+    drawn = draft(**crank_slide(links=links(rod={"pins": "P W"} | rod)))
+    assert [words for link, words in drawn.estimates() if link == "rod"] == [said]
+
+
+@pytest.mark.parametrize("rod", [{"mass": 15}, {"mass": 15, "section": "40 x 40"}])
+def test_a_density_beside_a_mass_is_doubted(rod):
+    with pytest.warns(pp.PinpressWarning, match="links: rod: density: it is not used, because the mass is given"):
+        draft(**crank_slide(links=links(rod={"pins": "P W", "density": 2700} | rod)))
+
+
 def test_copies_share_what_one_carried():
     """Two rods of half the mass side by side carry half the force each; four points are two steps."""
     whole = reactions(pp.build(**crank_slide()))

@@ -145,12 +145,14 @@ class Document:
         origins: of such a file, from which of its elements those of the text were written, by line in the text and tag of the element under
             ``<robot>`` that they are or are in ("robot" for the root).
         remarks: warnings and notes about what such a file says and a URDF cannot.
+        estimated: names of links whose moments of inertia nobody wrote: they were worked out from masses and lengths.
     """
 
     file: str
     text: bytes
     origins: Mapping[tuple[int, str], Origin] = field(default_factory=dict)
     remarks: tuple[Finding, ...] = ()
+    estimated: frozenset[str] = frozenset()
 
     @cached_property
     def robot(self) -> Element:
@@ -169,7 +171,7 @@ class Document:
         return f'<{tag} name="{name}">'
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"file": self.file, "text": self.text, "origins": self.origins, "remarks": self.remarks}
+        return {"file": self.file, "text": self.text, "origins": self.origins, "remarks": self.remarks, "estimated": self.estimated}
 
 
 def parse(path: str | os.PathLike[str]) -> Document:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator
 from functools import cached_property
 
-from .document import Element, Finding
+from .document import Document, Element, Finding
 from .element_checks import bodies_of, principal_moments
 
 Point = tuple[float, ...]
@@ -26,15 +26,16 @@ TURN = 2 * math.pi
 KG_M2 = "write moments of inertia in kg m2, and the mass in kg"
 
 
-def remarks(robot: Element, size: float, mass: float, centres: bool = True) -> Iterator[Finding]:
+def remarks(document: Document, size: float, mass: float, centres: bool = True) -> Iterator[Finding]:
     """Warnings of lengths, angles, masses and moments of inertia in other units.
 
     Args:
-        robot: root element of a URDF without errors.
+        document: a URDF without errors.
         size: length of its linkage [m].
         mass: that moves [kg].
         centres: whether centres of mass are looked at.
     """
+    robot = document.robot
     heavy = mass > max(HEAVY, HEAVIEST * size**3)
     yield from length(robot, size)
     if heavy:
@@ -45,7 +46,8 @@ def remarks(robot: Element, size: float, mass: float, centres: bool = True) -> I
         for inertial in link.all("inertial"):
             if centres:
                 yield from _centre(links, link.get("name"), inertial)
-            yield from _inertia(links, link.get("name"), inertial, math.inf if heavy else DENSEST)
+            if link.get("name") not in document.estimated:
+                yield from _inertia(links, link.get("name"), inertial, math.inf if heavy else DENSEST)
 
 
 def length(robot: Element, size: float) -> Iterator[Finding]:
