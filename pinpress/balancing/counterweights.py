@@ -6,7 +6,6 @@ forces are linear in the masses, and in all that point masses can stand for: a c
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -21,10 +20,9 @@ from ..common.results import Record
 from ..dynamics.applied_loads import point_on_body
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion
+from ..linkage.inertias import first_unphysical
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce
-
-PHYSICAL = 1e-9  # rounding may violate the triangle inequality by this share of the largest principal moment of inertia
 
 
 @dataclass(frozen=True, repr=False)
@@ -251,12 +249,9 @@ def refuse_unphysical(press: Linkage, joint: int, inertia: pin.Inertia) -> None:
     name = press.model.names[joint]
     if not inertia.mass > 0:
         raise PinpressError(f"counterweights leave the body on joint {shown(name)} a mass of {inertia.mass:g} kg: take less away")
-    low, middle, high = np.linalg.eigvalsh(inertia.inertia)
-    if not (math.isfinite(high) and low + middle >= (1 - PHYSICAL) * high):
-        raise PinpressError(
-            f"counterweights leave the body on joint {shown(name)} principal moments of inertia of {low:g}, {middle:g} and {high:g} kg m2,"
-            " which no body has: take less away, or nearer to its centre of mass"
-        )
+    if wrong := first_unphysical([inertia]):
+        remedy = "take less away, or nearer to its centre of mass"
+        raise PinpressError(f"counterweights leave the body on joint {shown(name)} {wrong[1]}: {remedy}")
 
 
 def _added_inertia(press: Linkage, weight: Counterweight) -> tuple[int, pin.Inertia]:

@@ -24,6 +24,7 @@ from ..engines.pinocchio.model import Rows, SpatialModel, build_spatial_model, c
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
 from .assembly import Assembly, as_drawn, assembled, closed, followed, followed_beside, followed_from, refuse_far, through_change_points
+from .inertias import first_unphysical
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .urdf.document import Document
 
@@ -54,7 +55,7 @@ class SlideGuide(NamedTuple):
 @dataclass(frozen=True, eq=False, repr=False)
 class Linkage(Frozen):
     """A closed linkage and its drivers. Made by `load`; read-only, ``model`` too: once it was changed in place, whatever is asked of the
-    linkage raises a PinpressError.
+    linkage raises a PinpressError. Inertias that no body has are refused, however the linkage was made.
 
     World axes: up is against gravity, z by default (`up`); a planar press then stands in the x-z plane. Angles are zero in the drawn pose.
     SI units. A changed linkage is made by ``dataclasses.replace(press, model=...)`` with a changed copy of the model: everything else here
@@ -86,6 +87,13 @@ class Linkage(Frozen):
     slide: str | None
     held_spins: tuple[str, ...] = ()
     zero: str = ""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if wrong := first_unphysical(self.model.inertias):
+            joint, problem = wrong
+            body = f"link {self.link_of(joint)!r}, with all that is welded to it,"
+            raise PinpressError(f"{self.name}: {body} has {problem}: give inertias of bodies, in kg and kg m2 about the centre of mass")
 
     def __repr__(self) -> str:
         return f"<Linkage {self.name}: driver {', '.join(self.drivers)}, slide {self.slide}, bearings {', '.join(self.bearings)}>"
@@ -414,7 +422,12 @@ class Linkage(Frozen):
         Args:
             inertias: inertias of the bodies of all Pinocchio joints, the frame's first, in the joints' frames.
             name: name of the changed linkage; by default that of this one.
+
+        Raises:
+            PinpressError: another number of inertias than joints, the frame's included, or one that no body has.
         """
+        if len(inertias) != self.model.njoints:
+            raise PinpressError(f"{len(inertias)} inertias of {self.name}: give {self.model.njoints}, the frame's first")
         model = self.model.copy()
         for joint, inertia in enumerate(inertias):
             model.inertias[joint] = inertia

@@ -759,29 +759,6 @@ def test_what_a_urdf_cannot_say(press, tmp_path, name, value, problem):
     assert problem in refusal(changed(press, change), tmp_path)
 
 
-@pytest.mark.one_in(3)
-@pytest.mark.parametrize(
-    ("change", "problem"),
-    [
-        ({"mass": -1.0}, "mass -1.0 of a moving link is not positive"),
-        ({"mass": np.nan}, "not finite"),
-        ({"mass": np.inf}, "not finite"),
-        ({"lever": np.array([0, np.nan, 0])}, "not finite"),
-        ({"inertia": np.diag([1.0, 1.0, 3.0])}, "exceeds the sum of the other two"),
-        ({"inertia": np.diag([1.0, 1.0, -1.0])}, "a principal moment of inertia is negative"),
-    ],
-)
-@pytest.mark.parametrize("joint", ["O", "Q"])
-def test_inertia_that_no_body_has(press, tmp_path, joint, change, problem):
-    def unsound(model):
-        for name, value in change.items():
-            setattr(model.inertias[press.joints.index(joint) + 1], name, value)
-
-    message = refusal(changed(press, unsound), tmp_path)
-    assert problem in message
-    assert "not written" in message or problem == "not finite"
-
-
 def test_linkage_that_does_not_close(press, tmp_path):
     loops = (dataclasses.replace(press.loops[0], point1=press.loops[0].point1 + 5.0),)
     message = refusal(dataclasses.replace(press, loops=loops), tmp_path, pp.AssemblyError)
