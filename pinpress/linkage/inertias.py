@@ -16,9 +16,8 @@ def first_unphysical(inertias: Sequence[pin.Inertia]) -> tuple[int, str] | None:
     No body has a mass below zero, or principal moments that break I1 + I2 >= I3 >= 0. Masses and moments of zero pass, of links without
     mass and of points.
     """
-    masses = np.array([inertia.mass for inertia in inertias])
-    tensors = np.array([inertia.inertia for inertia in inertias])
-    finite = np.array([np.isfinite(inertia.mass + inertia.lever.sum() + inertia.inertia.sum()) for inertia in inertias])
+    masses, levers, tensors = map(np.array, zip(*((inertia.mass, inertia.lever, inertia.inertia) for inertia in inertias), strict=True))
+    finite = np.isfinite(masses + levers.sum(axis=1) + tensors.sum(axis=(1, 2)))
     if not finite.all():
         return int(np.argmin(finite)), "a mass, centre of mass or moment of inertia that is not finite"
     moments = np.linalg.eigvalsh(tensors)
