@@ -155,8 +155,9 @@ class Server:
             try:
                 self._session.open()
                 self._tell(self._session.whole())
-            except PinpressError as error:
-                self._tell({"type": "broken", "text": str(error), "version": self.version})
+            except Exception as error:  # a defect of pinpress too: else the window would stay as it is without a word
+                text = str(error) if isinstance(error, PinpressError) else f"{type(error).__name__}: {error}"
+                self._tell({"type": "broken", "text": text, "version": self.version})
 
 
 class _Ours(RequestHandler):

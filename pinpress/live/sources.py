@@ -20,7 +20,6 @@ import pinocchio as pin
 
 from ..common import files
 from ..common.errors import PinpressError
-from ..common.reading.entries import LARGEST_FILE
 from ..derivatives.reshape import reshaped
 from ..linkage.linkage import Linkage
 from ..linkage.loading import presses
@@ -120,19 +119,20 @@ class TableSource(Source):
         is laid over another one, where most numbers stand, is changed by its lengths and pivots."""
         found = draft(path, **parameters)
         table = found._table
-        text = files.read(path, LARGEST_FILE).decode("utf-8-sig")
         press = finished(found.press(slide=slide))
         read = tuple(dict.fromkeys([path, *filter(os.path.exists, _files_of(table))]))  # parameters that are given are in none
         if len(read) > 1:
             return LinkageSource.of(press, *read)
         given = parameters_of({"parameters": table.items("a table")["parameters"]}) if parameters else {}
-        numbers = numbers_of(text)
+        numbers = numbers_of(table.file_text)
         values = {each.path: given[each.path[1]] if each.path[0] == "parameters" and given else each.value for each in numbers}
         unit = UNITS[found.unit]
         shown = tuple(_shown(each, values[each.path], found.unit, press.size / unit) for each in numbers)
         own = Path(path)
         suggested = f"{own.stem}_changed{own.suffix}"
-        return TableSource(press, shown, read, own.resolve().parent, suggested, TABLES, text, table, numbers, values, slide, finished)
+        return TableSource(
+            press, shown, read, own.resolve().parent, suggested, TABLES, table.file_text, table, numbers, values, slide, finished
+        )
 
     def changed(self, values: Sequence[float]) -> Linkage:
         others = {path: value for path, value in self._by_path(values).items() if value != self._given[path]}

@@ -12,6 +12,8 @@ from numpy.testing import assert_allclose
 from support import texts
 
 import pinpress as pp
+from pinpress.common import files
+from pinpress.common.reading import entries
 from pinpress.live.pictures import Operation
 from pinpress.live.session import LONGEST, Opened, RefusedMessageError, Session
 from pinpress.live.sources import LinkageSource, opened
@@ -284,6 +286,25 @@ def test_parameters_given_are_where_the_sliders_begin(tmp_path: Path) -> None:
     session = of_table(KNUCKLE, r="95")
     assert session.whole()["values"][0] == 95
     assert change(session, speed=5.0, r=90.0).everyone is not None
+
+
+def test_a_save_under_way_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of the file is there once the table was read: the window has the press of the text that was read, and its numbers."""
+    path = tmp_path / "own.yaml"
+    shutil.copy(KNUCKLE, path)
+    session = of_table(path)
+    text = path.read_text()
+
+    def read_before_the_save(file: str, most: int) -> bytes:
+        content = files.read(file, most)
+        path.write_text(text[: text.index("links:") - 3] + "{")
+        return content
+
+    monkeypatch.setattr(entries, "read", read_before_the_save)
+    path.write_text(text.replace("r: 90", "r: 80"))
+    session.open()
+    assert session.whole()["broken"] is None
+    assert session.whole()["values"][0] == 80
 
 
 def test_a_file_that_is_mended_is_shown_and_a_wrong_one_is_not(tmp_path: Path) -> None:

@@ -52,6 +52,7 @@ class Entry:
         line: in the file; None where there is none.
         path: keys that lead to it, from the top.
         kind: what kind of file it stands in.
+        file_text: of the whole file, in its topmost entry; empty elsewhere.
     """
 
     value: str | float | bool | tuple[Entry, ...] | Mapping[str, Entry] | None
@@ -59,6 +60,7 @@ class Entry:
     line: int | None
     path: tuple[str, ...]
     kind: FileKind = field(repr=False)
+    file_text: str = field(default="", repr=False)
 
     def refuse(self, problem: str, remedy: str) -> NoReturn:
         """Raise the kind's error: what is wrong here, and what to write."""
@@ -162,7 +164,7 @@ def read_entries(path: Path, kind: FileKind) -> Entry:
         raise wrong(None, "it is nested too deeply", "write keys and values as in the manual") from error
     if node is None:
         raise wrong(None, "it is empty", f"write {kind.top}")
-    return _Composer(file, kind).entry(node, ())
+    return replace(_Composer(file, kind).entry(node, ()), file_text=text)
 
 
 def given_entries(values: Mapping[str, Any], called: str, kind: FileKind) -> Entry:
