@@ -66,6 +66,11 @@ def test_a_browser_without_decompression_is_told(recording: Path, said: Callable
     )
 
 
+def test_a_browser_without_webgl_is_told(recording: Path, said: Callable[..., str]) -> None:
+    without = "HTMLCanvasElement.prototype.getContext = () => null"
+    assert said(recording.read_text("utf-8"), without).startswith("This browser cannot draw the moving press: WebGL is switched off")
+
+
 def test_a_page_without_scripts_says_so(recording: Path, said: Callable[..., str]) -> None:
     assert "needs JavaScript" in said(recording.read_text("utf-8"), java_script_enabled=False)
 

@@ -3,12 +3,15 @@
 import contextlib
 import importlib.util
 import re
+import shutil
+import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from support import texts
+from support.in_browser import FLAGS
 
 import pinpress as pp
 from pinpress.cli.main import main
@@ -85,6 +88,17 @@ def test_a_pdf_has_the_pages_that_its_charts_fill(report: Path, tmp_path: Path) 
     assert 6 <= len(re.findall(rb"/Type\s*/Page\b", content)) <= 12
     assert re.search(rb"/Subtype\s*/Image\s*/Width 2034", content)  # the press, three times 678 pixels
     assert re.search(rb"/MediaBox \[0 0 59[45][.\d]* 84[12]", content)
+
+
+@pytest.mark.exhaustive
+def test_a_browser_prints_the_whole_report_from_its_command_line(report: Path, tmp_path: Path) -> None:
+    """`chromium --print-to-pdf` prints when the page has loaded: by then it is unpacked."""
+    if (program := shutil.which("chromium")) is None:
+        pytest.skip("needs chromium")
+    out = tmp_path / "report.pdf"
+    command = [program, "--headless", *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={out}", report.as_uri()]
+    subprocess.run(command, check=True, capture_output=True, timeout=200)
+    assert 6 <= len(re.findall(rb"/Type\s*/Page\b", out.read_bytes())) <= 12
 
 
 def test_a_report_is_printed_by_its_command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,6 +12,13 @@ function floats(text) {
 const upright = (x, y, z) => new THREE.Vector3(x, z, -y);  // three.js has y up: the press's (x, y, z) stands there
 
 // ---- scene ----
+if (!["webgl2", "webgl"].some(kind => document.createElement("canvas").getContext(kind))) {
+  const message = Object.assign(document.createElement("p"), { className: "message", textContent: "This browser cannot draw the moving press: "
+    + "WebGL is switched off or missing. Allow hardware acceleration, or open the page in another browser." });
+  message.setAttribute("role", "alert");
+  document.body.prepend(message);
+  throw new Error("no WebGL");
+}
 const viewer = new Viewer(element("view"), false);
 viewer.set_3d_pane_size = resize;
 for (const command of data.scene)

@@ -24,7 +24,14 @@ async function unpack() {
   }
 }
 
-const unpacked = new Promise(done => addEventListener("DOMContentLoaded", done)).then(unpack).catch(error => {
+// Programs that print a page or take its picture wait for its load event, and this for a frame whose document is not closed.
+const held = document.documentElement.appendChild(Object.assign(document.createElement("iframe"), { hidden: true }));
+held.contentDocument.open();
+
+const unpacked = new Promise(done => addEventListener("DOMContentLoaded", done)).then(unpack).finally(() => {
+  held.contentDocument.close();
+  held.remove();
+}).catch(error => {
   const message = document.createElement("p");
   message.className = "message";
   message.setAttribute("role", "alert");
