@@ -73,13 +73,18 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[App
 
 
 def _on_slide(load: "ProcessLoad | TimeForce", press: "Linkage", along: Array) -> list[AppliedForce]:
-    """A force (n,) [N] along `Linkage.slide_direction` at the slide's origin, and its opposite on the frame in one line of action."""
+    """A force (n,) [N] along `Linkage.slide_direction` at `Linkage.tool`, and its opposite on the frame in one line of action."""
     guide = press.slide_guide.joint
     placement = press.model.jointPlacements[guide + 1]  # in the world, as the frame carries the guide
-    origin = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement.translation
-    force = along[:, None] * press.slide_direction
-    # The slide's origin moves along the axis: where it was drawn is a point of the frame in its line of action.
-    return [AppliedForce(guide + 1, origin, force), AppliedForce(0, placement.act(origin), -force)]
+    point, force = press.tool.in_body, along[:, None] * press.slide_direction
+    # A point of the slide moves along the axis: where it was drawn is a point of the frame in its line of action.
+    return [AppliedForce(guide + 1, point, force), AppliedForce(0, placement.act(point), -force)]
+
+
+def force_on_slide(press: "Linkage", force: ArrayLike) -> PointForce:
+    """A force along `Linkage.slide_direction`, one number or (n,) [N], on the slide alone, where process forces act."""
+    x, y, z = press.tool.point.tolist()
+    return PointForce(str(press.slide), np.multiply.outer(force, press.slide_direction), (x, y, z))
 
 
 def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion", *, warned: bool = False) -> Array:

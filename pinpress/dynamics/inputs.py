@@ -22,6 +22,7 @@ from ..common.quantities import CRANK, GRAVITY, RPM, DriverCoordinate
 from ..kinematics.motion import Motion
 from ..linkage import loading
 from ..linkage.linkage import Linkage
+from ..linkage.tool_point import tool_in_words
 from ..linkage.writing import is_as_read
 from ..loads.link import Friction, SpringDamper
 from .extremes import is_constant
@@ -64,10 +65,12 @@ def stated(how: str = "") -> tuple[str, str]:
 
 
 def of_press(press: Linkage) -> Inputs:
-    """The press, the file that it is from, and where crank angles are 0 and what gravity is, where they are not as usual."""
+    """The press, the file that it is from, where process forces act on it, and where crank angles are 0 and what gravity is, where they are
+    not as usual."""
     drivers = f"{'joints' if len(press.drivers) > 1 else 'joint'} {', '.join(press.drivers)}"
     slide = f"its slide is link {press.slide}" if press.slide else "it has no slide"
     rows = [("press", f"{press.name}, driven at {drivers}; {slide}"), ("file", _file_in_words(press))]
+    rows += [] if press.slide is None else [("process force", f"acts {tool_in_words(press)}")]
     rows += [("crank angles", f"counted from {press.zero}")] if press.zero else []
     gravity = tuple(float(part) for part in press.model.gravity.linear)
     return rows if gravity == STANDARD_GRAVITY else [*rows, ("gravity", f"{_numbers(np.array(gravity))} m/s2")]

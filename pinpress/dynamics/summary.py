@@ -14,6 +14,7 @@ from ..kinematics.main_data import directions, forward_share, sense_of_rotation
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import DeadCentres, dead_centres
 from ..linkage.linkage import Linkage
+from ..linkage.tool_point import tool_in_words
 from .extremes import ROUNDING
 from .inverse_dynamics import Reactions
 
@@ -193,6 +194,7 @@ def process_summary(
     lines = [
         "",
         "Process (force of the loads between slide and frame)",
+        f"  process force acts {tool_in_words(press)}",
         _extreme("largest force", reactions.process_force, "N", np.argmax, places),
         tables.entry("work", scale.shown(work), scale.unit, over),
     ]

@@ -250,7 +250,7 @@ def guide_contact(
         press: a press with a slide whose guide the frame carries.
         reactions: of `inverse_dynamics` of this press, with all loads; forces beside the slide's axis as `PointForce`.
         surfaces: of the slide's guide, such as `eight_way_guide` makes.
-        offset: (3,) where the process loads act, from the slide link's origin, in world axes [m]; by default on a line through that.
+        offset: (3,) how far beside `Linkage.tool` the process loads act, in world axes [m].
 
     Raises:
         PinpressError: the press has no slide, a surface does not face across its guide, the reactions are of a press with other joints or

@@ -193,7 +193,7 @@ class HeldPress:
     @cached_property
     def unit(self) -> list[Array]:
         """Internal forces under 1 N on the slide along its guide [N, N m]."""
-        return self.under(str(self.press.slide), self.press.slide_direction, np.zeros(3))
+        return self.under(str(self.press.slide), self.press.slide_direction, self.press.tool.point)
 
     def under(self, link: str, direction: Array, point: Array) -> list[Array]:
         """Internal forces that 1 N adds, which are linear in loads [N, N m].

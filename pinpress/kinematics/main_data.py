@@ -13,6 +13,7 @@ from ..common.quantities import CRANK, Array, DriverCoordinate
 from ..common.results import Record
 from ..engines.joints import drawn_placements
 from ..linkage.linkage import UPRIGHT, Linkage
+from ..linkage.tool_point import tool_in_words
 from .motion import motion_through_change_points
 from .slide_path import DeadCentres, dead_centres
 
@@ -33,6 +34,7 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
         forward_share: share of a period in which the slide goes from top to bottom dead centre at a constant positive speed [-]; None
             where the driver slides.
         drawn_height: height of the slide above bottom dead centre in the drawn pose [m].
+        tool: where process forces act on the slide, as text.
         dead_centres: where the slide turns back.
         turns_between: crank angles between which the linkage locks [rad]; positions of a driver that slides [m].
         no_stroke: why the slide has no dead centres.
@@ -46,6 +48,7 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
     stroke: float | None = None
     forward_share: float | None = None
     drawn_height: float | None = None
+    tool: str | None = None
     dead_centres: DeadCentres | None = field(default=None, repr=False)
     turns_between: tuple[float, float] | None = field(default=None, repr=False)
     no_stroke: str | None = field(default=None, repr=False)
@@ -65,6 +68,7 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
     data = MainData(press.size, sum(masses[1:]), slide, rotation, coordinate=press.driver_coordinates[0])
     if press.slide is None or not moves:
         return data
+    data = replace(data, tool=tool_in_words(press))
     if len(press.drivers) > 1:
         return replace(data, no_stroke=f"{len(press.drivers)} drivers move the slide")
     try:
@@ -137,6 +141,7 @@ def main_lines(data: MainData, drivers: Sequence[str]) -> list[str]:
     slide = "" if data.slide_mass is None else f", slide {mass.shown(data.slide_mass)} {mass.unit}"
     return [
         *_stroke_lines(data, drivers[0]),
+        *([] if data.tool is None else [f"  process force acts {data.tool}"]),
         *(
             tables.entry("driver", driver, "", f"a positive speed {_in_words(rotation)}")
             for driver, rotation in zip(drivers, data.rotation, strict=True)

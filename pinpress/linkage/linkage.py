@@ -26,6 +26,7 @@ from ..engines.planar.model import Plane
 from .assembly import Assembly, as_drawn, assembled, closed, followed, followed_beside, followed_from, refuse_far, through_change_points
 from .inertias import first_unphysical
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
+from .tool_point import ToolPoint, tool_point
 from .urdf.document import Document
 
 if TYPE_CHECKING:
@@ -339,6 +340,17 @@ class Linkage(Frozen):
         """
         guide, _, sign = self.slide_guide
         return np.asarray(sign * (self.model.jointPlacements[guide + 1].rotation @ self.axes[guide].direction))
+
+    @property
+    @per_linkage(of_geometry=True)
+    def tool(self) -> ToolPoint:
+        """The point of the slide at which process forces act: the ``<tool>`` of its link, else the middle of the pins farthest apart by
+        which links hold the slide. Where all of these are in one line along the guide, it is the origin of the slide's link.
+
+        Raises:
+            PinpressError: the linkage has no slide.
+        """
+        return tool_point(self)
 
     @property
     @per_linkage(of_geometry=True)

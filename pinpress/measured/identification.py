@@ -23,10 +23,11 @@ from ..common.errors import PinpressError, UnknownNameError, caution
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
+from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
-from ..loads.link import Friction, Load, PointForce
+from ..loads.link import Friction, Load
 from .estimates.base_parameters import base_parameters
 from .estimates.encoder_zero import Start, likely_starts
 from .estimates.least_squares import Fit, deviations, fitted
@@ -140,7 +141,7 @@ class IdentifiedPress(Tabular):
         rate, height = slide_rates(self.press, motion)
         if self.press.slide is not None and losses.get("cylinder force") is not None:
             force = losses["cylinder force"] + losses["cylinder stiffness"] * height
-            loads = [*loads, PointForce(self.press.slide, force[:, None] * self.press.slide_direction)]
+            loads = [*loads, force_on_slide(self.press, force)]
         torque = inverse_dynamics(self.press, motion, loads, friction=self.friction, bearings=()).driving_torque
         sign = np.sign(motion.crank_speed)
         resisting = losses.get("crank friction", 0.0) + losses.get("gibs friction", 0.0) * np.abs(rate)

@@ -24,13 +24,14 @@ import pinocchio as pin
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen
 from ..common.quantities import Array
+from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..engines.planar.engine import PlanarEngine
 from ..engines.spatial.bodies import accelerations, build_bodies, cross, motion_axes, placements, turned_back, velocities
 from ..kinematics.motion import Motion, moved
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import NAME_A_SLIDE, Linkage
-from ..loads.link import Friction, Load, PointForce
+from ..loads.link import Friction, Load
 
 INERTIAL: tuple[str, ...] = (
     "mass",
@@ -403,8 +404,7 @@ def _powers(press: Linkage, motion: Motion, radii: Mapping[str, float] | None, c
     loads: list[Load] = []
     if press.slide is not None and any(cylinder):
         _, height = slide_rates(press, motion)
-        force = (cylinder[0] + cylinder[1] * height)[:, None] * press.slide_direction
-        loads.append(PointForce(press.slide, force))
+        loads.append(force_on_slide(press, cylinder[0] + cylinder[1] * height))
     found = inverse_dynamics(press, motion, loads, friction=laws, bearings=())
     power = {name: found.friction_power[name] / SMALL for name in laws}
     zero = np.zeros(len(motion.crank_angle))

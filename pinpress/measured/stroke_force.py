@@ -41,10 +41,11 @@ from ..common.frozen import Frozen
 from ..common.quantities import GRAVITY, Array
 from ..common.results import Tabular
 from ..common.tables import Column
+from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
 from ..kinematics.motion import moved
 from ..linkage.linkage import NAME_A_SLIDE, Linkage
-from ..loads.link import Friction, PointForce
+from ..loads.link import Friction
 from .estimates.prior import ZERO
 from .identification import IdentifiedPress, checked_inertia
 from .records import MeasuredRun, sample_noise
@@ -460,7 +461,7 @@ def _losses(sensor: ProcessForceSensor, run: MeasuredRun, smooth: _Smooth, force
     """(n,) torque of friction under a process force (n,), and of a balance cylinder [N m]."""
     press = sensor.press
     motion = moved(press, press.branch, run.angle - sensor._zero, smooth.speed, smooth.acceleration, None, press.engine())
-    loads = [PointForce(press.slide, force[:, None] * press.slide_direction)] if force.any() else []  # type: ignore[arg-type]  # it has one
+    loads = [force_on_slide(press, force)] if force.any() else []
     without = inverse_dynamics(press, motion, loads, bearings=()).driving_torque
     if sensor.identified is not None:
         return sensor.identified.torque(motion, loads) - without

@@ -31,10 +31,11 @@ from .links import Link, read_links
 from .placement import UNITS, Pin, UnreachableError, place_pins
 from .reading import CALL, Entry, given_table, overlaid, read_table
 from .sketch import sketch_of_failure, sketch_of_parts
+from .tool import Tool, read_tool
 from .tree import Tree, build_tree
 from .urdf_text import REACH, urdf_text
 
-KEYS = ("press", "units", "parameters", "frame", "pins", "links", "drive", "base", "density", "masses", "copies", "gears", "note")
+KEYS = ("press", "units", "parameters", "frame", "pins", "links", "drive", "base", "density", "masses", "copies", "gears", "tool", "note")
 MOST, LEAST = 200.0, 0.02  # sizes of presses [m]
 MARK = b"written by pinpress from the pin table"  # in a URDF: what may be written anew
 NEEDED = ("units", "frame", "pins", "links", "drive")
@@ -52,6 +53,7 @@ class DrawnPress(Tabular):
         links: without copies.
         parts: with copies.
         tree: their bearings.
+        tool: where process forces act on the slide; None where its pins say it.
     """
 
     name: str
@@ -61,6 +63,7 @@ class DrawnPress(Tabular):
     links: tuple[Link, ...]
     parts: Parts
     tree: Tree
+    tool: Tool | None
     _table: Entry  # what it was drawn from
     _given: tuple[str, ...] = ()  # values of the table's parameters in place of its own, "r=150"
 
@@ -72,7 +75,7 @@ class DrawnPress(Tabular):
             PinpressError: what `load` raises.
         """
         press = self.press()
-        return urdf_text(self.name, self._comment(), self.parts, self.tree, bodies(press, _positions(press)))
+        return urdf_text(self.name, self._comment(), self.parts, self.tree, self.tool, bodies(press, _positions(press)))
 
     @cached_property
     def sketch(self) -> str:
@@ -122,7 +125,7 @@ class DrawnPress(Tabular):
         return f" with {', '.join(self._given)}" if self._given else ""
 
     def _text(self) -> bytes:
-        return urdf_text(self.name, self._comment(), self.parts, self.tree)
+        return urdf_text(self.name, self._comment(), self.parts, self.tree, self.tool)
 
     @property
     def title(self) -> str:
@@ -283,7 +286,8 @@ def drawn_from(entries: Entry) -> DrawnPress:
         parts = copied(parts, each, parameters, UNITS[unit])
     tree = build_tree(parts, entries)
     name = items["press"].text("a name") if "press" in items else "press"
-    return DrawnPress(name, entries.file, unit, pins, links, parts, tree, entries)
+    tool = read_tool(items, pins, parts, tree, parameters, UNITS[unit])
+    return DrawnPress(name, entries.file, unit, pins, links, parts, tree, tool, entries)
 
 
 def _positions(press: Linkage) -> Array:

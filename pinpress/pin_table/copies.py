@@ -84,7 +84,8 @@ class _Copying:
         guide = link.guide
         if guide is not None:
             carrier = guide.carrier + suffix if guide.carrier in self.named else guide.carrier
-            guide = replace(guide, name=guide.name + suffix, carrier=carrier, direction=move.turn @ guide.direction)
+            ends = {name + suffix: move(point) for name, point in guide.ends.items()}
+            guide = replace(guide, name=guide.name + suffix, carrier=carrier, direction=move.turn @ guide.direction, ends=ends)
         still = np.array_equal(move.turn, np.eye(3)) or np.array_equal(link.rotation, np.eye(3))
         rotation = link.rotation if still else axes_along(move.turn @ link.rotation[:, 0])
         return replace(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -42,12 +42,14 @@ class Guide:
         carrier: the link that has the guide.
         direction: (3,) unit vector in the drawn pose.
         travel: how far it slides either way from the drawn pose, lowest and highest coordinate [m]; None where that is not said.
+        ends: (3,) places of the two pins between which the table draws it [m], by their names; none where it gives a direction.
     """
 
     name: str
     carrier: str
     direction: Array
     travel: tuple[float, float] | None = None
+    ends: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +215,7 @@ class _Reader:
         way = self.pins[end].point - self.pins[start].point
         if not np.linalg.norm(way) > 0:
             entry.refuse(f"{start} and {end} are one point", "name two points that are apart")
-        return Guide(name, carrier, way / np.linalg.norm(way))
+        return Guide(name, carrier, way / np.linalg.norm(way), ends={name: self.pins[name].point for name in (start, end)})
 
     def _travel(self, entry: Entry) -> tuple[float, float]:
         parts = entry.list("how far it slides from the drawn pose, lowest and highest: [-180, 120]")
@@ -291,21 +293,7 @@ class _Space:
 
     def place(self, entry: Entry) -> Array:
         """World coordinates of a pin, or of a point in the link's coordinates."""
-        if isinstance(entry.value, str):
-            name = entry.value.strip()
-            if name not in self.reader.pins:
-                remedy = "name a pin or a point of `pins`, or give [x, z] from the first pin"
-                entry.refuse(f"no pin {name}{suggestion(name, self.reader.pins)}", remedy)
-            return self.reader.pins[name].point
-        if isinstance(entry.value, Mapping):
-            items = entry.known(("x", "y", "z"), "a point in space")
-            own = np.array([number(items[key], self.reader.parameters) if key in items else 0.0 for key in "xyz"])
-        else:
-            values = entry.list("a pin, or [x, z] from the first pin")
-            if len(values) != 2:
-                entry.refuse(f"a point is [x, z], {len(values)} numbers found", "write decimals after a point; in space {x: , y: , z: }")
-            own = np.array([number(values[0], self.reader.parameters), 0.0, number(values[1], self.reader.parameters)])
-        return np.asarray(self.origin + self.rotation @ own * self.reader.unit)
+        return place_of(entry, self.reader.pins, self.reader.parameters, self.reader.unit, self.origin, self.rotation)
 
     def length(self, entry: Entry, what: str) -> float:
         """A length above zero [m]."""
@@ -571,6 +559,37 @@ def _apart(points: Sequence[Array]) -> list[Array]:
     """The points without those that are where another one is."""
     size = float(np.ptp(points, axis=0).max())
     return [p for k, p in enumerate(points) if all(np.abs(p - other).max() > ALIKE * size for other in points[:k])]
+
+
+def place_of(entry: Entry, pins: Mapping[str, Pin], parameters: Mapping[str, float], unit: float, origin: Array, rotation: Array) -> Array:
+    """World coordinates (3,) of a pin, or of a point in a link's coordinates [m].
+
+    Args:
+        entry: name of the pin, or coordinates of the point.
+        pins: in their places.
+        parameters: values of the table's parameters.
+        unit: of its lengths [m].
+        origin: (3,) of the link's coordinates in the world [m].
+        rotation: (3, 3) of the link's axes in the world.
+
+    Raises:
+        PinTableError: no such pin, or no point.
+    """
+    if isinstance(entry.value, str):
+        name = entry.value.strip()
+        if name not in pins:
+            remedy = "name a pin or a point of `pins`, or give [x, z] from the first pin"
+            entry.refuse(f"no pin {name}{suggestion(name, pins)}", remedy)
+        return pins[name].point
+    if isinstance(entry.value, Mapping):
+        items = entry.known(("x", "y", "z"), "a point in space")
+        own = np.array([number(items[key], parameters) if key in items else 0.0 for key in "xyz"])
+    else:
+        values = entry.list("a pin, or [x, z] from the first pin")
+        if len(values) != 2:
+            entry.refuse(f"a point is [x, z], {len(values)} numbers found", "write decimals after a point; in space {x: , y: , z: }")
+        own = np.array([number(values[0], parameters), 0.0, number(values[1], parameters)])
+    return np.asarray(origin + rotation @ own * unit)
 
 
 def axes_along(way: Array) -> Array:

@@ -16,6 +16,7 @@ from ..visual.shapes.solids import Box, Cylinder, Part, Plate, Shape, Sphere
 from .copies import Parts
 from .links import FRAME, Link, axes_along
 from .placement import Pin
+from .tool import Tool
 from .tree import Joint, Tree
 
 REACH = 2.0  # limits of guides, beside the size of the press: those whose travel is not said end nowhere
@@ -40,7 +41,7 @@ class _Place:
         return np.asarray(self.rotation.T @ (world - self.origin))
 
 
-def urdf_text(name: str, comment: str, parts: Parts, tree: Tree, bodies: Sequence[ShownLink] = ()) -> bytes:
+def urdf_text(name: str, comment: str, parts: Parts, tree: Tree, tool: Tool | None = None, bodies: Sequence[ShownLink] = ()) -> bytes:
     """The URDF as UTF-8.
 
     Args:
@@ -48,15 +49,16 @@ def urdf_text(name: str, comment: str, parts: Parts, tree: Tree, bodies: Sequenc
         comment: at the top of the file.
         parts: links and pins in the drawn pose.
         tree: their bearings.
+        tool: where process forces act on the slide; None where its pins say it.
         bodies: what the links look like; none: the URDF has no shapes.
     """
     shapes = {body.name: [visual for each in body.parts for visual in _visuals(each, body.name)] for body in bodies}
-    return _Writer(name, comment, parts, tree, shapes).text().encode()
+    return _Writer(name, comment, parts, tree, tool, shapes).text().encode()
 
 
 class _Writer:
-    def __init__(self, name: str, comment: str, parts: Parts, tree: Tree, shapes: Mapping[str, Sequence[str]]) -> None:
-        self.name, self.comment, self.parts, self.tree, self.shapes = name, comment, parts, tree, shapes
+    def __init__(self, name: str, comment: str, parts: Parts, tree: Tree, tool: Tool | None, shapes: Mapping[str, Sequence[str]]) -> None:
+        self.name, self.comment, self.parts, self.tree, self.tool, self.shapes = name, comment, parts, tree, tool, shapes
         self.links = {link.name: link for link in parts.links}
         points = np.array([pin.point for pin in parts.pins.values()])
         self.size = float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
@@ -100,6 +102,8 @@ class _Writer:
         centre = _vector(place.point(link.centre), self.size)
         yield f'    <inertial><origin xyz="{centre}"/><mass value="{_number(link.mass)}"/>{_tag("inertia", moments)}</inertial>'
         yield from (f"    {shape}" for shape in self.shapes.get(link.name, ()))
+        if self.tool is not None and self.tool.link == link.name:
+            yield f"    {_tag('tool', {'name': self.tool.name, 'xyz': _vector(place.point(self.tool.point), self.size)})}"
         yield "  </link>"
 
     # Bearings

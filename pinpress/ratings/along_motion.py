@@ -21,11 +21,12 @@ from ..common.frozen import FrozenMapping, read_only
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..common.results import Tabular
+from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inputs import Inputs, written
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage, OfPress
-from ..loads.link import Friction, Load, PointForce
+from ..loads.link import Friction, Load
 from .permissible_force import (
     BEARING,
     BESIDE,
@@ -246,14 +247,13 @@ class _Given:
 
     def under(self, force: Array | float) -> Reactions:
         """Reactions under process forces, one or (n,) [N], beside weights, inertia forces and the other loads."""
-        pushed = PointForce(str(self.press.slide), np.full(self.count, force)[:, None] * self.press.slide_direction)
-        loads = [*self.loads, pushed]
+        loads = [*self.loads, force_on_slide(self.press, np.full(self.count, force))]
         return inverse_dynamics(self.press, self.motion, loads, self.friction, engine=self.engine, bearings=self.bearings)
 
 
 def _affine(given: _Given, limits: Sequence[_Limit], idle: Reactions) -> dict[str, Array]:
     """The forces (n,) that limits permit where all reactions are affine in the process force."""
-    pushed = [PointForce(str(given.press.slide), given.press.slide_direction)]
+    pushed = [force_on_slide(given.press, 1.0)]
     unit = inverse_dynamics(without_masses(given.press), given.motion, pushed, engine=given.engine, bearings=given.bearings)
     return {limit.name: largest_factor(limit.reaction(idle), limit.reaction(unit), limit.capacity) for limit in limits}
 

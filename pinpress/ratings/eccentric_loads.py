@@ -68,7 +68,7 @@ class GuideReaction(Tabular):
 
     Attributes:
         guide: name of the slide's bearing in its guide.
-        tilting_moment: (3,) moment of the process force on the slide about the slide link's origin, in world axes [N m].
+        tilting_moment: (3,) moment of the process force on the slide about `Linkage.tool`, in world axes [N m].
         force: (n, 3) force of the guide on the slide, in world axes [N].
         moment: (n, 3) moment of the guide on the slide about the middle of the gibs, in world axes [N m].
         normal_force: (n,) component of the force along the gibs' normal [N].
@@ -116,7 +116,8 @@ def eccentric_load(
         press: a press with a slide.
         motion: motion of n states at which the force acts, e.g. ``servo_cycle(press, speed=0.0, angle=[...])``.
         force: force on the slide along the guide's axis, against the working stroke [N].
-        offset: (3,) point at which it acts, in the slide link's own frame [m]; a shift along the guide's axis makes no difference.
+        offset: (3,) how far beside `Linkage.tool` it acts, in the slide link's own axes [m]; a shift along the guide's axis makes no
+            difference.
         gibs: the gibs of the slide's guide.
         engine: as in `cycle`.
 
@@ -149,7 +150,7 @@ def eccentric_load(
 def permissible_eccentricity(
     press: Linkage, motion: Motion, *, force: float, gibs: Gibs, pressure: float, engine: str = "auto"
 ) -> tuple[float, float]:
-    """Find how far beside the slide's origin a process force may act before the gibs reach a pressure at some state of the motion.
+    """Find how far beside `Linkage.tool` a process force may act before the gibs reach a pressure at some state of the motion.
 
     Args:
         press: a press with a slide.
@@ -160,7 +161,7 @@ def permissible_eccentricity(
         engine: as in `cycle`.
 
     Returns:
-        Least and largest coordinate of the force along the gibs' normal, from the slide's origin; the first is not positive [m]. Their
+        Least and largest coordinate of the force along the gibs' normal, from `Linkage.tool`; the first is not positive [m]. Their
         magnitudes may differ, because the guide carries the lateral force of the rod too.
 
     Raises:
@@ -170,7 +171,7 @@ def permissible_eccentricity(
     newtons, allowed = positive("force", force, "N"), positive("pressure", pressure, "Pa")
     normal, about = _across(press, gibs)
     _, axis = _slide_guide(press)
-    local = _rotation(press).T @ normal  # 1 m beside the origin
+    local = _rotation(press).T @ normal  # 1 m beside
     central = _guide_reaction(press, motion, newtons * axis, np.zeros(3), gibs, engine)
     beside = _guide_reaction(press, motion, newtons * axis, local, gibs, engine)
     across = central.force @ normal
@@ -230,12 +231,13 @@ class _Reaction(NamedTuple):
     reactions: Reactions
 
 
-def _guide_reaction(press: Linkage, motion: Motion, force: Array, point: Array, gibs: Gibs, engine: str) -> _Reaction:
-    """Action of the guide under a force (3,) in world axes at a point (3,) in the slide's own frame."""
+def _guide_reaction(press: Linkage, motion: Motion, force: Array, offset: Array, gibs: Gibs, engine: str) -> _Reaction:
+    """Action of the guide under a force (3,) in world axes beside `Linkage.tool` by (3,) in the slide's own axes."""
     slide = str(press.slide)
-    joint, _ = point_on_body(press, slide, point, "the process force", "offset")
+    x, y, z = (press.tool.point + offset).tolist()
+    joint, _ = point_on_body(press, slide, (x, y, z), "the process force", "offset")
     name, axis = _slide_guide(press)
-    load = PointForce(slide, force, (float(point[0]), float(point[1]), float(point[2])))
+    load = PointForce(slide, force, (x, y, z))
     found = inverse_dynamics(without_masses(press), motion, [load], engine=engine, bearings=(name,))
     # The moment is about the joint frame's origin, which moves with the slide.
     frame = press.model.frames[press.model.getFrameId(slide, pin.BODY)]

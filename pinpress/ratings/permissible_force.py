@@ -26,6 +26,7 @@ from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen, FrozenMapping
 from ..common.numerics import bracketed_roots, sign_change
 from ..common.quantities import RPM, Array, DriverCoordinate
+from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inputs import Inputs, written
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, motion_through_change_points, moved
@@ -617,7 +618,7 @@ class _Utilisation:
         rated, k = self.rated, len(force)
         if k not in self.motions:
             self.motions[k] = rated.in_operation(rated.motion(np.tile(self.angle, k)))
-        loads = [*rated.loads, PointForce(str(rated.press.slide), force.reshape(-1, 1) * rated.press.slide_direction)]
+        loads = [*rated.loads, force_on_slide(rated.press, force.ravel())]
         found = inverse_dynamics(rated.press, self.motions[k], loads, rated.friction, engine=rated.engine, bearings=rated.bearings)
         shares = [
             np.linalg.norm(found.bearing_force[name.removeprefix(BEARING)], axis=1) / rated.capacities.bearings[name.removeprefix(BEARING)]

@@ -89,8 +89,8 @@ class JointPosition:
 
     def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
         assert press.slide is not None  # with one driver it is the slide's
-        end = applied_loads.point_on_body(press, press.slide, (0.0, 0.0, 0.0), "the slide", "point")
-        return [AppliedForce(*end, np.tile(press.slide_direction, (len(motion.crank_angle), 1)))]
+        along = np.tile(press.slide_direction, (len(motion.crank_angle), 1))
+        return [AppliedForce(press.slide_guide.joint + 1, press.tool.in_body, along)]
 
 
 @dataclass(frozen=True, eq=False)

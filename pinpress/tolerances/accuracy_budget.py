@@ -38,13 +38,14 @@ from ..common.errors import PinpressError
 from ..common.quantities import GRAVITY, Array, DriverCoordinate
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
+from ..dynamics.applied_loads import force_on_slide
 from ..elasticity.slide_under_load import slide_deflection
 from ..elasticity.springs import Stiffness
 from ..kinematics.motion import doubt_speeds
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress, is_same_press, told_apart
-from ..loads.link import Load, PointForce
+from ..loads.link import Load
 from .clearances import KNOWN_TO, GuideClearance, play
 from .clearances_over_speed import SLOWEST
 from .dead_centre_scatter import DeadCentreScatter
@@ -221,7 +222,7 @@ def budget(
         idle = _Bottom.of(press, angles, speed, loads, clearance, stiffness, known_to, doubt)
         states = [("idle", idle, 0.0)]
         if force:
-            pushed = PointForce(str(press.slide), force * press.slide_direction)
+            pushed = force_on_slide(press, force)
             loaded = _Bottom.of(press, angles, speed, [*loads, pushed], clearance, stiffness, known_to, doubt)
             states.append(("process", loaded, 0.0))
         if temperatures is not None:

@@ -67,7 +67,7 @@ class PermissibleSlope(Checked):
         constant: [m].
         by_length: 60e-6 for 0.06 mm a metre [m/m].
         force: of the process on the slide while the slope is measured, positive upwards; 0 where it is measured idle [N].
-        place: (2,) of this force from the slide's origin along both directions of `SlideParallelism` [m].
+        place: (2,) of this force from `Linkage.tool` along both directions of `SlideParallelism` [m].
     """
 
     constant: float = field(metadata=parameter("m", "not negative"))
@@ -94,7 +94,7 @@ class SlideParallelism(OfPress, Tabular):
         press_name: name of the press.
         coordinate: what the coordinate of the driver is.
         points: names of the bearings on which the slide hangs.
-        places: (m, 2) of the points along both directions, from the slide's origin [m].
+        places: (m, 2) of the points along both directions, from `Linkage.tool` [m].
         directions: (2, 3) these directions as unit vectors in world axes; of a planar press that in its plane and that across it.
         crank_angle: (n,) crank angles [rad]; of a driver that slides its positions [m].
         slope_sd: (n, 2) standard deviations of the slopes, to first order [-].
@@ -369,7 +369,7 @@ def _each_once(press: Linkage, parts: Mapping[str, Sequence[Dimension]]) -> tupl
 
 
 def _places(press: Linkage, motion: Motion, points: Sequence[str]) -> tuple[Array, Array]:
-    """Places (m, 2) of points from the slide's origin along two directions, and these directions (2, 3)."""
+    """Places (m, 2) of points from `Linkage.tool` along two directions, and these directions (2, 3)."""
     up = press.slide_direction
     if len(press.engine().directions) == 2:
         across = np.cross(press.engine().turning_axes()[0], up)
@@ -381,7 +381,7 @@ def _places(press: Linkage, motion: Motion, points: Sequence[str]) -> tuple[Arra
     other = np.cross(up, across)
     directions = np.array([across, other * np.sign(other[np.abs(other).argmax()])])
     at = poses(press, motion.joint_position[-1:])
-    origin = at.position[press.slide_guide.joint + 1][0]
+    origin = at.points(press.slide_guide.joint + 1, press.tool.in_body)[0]
     everywhere = bearing_points(press, at)[:, 0]
     places = np.array([directions @ (everywhere[press.bearings.index(point)] - origin) for point in points])
     apart = min(np.linalg.norm(one - other) for k, one in enumerate(places) for other in places[:k])

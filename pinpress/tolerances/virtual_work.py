@@ -24,10 +24,11 @@ import numpy as np
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
 from ..derivatives.motion import Displacements
+from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, of_states, poses
 from ..linkage.linkage import Linkage
-from ..loads.link import Load, PointForce
+from ..loads.link import Load
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +78,10 @@ def unit_forces(
     Raises:
         PinpressError: as `inverse_dynamics`, or the press has no slide.
     """
-    along = press.slide_direction
     if reactions is None:
         reactions = inverse_dynamics(press, motion, stiffness=stiffness)
     size = max([1.0, *(float(np.abs(force).max()) for force in reactions.bearing_force.values())])  # not lost in rounding beside the others
-    load = PointForce(str(press.slide), size * along)
-    loaded = inverse_dynamics(press, motion, [*reactions.loads, load], stiffness=stiffness)
+    loaded = inverse_dynamics(press, motion, [*reactions.loads, force_on_slide(press, size)], stiffness=stiffness)
     difference = {
         name: (
             in_plane(press, (loaded.bearing_force[name] - reactions.bearing_force[name]) / size),

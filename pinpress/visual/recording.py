@@ -73,7 +73,7 @@ def record(
         path: path of the file, usually ending in `.html`. An old file is replaced only when the page is complete.
         reactions: reactions to this motion. Bearing and guide forces (on child and link2, at their points of action) and the shaking force
             (with its tip at the foot of the press) are drawn as arrows, with one scale of length and colour for all; so is the force of
-            their process loads, with its tip at the slide's origin.
+            their process loads, with its tip at `Linkage.tool`.
         traces: points whose paths are drawn, each the name of a link and x, y, z in its frame [m]. The slide's path is always drawn.
         flywheel: drawn on the driver's shaft, of several drivers by their names; by default those of a run.
 
@@ -463,8 +463,7 @@ def _process(press: Linkage, at: Poses, frames: KeyFrames, reactions: Reactions)
     along = reactions.process_force[frames.states]
     if not along.any():
         return None
-    (slide,) = (trace for trace in traced(press, ()) if trace.link == press.slide)
-    place = _packed_path(at.points(slide.joint, slide.point), "the place of the process force")
+    place = _packed_path(at.points(press.slide_guide.joint + 1, press.tool.in_body), "the place of the process force")
     return {"place": place, "force": packed(along[:, None] * press.slide_direction, "process_force")}
 
 

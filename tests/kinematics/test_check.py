@@ -95,6 +95,7 @@ def test_page_of_a_healthy_press():
   slide as drawn                   1.612 mm     above bottom dead centre
   from top to bottom              49.730 %      of the time, 179.03 deg of A
   from bottom to top              50.270 %      of the time, 180.97 deg of A
+  process force acts at x = 0.0 mm, pin F
   driver                               A        a positive speed turns it counter-clockwise, seen with x to the right and z up
   largest extent                  1864.9 mm     of the bearings as drawn
   moving mass                     11.522 t      all links but the frame, slide 7.074 t

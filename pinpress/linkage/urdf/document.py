@@ -27,7 +27,7 @@ MOST_ATTRIBUTES = 100  # most attributes of one element
 MOST_CHARACTERS = 1000  # most characters of a name or value
 DEEPEST_ELEMENTS = 200  # most levels of elements; Pinocchio's parser stops at 500
 
-_TEXTS = ("link", "joint", "filename")  # attributes that hold no numbers; all others that are asked for hold one, but
+_TEXTS = ("link", "joint", "filename", "name")  # attributes that hold no numbers; all others that are asked for hold one, but
 _COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4}
 # Pinocchio's parser takes neither "1_0" nor "nan" nor digits of other scripts, all of which Python's float() does.
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)

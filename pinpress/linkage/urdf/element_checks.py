@@ -25,7 +25,7 @@ _UNSUPPORTED_JOINT_TYPES = {
 # without an entry are not checked.
 _CHILDREN = {
     "robot": "link* joint* loop_joint* material* transmission*",
-    "link": "inertial? visual* collision*",
+    "link": "inertial? visual* collision* tool?",
     "inertial": "origin? mass inertia",
     "visual": "origin? geometry material?",
     "collision": "origin? geometry",
@@ -43,6 +43,7 @@ _ATTRIBUTES = {
     "link2": "link xyz? rpy?",
     "axis": "xyz",
     "mass": "value",
+    "tool": "xyz name?",
     "inertia": "ixx ixy ixz iyy iyz izz",
     "limit": "lower? upper? effort velocity",
     "mimic": "joint multiplier? offset?",
@@ -80,7 +81,7 @@ _NAMES = {
 }
 _FOREIGN_NAMES = {"link": "type concave", "joint": "dont_collapse"}
 _DRAWN = ("visual", "collision", "material")  # what is drawn is not mechanics: only misspelt attributes are told
-_WHOLE = ("origin", "parent", "child", "link1", "link2", "axis", "mass", "inertia", "limit", "mimic")  # elements that contain no others
+_WHOLE = ("origin", "parent", "child", "link1", "link2", "axis", "mass", "inertia", "limit", "mimic", "tool")  # they contain no others
 # Elements of a <transmission> in ROS, in this spelling; the one that is read is <joint>.
 _IN_TRANSMISSION = ("joint", "actuator", "type", "mechanicalReduction", "gap_joint", "passive_joint", "flexJoint", "rollJoint")
 _QUANTITIES = ("xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset")  # what is computed with, and

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pinocchio as pin
 
 from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
@@ -132,8 +131,7 @@ def load_path(sprung: PressOnSprings, coordinate: Coordinate) -> LoadPath:
     drawn = DrawnBodies(press)
     plane, centers = drawn.plane, drawn.centers
     if isinstance(coordinate, JointPosition):  # with one driver it is the slide's
-        placement = press.model.frames[press.model.getFrameId(str(press.slide), pin.BODY)].placement
-        arm = drawn.point(coordinate.joint, placement.translation) - centers[coordinate.joint]
+        arm = drawn.point(coordinate.joint, press.tool.in_body) - centers[coordinate.joint]
         return PointPath(coordinate.joint, arm, complex(to_complex(plane, press.slide_direction)), coordinate.offset)
     if isinstance(coordinate, Length):
         bodies = (coordinate.first[0] - 1, coordinate.second[0] - 1)

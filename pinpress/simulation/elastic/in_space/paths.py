@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 
 from ....common.quantities import Array
 from ...driven_press import Coordinate, End, JointPosition, Length, WorkOfForce
@@ -107,8 +106,7 @@ def path_in_space(sprung: PressInSpace, coordinate: Coordinate) -> PointPathInSp
     """The path of a coordinate along which forces act."""
     press = sprung.press
     if isinstance(coordinate, JointPosition):  # with one driver it is the slide's
-        point = press.model.frames[press.model.getFrameId(str(press.slide), pin.BODY)].placement.translation
-        direction = press.slide_direction
+        point, direction = press.tool.in_body, press.slide_direction
         drawn = press.model.jointPlacements[coordinate.joint + 1].act(point)
         return PointPathInSpace(_point(sprung, (coordinate.joint + 1, point)), direction, coordinate.offset - float(direction @ drawn))
     if isinstance(coordinate, Length):

@@ -1,0 +1,112 @@
+"""The point of the slide at which process forces act."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from ..common.quantities import Array
+
+if TYPE_CHECKING:
+    from .linkage import Linkage
+
+ALIKE = 1e-9  # distance, as a share of the linkage's size, below which two points are one
+ALONG = 0.999  # cosine between a guide and a world axis from which on the slide keeps its other coordinates
+
+
+class ToolPoint(NamedTuple):
+    """The point of the slide at which process forces act.
+
+    Attributes:
+        point: (3,) in the slide link's own frame [m]. A shift along the guide makes no difference.
+        in_body: (3,) the same point in the frame of the joint that carries the slide [m].
+        name: what the point is: "the middle of SL and SR", "pin S", "the origin of link slide", or its name in the file.
+    """
+
+    point: Array
+    in_body: Array
+    name: str
+
+
+def tool_point(press: Linkage) -> ToolPoint:
+    """The point of a linkage with a slide: the ``<tool>`` of its file, else the middle of the pins farthest apart by which links hold the
+    slide. Where all of them are in one line along the guide, it is the origin of the slide's link."""
+    link = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement
+    point, name = _named(press) or _middle_or_origin(press, link)
+    return ToolPoint(point, link.act(point), name)
+
+
+def _named(press: Linkage) -> tuple[Array, str] | None:
+    """The ``<tool>`` of the slide's link, in its frame, and its name."""
+    for tool in press.document.robot.all("link")[press.links.index(str(press.slide))].all("tool"):
+        return np.array(tool.numbers("xyz")), tool.get("name") or "the <tool> of its file"
+    return None
+
+
+def _middle_or_origin(press: Linkage, link: pin.SE3) -> tuple[Array, str]:
+    """The point that the pins make, in the slide link's frame, and what it is; ``link``: placement of this frame in that of its joint."""
+    pins = {name: link.actInv(point) for name, point in _holding(press).items()}
+    along = link.rotation.T @ press.axes[press.slide_guide.joint].direction
+    middle = middle_of_outermost(pins, along, press.size)
+    if middle is not None:
+        return middle
+    at_origin = (name for name, point in pins.items() if np.linalg.norm(_across(point, along)) <= ALIKE * press.size)
+    return np.zeros(3), next((f"pin {name}" for name in at_origin), f"the origin of link {press.slide}")
+
+
+def middle_of_outermost(pins: Mapping[str, Array], along: Array, size: float) -> tuple[Array, str] | None:
+    """The middle (3,) of the two pins that are farthest apart across a guide, and what it is; None where all are in one line along it.
+
+    Args:
+        pins: (3,) each, in one frame [m], by their names.
+        along: (3,) unit vector along the guide in that frame.
+        size: the linkage's size [m].
+    """
+    farthest, found = ALIKE * size, None
+    for first, second in itertools.combinations(pins, 2):
+        apart = float(np.linalg.norm(_across(pins[first] - pins[second], along)))
+        if apart > farthest * (1 + ALIKE):  # of diagonals that differ by rounding the first
+            farthest, found = apart, (0.5 * (pins[first] + pins[second]), f"the middle of {first} and {second}")
+    return found
+
+
+def tool_in_words(press: Linkage) -> str:
+    """Where process forces act on the slide, as "at x = 0.0 mm, the middle of SL and SR": coordinates that the guide lets change are
+    left out, or those of the drawn pose where the guide is along no world axis."""
+    found, along = press.tool, press.slide_direction
+    place = press.model.jointPlacements[press.slide_guide.joint + 1].act(found.in_body)
+    upright = np.abs(along) > ALONG
+    kept = [axis for axis in range(3) if not upright[axis] and (axis != 1 or abs(place[1]) > ALIKE * press.size)]
+    words = ", ".join(f"{'xyz'[axis]} = {1e3 * place[axis] + 0.0:.1f} mm" for axis in kept)
+    return f"at {words}{'' if upright.any() else ' as drawn'}, {found.name}"
+
+
+def _across(vector: Array, along: Array) -> Array:
+    return np.asarray(vector - (vector @ along) * along)
+
+
+def _holding(press: Linkage) -> dict[str, Array]:
+    """Places (3,) in the frame of the slide's body of the bearings by which the drive holds it [m].
+
+    A chain that hangs on the slide and leads to no driver, such as a lever that it moves, carries nothing of a process force.
+    """
+    slide, parents = press.slide_guide.joint + 1, list(press.model.parents)
+    joints = [(name, parents[joint], joint) for joint, name in enumerate(press.joints, 1)]
+    loops = [(loop.name, loop.joint1, loop.joint2) for loop in press.loops]
+    geared = [("", pair.leader + 1, pair.follower + 1) for pair in press.couplings]
+    driving, grows = {joint + 1 for joint in press.driver_indices}, True
+    while grows:  # bodies that are connected with a driver's other than by the frame or the slide
+        reached = {body for _, *ends in (*joints, *loops, *geared) if driving & set(ends) - {0, slide} for body in ends}
+        grows = bool(reached - driving)
+        driving |= reached
+    driving -= {0, slide}
+    places = {name: press.model.jointPlacements[child].translation for name, parent, child in joints if parent == slide}
+    for loop in press.loops:
+        if slide in (loop.joint1, loop.joint2):
+            places[loop.name] = loop.point1 if loop.joint1 == slide else loop.point2
+    others = {name: one if other == slide else other for name, one, other in (*joints, *loops)}
+    return {name: np.asarray(place) for name, place in places.items() if others[name] in driving}

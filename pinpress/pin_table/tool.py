@@ -1,0 +1,74 @@
+"""Where process forces act on the slide of a pin table: at its ``tool``, or midway between what a URDF cannot say, the ends of slots."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.quantities import Array
+from ..linkage.tool_point import middle_of_outermost
+from .copies import Parts
+from .links import FRAME, Link, place_of
+from .placement import Pin
+from .reading import Entry
+from .tree import Tree
+
+
+class Tool(NamedTuple):
+    """A point of a link.
+
+    Attributes:
+        link: name of the link.
+        point: (3,) in the world, in the drawn pose [m].
+        name: what the point is.
+    """
+
+    link: str
+    point: Array
+    name: str
+
+
+def read_tool(
+    items: Mapping[str, Entry], pins: Mapping[str, Pin], parts: Parts, tree: Tree, parameters: Mapping[str, float], unit: float
+) -> Tool | None:
+    """The point of the slide at which process forces act; None where its pins say it, as `Linkage.tool` finds it.
+
+    Args:
+        items: keys of the table.
+        pins: of the table, before links are copied.
+        parts: links and pins in the drawn pose.
+        tree: their bearings.
+        parameters: of the table.
+        unit: of its lengths [m].
+
+    Raises:
+        PinTableError: a tool of a press without a slide, or one that is no point.
+    """
+    slide = _slide(parts)
+    if "tool" in items:
+        entry = items["tool"]
+        if slide is None:
+            entry.refuse("no link is the slide", "guide one by the frame, guide: up; of several guided links call the one that works slide")
+        name = f"{entry.value.strip()} of the table" if isinstance(entry.value, str) else "the tool of the table"
+        return Tool(slide.name, place_of(entry, {**pins, **parts.pins}, parameters, unit, slide.origin, slide.rotation), name)
+    slots = [link.guide for link in parts.links if link.guide is not None and slide is not None and link.guide.carrier == slide.name]
+    if slide is None or slide.guide is None or not any(slot.ends for slot in slots):
+        return None
+    at = [joint.pin for joint in tree.joints if joint.parent == slide.name]
+    at += [loop.pin for loop in tree.loops if slide.name in (loop.link1, loop.link2)]
+    points = {name: parts.pins[name].point for name in at if name is not None}
+    for slot in slots:
+        points |= slot.ends
+    size = float(np.linalg.norm(np.ptp([pin.point for pin in parts.pins.values()], axis=0)))
+    middle = middle_of_outermost(points, slide.guide.direction, size)
+    return None if middle is None else Tool(slide.name, *middle)
+
+
+def _slide(parts: Parts) -> Link | None:
+    """The link that `load` takes for the slide, where it is not told which one."""
+    guided = {link.name: link for link in parts.links if link.guide is not None and link.guide.carrier == FRAME}
+    by_guide = {link.guide.name: link for link in guided.values() if link.guide is not None}
+    only = next(iter(guided.values())) if len(guided) == 1 else None
+    return guided.get("slide") or by_guide.get("slide_guide") or only
