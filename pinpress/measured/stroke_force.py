@@ -32,7 +32,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..common import plausibility, tables
 from ..common.arguments import expect, numbers, positive, typed
@@ -61,6 +61,7 @@ PASSES = 3  # of friction under the force found
 MOST_HEIGHTS = 2000
 FEWEST = 40  # samples of a stroke that is judged
 EDGED = 1.5  # ratio of residuals under force to those without, above which a force has edges between the heights
+DOUBTFUL = 0.01  # probability that noise alone contradicts straight lines between the heights
 UNLIKE = 2.0  # ratio of residuals without force to noise above which the model of the press is doubted
 
 
@@ -72,11 +73,11 @@ class MeasuredForce(Tabular):
         name: of the run.
         heights: (k,) heights above bottom dead centre by the crank angle, rising [m].
         force: (k,) forces on the slide on its way down, upwards positive: those that resist the stroke [N].
-        deviation: (k,) their standard deviations [N].
+        deviation: (k,) their standard deviations: by noise, and by what a curved force differs from straight lines between heights [N].
         heights_up: (j,) heights of the way up, where strippers and ejectors act; none where none were asked for [m].
         force_up: (j,) forces on the slide on its way up, upwards positive: one that holds the slide back is negative [N].
         deviation_up: (j,) their standard deviations [N].
-        covariance: (k + j, k + j) of the forces, down, then up [N2].
+        covariance: (k + j, k + j) of the forces by noise, down, then up [N2].
         slide_height: (k,) heights at which the slide really is, higher by force / stiffness [m]; ``heights`` for a rigid press.
         slide_height_up: (j,) the same of the way up [m].
         work: work of the force over the stroke, down and up, what the slide gave [J].
@@ -398,7 +399,32 @@ def _measured(sensor: ProcessForceSensor, run: MeasuredRun) -> MeasuredForce:
         known = weights.independent(without - lost) / noise
         force, covariance = _least_squares(independent, known)
     residual = known - independent @ force
-    return _result(sensor, run, force, covariance, (residual, acting), noise)
+    curved = [
+        _contradicts_lines(weights.independent(weights.of(-finer * rate[:, None])) / noise, known, residual, acting)
+        for finer in _finer_bases(sensor, height, down)
+    ]
+    return _result(sensor, run, force, covariance, (residual, acting), noise, curved)
+
+
+def _finer_bases(sensor: ProcessForceSensor, height: Array, down: NDArray[np.bool_]) -> Iterator[Array]:
+    """Shares (n, ...) of forces with one more height between each two, of the way down and of the way up."""
+    ways = [(sensor.heights, down)] + ([(sensor.heights_up, ~down)] if len(sensor.heights_up) else [])
+    for way in range(len(ways)):
+        parts = []
+        for k, (heights, on) in enumerate(ways):
+            knots = np.sort(np.append(heights, 0.5 * (heights[1:] + heights[:-1]))) if k == way else heights
+            parts.append(_hats(knots, height) * on)
+        yield np.hstack(parts)
+
+
+def _contradicts_lines(columns: Array, known: Array, residual: Array, acting: NDArray[np.bool_]) -> bool:
+    """Whether forces at more heights, whose columns these are, explain more than noise would let them (an F-test)."""
+    from scipy.stats import f  # slow to import
+
+    found, _, rank, _ = np.linalg.lstsq(columns, known, rcond=1e-9)
+    left = float(((known - columns @ found)[acting] ** 2).sum())
+    more, free = rank // 2, max(int(np.count_nonzero(acting)) - int(rank), 1)
+    return bool((residual[acting] ** 2).sum() - left > more * left / free * f.isf(DOUBTFUL, more, free))
 
 
 def _smooth(run: MeasuredRun) -> _Smooth:
@@ -479,9 +505,15 @@ def _least_squares(columns: Array, known: Array) -> tuple[Array, Array]:
 
 
 def _result(
-    sensor: ProcessForceSensor, run: MeasuredRun, force: Array, covariance: Array, left: tuple[Array, Array], noise: float
+    sensor: ProcessForceSensor,
+    run: MeasuredRun,
+    force: Array,
+    covariance: Array,
+    left: tuple[Array, Array],
+    noise: float,
+    curved: Sequence[bool],
 ) -> MeasuredForce:
-    """The force with its band, which is widened where residuals are larger than noise."""
+    """The force with its band, which is widened where residuals are larger than noise, and where the force of a way is ``curved``."""
     residual, active = left
     acting = active.astype(bool)
     rest = residual[~acting]
@@ -489,7 +521,11 @@ def _result(
     free = max(int(np.count_nonzero(acting)) - len(force), 1)
     misfit = float(np.sqrt((residual[acting] ** 2).sum() / free))
     covariance = covariance * max(1.0, misfit, idle_misfit) ** 2
-    count, deviation = len(sensor.heights), np.sqrt(np.diag(covariance))
+    count = len(sensor.heights)
+    deviation = np.sqrt(np.diag(covariance))
+    for is_curved, heights, way in zip(curved, (sensor.heights, sensor.heights_up), (slice(count), slice(count, None)), strict=False):
+        if is_curved:
+            deviation[way] = np.hypot(deviation[way], np.sqrt(_squared_errors_of_lines(heights, force[way], covariance[way, way])))
     lifted = 0.0 * force if sensor.stiffness is None else force / sensor.stiffness
     lengths = np.append(_lengths(sensor.heights), -_lengths(sensor.heights_up))  # on the way up a force upwards gives to the slide
     found = MeasuredForce(
@@ -520,6 +556,23 @@ def _result(
             f" {1e3 * np.diff(sensor.heights).min():.3g} mm apart, where it jumps or breaks; set them closer there"
         )
     return found
+
+
+def _squared_errors_of_lines(heights: Array, force: Array, covariance: Array) -> Array:
+    """(k,) squares of the errors of a curved force that is taken as straight lines between heights [N2].
+
+    By least squares the lines miss the force at a height by h^2 F'' / 12. F'' is that of the forces, less what their noise makes of it; at
+    the ends it is that of the next height.
+    """
+    if len(heights) < 3:
+        return np.zeros(len(heights))
+    below, above = np.diff(heights)[:-1], np.diff(heights)[1:]
+    share = np.maximum(below, above) ** 2 / (6.0 * (below + above))
+    inner = np.arange(len(below))
+    rows = np.zeros((len(below), len(heights)))
+    rows[inner, inner], rows[inner, inner + 1], rows[inner, inner + 2] = share / below, -share * (1 / below + 1 / above), share / above
+    squares = np.maximum((rows @ force) ** 2 - np.diag(rows @ covariance @ rows.T), 0.0)
+    return np.concatenate([squares[:1], squares, squares[-1:]])
 
 
 def _lengths(heights: Array) -> Array:

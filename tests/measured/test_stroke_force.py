@@ -302,3 +302,23 @@ def test_the_noise_of_an_angle_is_found_whatever_the_crank_does():
 def test_what_cannot_be_measured_is_named(make, says):
     with pytest.raises(PinpressError, match=says):
         make()
+
+
+def test_deviations_hold_the_error_of_straight_lines_between_heights():
+    """A force of half a sine over heights h apart: lines miss it by h^2 F'' / 12, which is many deviations of the noise."""
+    press, top, start, heights = shipped("crank_slide"), 2.5e4, 0.044, np.arange(0, 0.0561, 0.002)
+    bottom, mean, time = pp.dead_centres(press).bottom_position, 55 * RPM, np.arange(0, 6, 0.001)
+    wave = mean * time + 0.6
+    angle, speed, rate = mean * time + 0.05 * np.sin(wave), mean * (1 + 0.05 * np.cos(wave)), -(mean**2) * 0.05 * np.sin(wave)
+    motion = pp.servo_cycle(press, angle, speed=speed, acceleration=rate)
+    height = motion.slide_position - bottom
+    force = np.where((height < start) & (motion.slide_velocity < 0), top * np.sin(np.pi * (start - height) / start), 0.0)
+    needed = pp.inverse_dynamics(press, motion, bearings=()).driving_torque - force * motion.slide_velocity / speed
+    runs = [measured.MeasuredRun(time, angle, needed + 1.5 * np.random.default_rng(k).normal(size=len(time))) for k in range(4)]
+    found = [measured.process_force(press, run, heights) for run in runs]
+    middle = (heights > 0.010) & (heights < 0.034)
+    curve = 0.002**2 / 12 * top * (np.pi / start) ** 2 * np.sin(np.pi * (start - heights) / start)
+    error = np.mean([each.force for each in found], axis=0) - top * np.sin(np.pi * (start - heights) / start)
+    np.testing.assert_allclose(error[middle], curve[middle], rtol=0.3)
+    np.testing.assert_allclose(np.mean([each.deviation for each in found], axis=0)[middle], curve[middle], rtol=0.3)
+    assert (np.sqrt(np.diag(found[0].covariance))[middle] < 0.3 * curve[middle]).all()
