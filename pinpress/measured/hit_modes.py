@@ -11,6 +11,10 @@ and gives standard deviations. Modes closer than their damping is wide are told 
 them.
 
 The samples are filtered and thinned first, by a filter of finite length, after whose length a free vibration is one again.
+
+A hammer that bounces strikes again while the frame vibrates, and what follows is no free vibration of the first blow. It shows in what the
+modes leave over, which is then no noise. A free vibration is one at any later time too: later beginnings are tried until only noise is
+left.
 """
 
 from __future__ import annotations
@@ -46,6 +50,8 @@ STEPS, FIRST_STEPS = 30, 4  # most steps of the Gauss-Newton method, and those b
 SHORTEST = 1e-3  # share of a step below which shorter ones are not tried
 ROUNDING = 1e-13  # added to the diagonal of its normal equations, scaled to 1
 SETTLED = 1e-9  # relative change of the roots at which it ends
+AROUND = 51  # frequencies around one, by whose median noise is known
+RARE = 1e-4  # probability that noise alone has a frequency as strong as one that counts as no noise
 MOSTLY_NOISE = 0.3  # share of the energy that no mode explains, above which the hits are doubted
 DOUBTED_MAC = 0.8  # below this a measured shape is hardly the calculated one
 
@@ -67,6 +73,8 @@ class MeasuredModes(Tabular):
         beside: calculated modes; None where none were given.
         partner: (m,) number of the calculated mode that is meant, -1 where there is none.
         mac: (m, n) modal assurance criterion of each measured with each of n calculated shapes at the accelerometers, 1 where they agree.
+        misfit: how much wider the deviations are because what no mode explains is no noise; 1 where it is noise [-].
+        late: time after the hits from which on the vibration is free, more than 0 where a hammer is soft or bounces [s].
     """
 
     channels: tuple[str, ...]
@@ -81,6 +89,8 @@ class MeasuredModes(Tabular):
     beside: VibrationModes | None
     partner: tuple[int, ...]
     mac: Array
+    misfit: float = 1.0
+    late: float = 0.0
 
     @property
     def title(self) -> str:
@@ -156,6 +166,16 @@ class MeasuredModes(Tabular):
                 f"{100 * self.noise:.2g} % of what was measured after the hits is no free vibration of these modes: look at the times of"
                 " the hits, or give a band with fewer or with all modes"
             )
+        if self.late > 0:
+            found.append(
+                f"the first {self.late:.2g} s after the hits are left out, which are no free vibration: the hammer is soft, or bounced and"
+                " struck again"
+            )
+        if self.misfit > 1.0:
+            found.append(
+                f"what the modes leave over is no noise, and deviations are {self.misfit:.3g} times as wide for it: the hammer may have"
+                " struck again, or a mode is missing; hit once, with a hammer that is held back, or give a wider band"
+            )
         return tuple(found)
 
     def _close(self) -> list[tuple[int, int]]:
@@ -195,6 +215,22 @@ class _Model(NamedTuple):
     strengths: ComplexArray
 
 
+class _Fit(NamedTuple):
+    """Modes of free vibrations.
+
+    Attributes:
+        model: the modes.
+        deviations: (m, 2) standard deviations of natural frequencies [rad/s] and damping ratios.
+        noise: share of the energy that no mode explains.
+        misfit: by how much the deviations are wider because the rest is no noise.
+    """
+
+    model: _Model
+    deviations: Array
+    noise: float
+    misfit: float
+
+
 def hit_modes(
     runs: Sequence[VibrationRun],
     accelerometers: Mapping[str, Accelerometer],
@@ -206,9 +242,8 @@ def hit_modes(
     """Modes from hits, see `VibrationRecord.modes`."""
     low, high = _band(runs, beside, band)
     wanted = None if count is None else whole_number("count", count, 1, MOST_MODES)
-    decays = _free_vibrations(runs, low, high, hits)
-    roots = _realised(decays, low, high, wanted)
-    model, deviations, noise = _fitted(decays, roots, wanted)
+    decays, fit, late = _begun_in_time(_free_vibrations(runs, low, high, hits), low, high, wanted)
+    model, deviations, noise = fit.model, fit.deviations, fit.noise
     order = np.argsort(np.abs(model.roots))
     model, deviations = _Model(model.roots[order], model.shapes[:, order], model.strengths[order]), deviations[order]
     partner, mac = _beside(model, accelerometers, beside)
@@ -223,6 +258,8 @@ def hit_modes(
         shapes=model.shapes,
         energy_share=_energy_share(decays, model),
         noise=noise,
+        misfit=fit.misfit,
+        late=late,
         beside=beside,
         partner=partner,
         mac=mac,
@@ -230,7 +267,28 @@ def hit_modes(
     for pair in found._close():
         caution(f"modes {pair[0] + 1} and {pair[1] + 1}: {found.doubts[0]}")
         break
+    if found.misfit > 1.0:
+        caution(found.doubts[-1])
     return found
+
+
+def _begun_in_time(decays: _Decays, low: float, high: float, wanted: int | None) -> tuple[_Decays, _Fit, float]:
+    """Free vibrations of which modes leave over nothing but noise, their modes, and the time after the hits at which they begin [s].
+
+    Where there is no such time they begin at the hits.
+    """
+    step = max(1, round(0.5 / (low * decays.step)))
+    first = _fitted(decays, _realised(decays, low, high, wanted), wanted)
+    if first.misfit > 1.0:
+        for skipped in range(step, min(map(len, decays.values)) - 6 * step, step):
+            later = decays._replace(values=tuple(part[skipped:] for part in decays.values))
+            try:
+                fit = _fitted(later, _realised(later, low, high, wanted), wanted)
+            except PinpressError:  # the vibration has died away
+                break
+            if fit.misfit <= 1.0:
+                return later, fit, skipped * decays.step
+    return decays, first, 0.0
 
 
 def _band(runs: Sequence[VibrationRun], beside: VibrationModes | None, band: tuple[float, float] | None) -> tuple[float, float]:
@@ -365,8 +423,8 @@ def _rank(sizes: Array, shape: tuple[int, ...]) -> int:
     return int((sizes > (0.56 * ratio**3 - 0.95 * ratio**2 + 1.82 * ratio + 1.43) * np.median(sizes)).sum())
 
 
-def _fitted(decays: _Decays, roots: ComplexArray, wanted: int | None) -> tuple[_Model, Array, float]:
-    """The model that fits all samples best, standard deviations (m, 2) of frequencies and damping ratios, and the share of noise.
+def _fitted(decays: _Decays, roots: ComplexArray, wanted: int | None) -> _Fit:
+    """The model that fits all samples best.
 
     Modes that do not stand out of the noise are left out, the faintest first.
     """
@@ -388,7 +446,36 @@ def _fitted(decays: _Decays, roots: ComplexArray, wanted: int | None) -> tuple[_
     biggest = np.abs(model.shapes).argmax(axis=0), np.arange(len(model.roots))
     unit = model.shapes[biggest]
     model = _Model(model.roots, model.shapes / unit, model.strengths * unit[:, None])
-    return model, _deviations(model.roots, covariance), rest / sum(float((part**2).sum()) for part in decays.values)
+    period = max(1, round(2 * np.pi / (np.abs(model.roots).min() * decays.step)))
+    share = rest / sum(float((part**2).sum()) for part in decays.values)
+    turned = np.abs(model.roots).max() * decays.step * max(map(len, decays.values))
+    # below this share is what roots that are settled leave over
+    misfit = _misfit(decays, [part / scale for part in _residual(decays, model)], period) if share > (SETTLED * turned) ** 2 else 1.0
+    return _Fit(model, misfit * _deviations(model.roots, covariance), share, misfit)
+
+
+def _misfit(decays: _Decays, residual: Sequence[Array], period: int) -> float:
+    """By how much deviations are wider than by noise, of residuals (n, channels) after each hit in the same units.
+
+    What a wrong model leaves over swings as the modes do, in all channels together, and before a second blow more than after it. Where the
+    energy of a frequency is more than noise has that is about as strong at the frequencies around it (Fisher 1929), or that of a time is
+    more, the strongest frequency counts as noise. ``period``: samples of a period of the slowest mode.
+    """
+    from scipy.ndimage import median_filter  # slow to import
+    from scipy.stats import gamma  # slow to import
+
+    channels = residual[0].shape[1]
+    highest, odds = 0.0, 1.0
+    for part in residual:
+        swinging = part - part.mean(axis=0)
+        powers = (np.abs(np.fft.rfft(swinging, axis=0)) ** 2).sum(axis=1)[1:] / max(float((swinging**2).mean()) * len(part), 1e-300)
+        around = median_filter(powers, AROUND, mode="reflect") / gamma.median(channels)
+        energies = (swinging[: len(part) // period * period] ** 2).reshape(-1, period * channels).sum(axis=1)
+        independent = 0.5 * channels * period * around.mean() ** 2 / (around**2).mean()
+        odds = min(odds, len(powers) * float(gamma.sf((powers / np.maximum(around, 1e-300)).max(), channels)))
+        odds = min(odds, len(energies) * float(gamma.sf(independent * energies.max() / np.median(energies), independent)))
+        highest = max(highest, float(powers.max()))
+    return max(1.0, float(np.sqrt(highest / decays.colour))) if odds * len(residual) < RARE else 1.0
 
 
 def _weighted(decays: _Decays, model: _Model, scale: Array, steps: int) -> tuple[_Model, Array, Array]:

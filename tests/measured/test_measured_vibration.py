@@ -1,5 +1,6 @@
 """Vibrations measured by accelerometers: spectra, orders, modes from hits, mounts fitted to them, against systems of which all is known."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -238,12 +239,53 @@ def test_a_soft_hammer_a_hum_and_a_frame_that_bends():
     assert found.partner == (0, 1, 2, 3, 4, 5, -1, -1)  # the frame bends and hums beyond what was calculated
     assert [each is None for each in found.columns()["calculated_frequency [Hz]"]] == [False] * 6 + [True] * 2
     assert [each is None for each in found.columns()["mac [-]"]] == [False] * 6 + [True] * 2
-    assert found.doubts == ("50 Hz does not die away: it is a hum, or a machine that runs nearby, and no mode",)
+    assert found.doubts == (
+        "50 Hz does not die away: it is a hum, or a machine that runs nearby, and no mode",
+        "the first 0.25 s after the hits are left out, which are no free vibration: the hammer is soft, or bounced and struck again",
+    )
 
 
 def test_one_hit_does_not_tell_close_modes_apart():
     with pytest.warns(PinpressWarning, match="are closer than their damping is wide: 1 hit mixes their shapes"):
         measured.vibration(columns(blows=(0,), noise=1e-3), SENSORS).modes(band=(2, 30))
+
+
+def bounced(rng, modes, bounces):
+    """Free vibrations of modes (Hz, damping ratio) after two hits with noise, in closed form; a bouncing hammer strikes twice."""
+    time, channels = np.arange(7500) / 1000.0, int(rng.integers(1, 4))
+    values = np.zeros((len(time), channels))
+    shapes = rng.normal(size=(len(modes), channels))
+    for begin in (0.5, 4.0):
+        blows = [(begin, 1.0), *([(begin + rng.uniform(0.02, 0.25), rng.uniform(0.3, 0.7))] if bounces else [])]
+        strengths = rng.choice([-1.0, 1.0], len(modes)) * rng.uniform(0.5, 1.5, len(modes))
+        for at, size in blows:
+            since = np.maximum(time - at, 0.0)[:, None]
+            for (frequency, ratio), shape, strength in zip(modes, shapes, strengths, strict=True):
+                w = 2 * np.pi * frequency
+                values += size * strength * shape * np.exp(-ratio * w * since) * np.sin(w * np.sqrt(1 - ratio**2) * since)
+    values += rng.uniform(1e-3, 1e-2) * np.abs(values).max() * rng.normal(size=values.shape)
+    sensors = {f"{k} [m/s2]": measured.Accelerometer((0.0, 0.0, float(k)), "x") for k in range(channels)}
+    return measured.vibration({"time [s]": time, **dict(zip(sensors, values.T, strict=True))}, sensors)
+
+
+@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(4, 40))])
+def test_a_bouncing_hammer_is_doubted_and_its_modes_are_right(seed):
+    """One mode or two, one to three channels, blows 20 to 250 ms apart: the doubt is said, and intervals hold. A clean record has none."""
+    rng = np.random.default_rng(seed)
+    modes = [(20.0, rng.uniform(0.01, 0.06)), (33.0, rng.uniform(0.01, 0.06))][: 1 + seed % 2]
+    clean = bounced(np.random.default_rng(seed), modes, False).modes(band=(5, 60))
+    assert (len(clean.natural_frequency), clean.misfit) == (len(modes), 1.0)
+    with warnings.catch_warnings(record=True):
+        warnings.simplefilter("always")
+        found = bounced(rng, modes, True).modes(band=(5, 60))
+    assert found.late > 0
+    assert any("the hammer" in each for each in found.doubts)
+    exact = np.array(modes)
+    for each in (clean, found):
+        frequency, deviation = each.natural_frequency / (2 * np.pi), each.natural_frequency_deviation / (2 * np.pi)
+        near = exact[np.abs(np.subtract.outer(frequency, exact[:, 0])).argmin(axis=1)]
+        assert (np.abs(frequency - near[:, 0]) < 4.5 * deviation).all()
+        assert (np.abs(each.damping_ratio - near[:, 1]) < 4.5 * each.damping_ratio_deviation).all()
 
 
 def test_decrement_of_one_channel_in_a_band():

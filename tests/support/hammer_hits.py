@@ -53,7 +53,10 @@ def free(blow, seconds=8.0):
 def columns(blows=(0, 1, 2), noise=0.01, seed=0, seconds=8.0):
     """Columns of a record with these blows after each other, and noise by this share of each channel's root mean square after blows."""
     rng = np.random.default_rng(seed)
-    parts = [np.vstack([np.zeros((BEGIN, len(SENSORS))), free(blow, seconds)[0]]) for blow in blows]
-    data = np.vstack(parts)
+    apart = BEGIN + int(seconds * RATE)
+    data = np.zeros((apart * len(blows), len(SENSORS)))
+    for k, blow in enumerate(blows):  # the frame goes on swinging under the next blow
+        begin = k * apart + BEGIN
+        data[begin:] += free(blow, (len(data) - begin) / RATE)[0]
     data = data + noise * data.std(axis=0) * rng.normal(size=data.shape)
     return {"time [s]": np.arange(len(data)) / RATE} | {name: data[:, k] for k, name in enumerate(SENSORS)}
