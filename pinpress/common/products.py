@@ -9,7 +9,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from .quantities import Array, ComplexArray, Precision
+from .quantities import Array, ComplexArray
 
 # Numbers up to which OpenBLAS stays in one thread:
 SERIAL = 262_144  # multiplications of a product of real matrices
@@ -19,7 +19,7 @@ SERIAL_VECTOR = 10_000  # of two vectors
 
 
 @overload
-def product(rows: NDArray[Precision], columns: NDArray[Precision]) -> NDArray[Precision]: ...
+def product(rows: Array, columns: Array) -> Array: ...
 @overload
 def product(rows: ComplexArray, columns: Array | ComplexArray) -> ComplexArray: ...
 @overload

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-RealArray = NDArray[np.floating[Any]]
-"""Real numbers in double precision, or in single where that is enough."""
-Precision = TypeVar("Precision", bound=np.floating[Any])
-"""The precision of such numbers."""
 Values = float | Array
 """A number, or an array with one number for each scenario on the last axis."""
 

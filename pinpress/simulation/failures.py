@@ -45,6 +45,14 @@ REASONS = {
         "the energy does not balance: a torque or force changes too sharply for this tolerance; name the speeds at which the drive's torque"
         " is not smooth in its corners, or give a smaller tolerance"
     ),
+    "does not come back": (
+        "a slide of {press_name} does not come back after a turn, and inertia, forces or lengths change with it: simulate it with"
+        " method='constraint'"
+    ),
+    "jumps": (
+        "the crank is {travel:.4g} rad farther than in the state before, in {span:.4g} s, though it turns at {fastest:.4g} rad/s at most:"
+        " this run is wrong; simulate it with method='implicit'"
+    ),
     "no steady state": (
         "no steady state is found near {speed:g} rad/s ({turns:g} r/min): the drive is too weak for the loads, or gives as much or more at"
         " every speed there (a constant torque has none); try another speed, or let the press run with simulate"

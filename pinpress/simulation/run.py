@@ -43,6 +43,7 @@ BALANCED = 1e-6  # energy error accepted of a run with steps by error, unless a 
 ROUNDED = 1e-6  # least size that energies are compared with, as a share of the potential energy
 ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # roundings of a stiff drive's angle and speed that may show in the energy
 ROUND = 1 + 1e-12  # rounding of times and turns
+BETWEEN = 1.1  # by which the crank may be faster between the ends of long steps than there
 BEYOND = 1e-9  # travel of a driver that slides, beyond its end, that is rounding [lengths of the linkage]
 STATES = 720  # states of a turn in which extremes are looked for, beside the edges of what is smooth
 
@@ -124,7 +125,8 @@ class Run(Motion):
 
 
 def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | None, began: float, sensitivity: float | None = None) -> Run:
-    """The run of a trajectory, with closed loops, after its energy balance was checked. With fixed steps any energy error is accepted.
+    """The run of a trajectory, with closed loops, after its path and its energy balance were checked. With fixed steps any energy error is
+    accepted.
 
     Args:
         problem: what was simulated.
@@ -136,6 +138,8 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
     driven = problem.driven
     times = np.linspace(0.0, problem.until, state_count(points, trajectory.turns))
     sample = trajectory.at(times)
+    if problem.step is None:
+        _refuse_jumps(driven.press, times, sample, trajectory.fastest)
     motion = _closed(driven.press, times, sample)
     _refuse_beyond_travel(driven.press, motion)
     error = _audited(problem, motion, sample)
@@ -164,6 +168,20 @@ def _closed(press: Linkage, times: Array, sample: Sample) -> Motion:
     if len(position) == 1:
         return motion_through_change_points(press, position[0], speed[0], acceleration[0], times)
     return of_states(press, position, speed, acceleration, press.engine().gaps(position), times, press.turns_until_back)
+
+
+def _refuse_jumps(press: Linkage, times: Array, sample: Sample, fastest: float) -> None:
+    """Raise SimulationError where the first driver is farther from its state before than its speed allows; ``fastest``: largest size of
+    that where it was solved."""
+    joint = press.driver_indices[0] if len(sample.position) > 1 else 0
+    travel, span = np.abs(np.diff(sample.position[joint])), np.diff(times)
+    fastest = max(fastest, float(np.abs(sample.speed[joint]).max()))
+    rounding = ROUNDINGS * EPS * float(np.abs(sample.position[joint]).max())
+    beyond = travel > BETWEEN * fastest * span + rounding
+    if beyond.any():
+        k = int(np.argmax(beyond))
+        there = float(sample.position[joint, k])
+        raise failure("jumps", float(times[k]), there, travel=float(travel[k]), span=float(span[k]), fastest=fastest)
 
 
 def _refuse_beyond_travel(press: Linkage, motion: Motion) -> None:

@@ -85,6 +85,10 @@ class TimeSegment:
         return self.times[-1] if self.times else self.start
 
     @property
+    def fastest(self) -> float:
+        return max(map(abs, self.speeds), default=0.0)
+
+    @property
     def borders(self) -> Array:
         return read_only(np.array([self.start, *self.times]))
 

@@ -78,6 +78,11 @@ class Segment(Protocol):
         ...
 
     @property
+    def fastest(self) -> float:
+        """Largest size of the crank's speed where it was solved [rad/s]."""
+        ...
+
+    @property
     def solvers(self) -> tuple[str, ...]:
         """Names of the solvers that found it, see `Stats`."""
         ...
@@ -125,6 +130,11 @@ class Trajectory:
         """Turns of the crank, in either direction."""
         return sum(segment.travelled for segment in self.segments) / (2 * np.pi)
 
+    @property
+    def fastest(self) -> float:
+        """Largest size of the crank's speed where it was solved [rad/s]."""
+        return max(segment.fastest for segment in self.segments)
+
     @cached_property
     def borders(self) -> Array:
         """Rising times, start and end among them, between which the run is smooth [s]."""
@@ -159,6 +169,7 @@ class StandstillSegment:
     steps = 0
     evaluations = 0
     travelled = 0.0
+    fastest = 0.0
 
     @property
     def start(self) -> float:
@@ -197,6 +208,10 @@ class RepetitionSegment:
     def travelled(self) -> float:
         swings = (self.end - self.start) / (self.start - self.first)
         return swings * sum(segment.travelled for segment in self.swing.segments)
+
+    @property
+    def fastest(self) -> float:
+        return self.swing.fastest
 
     @property
     def borders(self) -> Array:

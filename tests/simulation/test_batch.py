@@ -277,6 +277,7 @@ def test_scenarios_that_need_too_many_panels_run_alone(monkeypatch):
     solver = BatchSolver(driven, 0.0, np.array([6.0, 6.0]), np.array([0.0, 1.5]))
     solutions, solve = [], collocation.solve
     monkeypatch.setattr(batch, "MOST_PANELS", -1)
+    monkeypatch.setattr(collocation, "ROUNDS", 1)
     monkeypatch.setattr(collocation, "solve", lambda *given, **named: solutions.append(solve(*given, **named)) or solutions[-1])
     solver.run(1e-9)
     assert solver.alone.all()
@@ -365,8 +366,7 @@ def test_energy_in_plain_formulas(press):
 
 @pytest.mark.usefixtures("none_alone")
 def test_many_motors_by_scipy(press):
-    """Kloss's torque behind gears, and a blank with its stripping, for 2 of 70 scenarios: more than 64 are solved with
-    corrections in single precision, and differ from their exact equations by no more than one."""
+    """Kloss's torque behind gears, and a blank with its stripping, for 2 of 70 scenarios."""
     power, speed, force = np.linspace(1e4, 4e4, 70), np.linspace(28.0, 31.0, 70), np.linspace(1e6, 4e5, 70)
     motor = pp.drives.Geared(pp.drives.InductionMotor(power, 1465 * RPM, inertia=0.1), 5.0)
     loads = [pp.loads.Blanking(force, 0.010, 0.005, stripping=0.2 * force)]

@@ -11,36 +11,30 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...common.numerics import gauss_rule, running_sums
 from ...common.products import product
-from ...common.quantities import Array, Precision, RealArray
+from ...common.quantities import Array
 from ...drives.transmission import PrescribedSpeed
 from ..driven_press import DrivenPress
 from ..failures import failure
 from .forces import Forces, along_travel, friction_torque_at
 from .mesh import TO_REST, Indices, Mesh
 
-ROUNDS = 30  # most rounds of Newton's method
-# Relative changes of the kinetic energy that end Newton's method: in a round, and in the next one if it shrinks as in the last one; and the
-# shares of a run's tolerance that do, if larger.
-SETTLED, FORESEEN = 1e-10, 1e-15
-NEARLY_SETTLED, NEARLY_FORESEEN = 1e-2, 1e-4
-MANY = 64  # scenarios from which on corrections are computed in single precision: that takes a quarter of the time, but more calls
+ROUNDS = 12  # most rounds of Newton's method in which no further panel is solved
+SETTLED = 1e-8  # relative change of the kinetic energy that ends Newton's method, which squares it: the next one would be rounding
 FEW = 6  # scenarios up to which panel by panel Python numbers take less time than arrays
 ROUGHLY = 1e-4  # relative change that ends it where a solution only has to tell where to look for another
-FLOOR = 1e-6  # share of the first kinetic energy: no speed is computed from less
+FLOOR = 1e-6  # share of the kinetic energy at the start: forces are not computed at the speeds of less
+TINY = float(np.finfo(float).tiny)
 STIFF = 2.0  # where the energy changes the force by more over half a panel, the panel's own linear equations are solved
-CLOSE = 1e-3  # relative change of the kinetic energy in a round from which on the slopes of the forces are kept
 FURTHEST = 100.0  # largest factor by which a round may change the kinetic energy
 BESIDE = 1e-7  # relative change of a speed by which the slopes of the forces are found
 LEAST = 1e-3  # share of the period's largest kinetic energy: with less, a drive that depends on speed may be about to stop the crank
 
 
 class Growth(NamedTuple):
-    """How a disturbance of W grows with the angle, by dW/du = K W. K only has to lead to the solution: that of many scenarios is in
-    single precision, and so is what is solved with it.
+    """How a disturbance of W grows with the angle, by dW/du = K W.
 
     Attributes:
         slopes: (q, p, S) K.
@@ -49,9 +43,9 @@ class Growth(NamedTuple):
         through: (p, S) factor over a whole panel; None of a stiff drive.
     """
 
-    slopes: RealArray
+    slopes: Array
     stiffness: Array
-    within: RealArray | None
+    within: Array | None
     through: Array | None
 
 
@@ -63,7 +57,7 @@ class CollocationSolution:
         mesh: its panels.
         energy: (q, p, S) kinetic energy W at the nodes [J].
         ends: (p + 1, S) W at the borders [J].
-        speed: (q, p, S) size of the crank's speed [rad/s]; it has no meaning where W is below the floor.
+        speed: (q, p, S) size of the crank's speed that W gives [rad/s]; nearly 0 where W is not positive.
         force: (q, p, S) dW/du [N m].
         driving: (q, p, S) part of the force that comes from the drive [N m].
         resisting: (q, p, S) part of the force that comes from the loads [N m].
@@ -71,7 +65,8 @@ class CollocationSolution:
         speed_free: whether no force depends on the speed, so that W is right beyond a stop too.
         stiffness: (p,) e-folds by which a disturbance of W dies away on half a panel; 0 where the drive is not stiff.
         exponent: (S,) e-folds by which a disturbance of a periodic W grows in a period; 0 of any other W.
-        settled: (S,) number of panels on which Newton's method has found W: all, or those before the crank nearly stops.
+        settled: (S,) number of panels on which W is solved: all, or those before the crank nearly stops. There every force was computed at
+            the speed that W gives.
         added: inertia of flywheel and drive, (S,), or (1,) where all scenarios have the same [kg m2].
         evaluations: number of nodes at which the forces were computed, each time counted.
         growth: of a disturbance of W, about right; None where no force depends on the speed.
@@ -103,14 +98,13 @@ class CollocationSolution:
         """(p, S) of the panels [s]."""
         return _summed(self.slowness)
 
-    def started_with(self, energy: Array) -> tuple[Array, float]:
-        """About the kinetic energy (q, p, S) over the same mesh from other energies (S,) at the start, and its largest relative change."""
+    def started_with(self, energy: Array) -> Array:
+        """About the kinetic energy (q, p, S) over the same mesh from other energies (S,) at the start."""
         change: Array = energy - self.ends[0]
         growth = self.growth
         if growth is None or growth.within is None or growth.through is None:
-            return self.energy + change, 1.0
-        at_starts = np.concatenate([change[None], change * growth.through[:-1].cumprod(axis=0)])
-        return self.energy + growth.within * at_starts, float((np.abs(at_starts).max(axis=0) / self.ends.max(axis=0)).max())
+            return self.energy + change
+        return np.asarray(self.energy + growth.within * np.concatenate([change[None], change * growth.through[:-1].cumprod(axis=0)]))
 
 
 def solve(
@@ -143,13 +137,9 @@ def solve(
     if driven.speed_free:
         return _Newton(driven, mesh, inertia, energy, energy[None, None], periodic).integrated()
     if beside is not None:
-        work, moved = beside.started_with(energy)
-        return _Newton(driven, mesh, inertia, energy, work, periodic).solve(work, beside.growth, moved)
+        guess = beside.started_with(energy)
     work = np.broadcast_to(energy, (*mesh.angle.shape, len(energy))) if guess is None else guess
-    newton = _Newton(driven, mesh, inertia, energy, work, periodic)
-    if roughly:
-        newton.ending = ROUGHLY, ROUGHLY**2
-    return newton.solve(work)
+    return _Newton(driven, mesh, inertia, energy, work, periodic).solve(work, ROUGHLY if roughly else SETTLED)
 
 
 def _inertia(driven: DrivenPress, mesh: Mesh) -> Array:
@@ -179,49 +169,44 @@ class _Newton:
         self.shape = (*mesh.angle.shape, len(energy))
         self.forces = Forces(driven.drive, mesh, inertia, self.shape)
         self.twice = 2 / inertia
-        self.ending = max(SETTLED, NEARLY_SETTLED * driven.tolerance), max(FORESEEN, NEARLY_FORESEEN * driven.tolerance)
         self.added = np.ravel(driven.inertia).astype(float)
-        # from the guess alone, because W may rise without bounds far from the solution
-        self.floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
+        # The guess must not decide where W is solved; only a start from rest leaves no other measure.
+        self.floor = FLOOR * np.where(energy > 0, energy, work.max(axis=(0, 1))) + TINY
         self.everywhere = np.full(len(energy), len(mesh.kinds))
 
-    def solve(self, work: Array, growth: Growth | None = None, moved: float = np.inf) -> CollocationSolution:
-        """Find W from a guess (q, p, S), with a ``growth`` that belongs to one that has ``moved`` by this share since."""
-        growth = None if growth is None or growth.within is None else growth
-        ends, force, last, settled = None, None, np.nan, self.everywhere
-        shares = np.full((len(self.mesh.kinds), len(self.energy)), np.inf)
-        for _ in range(ROUNDS):
+    def solve(self, work: Array, change: float) -> CollocationSolution:
+        """Find W from a guess (q, p, S) by rounds, the last of which changes W by no more than this share. Far from the guess each round
+        solves a few more panels."""
+        found, ends, force, growth, left = work, None, None, None, ROUNDS
+        settled = most = 0 * self.everywhere
+        while left:
+            left -= 1
             above = np.maximum(work, self.floor)
-            speed = above * self.twice
-            np.sqrt(speed, out=speed)
+            speed = np.sqrt(above * self.twice)
             total = self.forces.at(speed)
-            # K is found by a difference, because it only has to lead to the solution, and is kept close to it
-            if growth is None or moved > CLOSE:
-                change = self.forces.faster(speed, BESIDE)
-                # no force depends on the speed here; is it so at the speeds that follow from these forces too?
-                if self.mesh.bearings is None and not change.any():
-                    free = self._solution(work, True, self.everywhere)
-                    if np.array_equal(self.forces.at(free.speed), total):
-                        return self._seen_at_rest(free, total)
-                    work, growth = np.maximum(free.energy, above / FURTHEST), None
-                    continue
-                growth = _growth(self.mesh, change, above)
+            faster = self.forces.faster(speed, BESIDE)
+            # no force depends on the speed here; is it so at the speeds that follow from these forces too?
+            if self.mesh.bearings is None and not faster.any():
+                free = self._solution(work, True, self.everywhere)
+                if np.array_equal(self.forces.at(free.speed), total):
+                    return self._seen_at_rest(free, total)
+                work, growth = np.maximum(free.energy, above / FURTHEST), None
+                continue
+            growth = _growth(self.mesh, faster, above)
             before = work
             found, ends, force = self._round(total, growth, before)
-            step = found - before
-            work, shares = self._limited(found, step, before, above)
-            moved = float(shares.max())
-            if self._ended(growth, moved, last):
+            work, changes = self._limited(found, before, above)
+            # W that was limited, or whose speed was, is not that of these forces. Later panels do not act on earlier ones.
+            unsolved = ~(changes <= change) | (work != found).any(axis=0) | (work < self.floor).any(axis=0)
+            settled = np.where(unsolved.any(axis=0), unsolved.argmax(axis=0), len(self.mesh.kinds))
+            if changes.max() <= change:
                 break
-            last = moved
-        else:  # later panels do not act on earlier ones: the first panels may be right where the last ones are not
-            unsettled = shares > self.ending[0]
-            settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), len(self.mesh.kinds))
+            left = ROUNDS if (settled > most).any() else left
+            most = np.maximum(most, settled)
         steady = not self.forces.vary and not self.mesh.kinds.any()
         if growth is not None and growth.within is not None and steady and work is found:
-            step *= growth.slopes  # the forces at this W differ from these by a square of the last change
-            force = step + total
-            force += self.mesh.weight[:, :, None]
+            # the forces at this W differ from these by a square of the last change
+            force = growth.slopes * (found - before) + total + self.mesh.weight[:, :, None]
         else:
             self.forces.at(np.sqrt(np.maximum(work, self.floor) * self.twice))
         return self._solution(work, False, settled, growth, None if force is None else ends, force)
@@ -244,38 +229,20 @@ class _Newton:
                 work, ends, force = _solved(mesh, (total + weight) * measure - exponents * before, exponents, self.energy, self.periodic)
             else:
                 work, ends = _integral(mesh, total, weight, self.energy)
-                missed = (work - before).astype(growth.slopes.dtype, copy=False)
-                missed *= growth.slopes
-                missed *= measure.astype(missed.dtype)
+                missed = (work - before) * growth.slopes * measure
                 further, at_ends = _factored(missed, growth.within, growth.through, ends[-1] - ends[0] if self.periodic else None)
                 work += further
                 ends += at_ends
         self.energy = ends[0]
         return work, ends, force
 
-    def _ended(self, growth: Growth, moved: float, before: float) -> bool:
-        """Whether Newton's method ends after a round.
-
-        Args:
-            growth: with which the round was made.
-            moved: largest relative change of W in it.
-            before: the same of the round before; NaN in the first one.
-        """
-        settled, foreseen = self.ending
-        if growth.within is None:  # a stiff drive's torque changes with the last digit of the speed
-            return moved <= settled and (moved >= 0.5 * before or moved <= foreseen)
-        return moved <= settled or moved * moved <= foreseen * before
-
-    def _limited(self, work: Array, step: Array, before: Array, above: Array) -> tuple[Array, Array]:
-        """W after a round, a ``step`` from what it was ``before``, limited to a factor of that where it is ``above`` the floor, and its
-        largest change (p, S) as a share."""
-        largest = np.maximum(step.max(axis=0), -step.min(axis=0))
-        if not (largest <= 0.5 * above.min(axis=0)).all():
-            if not np.isfinite(work.sum()):
-                work = np.where(np.isfinite(work), work, above)
-            work = np.minimum(np.maximum(work, above / FURTHEST), above * FURTHEST)
-            largest = np.abs(work - before).max(axis=0)
-        return work, largest / np.maximum(work.max(axis=0), self.energy)
+    def _limited(self, work: Array, before: Array, above: Array) -> tuple[Array, Array]:
+        """W after a round, limited to a factor of what it was ``before``, where that is ``above`` the floor, and its largest change (p, S)
+        as a share."""
+        if not (np.abs(work - before).max(axis=0) <= 0.5 * above.min(axis=0)).all():
+            finite = np.where(np.isfinite(work), work, above)
+            work = np.minimum(np.maximum(finite, above / FURTHEST), above * FURTHEST)
+        return work, np.abs(work - before).max(axis=0) / np.maximum(work.max(axis=0), self.energy)
 
     def _seen_at_rest(self, found: CollocationSolution, total: Array) -> CollocationSolution:
         """A solution whose forces do not depend on its speeds. Where it has a stop, the forces at rest decide `speed_free`."""
@@ -302,8 +269,7 @@ class _Newton:
         exponent = np.zeros(len(self.energy))
         if growth is not None and self.periodic:
             exponent = _summed(growth.slopes * self.mesh.measure[:, :, None]).sum(axis=0)
-        speed = np.maximum(work, np.finfo(float).tiny if speed_free else self.floor)  # before a stop W is small, and right
-        speed *= self.twice
+        speed = np.maximum(work, TINY) * self.twice  # never from the floor, so that the energy balance tells what is wrong
         return CollocationSolution(
             mesh=self.mesh,
             energy=work,
@@ -325,17 +291,13 @@ class _Newton:
 
 def _growth(mesh: Mesh, change: Array, above: Array) -> Growth:
     """How disturbances grow where energies (q, p, S) whose speeds are larger by the share `BESIDE` ``change`` the force (q, p, S)."""
-    slopes: RealArray = change / above
-    slopes /= 2 * BESIDE
-    if slopes.shape[2] >= MANY:
-        slopes = slopes.astype(np.float32)
-    exponents = slopes * mesh.measure[:, :, None].astype(slopes.dtype)
-    stiffness = np.maximum(exponents.max(axis=(0, 2)), -exponents.min(axis=(0, 2))).astype(float)
+    slopes = change / (2 * BESIDE * above)
+    exponents = slopes * mesh.measure[:, :, None]
+    stiffness = np.maximum(exponents.max(axis=(0, 2)), -exponents.min(axis=(0, 2)))
     if not stiffness.max() <= STIFF:
         return Growth(slopes, stiffness, None, None)
-    growth = _to_end(exponents)
-    np.exp(growth, out=growth)
-    return Growth(slopes, 0.0 * stiffness, growth[:-1], growth[-1].astype(float))
+    growth = np.exp(_to_end(exponents))
+    return Growth(slopes, 0.0 * stiffness, growth[:-1], growth[-1])
 
 
 def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: PrescribedSpeed) -> CollocationSolution:
@@ -396,7 +358,7 @@ def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[A
     return work, ends
 
 
-def _factored(constant: RealArray, within: RealArray, through: Array, short: Array | None) -> tuple[RealArray, Array]:
+def _factored(constant: Array, within: Array, through: Array, short: Array | None) -> tuple[Array, Array]:
     """F (q, p, S) from dF/dx = constant + K du/dx F by an integrating factor, for all scenarios in few operations, and its values
     (p + 1, S) at the borders. On every panel F is a part of its own, plus a growth times its value at the panel's start.
 
@@ -409,7 +371,7 @@ def _factored(constant: RealArray, within: RealArray, through: Array, short: Arr
     constant /= within
     integrals = _to_end(constant)
     found, ends = integrals[:-1], _panel_by_panel(through * integrals[-1], through, short)
-    found += ends[:-1].astype(found.dtype)
+    found += ends[:-1]
     found *= within
     return found, ends
 
@@ -470,8 +432,7 @@ def _summed(rate: Array) -> Array:
     return product(gauss_rule().weights, rate.reshape(q, -1)).reshape(p, count)
 
 
-def _to_end(rate: NDArray[Precision]) -> NDArray[Precision]:
+def _to_end(rate: Array) -> Array:
     """Integrals (q + 1, p, S) of a rate (q, p, S) by x from each panel's start to its nodes and to its end."""
     q, p, count = rate.shape
-    to_end = gauss_rule().to_end.astype(rate.dtype, copy=False)
-    return product(to_end, rate.reshape(q, -1)).reshape(q + 1, p, count)
+    return product(gauss_rule().to_end, rate.reshape(q, -1)).reshape(q + 1, p, count)

@@ -18,7 +18,6 @@ from .collocation import FLOOR, LEAST, CollocationSolution
 from .forces import along_travel, along_travel_at_ends
 from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce
 
-BEYOND = 10.0  # guesses of the energy are limited to this multiple of the largest energy that is known
 NARROWEST = 1e-9  # narrowest panel that is cut [rad]
 ROUNDED = 5e-14  # last terms of a polynomial up to this share of the whole may be rounding, which no cut reduces
 LAYER = 10.0  # e-folds of half a panel that holds what dies away at its start under a stiff drive
@@ -197,8 +196,8 @@ def _place_of(mesh: Mesh, panel: int, polynomial: list[float], level: float) -> 
 
 
 def interpolate_onto(solution: CollocationSolution, mesh: Mesh) -> Array | None:
-    """The kinetic energy (q, p, S) of a solution at the nodes of another mesh over the same angles; None where one of the meshes starts or
-    ends at rest."""
+    """The kinetic energy (q, p, S) of a solution at the nodes of another mesh over the same angles, where it is not solved that at the
+    start; None where one of the meshes starts or ends at rest."""
     old = solution.mesh
     if old.kinds.any() or mesh.kinds.any():
         return None
@@ -211,7 +210,5 @@ def interpolate_onto(solution: CollocationSolution, mesh: Mesh) -> Array | None:
     value = coefficients[-1][panel]
     for k in range(q - 2, -1, -1):
         value = value * x + coefficients[k][panel]
-    # the energy has no meaning on panels on which Newton's method has not settled, and must not enter the largest energy
-    known = np.arange(len(old.kinds))[:, None] < solution.settled
-    highest = np.maximum(np.where(known, solution.energy.max(axis=0), 0.0).max(axis=0), solution.ends[0])
-    return np.asarray(np.clip(value, FLOOR * solution.ends[0], BEYOND * highest))
+    value = np.where(panel[:, :, None] < solution.settled, value, solution.ends[0])
+    return np.asarray(np.maximum(value, FLOOR * solution.ends[0]))

@@ -35,6 +35,7 @@ class AngleSegment:
         summed: (k, q + 1, count) coefficients in x of the first `INTEGRALS` since a panel's start: three, with friction all four.
         integrals: (k, count + 1) the same since the segment's start, at the borders.
         final_speed: of the crank at the end, from its kinetic energy: the polynomial of the time is less exact [rad/s].
+        fastest: largest size of the crank's speed at the nodes [rad/s].
         evaluations: see `CollocationSolution`.
         slow: crank angles at which the crank is `nearly_at_rest` [rad].
     """
@@ -48,6 +49,7 @@ class AngleSegment:
     summed: Array
     integrals: Array
     final_speed: float
+    fastest: float
     evaluations: int
     slow: Array
     solvers = ("angle",)
@@ -145,6 +147,7 @@ def angle_segment(driven: DrivenPress, solution: CollocationSolution, count: int
         summed=summed,
         integrals=np.concatenate([np.zeros((len(summed), 1)), summed.sum(axis=1).cumsum(axis=1)], axis=1),
         final_speed=mesh.direction * math.sqrt(2 * max(0.0, float(solution.ends[count, 0])) / final_inertia),
+        fastest=float(speed.max()),
         evaluations=solution.evaluations,
         slow=mesh.angle[:, :count][nearly],
     )
