@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..common.arguments import number, numbers
 from ..common.errors import PinpressError, shown
@@ -396,6 +396,13 @@ class Linkage(Frozen):
         self.refuse_sliding_driver("it has no period of turns; cycle(press, speed=...) moves it there and back")
         if self.branch_through_change_points.period is None:
             raise branch.out_of_branch(self.branch_through_change_points, upwards=self.branch_through_change_points.locks[True] is not None)
+        if self.advancing.any():
+            joint = int(np.flatnonzero(self.advancing)[0])
+            gained = float(self.branch_through_change_points.gain_per_period[joint]) * 1e3
+            raise PinpressError(
+                f"{self.name} has no period: {self.joints[joint]!r} slides on by {gained:.6g} mm in every turn, as on a screw or a rack;"
+                " give crank angles, servo_cycle(press, angle, speed=...)"
+            )
         raise PinpressError(
             f"{self.name} has no period: an unbalanced shaft is geared so that it is not back after {branch.MOST_TURNS} turns; give crank"
             " angles, servo_cycle(press, angle, speed=...), or another gear ratio"
@@ -421,12 +428,23 @@ class Linkage(Frozen):
         if found.period is None:
             return None
         model, size, carrying = self.model, self.size, set(self.model.parents)
+        guide = -1 if self.slide is None else self.slide_guide.joint
+        for joint in np.flatnonzero(self.advancing).tolist():  # a feeder along the frame is the same wherever it is, the slide is not
+            if joint == guide or joint + 1 in carrying or model.parents[joint + 1]:
+                return None
         counts = [  # on loops all are back
             axis.turns and (body in carrying or not _is_balanced(model.inertias[body], axis.direction, size))
             for body, axis in enumerate(self.axes, 1)
         ]
         periods = branch.periods_until_back(found.gain_per_period[counts])
         return None if periods is None else periods * round(found.period / (2 * np.pi))
+
+    @property
+    def advancing(self) -> NDArray[np.bool_]:
+        """(nv,) which joints of a linkage with one driver slide on in every period, as on a screw or a rack, and do not come back."""
+        found = self.branch_through_change_points
+        slides = np.array([not axis.turns for axis in self.axes])
+        return slides & (np.abs(found.gain_per_period) > 1e-9 * self.size) & (found.period is not None)  # less is rounding
 
     def with_inertias(self, inertias: Sequence[pin.Inertia], name: str | None = None) -> Linkage:
         """The linkage with other masses. What is known of its geometry is kept, because it does not depend on masses.

@@ -338,7 +338,8 @@ class BatchSolver:
     def run(self, tolerance: float) -> None:
         """Run all scenarios to the last of the times, or mark them as ``alone``."""
         until, period = float(self.times[-1]), self.driven.model.period
-        if self.driven.timed or not np.all(self.energy > 0) or self._contacts_heed_velocity or period is None:
+        repeats = self.driven.model.repeats
+        if self.driven.timed or not np.all(self.energy > 0) or self._contacts_heed_velocity or period is None or not repeats:
             self.alone[:] = True
             return
         periods = 0

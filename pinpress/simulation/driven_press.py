@@ -37,6 +37,7 @@ from .reduced_model import (
     ReducedModel,
     build_reduced_model,
     joined,
+    places_of,
     reduced_model_to,
     resolution_for,
     roots,
@@ -257,7 +258,7 @@ class DrivenPress:
         found = [] if self.bearing_model is None else [*self.bearing_model.reversals]
         for force in self.forces:
             row, borders = COORDINATES + force.row, force.borders()
-            found += [roots(self.model, row, border) for border in borders]
+            found += [places_of(self.model, row, border) for border in borders]
             if borders:
                 found.append(roots(self.model, row, 0.0, slope=True))
         return read_only(tuple(found))

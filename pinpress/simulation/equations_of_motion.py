@@ -101,6 +101,7 @@ class ReducedDynamics:
     def __init__(self, table: ReducedModel) -> None:
         self.table = table
         self.borders = table.borders.tolist()
+        self.gains = table.gains[[INERTIA, *range(COORDINATES, len(table.gains))]].tolist() if table.gains.any() else None
         falling = table.coefficients[:, :, ::-1].tolist()  # powers of x
         # of V' the value alone is needed, of V nothing
         self.rows = [(panel[WEIGHT], [panel[INERTIA], *panel[COORDINATES:]]) for panel in falling]
@@ -108,9 +109,10 @@ class ReducedDynamics:
     def at(self, position: Array, speed: Array) -> CrankState:
         angle, rate = float(position[0]), float(speed[0])
         borders, period = self.borders, self.table.period
-        local, loose = angle, 0.0
+        local, loose, turns = angle, 0.0, 0.0
         if period is not None:
-            local, loose = angle - (angle - borders[0]) // period * period, LOOSE
+            turns = (angle - borders[0]) // period
+            local, loose = angle - turns * period, LOOSE
         if not borders[0] - loose <= local <= borders[-1] + loose:
             count = self.table.coefficients.shape[1] - COORDINATES  # NaN makes an integrator that looks ahead try a shorter step
             return CrankState(angle, rate, [(math.nan, math.nan)] * count, math.nan, math.nan, math.nan, [math.nan] * count)
@@ -126,6 +128,8 @@ class ReducedDynamics:
                 value = value * x + coefficient
             values.append(value)
             slopes.append(slope / half)
+        if self.gains is not None:
+            values = [value + turns * gain for value, gain in zip(values, self.gains, strict=True)]
         levers = slopes[1:]
         coordinates = [(value, lever * rate) for value, lever in zip(values[1:], levers, strict=True)]
         return CrankState(angle, rate, coordinates, values[0], slopes[0], weight, levers)

@@ -44,6 +44,7 @@ PARTS = (
     1e-6  # and as at least this share of what lifting all links by the linkage's size takes: they may balance each other but for rounding
 )
 MIDDLE = 6  # of the terms of a polynomial; it and the next are about the square root of the last ones, and far above the errors of a table
+ALIKE, FAR, SAME = 36, 1000, 1e-9  # angles of a period that are compared with those so many periods away, and the share that is rounding
 NARROWEST = 1e-7  # narrowest panel: what it does not resolve lies at a lock [rad]
 INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a model
 
@@ -59,7 +60,8 @@ class ReducedModel:
         borders: (p + 1,) of the panels, rising [rad].
         coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel. Rows are inertia [kg m2], potential energy about the middle
             of its range [J], its derivative by the crank angle [N m], coordinates [m].
-        period: crank angle after which all repeats itself [rad]; None where the crank cannot turn that far.
+        period: crank angle after which all repeats itself, but for the ``gains`` [rad]; None where the crank cannot turn that far.
+        gains: (rows,) by how much each row has grown after a period: a slide on a screw or a rack does not come back.
         evaluations: states of the linkage that were computed.
         coordinate: what the crank angle is: of a driver that slides it is a position [m], and the reduced inertia a mass [kg].
         finest: the model from which this one was made by joining panels; None where it is that itself.
@@ -68,9 +70,15 @@ class ReducedModel:
     borders: Array
     coefficients: Array
     period: float | None
+    gains: Array
     evaluations: int
     coordinate: DriverCoordinate
     finest: ReducedModel | None = None
+
+    @property
+    def repeats(self) -> bool:
+        """Whether all is the same again after a period."""
+        return self.period is not None and not self.gains.any()
 
     @cached_property
     def potential_range(self) -> float:
@@ -125,6 +133,9 @@ class ReducedModel:
                 slope += value
             value *= x
             value += coefficients
+        if self.gains.any():
+            assert self.period is not None
+            value += np.multiply.outer(self.gains, np.round((angle - local) / self.period))
         return value, slope / half
 
 
@@ -164,7 +175,28 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
     if panels is None:
         missed, borders = _Sizes(len(coordinates), PARTS * weight * press.size).missed, _expected(press, branch, borders)
     sampled = resolved_panels(lambda angles: sample_rows(press, angles, coordinates), missed, borders)
-    return ReducedModel(sampled.borders, _centred(sampled.coefficients), period, sampled.points, branch.coordinate)
+    gains = np.zeros(COORDINATES + len(coordinates)) if period is None else _gains(press, coordinates, low, period)
+    return ReducedModel(sampled.borders, _centred(sampled.coefficients), period, gains, sampled.points, branch.coordinate)
+
+
+def _gains(press: Linkage, coordinates: Sequence[Coordinate], start: float, period: float) -> Array:
+    """(rows,) by how much the rows of a model grow in a period.
+
+    Raises:
+        SimulationError: a slide does not come back, and a row changes otherwise than by a constant.
+    """
+    if not press.advancing.any():
+        return np.zeros(COORDINATES + len(coordinates))
+    angles = start + period * np.linspace(0.0, 1.0, ALIKE, endpoint=False)
+    first, second = (sample_rows(press, angles + moved, coordinates) for moved in (0.0, period))
+    gains: Array = (second - first).mean(axis=1)
+    gains[np.abs(gains) <= SAME * np.abs(first).max(axis=1)] = 0.0
+    for periods in (1, -FAR, FAR):  # the length of a spring is linear on one side alone
+        later = sample_rows(press, angles + periods * period, coordinates)
+        size = np.maximum(np.abs(first), np.abs(later)).max(axis=1, keepdims=True)
+        if gains[INERTIA] or gains[WEIGHT] or (np.abs(later - first - periods * gains[:, None]) > SAME * size).any():
+            raise failure("does not come back", press_name=press.name)
+    return gains
 
 
 def _expected(press: Linkage, branch: Branch, borders: Array) -> Array:
@@ -373,6 +405,18 @@ class PanelPolynomials(Protocol):
     def coefficients(self) -> Array: ...
     @property
     def period(self) -> float | None: ...
+
+
+def places_of(model: ReducedModel, row: int, level: float) -> Array:
+    """Crank angles in the model's range at which a row passes through a level, in this period or in any other."""
+    gain = float(model.gains[row])
+    if not gain:
+        return roots(model, row, level)
+    coefficients = model.coefficients[:, row]
+    reach = np.abs(coefficients[:, 1:]).sum(axis=1)
+    ends = (level - (coefficients[:, 0] - reach).min()) / gain, (level - (coefficients[:, 0] + reach).max()) / gain
+    periods = range(math.floor(min(ends)), math.ceil(max(ends)) + 1)
+    return np.concatenate([roots(model, row, level - count * gain) for count in periods])
 
 
 def roots(table: PanelPolynomials, row: int, level: float, slope: bool = False) -> Array:

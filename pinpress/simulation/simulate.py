@@ -8,7 +8,8 @@ states or forces in time demand it. ``"implicit"`` integrates the same equation 
 ``"constraint"`` integrates all joints, with the loops closed again after every step: any linkage. Its accelerations are those of
 Pinocchio's constraint dynamics, except with more than two gear pairs, gear pairs that depend on the loops, or links without mass: see
 `forward_dynamics`, and `Run.constraint_solution`, which says what found them.
-``"auto"`` is ``"reduced"`` for one driver, else ``"constraint"``. Over time each method takes explicit steps, or implicit ones where forces
+``"auto"`` is ``"reduced"`` for one driver, else ``"constraint"``, as it is where a slide does not come back after a turn, and a spring on
+it does not grow evenly. Over time each method takes explicit steps, or implicit ones where forces
 are so stiff that these are faster: `Stats.solvers` says which.
 
 Where a crank comes nearly to rest beside an unstable rest, such as a dead centre at the top, rounding decides whether it goes on or turns
@@ -172,7 +173,7 @@ def simulate(
     began = clock.perf_counter()
     if elastic is not None and (_method(press, method) != "reduced" or step is not None) and len(press.drivers) == 1:
         raise PinpressError("an elastic motion has a method and steps of its own: leave out method and step")
-    method = _method(press, method)
+    asked, method = method, _method(press, method)
     until = number("duration", duration, "s", positive=True)
     error = checked_tolerance(tolerance, elastic)
     fixed = _fixed_step(step, until)
@@ -187,6 +188,8 @@ def simulate(
     with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
         # an elastic press is not reduced to its crank: its heights alone are read from the model
         driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction, error if elastic is None else 0.0)
+        if asked == "auto" and not _is_reducible(driven):
+            method = "constraint"
         problem = _problem(driven, method, angles, speeds, until, error, fixed)
         doubt_speeds(press, problem.speed)
         _doubt_programs(press, drive, problem.speed)
@@ -232,6 +235,18 @@ def _method(press: Linkage, given: str) -> str:
     if given == "auto":
         return "reduced" if len(press.drivers) == 1 else "constraint"
     return given
+
+
+def _is_reducible(driven: DrivenPress) -> bool:
+    """Whether the reduced equation can have what acts on a press: not where a slide goes on from turn to turn along a spring, say."""
+    if len(driven.press.drivers) > 1 or driven.friction is not None or not driven.press.advancing.any():
+        return True
+    try:
+        return driven.model is not None
+    except SimulationError as error:
+        if error.reason == "does not come back":
+            return False
+        raise
 
 
 def _fixed_step(given: float | None, until: float) -> float | None:

@@ -190,6 +190,11 @@ def _refuse_without_steady_state(driven: DrivenPress, given: object) -> None:
         raise PinpressError("a drive or force that goes with time has no steady state: give motors and process loads that do not")
     if driven.model.period is None:
         raise PinpressError(f"the crank of {driven.press.name} does not turn fully: it has no steady state")
+    if not driven.model.repeats:
+        raise PinpressError(
+            f"a slide of {driven.press.name} does not come back after a turn, as on a screw or a rack: it has no steady state; let it run"
+            " with simulate"
+        )
 
 
 # --------------------------------------------------------------------------------------------------------------------------- over the angle

@@ -111,7 +111,7 @@ class AngleSolver:
         self.segments.append(segment)
         self.state = segment.last()
         self.solved += solution.mesh.periods
-        if self.model.period is not None and segment.travelled == solution.mesh.periods * self.model.period:
+        if self.model.repeats and segment.travelled == solution.mesh.periods * self.model.period:
             self.periods += solution.mesh.periods
             self.state = self.state._replace(angle=self.first + solution.mesh.direction * self.periods * self.model.period)
         else:
@@ -133,7 +133,7 @@ class AngleSolver:
             return False
         elif self.model.period is None and self.state.time < self.until:
             raise lock_reached(self.model, self.state.angle, self.state.time)
-        elif kinds[0] == STEADY and len(kinds) < solution.mesh.periods * len(self.model.borders) + MOST_KEPT:
+        elif self.model.repeats and kinds[0] == STEADY and len(kinds) < solution.mesh.periods * len(self.model.borders) + MOST_KEPT:
             self.before = solution
         return True
 
@@ -163,7 +163,7 @@ class AngleSolver:
             mesh: of one period.
             energy: kinetic energy at its start [J].
         """
-        if self.model.period is None or self.state.speed == 0 or not self.driven.speed_free:
+        if not self.model.repeats or self.state.speed == 0 or not self.driven.speed_free:
             return 1
         left = energy - mesh.lifted  # what the loads take away is not in it: the periods grow longer
         if left.min() <= 0:
