@@ -12,7 +12,7 @@ from ..common.quantities import RPM
 from ..drives.transmission import Geared
 from ..dynamics.inverse_dynamics import Reactions
 from ..dynamics.summary import bearing_table, checks, driver_table, driving_lines
-from ..kinematics.slide_path import dead_centres, stroke_turns
+from ..kinematics.slide_path import dead_centres, slide_turns, stroke_turns
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.elastic_run import ElasticRun
 from ..simulation.motor_energy import motor_of
@@ -47,7 +47,7 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, steady: b
         *_work(run, whole),
         *_motor(run, whole),
         *([] if isinstance(run, ElasticRun) else _torque(reactions)),
-        *(_strokes(stroke_duties(run), stroke_turns(run.problem.driven.press)) if run.driver_coordinates[0].turns else []),
+        *(_strokes(stroke_duties(run), run.problem.driven.press) if run.driver_coordinates[0].turns else []),
         *(_on_springs(press, run, reactions) if isinstance(run, ElasticRun) else bearing_table(reactions)),
         "",
         *_checks(press, run, reactions),
@@ -199,12 +199,14 @@ def _torque(reactions: Reactions) -> list[str]:
     return lines
 
 
-def _strokes(found: Sequence[MotorDuty], turns: int | None) -> list[str]:
+def _strokes(found: Sequence[MotorDuty], press: Linkage) -> list[str]:
     if not found:
         return ["", "Strokes: none, the crank does not get through a period"]
     scale = tables.scale("J", [work for stroke in found for work in (stroke.drive_work, stroke.load_work)])
     heads = ["start [s]", "duration [s]", "mean [r/min]", "lowest [r/min]", f"drive [{scale.unit}]", f"loads [{scale.unit}]"]
-    what = "turns of the crank" if turns in (None, 1) else f"each {turns} turns of the crank"
+    turns, a_stroke = slide_turns(press), stroke_turns(press)
+    what = "turns of the crank" if turns in (None, 1) else f"each {turns:.6g} turns of the crank"
+    what += "" if turns is None or a_stroke is None or turns == a_stroke else f", {turns / a_stroke:.0f} strokes in each"
     rows = [["", *heads]]
     few = len(found) <= MOST_STROKES
     for k in range(len(found)) if few else [*range(FIRST_STROKES), len(found) - 1]:

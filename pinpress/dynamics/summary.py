@@ -12,9 +12,10 @@ from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array, DriverCoordinate
 from ..kinematics.main_data import directions, forward_share, sense_of_rotation
 from ..kinematics.motion import Motion
-from ..kinematics.slide_path import DeadCentres, dead_centres
+from ..kinematics.slide_path import DeadCentres, DeadCentresOverTravel, dead_centres, turning_points
 from ..linkage.linkage import Linkage
 from ..linkage.tool_point import tool_in_words
+from .applied_loads import process_work
 from .extremes import ROUNDING
 from .inverse_dynamics import Reactions
 
@@ -131,7 +132,7 @@ def _speed(press: Linkage, motion: Motion) -> str:
     speed = float(motion.crank_speed[0])
     turning = f"{press.driver} turns {sense_of_rotation(press, speed)} at {abs(speed) / RPM:g} r/min"
     ends = _dead_centres(press)
-    return turning if ends is None else f"{abs(speed) / RPM / ends.turns:g} strokes/min, {turning}"
+    return turning if ends is None else f"{abs(speed) / RPM * ends.strokes_per_turn:g} strokes/min, {turning}"
 
 
 def _slide(press: Linkage, motion: Motion) -> list[str]:
@@ -188,8 +189,9 @@ def process_summary(
         return []
     ends, work, places = _dead_centres(press), reactions.process_work, Places.of(press, motion)
     over = "in this motion" if prescribed else "a stroke" if ends else "a period"
-    if not prescribed and ends is not None and motion.period_turns is not None:
-        work *= ends.turns / motion.period_turns
+    if not prescribed and ends is not None:
+        work /= ends.strokes_per_turn * (motion.period_turns or 1)
+        over += f", on average of the {ends.strokes} of {_turns(ends)}{_work_of_each(press, motion, reactions)}" if ends.strokes > 1 else ""
     scale = tables.scale("J", [work])
     lines = [
         "",
@@ -204,10 +206,31 @@ def process_summary(
     return lines
 
 
+def _work_of_each(press: Linkage, motion: Motion, reactions: Reactions) -> str:
+    """The work of the process in each of several strokes that differ, in words; of a driver that slides nothing."""
+    points, turns = turning_points(press), motion.period_turns
+    if turns is None:
+        return ""
+    period, starts = 2 * np.pi * points.turns, np.sort([points.places[top] for top, _ in points.strokes])
+    middle = motion.crank_angle + 0.5 * (motion.crank_angle[1] - motion.crank_angle[0])
+    stroke = np.searchsorted(starts, middle % period) % len(starts)
+    works = np.bincount(stroke, process_work(reactions.loads, press, motion), len(starts)) * points.turns / turns
+    scale = tables.scale("J", works.tolist())
+    return f": {', '.join(scale.shown(float(work)) for work in works)} {scale.unit}"
+
+
+def _turns(ends: DeadCentres) -> str:
+    """The turns after which the slide repeats its motion, or the driver's way there and back, in words."""
+    if isinstance(ends, DeadCentresOverTravel):
+        return "a way there and back"
+    return "a turn" if ends.turns == 1 else f"{ends.turns:.6g} turns"
+
+
 def _turning(press: Linkage, motion: Motion, ends: DeadCentres, down: str, up: str) -> list[str]:
     """Lines with the dead centres of a crank that turns, and with the time that the strokes take."""
     speed = float(motion.crank_speed[0])
-    period, forward = 2 * np.pi * ends.turns / abs(speed), forward_share(ends, speed)
+    period, forward = 2 * np.pi * ends.turns / abs(speed), forward_share(press, speed)
+    parts = f", in {ends.strokes} strokes" if ends.strokes > 1 else ""
 
     def time(angle: float) -> float:
         return float((angle if speed > 0 else 2 * np.pi * ends.turns - angle) / abs(speed))
@@ -218,8 +241,8 @@ def _turning(press: Linkage, motion: Motion, ends: DeadCentres, down: str, up: s
             for name, angle in (("top dead centre", ends.top_angle), ("bottom dead centre", ends.bottom_angle))
         ),
         *([] if press.zero else [tables.entry("as drawn (0 deg)", f"{1e3 * (motion.slide_position[0] - ends.bottom_position):.3f}", "mm")]),
-        tables.entry("working stroke", f"{100 * forward:.3f}", "%", f"of the time, {forward * period:.6f} s, {down}"),
-        tables.entry("return stroke", f"{100 * (1 - forward):.3f}", "%", f"of the time, {(1 - forward) * period:.6f} s, {up}"),
+        tables.entry("working stroke", f"{100 * forward:.3f}", "%", f"of the time, {forward * period:.6f} s, {down}{parts}"),
+        tables.entry("return stroke", f"{100 * (1 - forward):.3f}", "%", f"of the time, {(1 - forward) * period:.6f} s, {up}{parts}"),
     ]
 
 

@@ -175,7 +175,7 @@ def dead_centre_shift(press: Linkage, stiffness: Stiffness, *, speed: ArrayLike,
     _refuse_dependent(loads)
     doubt_speeds(press, speeds)
     centres = dead_centres(press)
-    if press.period_turns != centres.turns:
+    if press.period_turns > centres.turns >= 1:
         raise PinpressError(
             f"the slide of {press.name} repeats its motion after {centres.turns} turns, other links only after {press.period_turns}: its"
             " bottom dead centre moves by another distance in each stroke; see slide_deflection of a motion"

@@ -271,12 +271,13 @@ def _no_slide(press: Linkage, description: reader.Urdf) -> Iterator[Finding]:
 
 
 def _turned_back(press: Linkage, data: MainData) -> Iterator[Finding]:
-    """A note of a slide that turns back more often than twice a turn, as under a toggle that passes its straight position."""
+    """A note of a slide that turns back more often than twice until it repeats its motion, as under a toggle that passes its straight
+    position."""
     ends = data.dead_centres
     if ends is None or not data.coordinate.turns or (period := press.branch_through_change_points.period) is None:
         return
     found, turns = turning_points(press), round(period / (2 * np.pi))
-    if len(found.places) <= 2 * turns:
+    if len(found.places) * found.turns <= 2 * turns:
         return
     further = sorted(
         (angle, position - ends.bottom_position)

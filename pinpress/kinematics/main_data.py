@@ -15,9 +15,10 @@ from ..engines.joints import drawn_placements
 from ..linkage.linkage import UPRIGHT, Linkage
 from ..linkage.tool_point import tool_in_words
 from .motion import motion_through_change_points
-from .slide_path import DeadCentres, dead_centres
+from .slide_path import DeadCentres, dead_centres, turning_points
 
 ALONG = 0.999  # cosine between two directions that are taken for one in words
+MOST_BOTTOMS = 6  # bottom dead centres that a line lists
 POINTS = 721  # crank angles at which the travel of a slide without dead centres is looked for
 
 
@@ -31,11 +32,13 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
         slide_mass: mass of the slide, with what is welded to it [kg].
         rotation: sense in which each driver turns at a positive speed, see `sense_of_rotation`.
         stroke: distance between the dead centres; of a crank that does not turn fully, the way of the slide as far as it turns [m].
-        forward_share: share of a period in which the slide goes from top to bottom dead centre at a constant positive speed [-]; None
-            where the driver slides.
+        forward_share: share of the time in which the slide makes its way from top to bottom dead centre, or its ways, at a constant
+            positive speed [-]; None where the driver slides.
         drawn_height: height of the slide above bottom dead centre in the drawn pose [m].
         tool: where process forces act on the slide, as text.
         dead_centres: where the slide turns back.
+        bottoms: of every stroke the place of the driver at its bottom dead centre [rad or m], and the slide's height there above the lowest
+            one [m].
         turns_between: crank angles between which the linkage locks [rad]; positions of a driver that slides [m].
         no_stroke: why the slide has no dead centres.
         coordinate: what the coordinate of the driver is.
@@ -50,6 +53,7 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
     drawn_height: float | None = None
     tool: str | None = None
     dead_centres: DeadCentres | None = field(default=None, repr=False)
+    bottoms: tuple[tuple[float, float], ...] = field(default=(), repr=False)
     turns_between: tuple[float, float] | None = field(default=None, repr=False)
     no_stroke: str | None = field(default=None, repr=False)
     coordinate: DriverCoordinate = field(default=CRANK, repr=False)
@@ -76,8 +80,9 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
     except PinpressError as error:
         return _as_far_as_it_turns(press, replace(data, no_stroke=str(error)))
     drawn = float(motion_through_change_points(press, np.zeros(1), 0.0).slide_position[0]) - ends.bottom_position
-    forward = forward_share(ends) if data.coordinate.turns else None
-    return replace(data, stroke=ends.stroke, forward_share=forward, drawn_height=drawn, dead_centres=ends)
+    forward, points = forward_share(press) if data.coordinate.turns else None, turning_points(press)
+    bottoms = tuple((float(points.places[low]), float(points.positions[low]) - ends.bottom_position) for _, low in points.strokes)
+    return replace(data, stroke=ends.stroke, forward_share=forward, drawn_height=drawn, dead_centres=ends, bottoms=bottoms)
 
 
 def _as_far_as_it_turns(press: Linkage, data: MainData) -> MainData:
@@ -123,10 +128,12 @@ def _directed(axis: Array, speed: float) -> str:
     return ", ".join(f"{part:.3g}" for part in np.round(axis, 6) * (1.0 if speed > 0 else -1.0) + 0.0)
 
 
-def forward_share(ends: DeadCentres, speed: float = 1.0) -> float:
-    """Share of a period in which the slide goes from top to bottom dead centre at a constant speed of this sign [-]."""
-    period = 2 * np.pi * ends.turns
-    forward = float((ends.bottom_angle - ends.top_angle) % period / period)
+def forward_share(press: Linkage, speed: float = 1.0) -> float:
+    """Share of the time in which the slide goes from top to bottom dead centre, in one stroke or several, at a constant speed of this sign
+    [-]. Raises as `dead_centres`."""
+    points = turning_points(press)
+    period = 2 * np.pi * points.turns
+    forward = float(sum((points.places[low] - points.places[high]) % period for high, low in points.strokes) / period)
     return forward if speed > 0 else 1.0 - forward
 
 
@@ -151,12 +158,29 @@ def main_lines(data: MainData, drivers: Sequence[str]) -> list[str]:
     ]
 
 
+def _strokes(data: MainData, driver: str) -> list[str]:
+    """A line with the number of strokes, where a turn, or a way there and back, has another number of them than one."""
+    ends, coordinate = data.dead_centres, data.coordinate
+    if ends is None or ends.strokes_per_turn == 1:
+        return []
+    alike = ", all alike" if ends.strokes == 1 and ends.strokes_per_turn > 1 else ""
+    if len(data.bottoms) > 1:
+        shown = ", ".join(
+            f"{coordinate.shown(place, '.2f')} ({1e3 * height + 0.0:.3f} mm)" for place, height in data.bottoms[:MOST_BOTTOMS]
+        )
+        alike = f", with bottom dead centres at {shown}"
+    if not coordinate.turns:
+        return [tables.entry("strokes", f"{ends.strokes}", "", f"of the slide, as {driver} goes there and back{alike}")]
+    return [tables.entry("strokes a turn", f"{ends.strokes_per_turn:.6g}", "", f"of {driver}{alike}")]
+
+
 def _stroke_lines(data: MainData, driver: str) -> list[str]:
     if data.dead_centres is not None and data.drawn_height is not None:
         ends, forward, unit, scale = data.dead_centres, data.forward_share, data.coordinate.shown_unit, data.coordinate.scale
         ways = () if forward is None else (("from top to bottom", forward), ("from bottom to top", 1.0 - forward))
         return [
             tables.entry("stroke", f"{1e3 * ends.stroke:.3f}", "mm"),
+            *_strokes(data, driver),
             tables.entry("top dead centre", f"{scale * ends.top_angle:.3f}", unit, f"of {driver}, which is at 0 {unit} as drawn"),
             tables.entry("bottom dead centre", f"{scale * ends.bottom_angle:.3f}", unit),
             tables.entry("slide as drawn", f"{1e3 * data.drawn_height + 0.0:.3f}", "mm", "above bottom dead centre"),

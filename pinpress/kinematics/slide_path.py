@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
@@ -18,12 +19,13 @@ from ..engines.branch import out_of_branch
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from .motion import motion_through_change_points
-from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle, step_time, zeros
+from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_time, zeros
 
 SAME = 1e-9  # share of a range below which values differ by rounding
 ROUNDING = 4 * float(np.finfo(float).eps)  # rounding of a crank angle [rad]
 SAMPLES = 720  # crank angles of a turn; two dead centres closer than half a degree would be missed
 EQUAL = 1e-9  # share of the stroke below which slide positions differ by rounding
+OPENS = 0.1  # of the stroke: a slide that rises by less between two turning points dwells, and the die does not open for another part
 
 
 @dataclass(frozen=True, repr=False)
@@ -37,15 +39,23 @@ class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "botto
         top_position: position of the slide at top dead centre [m].
         bottom_angle: angle of the driver joint at bottom dead centre within the period [rad]; position of a driver that slides [m].
         bottom_position: position of the slide at bottom dead centre [m].
-        turns: turns of the driver after which the slide repeats its motion; other links may be back only later (`Linkage.period_turns`). 1
-            of a driver that slides, for there and back.
+        turns: turns of the driver after which the slide repeats its motion; other links may be back only later (`Linkage.period_turns`).
+            A fraction where a gear makes several equal strokes in a turn. 1 of a driver that slides, for there and back.
+        strokes: strokes in these turns, down and up again. Several ones differ from each other, as under a knuckle that passes its straight
+            position; a rise between them of less than a tenth of the longest one is a dwell, and begins no new stroke.
     """
 
     top_angle: float
     top_position: float
     bottom_angle: float
     bottom_position: float
-    turns: int
+    turns: float
+    strokes: int = 1
+
+    @property
+    def strokes_per_turn(self) -> float:
+        """Strokes in a turn of the driver [-]."""
+        return self.strokes / self.turns
 
     @property
     def stroke(self) -> float:
@@ -73,7 +83,8 @@ def dead_centres(press: Linkage) -> DeadCentres:
     top, bottom = (found.first_of_the_farthest(upwards) for upwards in (True, False))
     places, positions = found.places, found.positions
     kind = DeadCentres if press.driver_coordinates[0].turns else DeadCentresOverTravel
-    return kind(float(places[top]), float(positions[top]), float(places[bottom]), float(positions[bottom]), found.turns)
+    ends = float(places[top]), float(positions[top]), float(places[bottom]), float(positions[bottom])
+    return kind(*ends, found.turns, len(found.strokes))
 
 
 class TurningPoints(NamedTuple):
@@ -85,13 +96,15 @@ class TurningPoints(NamedTuple):
         limits: how many of them, the first ones, are the driver's limits, where the slide need not turn back by itself.
         near: difference of position below which two are equally far [m].
         turns: of the driver after which the slide repeats its motion, see `DeadCentres`.
+        strokes: of these turns, each with its upper and its lower dead centre, counted among the turning points.
     """
 
     places: Array
     positions: Array
     limits: int
     near: float
-    turns: int
+    turns: float
+    strokes: tuple[tuple[int, int], ...]
 
     def first_of_the_farthest(self, upwards: bool) -> int:
         """The first of the uppermost or lowermost ones."""
@@ -99,6 +112,7 @@ class TurningPoints(NamedTuple):
         return int(np.argmax(along >= along.max() - self.near))
 
 
+@per_linkage(of_geometry=True)
 def turning_points(press: Linkage) -> TurningPoints:
     """The turning points of a slide. Raises as `dead_centres`."""
     _ = press.slide_guide  # it has a slide
@@ -120,7 +134,15 @@ def turning_points(press: Linkage) -> TurningPoints:
     angles = bracketed_roots(lambda angle: _slide(press, angle)[1:], samples[turning], samples[turning + 1], absolute=ROUNDING)
     positions = _slide(press, angles)[0]
     angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % period)  # 0 and not 360 degrees for a press that is drawn there
-    return TurningPoints(angles, positions, 0, EQUAL * float(np.ptp(positions)), _turns(way[:-1], round(period / (2 * np.pi))))
+    near, repeats = EQUAL * float(np.ptp(positions)), 1
+    for parts in range(len(angles) // 2, 1, -1):
+        if len(angles) % (2 * parts) == 0 and np.abs(_slide(press, samples + period / parts)[0] - way).max() <= near:
+            repeats = parts
+            break
+    turns = Fraction(round(period / (2 * np.pi)), repeats)
+    found = TurningPoints(angles, positions, 0, near, turns.numerator if turns.denominator == 1 else float(turns), ())
+    order = np.argsort(angles)[: len(angles) // repeats]
+    return _with_strokes(found, order.tolist())
 
 
 def _within_travel(press: Linkage) -> TurningPoints:
@@ -136,7 +158,25 @@ def _within_travel(press: Linkage) -> TurningPoints:
     positions = _slide(press, places)[0]
     if not np.ptp(positions) > EQUAL * press.size:
         raise PinpressError(f"the slide of {press.name} does not move with its driver: it has no dead centres")
-    return TurningPoints(places, positions, 2, 0.0, 1)
+    there = np.argsort(places).tolist()
+    return _with_strokes(TurningPoints(places, positions, 2, 0.0, 1, ()), [*there, *there[-2:0:-1]])
+
+
+def _with_strokes(points: TurningPoints, way: list[int]) -> TurningPoints:
+    """The turning points with the strokes of a way through them that is repeated, counted among them."""
+    heights, least = points.positions, OPENS * float(np.ptp(points.positions))
+    way = list(way)
+    while len(way) > 2:
+        swings = [abs(heights[one] - heights[before]) for before, one in zip([way[-1], *way], way, strict=False)]
+        least_swing = int(np.argmin(swings))
+        if swings[least_swing] >= least:
+            break
+        del way[least_swing], way[least_swing - 1 if least_swing else -1]
+    if len(way) == 2:
+        return points._replace(strokes=((points.first_of_the_farthest(True), points.first_of_the_farthest(False)),))
+    first_top = 0 if heights[way[0]] > heights[way[1]] else 1
+    way = [*way[first_top:], *way[:first_top]]
+    return points._replace(strokes=tuple(zip(way[::2], way[1::2], strict=True)))
 
 
 def _slide(press: Linkage, angle: Array) -> tuple[Array, Array, Array]:
@@ -145,7 +185,7 @@ def _slide(press: Linkage, angle: Array) -> tuple[Array, Array, Array]:
     return motion.slide_position, motion.slide_velocity, motion.slide_acceleration
 
 
-def stroke_turns(press: Linkage) -> int | None:
+def slide_turns(press: Linkage) -> float | None:
     """Turns of the driver after which the slide repeats its motion; for a linkage without dead centres the turns of its period, None where
     it has no period."""
     try:
@@ -154,11 +194,12 @@ def stroke_turns(press: Linkage) -> int | None:
         return press.turns_until_back
 
 
-def _turns(positions: Array, turns: int) -> int:
-    """Number of turns after which positions (n,) of the slide, equally spaced over ``turns``, repeat themselves."""
-    by_turn = positions.reshape(turns, -1)
-    least = EQUAL * float(np.ptp(positions))
-    return next(t for t in range(1, turns + 1) if np.abs(np.roll(by_turn, t, axis=0) - by_turn).max() <= least)
+def stroke_turns(press: Linkage) -> float | None:
+    """Turns of the driver for a stroke, of strokes that differ the mean; for a linkage without dead centres as `slide_turns`."""
+    try:
+        return 1.0 / dead_centres(press).strokes_per_turn
+    except PinpressError:
+        return press.turns_until_back
 
 
 # ---------------------------------------------------------------------------------------------------------------------- strokes of a motion
@@ -264,7 +305,7 @@ def slide_path(motion: SlideMotion) -> Curve:
     position, velocity, acceleration = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
     real = not any(map(np.iscomplexobj, (position, velocity, acceleration, motion.crank_speed)))
     scaled = [np.asarray(values * scale) for values, scale in ((position, 1.0), (velocity, time), (acceleration, time**2))]
-    states = _until_back(scaled, round(abs(step_angle(motion)) * len(position) / (2 * np.pi)))
+    states = _until_back(scaled)
     path = curve("the slide's position", scaled[0][:states], scaled[1][:states], scaled[2][:states], real)
     if len(path.turning_places) < 2:
         raise PinpressError("the slide does not turn back within the period: it has no dead centres, and no stroke to measure")
@@ -281,19 +322,20 @@ def working_stroke(motion: SlideMotion, downwards: bool = True) -> Stroke:
     places = path.turning_places
     if len(places) > 2:
         raise PinpressError(
-            f"the slide turns back {len(places)} times a period and has no one working stroke: stroke and dwell can be measured, not this"
+            f"the slide turns back {len(places)} times a period and has no one working stroke: stroke and dwell can be measured, not this."
+            f" For {len(places) // 2} equal strokes give a number of states that is a multiple of {len(places) // 2}"
         )
     along = Curve(-path.coefficients if downwards else path.coefficients, path.real)
     start, end = (complex(place) for place in places[np.argsort(along.at(places, 1)[0].real)])
     return Stroke(along, start, end if end.real > start.real else end + path.states)
 
 
-def _until_back(scaled: Sequence[Numbers], turns: int) -> int:
-    """Number of states after which position, velocity and acceleration (n,) repeat themselves: those of a whole number of turns, of the
-    ``turns`` that they cover."""
-    count = len(scaled[0])
-    for part in range(1, turns):
-        states, left = divmod(count * part, turns)
+def _until_back(scaled: Sequence[Numbers]) -> int:
+    """Number of states after which position, velocity and acceleration (n,) repeat themselves: a part of them, in which the slide goes down
+    and up again."""
+    count, rising = len(scaled[0]), scaled[1].real > 0
+    for parts in range(int((rising != np.roll(rising, 1)).sum()) // 2, 1, -1):
+        states, left = divmod(count, parts)
         if not left and all(np.abs(np.roll(x, states) - x).max() <= SAME * np.ptp(x.real) for x in scaled):
             return states
     return count

@@ -127,7 +127,7 @@ class Capacities(Frozen):
         if self.speed_drop is not None and self.speed_drop > 1.0:
             raise PinpressError(f"speed_drop is {self.speed_drop:g}: give a fraction of the speed, 1 or less")
 
-    def energies(self, speed: float, turns: int = 1) -> dict[str, float]:
+    def energies(self, speed: float, turns: float = 1) -> dict[str, float]:
         """Work that a stroke may take from each source of energy, by the source's name [J].
 
         A flywheel that slows from w to (1 - d) w gives J w^2 (1 - (1 - d)^2) / 2; a motor of power P restores 2 pi P / w in a turn.
@@ -218,7 +218,7 @@ class RatedStroke:
     top: float
     bottom: float
     bottom_position: float
-    turns: int
+    turns: float
 
     @cached_property
     def bearings(self) -> tuple[str, ...]:
@@ -539,7 +539,7 @@ def largest_factor(constant: Array, slope: Array, capacity: Array | float) -> Ar
 def _in_every_stroke(rated: RatedStroke, motion: Motion) -> Iterator[Motion]:
     """The motion, and that part of the stroke in the other strokes of the period."""
     yield motion
-    strokes = rated.press.period_turns // rated.turns if rated.coordinate.turns else 1
+    strokes = round(rated.press.period_turns / rated.turns) if rated.coordinate.turns else 1
     for stroke in range(1, strokes):
         yield rated.motion(motion.crank_angle + 2 * np.pi * rated.turns * stroke)
 

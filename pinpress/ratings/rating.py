@@ -22,6 +22,7 @@ from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load, SpringDamper
 from .permissible_force import (
     NO_RATINGS,
+    TURN,
     Capacities,
     GoverningLimits,
     RatedStroke,
@@ -113,7 +114,7 @@ class PressRatings(OfPress, Tabular):
     dwell_tolerance: float | None
     dwell_time: float | None
     speed_limit: PermissibleSpeed | None
-    turns: int
+    turns: float
 
     @property
     def title(self) -> str:
@@ -240,13 +241,21 @@ def rate(
     if not turning:
         _refuse_what_turns(press, capacities, dwell_tolerance)
     _doubt_capacities(press, capacities, speed)
-    period = cycle(press, speed, engine=engine)
+    period = _period(press, speed, engine)
     quick_return = measures.quick_return_ratio(period) if turning else None  # refuses a slide with several working strokes
     beside = tuple(loads), FrozenMapping(friction)
     rated = rated_stroke(press, capacities, speed, at_speed=bool(at_speed), beside=beside, engine=engine)
     if at_speed:
         refuse_overloaded_idle(rated)
     return _ratings(rated, governing_limits(rated, points), period, quick_return, contact_height, dwell_tolerance)
+
+
+def _period(press: Linkage, speed: float, engine: str) -> Motion:
+    """One period, in states that its strokes divide."""
+    if not press.driver_coordinates[0].turns:
+        return cycle(press, speed, engine=engine)
+    strokes = round(press.period_turns / dead_centres(press).turns)
+    return cycle(press, speed, points=strokes * math.ceil(TURN * press.period_turns / strokes), engine=engine)
 
 
 def _doubt_capacities(press: Linkage, capacities: Capacities, speed: float) -> None:

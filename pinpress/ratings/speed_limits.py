@@ -54,13 +54,14 @@ class PermissibleSpeed(Record, units={"speed": "rad/s", "crank_angle": "rad"}):
         speed: speed of the driver joint [rad/s].
         limited_by: the capacity that is reached: "torque", "bearing NAME", "slide acceleration" or "shaking force".
         crank_angle: crank angle at which it is reached, from 0 to the end of the period, mostly 2 pi [rad].
-        turns: turns of the driver joint from stroke to stroke; for a press without a slide, those of its period.
+        turns: turns of the driver joint from stroke to stroke, of strokes that differ the mean; for a press without a slide, those of its
+            period.
     """
 
     speed: float
     limited_by: str
     crank_angle: float
-    turns: int = 1
+    turns: float = 1
 
     @property
     def strokes_per_minute(self) -> float:

@@ -64,7 +64,7 @@ class Turn(Checked):
         """The path of a press; raises PinpressError where its crank does not turn fully or its slide has no dead centres."""
         ends = _dead_centres(press)
         way = 2 * np.pi * press.period_turns * (-1 if self.backwards else 1)
-        return PathLegs(ends.top_angle + np.array([0.0, way]), np.zeros(1), True, press.period_turns // ends.turns)
+        return PathLegs(ends.top_angle + np.array([0.0, way]), np.zeros(1), True, round(press.period_turns / ends.turns))
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from ..drives.transmission import Geared
 from ..dynamics import inputs
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion, motion_through_change_points, of_states
-from ..kinematics.slide_path import stroke_turns
+from ..kinematics.slide_path import slide_turns, stroke_turns
 from ..linkage.linkage import Linkage
 from ..loads.caller_laws import as_given
 from . import reduced_model as reduced
@@ -423,14 +423,15 @@ def duty_cycle(run: Run, start: float = 0.0, end: float | None = None) -> MotorD
 def stroke_duties(run: Run) -> Records[MotorDuty]:
     """One `MotorDuty` for each stroke, counted from the crank angle at the start of the run.
 
-    A stroke takes one turn of the crank, or several where gears bring the slide back only after these (`DeadCentres.turns`). There is none
-    where the crank does not turn that far, or where the driver slides.
+    A stroke takes one turn of the crank, or several, or a part of one, where gears bring the slide back after these (`DeadCentres.turns`).
+    Strokes that differ, as under a knuckle that passes its straight position, are taken together. There is none where the crank does not
+    turn that far, or where the driver slides.
 
     Raises:
         PinpressError: the linkage has several drivers.
     """
     _check(run)
-    turns = stroke_turns(run.problem.driven.press)
+    turns = slide_turns(run.problem.driven.press)
     turning = run.driver_coordinates[0].turns
     marks = np.zeros(0) if turns is None or not turning else _stroke_ends(run, 2 * np.pi * turns)
     return Records(MotorDuty, _duties(run, marks) if len(marks) else ())

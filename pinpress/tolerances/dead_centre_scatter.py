@@ -7,6 +7,7 @@ are in proportion, has the derivative dz'/dx - z''/z' (dz/dx - dz_b/dx).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -327,7 +328,7 @@ def _turning(shapes: Shapes, points: TurningPoints, k: int, at: _Local, upwards:
         ways = (1, -1)
         straight = abs(at.second) > FLAT * speed
         ending = Ending(at.start, -at.rate_slopes / at.second if straight else np.zeros_like(at.rate_slopes), "dead centre")
-    steps = STEPS * points.turns
+    steps = math.ceil(STEPS * points.turns)
     return TurningPoint(ending, upwards, ways, at.second, speed, travel / steps, steps)
 
 

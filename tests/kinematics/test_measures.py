@@ -482,12 +482,16 @@ def test_dwell_up_to_a_hump_between_states(after):
     assert measures.dwell_angle(of(moved, points=states), tolerance) == pytest.approx(leaves - comes, rel=1e-6)
 
 
-def test_a_slide_with_two_strokes_a_turn_has_no_one_working_stroke():
+def test_equal_strokes_are_measured_and_others_have_no_one_working_stroke():
+    """A slide goes down and up twice a turn, harmonically; a little harmonic of half the frequency makes the strokes differ."""
     twice = of(lambda q: (-np.cos(2 * q), 2 * np.sin(2 * q), 4 * np.cos(2 * q)))
     np.testing.assert_allclose(measures.stroke(twice), 2.0, rtol=1e-12)
     np.testing.assert_allclose(measures.dwell_angle(twice, 0.5), np.arccos(0.5), rtol=1e-11)
+    np.testing.assert_allclose(measures.speed_ratio(twice), np.pi / 2, rtol=1e-9)
+    np.testing.assert_allclose(measures.quick_return_ratio(twice), 1.0, rtol=1e-12)
+    differing = of(lambda q: (-np.cos(2 * q) - 0.1 * np.cos(q), 2 * np.sin(2 * q) + 0.1 * np.sin(q), 4 * np.cos(2 * q) + 0.1 * np.cos(q)))
     with pytest.raises(pp.PinpressError, match="4 times a period"):
-        measures.speed_ratio(twice)
+        measures.speed_ratio(differing)
 
 
 @pytest.mark.parametrize("value", [0.0, -0.01, 0.2, 1.0, float("nan"), float("inf"), True, "a", None])

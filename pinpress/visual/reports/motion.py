@@ -12,7 +12,7 @@ from ...common.quantities import Array
 from ...dynamics.extremes import AXES, ExtremeValues, extremes, rounding
 from ...dynamics.harmonics import HarmonicAnalysis, harmonics, is_cycle
 from ...dynamics.inverse_dynamics import Reactions
-from ...kinematics.slide_path import stroke_turns
+from ...kinematics.slide_path import slide_turns, stroke_turns
 from ...simulation.run import Run
 from .. import charts
 from ..charts import Chart, Locus
@@ -198,7 +198,8 @@ def _work_of_process(reactions: Reactions) -> list[Figure]:
         return []
     work, turns, when = reactions.process_work, stroke_turns(reactions._press), "over the motion"
     if is_cycle(reactions.motion) and turns is not None and reactions.motion.period_turns is not None:
-        work, when = work * turns / reactions.motion.period_turns, "a stroke"
+        differ = "a stroke" if turns == slide_turns(reactions._press) else "a stroke, on average"
+        work, when = work * turns / reactions.motion.period_turns, differ
     return [Figure("work of the process", with_prefix(work, "J"), when)]
 
 
