@@ -398,10 +398,11 @@ class Linkage(Frozen):
             raise branch.out_of_branch(self.branch_through_change_points, upwards=self.branch_through_change_points.locks[True] is not None)
         if self.advancing.any():
             joint = int(np.flatnonzero(self.advancing)[0])
-            gained = float(self.branch_through_change_points.gain_per_period[joint]) * 1e3
+            found = self.branch_through_change_points
+            gained = 1e3 * float(found.gain_per_period[joint]) * 2 * np.pi / (found.period or np.inf)
             raise PinpressError(
                 f"{self.name} has no period: {self.joints[joint]!r} slides on by {gained:.6g} mm in every turn, as on a screw or a rack;"
-                " give crank angles, servo_cycle(press, angle, speed=...)"
+                " give crank angles, servo_cycle(press, angle, speed=...), and to a command --motion"
             )
         raise PinpressError(
             f"{self.name} has no period: an unbalanced shaft is geared so that it is not back after {branch.MOST_TURNS} turns; give crank"

@@ -20,6 +20,7 @@ from ..derivatives.motion import motion_derivatives, pivot_positions
 from ..engines.planar.engine import PlanarEngine
 from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
+from .drivers import swing, swings
 
 SAME = 1e-9  # share of the linkage's size: positions that are the same
 LOOKED = 12  # crank angles at which it is looked whether a dimension can change alone
@@ -276,7 +277,7 @@ def _that_close(press: Linkage, places: Mapping[Pivot, Array], parts: Sequence[_
     if not (isinstance(engine, PlanarEngine) and engine.plane.redundant):
         yield from ((part,) for part in parts)
         return
-    motion = cycle(press, 1.0, points=LOOKED)
+    motion = (swing if swings(press) else cycle)(press, 1.0, points=LOOKED)
     left = list(parts)
     while left:
         first = left.pop(0)

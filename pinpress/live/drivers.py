@@ -29,16 +29,16 @@ def default_speed(press: Linkage) -> float:
     return TURNING if press.driver_coordinates[0].turns else SLIDING
 
 
-def locks(press: Linkage) -> bool:
-    """Whether the crank of a press with one driver cannot turn fully."""
-    return press.driver_coordinates[0].turns and press.branch.period is None
+def swings(press: Linkage) -> bool:
+    """Whether the crank of a press with one driver cannot turn fully, or is not back after a turn, as of a screw or a rack."""
+    return press.driver_coordinates[0].turns and (press.branch.period is None or press.turns_until_back is None)
 
 
 def swing(press: Linkage, speed: float, points: int) -> Motion:
-    """A crank that cannot turn fully swings harmonically to and fro, from its lowest angle where the speed is positive.
+    """A crank that cannot turn on swings harmonically to and fro, from its lowest angle where the speed is positive.
 
     Args:
-        press: the press, whose crank `locks`.
+        press: the press, whose crank `swings`.
         speed: the highest one [rad/s].
         points: states of the period.
 

@@ -23,7 +23,7 @@ from ..visual import recording
 from ..visual.pages import packed
 from ..visual.shapes import meshcat_commands
 from ..visual.shapes.appearance import ShownLink, bodies
-from .drivers import locks, standing, swing
+from .drivers import standing, swing, swings
 
 POINTS = 180  # states of a period
 FEWEST = 36  # states of a period of a linkage that takes long
@@ -41,7 +41,7 @@ class Operation:
         friction: by the names of bearings, see `inverse_dynamics`.
         stiffness: by the names of bearings, see `inverse_dynamics`.
         points: states of a period.
-        swings: whether a crank that cannot turn fully goes to and fro; else such a press is refused.
+        swings: whether a crank that cannot turn on goes to and fro; else such a press is refused.
     """
 
     speed: float
@@ -90,8 +90,7 @@ def picture(
         PinpressError: what `cycle` and `inverse_dynamics` raise.
     """
     began = time.perf_counter()
-    swings = operation.swings and locks(press)
-    motion = (swing if swings else cycle)(press, operation.speed, points=operation.points)
+    motion = (swing if operation.swings and swings(press) else cycle)(press, operation.speed, points=operation.points)
     reactions = inverse_dynamics(press, motion, operation.loads, operation.friction, operation.stiffness)
     frames = _frames(motion)
     at = poses(press, motion.joint_position[frames.states])
@@ -147,7 +146,7 @@ def _height(motion: Motion) -> Array:
 def suitable(press: Linkage, operation: Operation) -> Operation:
     """The operation with as many states as are computed fast enough. In the plane that is known to be so; in space one picture shows it. A
     crank swings where it cannot turn fully from the beginning; one that can must go on to."""
-    operation = replace(operation, swings=locks(press))
+    operation = replace(operation, swings=swings(press))
     if isinstance(press.engine(), PlanarEngine):
         return operation
     took = picture(press, replace(operation, points=FEWEST), None).took

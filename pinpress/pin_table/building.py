@@ -21,6 +21,7 @@ from ..common.results import Records, Tabular
 from ..common.tables import Columns
 from ..kinematics.check import CheckResult, check_document
 from ..kinematics.motion import cycle
+from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load_document
 from ..linkage.urdf.document import Document, Finding, check_command
@@ -295,6 +296,8 @@ def _positions(press: Linkage) -> Array:
     if len(press.drivers) > 1:
         return press.closed[None]
     try:
+        if press.branch.period is not None and press.turns_until_back is None:
+            return servo_cycle(press, np.arange(24) * (2 * np.pi / 24), speed=1.0, acceleration=0.0).joint_position
         return cycle(press, speed=1.0, points=24).joint_position
     except (AssemblyError, SingularityError):
         return press.closed[None]

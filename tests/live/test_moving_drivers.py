@@ -12,7 +12,8 @@ from numpy.testing import assert_allclose
 from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
-from pinpress.live.drivers import CLEAR, swing, with_moving
+from pinpress.cli.main import main
+from pinpress.live.drivers import CLEAR, swing, swings, with_moving
 from pinpress.live.pictures import Operation
 from pinpress.live.session import Opened, RefusedMessageError, Session
 from pinpress.live.sources import opened
@@ -50,6 +51,36 @@ def test_forces_are_those_of_the_whole_press(path: Path, driver: str, positions:
     assert_allclose(reactions.coupling_torque[held][:, 0], wanted.driving_torque[:, 1 - k], rtol=0, atol=1e-9 * largest)
     for bearing, force in wanted.bearing_force.items():
         assert_allclose(reactions.bearing_force[bearing], force, rtol=0, atol=1e-8 * np.abs(force).max())
+
+
+RACK = """
+press: rack
+units: mm
+frame: O
+pins: {O: [0, 0], Q: [30, 0]}
+links:
+  pinion: {pins: O, mass: 2, disc: 30 x 40}
+  slide: {pins: Q, guide: up, mass: 8}
+gears: {slide_guide: 0.03 * O}
+drive: O
+"""
+
+
+def test_a_rack_is_built_and_swings(tmp_path: Path) -> None:
+    """It is not back after a turn of its pinion, so that nothing may show it turning on and on."""
+    file = tmp_path / "rack.yaml"
+    file.write_text(RACK)
+    press = pp.build(file)
+    assert press.turns_until_back is None
+    assert swings(press)
+    session = Session(lambda: Opened(opened(str(file), pp.load, {}), Operation(2.0, [], {}, {})))
+    session.open()
+    motion = swing(press, 2.0, 48)
+    assert motion.period_turns is None
+    assert_allclose(motion.slide_position - motion.slide_position[0], 0.03 * (motion.crank_angle - motion.crank_angle[0]), atol=1e-12)
+    assert motion.crank_angle.argmax() == 24
+    assert main(["build", str(file), "--out", str(tmp_path / "rack.urdf")]) == 0
+    assert pp.load(tmp_path / "rack.urdf").turns_until_back is None
 
 
 def test_a_crank_that_locks_swings(path: Path) -> None:
