@@ -20,8 +20,7 @@ from ..common.results import Record
 from ..dynamics.applied_loads import point_on_body
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion
-from ..linkage.inertias import first_unphysical
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, first_unphysical
 from ..loads.link import Load, PointForce
 
 

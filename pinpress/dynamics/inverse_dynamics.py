@@ -1,7 +1,8 @@
 """Inverse dynamics: the driving torque and every bearing and guide force of a motion.
 
 `Reactions` says the signs. A spherical loop transmits only the moment of friction. The driving torque is part of the moment of the driver's
-bearing, as the torques of gear pairs and friction are part of the moments of theirs.
+bearing, as the torques of gear pairs and friction are part of the moments of theirs. Where a shaft moves a slide, as a pinion does a rack,
+what acts between teeth is no part of the two bearings: it pushes on them, see `engines.racks`.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from ..engines.branch import Branch
 from ..engines.change_points import at_change_point
 from ..engines.engine import Engine
 from ..engines.forces import AppliedConditions, AppliedForce, SomeVectors, Wrenches, compliances
+from ..engines.racks import PlacedAxis, between_teeth
 from ..kinematics.motion import MOST_IN_TITLE, Motion, refuse_other_joints
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
@@ -59,8 +61,8 @@ class Reactions(Tabular):
         driving_torque: (n,) torque on the driver joint along its axis [N m], force on one that slides [N]; (n, drivers) for several
             drivers.
         coupling_torque: (n, 2) by the name of a joint with a ``<mimic>``: torques of the gear pair on this joint and on the joint it
-            mimics, along their axes [N m; N on a joint that slides]. They do not include the tooth force on the shafts' bearings. Where no
-            bearings were asked for, they are computed when they are first read.
+            mimics, along their axes [N m; N on a joint that slides]. Where no bearings were asked for, they are computed when they are
+            first read. Forces between the teeth of two shafts are left out of the shafts' bearings; those of a rack or a screw are in them.
         bearing_force: (n, 3) by the names of the joints and loops that were asked for [N].
         bearing_moment: (n, 3) by the names of the joints and loops that were asked for [N m].
         left_out: names of the joints and loops that were not asked for.
@@ -232,7 +234,8 @@ class Reactions(Tabular):
         """The motion's columns, then torques, shaking force and moment, bearing forces and moments, under their names with units."""
         columns = self.motion.columns() | self._driving
         for name, torque in self.coupling_torque.items():
-            columns[f"coupling_torque_{name} [N m]"] = torque[:, 0]
+            turns = self._press.axes[self._press.joints.index(name)].turns
+            columns[f"coupling_torque_{name} [N m]" if turns else f"coupling_force_{name} [N]"] = torque[:, 0]
         columns |= tables.by_axis("shaking_force", "N", self.shaking_force) | tables.by_axis("shaking_moment", "N m", self.shaking_moment)
         for name, force in self.bearing_force.items():
             columns |= tables.by_axis(f"force_{name}", "N", force) | tables.by_axis(f"moment_{name}", "N m", self.bearing_moment[name])
@@ -308,6 +311,7 @@ def _reactions(
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
+    forces, moments = _between_teeth(press, press.engine(engine), motion, wrenches, wanted)
     wrenches.torque.setflags(write=False)  # before there are views of it
     reactions: Reactions = object.__new__(Reactions)  # all arrays are read-only already: looking for them takes as long as a dyad
     vars(reactions).update(
@@ -317,8 +321,8 @@ def _reactions(
         friction=given[1],
         stiffness=given[2],
         driving_torque=wrenches.torque.T if several else wrenches.torque[0],
-        bearing_force=NamedArrays(kept, wrenches.force, left_out),
-        bearing_moment=NamedArrays(kept, wrenches.moment, left_out),
+        bearing_force=NamedArrays(kept, forces, left_out),
+        bearing_moment=NamedArrays(kept, moments, left_out),
         friction_power=NamedArrays(names, wrenches.friction),
         left_out=left_out,
         _wrenches=wrenches,
@@ -373,6 +377,26 @@ def _solved(press: Linkage, engine: Engine, motion: Motion, conditions: AppliedC
     found = engine.inverse_dynamics(motion.states(press), conditions, wanted)
     _refuse_not_finite(motion, found)
     return found
+
+
+def _between_teeth(
+    press: Linkage, engine: Engine, motion: Motion, wrenches: Wrenches, wanted: Sequence[int]
+) -> tuple[Array, Array | SomeVectors]:
+    """Forces and moments (wanted, n, 3) of bearings, those of racks and screws as `engines.racks` says."""
+    meshed = [rack for rack in press.spatial_model.racks if rack.slide in wanted or rack.shaft in wanted]
+    if not meshed:
+        return wrenches.force, wrenches.moment
+    states = motion.states(press)
+
+    def placed(joint: int) -> PlacedAxis:
+        origin, _ = engine.point_motion(states, joint + 1, np.zeros(3))
+        end, _ = engine.point_motion(states, joint + 1, press.axes[joint].direction)
+        return PlacedAxis(origin, end - origin)
+
+    force, moment = dict(zip(wanted, wrenches.force, strict=True)), dict(zip(wanted, np.array(wrenches.moment), strict=True))
+    for rack in meshed:
+        between_teeth(rack, wrenches.coupling[rack.coupling], placed(rack.slide), placed(rack.shaft), force, moment)
+    return np.array([*force.values()]), np.array([*moment.values()])
 
 
 def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:

@@ -272,11 +272,13 @@ def driving_lines(motion: Motion, reactions: Reactions) -> list[str]:
 
 
 def _gear_pairs(motion: Motion, reactions: Reactions) -> list[str]:
-    lines = ["", "Gear pairs (torque on the joint that mimics, along its axis)"] if reactions.coupling_torque else []
-    places = replace(Places.of(reactions._press, motion), heights=None)
+    lines = ["", "Gear pairs (torque or force on the joint that mimics, along its axis)"] if reactions.coupling_torque else []
+    press = reactions._press
+    places = replace(Places.of(press, motion), heights=None)
     for name, torque in reactions.coupling_torque.items():
-        lines += [_extreme(f"{name}, largest", torque[:, 0], "N m", np.argmax, places)]
-        lines += [_extreme(f"{name}, smallest", torque[:, 0], "N m", np.argmin, places)]
+        unit = "N m" if press.axes[press.joints.index(name)].turns else "N"
+        lines += [_extreme(f"{name}, largest", torque[:, 0], unit, np.argmax, places)]
+        lines += [_extreme(f"{name}, smallest", torque[:, 0], unit, np.argmin, places)]
     return lines
 
 

@@ -24,7 +24,6 @@ from ..engines.pinocchio.model import Rows, SpatialModel, build_spatial_model, c
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
 from .assembly import Assembly, as_drawn, assembled, closed, followed, followed_beside, followed_from, refuse_far, through_change_points
-from .inertias import first_unphysical
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .tool_point import ToolPoint, tool_point
 from .urdf.document import Document
@@ -36,6 +35,9 @@ NAME_A_SLIDE = "name a link that the frame guides: load(..., slide=...) or build
 UPRIGHT = 0.7  # cosine between the slide's axis and the vertical above which words call its ways up and down
 LEVEL = 1e-6  # cosine between a slide's axis and the vertical up to which it moves horizontally: files round directions to some six digits
 SHOWN = np.pi / 3  # crank angle at which a linkage is drawn in notebooks: a drawn pose is often a dead centre [rad]
+ROUNDED = (
+    4e-6  # of the largest principal moment: files may round each link's by 1e-6, and the largest of links welded is a third of their sum
+)
 EVEN = 1e-9  # unbalance of a shaft that is rounding, as a share of its moment of inertia, or of its mass times the linkage's size
 
 
@@ -568,6 +570,28 @@ class Linkage(Frozen):
         """`link_of` of all joints."""
         bodies = [(frame.parentJoint, str(frame.name)) for frame in self.model.frames if frame.type == pin.BODY]
         return dict(reversed(bodies)) | {0: self.root}
+
+
+def first_unphysical(inertias: Sequence[pin.Inertia]) -> tuple[int, str] | None:
+    """The first of some inertias that no body has, by its index, and why; None if bodies have all of them.
+
+    No body has a mass below zero, or principal moments that break I1 + I2 >= I3 >= 0. Masses and moments of zero pass, of links without
+    mass and of points.
+    """
+    masses, levers, tensors = map(np.array, zip(*((inertia.mass, inertia.lever, inertia.inertia) for inertia in inertias), strict=True))
+    finite = np.isfinite(masses + levers.sum(axis=1) + tensors.sum(axis=(1, 2)))
+    if not finite.all():
+        return int(np.argmin(finite)), "a mass, centre of mass or moment of inertia that is not finite"
+    moments = np.linalg.eigvalsh(tensors)
+    least = np.minimum(moments[:, 0], moments[:, 0] + moments[:, 1] - moments[:, 2])
+    wrong = np.flatnonzero((masses < 0.0) | (least < -ROUNDED * np.abs(moments).max(axis=1)))
+    if not len(wrong):
+        return None
+    k = int(wrong[0])
+    if masses[k] < 0.0:
+        return k, f"a mass of {masses[k]:g} kg"
+    low, middle, high = moments[k]
+    return k, f"principal moments of inertia of {low:g}, {middle:g} and {high:g} kg m2, which no body has"
 
 
 def _is_balanced(inertia: pin.Inertia, axis: Array, size: float) -> bool:

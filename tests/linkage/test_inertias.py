@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 import pinpress as pp
-from pinpress.linkage.inertias import first_unphysical
+from pinpress.linkage.linkage import first_unphysical
 
 SOUND = pin.Inertia(300.0, np.zeros(3), np.eye(3))
 

@@ -154,7 +154,13 @@ class _State:
         """Vectors (bearings, 3) across the axes of the bearings, whose lengths are the radial forces [N]."""
         forces = self.spatial.share @ multipliers[: 3 * len(self.spatial.loops)]
         forces[: 3 * len(self.effort)] += self._tree_forces()
-        return np.asarray(np.cross(forces.reshape(-1, 3), directions))
+        forces = forces.reshape(-1, 3)
+        for rack in self.spatial.racks:
+            efforts = (
+                self.spatial.follower_unit(rack.coupling) * multipliers[len(multipliers) - len(self.spatial.couplings) + rack.coupling]
+            )
+            forces[rack.shaft] += rack.by_torque * efforts * directions[rack.slide]
+        return np.asarray(np.cross(forces, directions))
 
     def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array, wanted: Sequence[int]) -> None:
         """Write the wrenches of this configuration into the result, as its state i."""
@@ -236,7 +242,7 @@ def _parts(spatial: SpatialModel, rows: Rows, multipliers: Array) -> tuple[Array
         if loop.held_rotations:
             moments[k] = spatial.size * rows.held_directions[k] @ multipliers[row : row + loop.held_rotations]
             row += loop.held_rotations
-    units = np.array([spatial.size if spatial.axes[c.follower].turns else 1.0 for c in spatial.couplings])
+    units = np.array([spatial.follower_unit(k) for k in range(len(spatial.couplings))])
     return forces, moments, units.reshape(-1, *[1] * len(last)) * multipliers[row:]
 
 

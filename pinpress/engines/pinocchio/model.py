@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from ...common.quantities import CRANK, RAM, Array, DriverCoordinate
 from ..joints import Axis, Coupling, LoopJoint, Slot, axes, configuration, data_of, drawn_placements, joints_between, slots
+from ..racks import Rack, racks
 
 PARALLEL_TO_ROUNDING = 1e-14  # sine of an angle that rounding leaves between parallel axes: an entry as small is zero
 FEW = 6  # drivers whose positions a message lists
@@ -58,6 +59,15 @@ class SpatialModel:
     tolerance: float
     slots: tuple[Slot, ...]
     axes: tuple[Axis, ...]
+
+    @cached_property
+    def racks(self) -> tuple[Rack, ...]:
+        """The couplings between whose joints teeth or threads push."""
+        return racks(self.model, self.axes, self.couplings)
+
+    def follower_unit(self, coupling: int) -> float:
+        """Effort of a coupling on its follower by the multiplier of its equation [m, 1 where the follower slides]."""
+        return self.size if self.axes[self.couplings[coupling].follower].turns else 1.0
 
     @cached_property
     def coordinates(self) -> tuple[DriverCoordinate, ...]:

@@ -86,9 +86,11 @@ def bearing_loads(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedF
     system = _statics(bodies, states, open_tree, None)
     forces, coupling_multipliers = np.empty((len(efforts), n), complex), np.zeros((len(plane.offsets), n))
     statics.balance(system, open_tree.joint_efforts - _resisted(plane, efforts), coupling_multipliers, forces)
+    slides = product(plane.directions, basis).conj()
+    _push_by_teeth(plane, slides, coupling_multipliers, forces)
     radial = np.stack([forces.real, forces.imag, np.zeros(forces.shape)], axis=2)
     axial = out_of_plane.forces(bodies, loads, None, n) if out_of_plane.is_loaded(bodies, loads) else None
-    for joint, direction in zip(plane.prismatic, product(plane.directions, basis).conj(), strict=True):
+    for joint, direction in zip(plane.prismatic, slides, strict=True):
         radial[joint, :, 0], radial[joint, :, 1] = (direction * forces[joint]).imag, 0.0
         if axial is not None:
             radial[joint, :, 2] = axial[joint]
@@ -263,6 +265,7 @@ def _friction(
 
     def radial(friction_efforts: Array) -> Array:
         statics.balance(system, joint_efforts - _resisted(plane, friction_efforts), coupling_multipliers, bearings)
+        _push_by_teeth(plane, slides, coupling_multipliers, bearings)
         sizes = np.abs(bearings)
         for joint, direction in zip(plane.prismatic, slides, strict=True):
             sizes[joint] = np.abs((direction * bearings[joint]).imag)
@@ -271,6 +274,14 @@ def _friction(
         return sizes
 
     return friction.law.efforts(friction.speeds, radial, lambda state: plane.coordinate.at(float(friction.angle[state])))
+
+
+def _push_by_teeth(plane: Plane, slides: ComplexArray, coupling_multipliers: Array, bearings: ComplexArray) -> None:
+    """Add the forces between teeth to those of the shafts' bearings, as `engines.racks` says; ``slides``: (np, n) conjugate directions of
+    the prismatic joints."""
+    for rack in plane.racks:
+        push = plane.coupling_rows[rack.coupling][rack.slide] * coupling_multipliers[rack.coupling]
+        bearings[rack.shaft] += push * slides[plane.prismatic.index(rack.slide)].conj()
 
 
 def _resisted(plane: Plane, friction_efforts: Array) -> Array:

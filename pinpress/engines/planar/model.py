@@ -30,6 +30,7 @@ from ..blocks import ordered_groups
 from ..engine import PIECE
 from ..joints import Coupling, Entries, LoopJoint, Matrix, drawn_placements, joints_between, matrix, plain
 from ..joints import axes as joint_axes
+from ..racks import Rack, racks
 
 EPSILON = float(np.finfo(float).eps)
 COORDINATES = 40_960  # joint coordinates of the states that are worked through at a time: their arrays take some megabytes
@@ -108,6 +109,7 @@ class Plane:
         offsets: (nc,) right-hand sides of the coupling equations.
         coupling_rows: (nc,) coefficients of the coupling equations by joints, rising.
         followers: (nc,) joints whose coordinates the couplings determine.
+        racks: the couplings between whose joints teeth push.
         blocks: the equations in the order in which they are solved.
         driven: (nl,) row of ``closure`` with the driver's column, None where the driver does not move the loop.
         subtree: (nv, nv) 1 where joint j (the row) carries the link of joint k.
@@ -142,6 +144,7 @@ class Plane:
     coupling_rows: tuple[Mapping[int, float], ...]
     offsets: Array
     followers: tuple[int, ...]
+    racks: tuple[Rack, ...]
     blocks: tuple[Block, ...]
     driven: tuple[int | None, ...]
     subtree: Matrix
@@ -336,6 +339,7 @@ def build_plane(
         coupling_rows=tuple({joint: by for joint, by in row.items() if by} for row in coupling_rows),
         offsets=np.array([unit * coupling.offset for coupling, unit in zip(couplings, units, strict=True)]),
         followers=tuple(coupling.follower for coupling in couplings),
+        racks=racks(model, joint_axes(model), couplings),
         blocks=blocks,
         driven=tuple(driven.get(k) for k in range(len(loops))),
         subtree=matrix(_transposed([dict.fromkeys(line, 1.0) for line in carriers], count), count, count, float),

@@ -189,7 +189,11 @@ class _Balance:
 
     def radial(self, multipliers: Array, directions: Array) -> Array:
         """Vectors (bearings, 3, n) across the axes of the bearings, whose lengths are the radial forces [N]."""
-        return cross(self._forces(multipliers), directions)
+        forces, placed, spatial = self._forces(multipliers), self.found.placed, self.loops.spatial
+        for rack in spatial.racks:
+            efforts = spatial.follower_unit(rack.coupling) * multipliers[self.loops.rows - len(spatial.couplings) + rack.coupling]
+            forces[rack.shaft] += rack.by_torque * efforts * placed.axis[rack.slide]
+        return cross(forces, directions)
 
     def _forces(self, multipliers: Array) -> Array:
         """Forces (bearings, 3, n) of all bearings [N], from multipliers (rows, n)."""
@@ -308,7 +312,7 @@ class _Balance:
         driving = list(spatial.drivers)
         result.torque[:] = self._needed(friction)[driving] - np.einsum("rdn,rn->dn", self.found.driving, multipliers)
         held = len(spatial.loops)
-        units = np.array([spatial.size if spatial.axes[pair.follower].turns else 1.0 for pair in spatial.couplings])
+        units = np.array([spatial.follower_unit(k) for k in range(len(spatial.couplings))])
         result.coupling[:] = units[:, None] * multipliers[loops.rows - len(units) :]
         if not len(wanted):
             return

@@ -50,6 +50,28 @@ def cut_free(press, motion, i, loads=(), stiffness=None):
             known[6 * body - 6 : 6 * body - 3] += force
             known[6 * body - 3 : 6 * body] += moment + np.cross(point - data.oMi[body].translation, force)
 
+    def axis_of(j):
+        """Direction of a joint in the world, and whether it turns."""
+        column = pin.getJointJacobian(model, data, j + 1, pin.LOCAL_WORLD_ALIGNED).reshape(6, model.nv)[:, j]
+        turns = np.linalg.norm(column[3:]) > 0.5
+        return (column[3:] if turns else column[:3]), turns
+
+    def push(body, column, point, force):
+        """A force that a unit of this unknown exerts on a body."""
+        if body:
+            balance[6 * body - 6 : 6 * body - 3, column] += force
+            balance[6 * body - 3 : 6 * body, column] += np.cross(point - data.oMi[body].translation, force)
+
+    toothed = set()  # racks: a force at the pitch line on both bodies, in place of efforts of the joints
+    for k, (follower, leader, multiplier) in enumerate(gears(press)):
+        ends = [(press.joints.index(name), *axis_of(press.joints.index(name))) for name in (follower, leader)]
+        if ends[0][2] != ends[1][2]:
+            (slide, along, _), (shaft, about, _) = sorted(ends, key=lambda end: end[2])
+            share, way = (1.0, multiplier) if press.joints[slide] == follower else (-multiplier, 1 / multiplier)
+            pitch = data.oMi[shaft + 1].translation + way * np.cross(along, about)
+            push(slide + 1, 6 * bearings + k, pitch, share * along)
+            push(shaft + 1, 6 * bearings + k, pitch, -share * along)
+            toothed.add(k)
     free, across = [], np.tile(np.eye(3), (bearings, 2, 1, 1))  # across: projections of forces and moments to what is weighed
     for j, name in enumerate(press.joints):
         place, inertia = data.oMi[j + 1], model.inertias[j + 1]
@@ -58,14 +80,13 @@ def cut_free(press, motion, i, loads=(), stiffness=None):
         rate = inertia * data.a[j + 1] + data.v[j + 1].cross(inertia * data.v[j + 1])
         need(j + 1, place.rotation @ rate.linear, place.rotation @ rate.angular, place.translation)
         need(j + 1, -inertia.mass * model.gravity.linear, np.zeros(3), place.act(inertia.lever))
-        axis = pin.getJointJacobian(model, data, j + 1, pin.LOCAL_WORLD_ALIGNED).reshape(6, model.nv)[:, j]
-        turns = np.linalg.norm(axis[3:]) > 0.5
-        axis[: 3 if turns else 0] = 0.0
-        axis = axis if turns else np.concatenate([axis[:3], np.zeros(3)])
-        across[j, int(turns)] -= np.outer(axis[:3] + axis[3:], axis[:3] + axis[3:])
+        axis, turns = axis_of(j)
+        across[j, int(turns)] -= np.outer(axis, axis)
         row = np.zeros(width)
-        row[6 * j : 6 * j + 6] = axis
+        row[6 * j + 3 * turns : 6 * j + 3 * turns + 3] = axis
         for k, (follower, leader, multiplier) in enumerate(gears(press)):
+            if k in toothed:
+                continue
             row[6 * bearings + k] -= (name == follower) - multiplier * (name == leader)
         for k, driver in enumerate(press.drivers):
             row[6 * bearings + couplings + k] -= name == driver
