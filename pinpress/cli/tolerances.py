@@ -67,7 +67,12 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     option("--dimensions", type=Path, required=True, metavar="TABLE", help="dimensions with their tolerances, CSV or YAML, see below")
     option("--within", type=quantity("m"), metavar="M", help="largest deviation of bottom dead centre; prints how many presses keep it")
     option(
-        "--force", action="append", default=[], metavar="H=N", help="force at a height above bottom dead centre: the crank's torque there"
+        "--force",
+        action="append",
+        default=[],
+        metavar="H=N",
+        help="force at a height above bottom dead centre: the crank's torque there, as it turns positively, or negatively if each --speed"
+        " is negative",
     )
     option(
         "--speed",

@@ -36,7 +36,24 @@ from .tool import Tool, read_tool
 from .tree import Tree, build_tree
 from .urdf_text import REACH, urdf_text
 
-KEYS = ("press", "units", "parameters", "frame", "pins", "links", "drive", "base", "density", "masses", "copies", "gears", "tool", "note")
+KEYS = (
+    "press",
+    "units",
+    "parameters",
+    "frame",
+    "pins",
+    "links",
+    "drive",
+    "base",
+    "density",
+    "masses",
+    "copies",
+    "gears",
+    "turns",
+    "tool",
+    "note",
+)
+SENSES = ("clockwise", "counter-clockwise")  # in the picture: what `turns` may be
 MOST, LEAST = 200.0, 0.02  # sizes of presses [m]
 MARK = b"written by pinpress from the pin table"  # in a URDF: what may be written anew
 NEEDED = ("units", "frame", "pins", "links", "drive")
@@ -198,7 +215,9 @@ class DrawnPress(Tabular):
 
     def _commented(self) -> Iterator[str]:
         yield f"{self.name}: {MARK.decode()} {Path(self.file).name}{self._with_given}."
-        yield "Drawn at crank angle 0. x to the right, z up; pins turn about (0, -1, 0), so a positive angle turns x towards z. SI units."
+        clockwise = "turns" in (items := self._table.items("a table")) and _is_clockwise(items["turns"])
+        turning = "(0, 1, 0), so a positive angle turns z towards x" if clockwise else "(0, -1, 0), so a positive angle turns x towards z"
+        yield f"Drawn at crank angle 0. x to the right, z up; pins turn about {turning}. SI units."
         yield ""
         yield "Bearings, and on which link the force of which one is given:"
         for name, link1, link2 in self.bearings():
@@ -279,6 +298,9 @@ def drawn_from(entries: Entry) -> DrawnPress:
     except UnreachableError as error:
         drawn = sketch_of_failure(error, UNITS[unit], unit)
         raise PinTableError(error.file, error.line, error.element, error.problem, error.remedy, drawn) from error
+    clockwise = "turns" in items and _is_clockwise(items["turns"])
+    if clockwise:  # what is given and seen of all turning axes in the picture together
+        pins = {name: pin if pin.in_space or pin.axis is None else replace(pin, axis=-pin.axis) for name, pin in pins.items()}
     _check_sizes(items["pins"], pins, unit)
     links = read_links(items, pins, parameters, UNITS[unit])
     _check_links(links, pins, unit)
@@ -286,9 +308,27 @@ def drawn_from(entries: Entry) -> DrawnPress:
     for each in items["copies"].list("copies: [{links: rod, y: [-300, 300], names: _front _back}]") if "copies" in items else ():
         parts = copied(parts, each, parameters, UNITS[unit])
     tree = build_tree(parts, entries)
+    if clockwise:
+        tree = _meshing_as_before(tree, parts)
     name = items["press"].text("a name") if "press" in items else "press"
     tool = read_tool(items, pins, parts, tree, parameters, UNITS[unit])
     return DrawnPress(name, entries.file, unit, pins, links, parts, tree, tool, entries)
+
+
+def _is_clockwise(entry: Entry) -> bool:
+    """Whether positive angles, speeds and torques are clockwise in the picture."""
+    sense = entry.text("clockwise or counter-clockwise")
+    if sense not in SENSES:
+        entry.refuse(f"{sense!r} is no sense of rotation{suggestion(sense, SENSES)}", f"write {' or '.join(SENSES)}")
+    return sense == SENSES[0]
+
+
+def _meshing_as_before(tree: Tree, parts: Parts) -> Tree:
+    """A tree whose turning axes in the picture were turned round, with gears that mesh as they did: a ratio between an axis that was turned
+    round and a guide, or an axis in space, has the other sign."""
+    sense = {joint.name: -1.0 if joint.pin is not None and not parts.pins[joint.pin].in_space else 1.0 for joint in tree.joints}
+    gears = {name: (leader, ratio * sense[name] * sense[leader]) for name, (leader, ratio) in tree.gears.items()}
+    return replace(tree, gears=gears)
 
 
 def _positions(press: Linkage) -> Array:

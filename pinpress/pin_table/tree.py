@@ -218,6 +218,9 @@ class _Growing:
             entry.refuse(f"{name} is a link", f"name its bearing: {pin or self._joint_name(name)}")
         if name in self.parts.pins:
             entry.refuse(f"nothing hangs by pin {name}", "name a pin between the frame and a link, or a guide")
+        if name.startswith("-") and name[1:] in named:
+            remedy = f"write {name[1:]}, and turns: clockwise in the table, or turn it the other way by a negative speed"
+            entry.refuse(f"{name} has a sign, and a bearing is named without one", remedy)
         entry.refuse(f"no pin or guide {name}{suggestion(name, named)}", f"name one of {', '.join(named)}")
 
     def _refuse_without_carrier(self, joints: dict[str, Joint], gears: dict[str, tuple[str, float]]) -> None:

@@ -23,6 +23,7 @@ from ..common.quantities import GRAVITY, Array
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..derivatives.motion import directed
+from ..kinematics.main_data import sense_of_rotation
 from ..kinematics.motion import Motion, doubt_speeds, motion_through_change_points, refuse_motion_of_another
 from ..kinematics.slide_path import TurningPoints, turning_points
 from ..linkage.linkage import Linkage, OfPress
@@ -53,6 +54,7 @@ class DeadCentreScatter(OfPress, Tabular):
         torques: height above the press's own bottom dead centre -> crank torque that the force there takes on the way down [N m].
         speeds: height above the press's own bottom dead centre -> speed of the slide there on the way down [m/s].
         deviations: (k, n) of the dimensions of every press from the nominal ones [m or rad].
+        backwards: whether the torques are those of a crank that turns negatively.
     """
 
     _press: Linkage
@@ -63,6 +65,19 @@ class DeadCentreScatter(OfPress, Tabular):
     torques: Mapping[float, Scatter]
     speeds: Mapping[float, Scatter]
     deviations: Array
+    backwards: bool = False
+
+    @property
+    def way_down(self) -> str:
+        """On which way down the torques at heights are, as text; empty without torques."""
+        if not self.torques:
+            return ""
+        speed, other = ("negative", "positive") if self.backwards else ("positive", "negative")
+        sense = sense_of_rotation(self._press, -1.0 if self.backwards else 1.0)
+        return (
+            f"torques are those on the slide's way down at a {speed} speed of {self._press.driver} ({sense}); those of the other sense of"
+            f" rotation go with {other} speeds"
+        )
 
     @property
     def gradient(self) -> Array:
@@ -111,6 +126,7 @@ class DeadCentreScatter(OfPress, Tabular):
         lines = [self.title]
         for each in self.quantities:
             lines += [each.quantity, *each.summary()]
+        lines += [self.way_down] if self.way_down else []
         return "\n".join([*lines, f"{self.height.quantity}: what decides", *self.height.ranking()])
 
 
@@ -191,7 +207,8 @@ def bottom_dead_centre(
         for k, (head, gradient, each) in enumerate(zip(heads, gradients, values, strict=True))
     ]
     by_height = [{each.height: one for each, one in zip(asked, found[3:], strict=True) if each.unit == unit} for unit in ("N m", "m/s")]
-    return DeadCentreScatter(press, checked, found[0], found[1], found[2], by_height[0], by_height[1], drawn)
+    backwards = _all_backwards(speeds or {})
+    return DeadCentreScatter(press, checked, found[0], found[1], found[2], by_height[0], by_height[1], drawn, backwards)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- the dead centres
@@ -409,7 +426,7 @@ def _asked(press: Linkage, forces: Mapping[float, float], speeds: Mapping[float,
     """Unit of the quantity, height, force or speed of the crank, and whether it turns backwards."""
     if (forces or speeds) and not press.driver_coordinates[0].turns:
         raise PinpressError(f"driver {press.driver!r} of {press.name} slides: torque and speed at a height are those of a crank")
-    turned_back = bool(speeds) and all(number(f"speeds at {height} m", value, "rad/s") < 0.0 for height, value in speeds.items())
+    turned_back = _all_backwards(speeds)
     if speeds:
         doubt_speeds(press, np.array([*speeds.values()]))
     for what, unit, given in (("forces", "N", forces), ("speeds", "rad/s", speeds)):
@@ -422,6 +439,11 @@ def _asked(press: Linkage, forces: Mapping[float, float], speeds: Mapping[float,
                 weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
                 plausibility.forces(f"{what} at {above:g} m", abs(by), weight)
             yield ("N m" if what == "forces" else "m/s"), above, by, by < 0.0 if what == "speeds" else turned_back
+
+
+def _all_backwards(speeds: Mapping[float, float]) -> bool:
+    """Whether the crank turns negatively at all heights at which it has a speed."""
+    return bool(speeds) and all(number(f"speeds at {height} m", value, "rad/s") < 0.0 for height, value in speeds.items())
 
 
 def _angle_at(press: Linkage, bottom: _DeadCentre, height: float, backwards: bool) -> float:

@@ -171,6 +171,7 @@ def dead_centres(found: DeadCentreScatter, shown: Shown) -> Section:
         Table("Derivatives by the dimensions [per m, of angles per rad]", heads, rows, words=2),
     ]
     note = f"Of {found.deviations.shape[1]} presses with lengths of their own. Bottom dead centre: {found.height.decided}."
+    note += f" {found.way_down[0].upper()}{found.way_down[1:]}." if found.way_down else ""
     return Section("Dead centres and tolerances", blocks, note=note)
 
 
