@@ -19,7 +19,6 @@ from ..common.results import Record
 from ..kinematics.motion import motion_through_change_points
 from ..linkage.linkage import Linkage
 from .driven_press import Coordinate, JointPosition
-from .failures import failure
 from .reduced_model import COORDINATES, INERTIA, WEIGHT, ReducedModel
 
 if TYPE_CHECKING:
@@ -54,8 +53,8 @@ class Dynamics(Protocol):
     def of_crank(self, accelerations: Any) -> float:
         """The crank's acceleration among these accelerations."""
 
-    def stands(self, instant: Any, time: float) -> None:
-        """Raise SimulationError where the crank is at rest and the links are not."""
+    def stands(self, instant: Any) -> bool:
+        """Whether the links are at rest in a state in which the crank is."""
 
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
         """Positions at a crank angle that is a small ``angle`` away, and speeds that lead there."""
@@ -145,8 +144,8 @@ class ReducedDynamics:
     def of_crank(self, accelerations: float) -> float:
         return float(np.ravel(accelerations)[0])
 
-    def stands(self, instant: CrankState, time: float) -> None:
-        return None
+    def stands(self, instant: CrankState) -> bool:
+        return True
 
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
         return position + angle, np.array([1.0 if angle > 0 else -1.0])
@@ -264,10 +263,9 @@ class FullDynamics:
     def of_crank(self, accelerations: Array) -> float:
         return float(accelerations[self.crank])
 
-    def stands(self, instant: LinkageState, time: float) -> None:
+    def stands(self, instant: LinkageState) -> bool:
         crank = self.units[self.crank] * abs(instant.speed)
-        if float(np.abs(self.units * instant.v).max()) > max(MOVING * crank, STANDING):
-            raise failure("stops at a lock", time, instant.angle)
+        return float(np.abs(self.units * instant.v).max()) <= max(MOVING * crank, STANDING)
 
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
         closure = self.press.engine("pinocchio").close(np.array([position[self.crank] + angle]), position[:, None])

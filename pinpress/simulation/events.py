@@ -7,26 +7,46 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 from ..common.quantities import Array
-from ..drives.transmission import Coupling, SwitchPoint
+from ..drives.transmission import SwitchPoint
 from ..loads.process import ForceInterval
-from .hybrid_system import HOLDING, OPEN, SLIPPING, CouplingMode, ForceMode, HybridSystem, Mode, Side, Snapshot, force_mode, sign_of
+from .failures import failure
+from .hybrid_system import (
+    HOLDING,
+    LETS_GO,
+    OPEN,
+    SLIPPING,
+    CouplingMode,
+    ForceMode,
+    HybridSystem,
+    Mode,
+    Side,
+    Snapshot,
+    force_mode,
+    sign_of,
+)
 from .trajectory import INTEGRALS
 
-STARTS = 1e-9  # a press that stands starts with this share of the acceleration by the loads that hold it
-AT_REST = 1e-9  # share of the run's largest crank speed: a slower crank has stopped
+SHAFT = -len(INTEGRALS) - 1  # place of the speed of a clutch's driving side in the vector
 
 
 class Event(ABC):
-    """An event that ends a mode."""
+    """An event that ends a mode.
+
+    Attributes:
+        rank: of events at the same instant that with the lowest comes first. At rest the stop of the crank decides what happens.
+    """
+
+    rank: ClassVar[int] = 3
 
     @abstractmethod
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
         """How far the event is away: positive in the mode, below zero once it has occurred."""
 
     @abstractmethod
-    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         """Mode and vector after the event.
 
         Args:
@@ -34,27 +54,27 @@ class Event(ABC):
             mode: that it ends.
             time: at which it occurs [s].
             y: the vector at this time.
-            fastest: largest crank speed of the run so far [rad/s].
 
         Raises:
             SimulationError: the press stalls.
         """
 
 
-def ending_events(system: HybridSystem, mode: Mode) -> tuple[Event, ...]:
-    """All events that may end a mode."""
-    couplings = [*_coupling_events(system, "clutch", mode.clutch), *_coupling_events(system, "brake", mode.brake)]
-    if mode.standing:
-        starts = () if mode.brake.grip is HOLDING else (PressStarts(1), PressStarts(-1))
-        return (*couplings, *starts)
+def ending_events(system: HybridSystem, mode: Mode, y: Array) -> tuple[Event, ...]:
+    """All events that may end a mode which begins with a vector."""
     found: list[Event] = []
-    for k, place in enumerate(mode.forces):
-        if place is not None:
-            found += _force_events(system, k, place)
-    if mode.way and mode.brake.grip is not HOLDING:
-        found.append(CrankStops())
-    found += [CornerPassed(k, corner, side) for k, (corner, side) in enumerate(zip(system.driven.corners, mode.sides, strict=True))]
-    return (*found, *couplings)
+    if not mode.rests:
+        for k, place in enumerate(mode.forces):
+            if place is not None:
+                found += _force_events(system, k, place)
+    with_crank = mode.way is not None and mode.clutch.grip is HOLDING  # the shaft passes standstill as the crank stops
+    for k, (corner, side) in enumerate(zip(system.driven.corners, mode.sides, strict=True)):
+        if corner or not with_crank:
+            found.append(CornerPassed(k, corner, side))
+    found += [*_coupling_events(system, "clutch", mode.clutch), *_coupling_events(system, "brake", mode.brake)]
+    if mode.way is not None:
+        found.append(PressStarts(system.starting(mode, y, 1), system.starting(mode, y, -1)) if mode.rests else CrankStops())
+    return tuple(found)
 
 
 def margins_of(events: Sequence[Event], system: HybridSystem, mode: Mode, time: float, y: Array) -> list[float]:
@@ -84,10 +104,10 @@ def _coupling_events(system: HybridSystem, side: Side, mode: CouplingMode) -> li
     at = coupling.closes if is_open and not mode.spent else coupling.opens if not is_open else None
     if at is not None:
         found.append(CouplingSwitched(side, at, mode.way, closes=is_open))
-    if mode.grip is SLIPPING:
-        found.append(CouplingGrips(side, mode.sign))
-    elif mode.grip is HOLDING:
-        found.append(CouplingSlips(side, mode, coupling))
+    if side == "clutch" and mode.grip is SLIPPING:
+        found.append(ClutchGrips())
+    elif side == "clutch" and mode.grip is HOLDING:
+        found.append(ClutchSlips())
     return found
 
 
@@ -114,7 +134,7 @@ class BorderPassed(Event):
         value: float = at.linkage.coordinates[self.row][0]
         return self.border - value if self.upwards else value - self.border
 
-    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         force, place = system.driven.forces[self.force], mode.forces[self.force]
         assert place is not None
         if self.upwards:
@@ -136,6 +156,7 @@ class CoordinateTurns(Event):
         rising: whether the coordinate has risen so far.
     """
 
+    rank = 2
     force: int
     row: int
     rising: bool
@@ -144,35 +165,11 @@ class CoordinateTurns(Event):
         rate: float = at.linkage.coordinates[self.row][1]
         return rate if self.rising else -rate
 
-    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
-        linkage = system.at(y).linkage
-        if abs(linkage.speed) <= AT_REST * fastest and system.dynamics.alone:
-            return _at_rest(system, mode, time, y)
-        force, place, (value, rate) = system.driven.forces[self.force], mode.forces[self.force], linkage.coordinates[self.row]
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
+        force, place, (value, rate) = system.driven.forces[self.force], mode.forces[self.force], system.at(y).linkage.coordinates[self.row]
         assert place is not None
         inside = 0.5 * (max(place.low, value - 1.0) + min(place.high, value + 1.0))
         return mode.with_force(self.force, force_mode(force, inside, not place.rising, value, rate)), y
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class CrankStops(Event):
-    """A crank whose bearings have friction comes to rest: it stands, or turns back."""
-
-    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        return mode.way * float(at.linkage.speed)
-
-    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
-        return _at_rest(system, mode, time, y)
-
-
-def _at_rest(system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
-    """Mode and vector of a crank that has come to rest."""
-    if mode.brake.grip is SLIPPING:  # at rest the brake decides what happens
-        return CouplingGrips("brake", mode.brake.sign).after(system, mode, time, y, 0.0)
-    n, rest = system.dynamics.size, y.copy()
-    rest[n : 2 * n] = 0.0
-    mode = system.placed(mode, time, rest)
-    return mode, rest if mode.standing or mode.way else y
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -198,7 +195,7 @@ class ContactChanges(Event):
         law = self.interval.sense * float(self.interval.force(value - self.datum, rate))
         return law if self.pushing else -law
 
-    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         place = mode.forces[self.force]
         assert place is not None
         return mode.with_force(self.force, place._replace(pushing=not place.pushing)), y
@@ -221,7 +218,7 @@ class CornerPassed(Event):
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
         return self.side * (at.shaft_speed - self.speed)
 
-    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         return mode._replace(sides=tuple(-side if k == self.corner else side for k, side in enumerate(mode.sides))), y
 
 
@@ -248,98 +245,92 @@ class CouplingSwitched(Event):
         past = time - self.when.time if self.when.time is not None else (at.linkage.angle - (self.when.angle or 0.0)) * self.way
         return -past
 
-    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         at = system.at(y)
         if not self.closes:
-            return _released(system, self.side, mode.with_coupling(self.side, CouplingMode(OPEN, spent=True)), time, y, at)
-        opens, relative = getattr(system.driven, self.side).opens, _relative_speed(self.side, at)
-        way = 1 if opens is None or opens.angle is None or opens.angle > at.linkage.angle else -1
-        grip, sign = (SLIPPING, sign_of(relative)) if relative else (HOLDING, 0)
-        return mode.with_coupling(self.side, CouplingMode(grip, sign, time, way=way)), y
+            switched = CouplingMode(OPEN, spent=True)
+        else:
+            opens, relative = getattr(system.driven, self.side).opens, at.shaft_speed - at.linkage.speed
+            way = 1 if opens is None or opens.angle is None or opens.angle > at.linkage.angle else -1
+            holds = self.side == "clutch" and not relative
+            switched = CouplingMode(HOLDING if holds else SLIPPING, sign_of(relative), time, way=way)
+        return system.going_on(mode.with_coupling(self.side, switched), time, y), y
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class CouplingGrips(Event):
-    """Both sides of a slipping coupling have come to the same speed.
+class ClutchGrips(Event):
+    """Both sides of a slipping clutch have come to the same speed."""
 
-    Attributes:
-        side: which coupling.
-        sign: of its torque on the crank so far.
-    """
-
-    side: Side
-    sign: int
+    rank = 1
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        return self.sign * _relative_speed(self.side, at)
+        return float(mode.clutch.sign * (at.shaft_speed - at.linkage.speed))
 
-    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
-        n, linkage, y = system.dynamics.size, system.at(y).linkage, y.copy()
-        if self.side == "clutch":
-            y[-len(INTEGRALS) - 1] = linkage.speed
-        else:
-            system.dynamics.stands(linkage, time)
-            y[n : 2 * n] = 0.0
-        coupling: CouplingMode = getattr(mode, self.side)._replace(grip=HOLDING)
-        mode = mode.with_coupling(self.side, coupling)
-        held = system.holding_torque(self.side, mode, time, y, system.at(y))
-        if abs(held) > coupling.capacity(getattr(system.driven, self.side), time):  # it cannot hold, and slips on the other way
-            mode = mode.with_coupling(self.side, coupling._replace(grip=SLIPPING, sign=sign_of(held)))
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
+        y = y.copy()
+        y[SHAFT] = system.at(y).linkage.speed
+        mode = system.going_on(mode._replace(clutch=mode.clutch._replace(grip=HOLDING)), time, y)
+        slips = ClutchSlips()
+        if slips.margin(system, mode, time, y, system.at(y)) < 0:  # it cannot hold
+            return slips.after(system, mode, time, y)
         return mode, y
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class CouplingSlips(Event):
-    """A holding coupling would have to transmit more than it can.
-
-    Attributes:
-        side: which coupling.
-        mode: of the coupling.
-        coupling: the coupling.
-    """
-
-    side: Side
-    mode: CouplingMode
-    coupling: Coupling
+class ClutchSlips(Event):
+    """A holding clutch would have to transmit more than it can."""
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        return self.mode.capacity(self.coupling, time) - abs(system.holding_torque(self.side, mode, time, y, at))
+        clutch = system.driven.clutch
+        assert clutch is not None
+        return (1 + LETS_GO) * mode.clutch.capacity(clutch, time) - abs(system.clutch_torque(mode, time, at))
 
-    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
-        at = system.at(y)
-        held = system.holding_torque(self.side, mode, time, y, at)
-        mode = mode.with_coupling(self.side, self.mode._replace(grip=SLIPPING, sign=sign_of(held)))
-        return _released(system, self.side, mode, time, y, at)
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
+        sign = sign_of(system.clutch_torque(mode, time, system.at(y)))
+        return system.going_on(mode._replace(clutch=mode.clutch._replace(grip=SLIPPING, sign=sign)), time, y), y
+
+
+# ------------------------------------------------------------------------------------------------------------------------ rest of the crank
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CrankStops(Event):
+    """The crank comes to rest: it rests, starts again or turns back."""
+
+    rank = 0
+
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        return (mode.way or 0) * float(at.linkage.speed)
+
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
+        linkage = system.at(y).linkage
+        if not system.dynamics.stands(linkage):  # at a lock the links go on, and take the crank back
+            if mode.brake.grip is not OPEN:
+                raise failure("stops at a lock", time, linkage.angle)
+            return system.turning(mode, -(mode.way or 0)), y
+        n, rest = system.dynamics.size, y.copy()
+        rest[n : 2 * n] = 0.0
+        if system.driven.clutch is not None and mode.clutch.grip is HOLDING:
+            rest[SHAFT] = 0.0
+        return system.going_on(mode, time, rest), rest
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PressStarts(Event):
-    """The drive overcomes what holds a standing press in one direction.
+    """What holds the crank at rest is overcome in one direction.
 
     Attributes:
-        way: +1 or -1, the direction.
+        forward: mode in which it starts forward.
+        back: mode in which it starts back.
     """
 
-    way: int
+    forward: Mode
+    back: Mode
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        forward, back = (self._tending(system, mode, time, y, way) for way in (1, -1))
-        return STARTS * abs(back - forward) - self.way * (forward if self.way > 0 else back)
+        rising, falling = system.tending(self.forward, time, y), -system.tending(self.back, time, y)
+        return LETS_GO * abs(rising + falling) - max(rising, falling)
 
-    def _tending(self, system: HybridSystem, mode: Mode, time: float, y: Array, way: int) -> float:
-        """Acceleration with which the crank would start in one direction [rad/s2]."""
-        tried = system.starting(mode, y[: system.dynamics.size], way)
-        return system.acceleration(tried, time, system.at(y))  # computed again: `starting` has moved the linkage
-
-    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
-        return system.starting(mode, y[: system.dynamics.size], self.way)._replace(standing=False), y
-
-
-def _relative_speed(side: Side, at: Snapshot) -> float:
-    """Speed of a coupling's other side relative to the crank."""
-    return at.shaft_speed - at.linkage.speed if side == "clutch" else -at.linkage.speed  # type: ignore[no-any-return]
-
-
-def _released(system: HybridSystem, side: Side, mode: Mode, time: float, y: Array, at: Snapshot) -> tuple[Mode, Array]:
-    """Mode and vector after a coupling has released: a press that a brake held at rest starts, or is held by its loads."""
-    return system.placed(mode, time, y) if side == "brake" and not at.linkage.speed else mode, y
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
+        rising, falling = system.tending(self.forward, time, y), -system.tending(self.back, time, y)
+        return self.forward if rising > falling else self.back, y

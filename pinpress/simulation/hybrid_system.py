@@ -2,6 +2,10 @@
 
 In a mode everything is smooth: each force keeps its interval, each coupling its grip, and the drive its side of every corner of its torque,
 even where an integrator looks beyond the end of the mode. Modes end at `events`. A brake is a coupling to the frame, whose speed is zero.
+
+At rest all that depends on the direction of motion can give the torque needed: the brake, friction, loads that act one way, and gears with
+losses. The crank rests as long as it would not start in either direction. Every stop of the crank and every change of a coupling ends in
+`HybridSystem.going_on`, which decides that.
 """
 
 import math
@@ -25,6 +29,9 @@ from .trajectory import INTEGRALS
 AHEAD = 1e-9  # time looked ahead to see into which interval a force goes, with several drivers [s]
 LITTLE = 1e-7  # crank angle looked ahead to see into which interval a force goes [rad]
 JUST_INSIDE = 1e-6  # share of the way from a border into its interval at which a stop that has just been touched pushes
+# What holds at its limit lets go beyond this share more: without it rounding would decide, and it would hold and let go without end.
+LETS_GO = 1e-9
+BESIDE = 1e-12  # share of a speed at which the drive's torque jumps, and of 1 rad/s at rest: the torque is asked this far on its side
 
 
 class Snapshot(NamedTuple):
@@ -63,7 +70,7 @@ class CouplingMode(NamedTuple):
 
     Attributes:
         grip: whether it is open, slips or holds.
-        sign: of its torque on the crank while it slips.
+        sign: of a clutch's torque on the crank while it slips. A brake's torque is against the motion.
         since: time at which it closed [s].
         spent: whether it has opened for good.
         way: +1 or -1, direction in which the crank has to pass the angle that switches it.
@@ -78,10 +85,6 @@ class CouplingMode(NamedTuple):
     def capacity(self, coupling: Coupling, time: float) -> float:
         """Torque that it can transmit [N m]."""
         return coupling.torque * min(1.0, max(0.0, (time - self.since) / coupling.rise)) if coupling.rise else coupling.torque
-
-    def torque(self, coupling: Coupling | None, time: float) -> float:
-        """Friction torque on the crank, while it slips [N m]."""
-        return self.sign * self.capacity(coupling, time) if coupling is not None and self.grip is SLIPPING else 0.0
 
 
 class ForceMode(NamedTuple):
@@ -107,19 +110,21 @@ class Mode(NamedTuple):
 
     Attributes:
         clutch: mode of the clutch; a press without one has one that holds.
-        brake: mode of the brake; a press without one has one that is open.
+        brake: mode of the brake, `SLIPPING` while it is closed, at rest too; a press without one has one that is open.
         forces: mode of every force; None of a force in time.
-        sides: for each corner of the drive's torque +1 where its shaft is faster, -1 where it is slower.
-        standing: whether the press stands, held by loads or friction that resist both directions.
-        way: +1 or -1, direction in which the crank turns, or starts, against the friction of its bearings; 0 where they have none.
+        sides: for each corner of the drive's torque +1 where its shaft is faster, -1 where it is slower, 0 where it rests there.
+        way: +1 or -1, direction in which the crank turns, or starts; 0: it rests; None: nothing depends on the direction.
     """
 
     clutch: CouplingMode
     brake: CouplingMode
     forces: tuple[ForceMode | None, ...]
     sides: tuple[int, ...] = ()
-    standing: bool = False
-    way: int = 0
+    way: int | None = None
+
+    @property
+    def rests(self) -> bool:
+        return self.way == 0
 
     def with_coupling(self, side: Side, mode: CouplingMode) -> "Mode":
         return self._replace(clutch=mode) if side == "clutch" else self._replace(brake=mode)
@@ -216,6 +221,8 @@ class HybridSystem:
             states = (*states, shaft)
         clutch = coupling_at_start(driven.clutch, angle, turning, shaft - turning, missing=HOLDING)
         brake = coupling_at_start(driven.brake, angle, turning, -turning, missing=OPEN)
+        if brake.grip is HOLDING:
+            brake = brake._replace(grip=SLIPPING)
         y = np.concatenate([position, speed, states, integrals])
         forces = tuple(None if force.time is not None else ForceMode(-math.inf, math.inf, True, None) for force in driven.forces)
         return self.placed(self.past_corner(Mode(clutch, brake, forces), y), time, y), y
@@ -290,11 +297,11 @@ class HybridSystem:
     def _rates(self, mode: Mode, time: float, y: Array) -> Array:
         n, driven = self.dynamics.size, self.driven
         linkage, shaft_speed, states = at = self.at(y)
-        torque = self.drive_torque(time, at)
+        torque = self.drive_torque(mode, time, at)
         forces, taken, put_in, squared = self._forces(mode, time, linkage)
-        through, braking = self._friction(mode, time) if self._coupled else (0.0, 0.0)
+        through, braking = self._friction(mode, time)
         rigid, result, accelerated, friction_torque = mode.clutch.grip is HOLDING, np.zeros(len(y)), 0.0, 0.0
-        if mode.brake.grip is not HOLDING and not mode.standing:
+        if not mode.rests:
             on_crank, inertia = (torque, driven.inertia) if rigid else (through, 0.0)
             friction_torque = self._friction_torque(mode, linkage, on_crank + braking, forces, inertia)
             result[:n] = y[n : 2 * n]
@@ -304,14 +311,17 @@ class HybridSystem:
             result[2 * n : 2 * n + len(states)] = driven.drive.rates(shaft_speed, linkage.angle, time, states)
         if driven.clutch is not None:
             result[2 * n + len(states)] = accelerated if rigid else (torque - through) / driven.inertia
-        motor = 0.0 if driven.drive is None else driven.drive.motor_torque(shaft_speed, linkage.angle, time, states)
+        motor = 0.0 if driven.drive is None else driven.drive.motor_torque(self._on_side(mode, shaft_speed), linkage.angle, time, states)
         lost = through * (shaft_speed - linkage.speed) - (braking + friction_torque) * linkage.speed
         result[-len(INTEGRALS) :] = (torque * shaft_speed + put_in, taken, motor * motor + squared, lost)
         return result
 
     def _friction(self, mode: Mode, time: float) -> tuple[float, float]:
-        """Friction torques of clutch and brake on the crank, while they slip [N m]."""
-        return mode.clutch.torque(self.driven.clutch, time), mode.brake.torque(self.driven.brake, time)
+        """Friction torques on the crank of a clutch that slips, and of a brake while the crank turns [N m]."""
+        clutch, brake = self.driven.clutch, self.driven.brake
+        through = 0.0 if clutch is None or mode.clutch.grip is not SLIPPING else mode.clutch.sign * mode.clutch.capacity(clutch, time)
+        braking = 0.0 if brake is None or mode.brake.grip is OPEN else -(mode.way or 0) * mode.brake.capacity(brake, time)
+        return through, braking
 
     def _friction_torque(self, mode: Mode, linkage: Any, torque: float, forces: Sequence[float], inertia: float) -> float:
         """Torque of the bearings' friction on the crank; other arguments as of `Dynamics.accelerations`."""
@@ -324,11 +334,6 @@ class HybridSystem:
         if not math.isfinite(net) or not total > 0:  # makes an integrator that looks ahead try a shorter step
             return math.nan
         return bearings.torque_at(linkage.angle, way, linkage.speed, net, total, forces)
-
-    @cached_property
-    def _coupled(self) -> bool:
-        """Whether there is a clutch or a brake."""
-        return self.driven.clutch is not None or self.driven.brake is not None
 
     def _forces(self, mode: Mode, time: float, linkage: Any) -> tuple[list[float], float, float, float]:
         """The forces along every coordinate, the power taken by loads, the power of further drives, and the sum of the squares of these
@@ -352,53 +357,76 @@ class HybridSystem:
                 squared += float(force.drive.motor_torque(rate, value, time)) ** 2
         return forces, taken, put_in, squared
 
-    def drive_torque(self, time: float, at: Snapshot) -> Any:
+    def drive_torque(self, mode: Mode, time: float, at: Snapshot) -> Any:
         """Torque of the drive at the driver joint [N m]."""
         drive = self.driven.drive
-        return 0.0 if drive is None else drive.torque(at.shaft_speed, at.linkage.angle, time, at.states)
+        return 0.0 if drive is None else drive.torque(self._on_side(mode, at.shaft_speed), at.linkage.angle, time, at.states)
 
-    def acceleration(self, mode: Mode, time: float, at: Snapshot, more: float = 0.0) -> float:
-        """Acceleration of the crank where it is free to turn [rad/s2]; ``more``: additional torque on it [N m]."""
+    def _on_side(self, mode: Mode, speed: float) -> float:
+        """A speed of the drive's shaft [rad/s], limited to the mode's side of every corner."""
+        for corner, side in zip(self.driven.corners, mode.sides, strict=False):
+            if side:
+                beside = corner + side * BESIDE * (abs(corner) or 1.0)
+                speed = max(speed, beside) if side > 0 else min(speed, beside)
+        return speed
+
+    def acceleration(self, mode: Mode, time: float, at: Snapshot) -> float:
+        """Acceleration of the crank where it is free to turn [rad/s2]."""
         driven = self.driven
         forces = self._forces(mode, time, at.linkage)[0]
         through, braking = self._friction(mode, time)
         rigid = mode.clutch.grip is HOLDING
-        on_crank, inertia = (self.drive_torque(time, at), driven.inertia) if rigid else (through, 0.0)
-        torque = on_crank + braking + more
+        on_crank, inertia = (self.drive_torque(mode, time, at), driven.inertia) if rigid else (through, 0.0)
+        torque = on_crank + braking
         torque = torque + self._friction_torque(mode, at.linkage, torque, forces, inertia)
         return self.dynamics.of_crank(self.dynamics.accelerations(at.linkage, torque, forces, inertia))
 
     # Standstill
 
     def placed(self, mode: Mode, time: float, y: Array) -> Mode:
-        """The mode with every force in its interval; at rest it is that of the direction in which the crank starts.
+        """The mode with every force in its interval; at rest that of the direction in which the crank starts, or in which it rests.
 
         Raises:
-            SimulationError: the loads, not friction, hold the press in both directions, and nothing that depends on time can change that.
+            SimulationError: loads alone hold the press in both directions, and nothing that depends on time can change that.
         """
-        mode = mode._replace(standing=False)
-        n = self.dynamics.size
+        n, driven = self.dynamics.size, self.driven
         position, speed = y[:n], y[n : 2 * n]
         linkage = self.dynamics.at(position, speed)
-        if self.driven.friction is None and (not self.driven.forces or all(place is None for place in mode.forces)):
-            return mode
         if not self.dynamics.alone:  # the first crank's rest is not the linkage's
             return self._placed_at(mode, position + AHEAD * speed, speed, moving=True)
         if linkage.speed:
-            mode = self._against(mode, linkage.speed)
+            mode = self.turning(mode, sign_of(linkage.speed))
             return self._placed_at(mode, position + LITTLE / abs(linkage.speed) * speed, speed, moving=True)
-        still: Mode | None = None
-        for way in (1.0, -1.0):
-            tried = self.starting(mode, position, way)
-            acceleration = self.dynamics.of_crank(self.rates(tried, time, y)[n : 2 * n])
-            if acceleration * way > 0 or mode.brake.grip is HOLDING:
-                return tried
-            still = tried if acceleration == 0.0 else still
-        if still is not None:
-            return still
-        if self._may_start_later or self.driven.friction is not None:
-            return mode._replace(standing=True)
-        raise failure("stalls", time, linkage.angle)
+        forward, back = tried = self.starting(mode, y, 1), self.starting(mode, y, -1)
+        if forward == back:  # neither a force nor a direction matters
+            return forward
+        start = self.start(*tried, time, y)
+        if start is not None:
+            return start
+        loads_hold = any(
+            a is not None and b is not None and a.interval is not b.interval for a, b in zip(forward.forces, back.forces, strict=True)
+        )
+        if loads_hold and driven.friction is None and not self._may_start_later:
+            raise failure("stalls", time, linkage.angle)
+        return mode._replace(way=0, sides=self._sides_of_crank(mode, 0))
+
+    def start(self, forward: Mode, back: Mode, time: float, y: Array) -> Mode | None:
+        """Which of the modes in which the crank may start from rest it does; None: neither, it rests."""
+        rising, falling = self.tending(forward, time, y), -self.tending(back, time, y)
+        if rising == falling == 0.0:  # an equilibrium in which nothing holds it
+            return forward
+        if max(rising, falling) > LETS_GO * abs(rising + falling):
+            return forward if rising > falling else back
+        return None
+
+    def going_on(self, mode: Mode, time: float, y: Array) -> Mode:
+        """The mode after a stop of the crank or a change of a coupling. Raises as `placed`."""
+        at = self.at(y)
+        mode = self.turning(mode, sign_of(at.linkage.speed)) if at.linkage.speed else self.placed(mode, time, y)
+        if 0 in mode.sides and mode.clutch.grip is not HOLDING:  # the shaft leaves its rest without the crank
+            way = sign_of(float(self.drive_torque(mode, time, at)) - self._friction(mode, time)[0])
+            mode = mode._replace(sides=tuple(side or way for side in mode.sides))
+        return mode
 
     @cached_property
     def _may_start_later(self) -> bool:
@@ -407,13 +435,28 @@ class HybridSystem:
         drives = (driven.drive is not None and driven.drive.timed) or driven.clutch is not None or driven.brake is not None
         return drives or any(force.time is not None for force in driven.forces)
 
-    def starting(self, mode: Mode, position: Array, way: float) -> Mode:
-        """The mode in which every force is in its interval when the crank starts from rest; ``way``: +1 or -1, the direction."""
-        return self._placed_at(self._against(mode, way), *self.dynamics.moved(position, way * LITTLE), moving=False)
+    def starting(self, mode: Mode, y: Array, way: int) -> Mode:
+        """The mode in which the crank of a vector starts from rest; ``way``: +1 or -1, the direction."""
+        mode = self.turning(mode, way)
+        return self._placed_at(mode, *self.dynamics.moved(y[: self.dynamics.size], way * LITTLE), moving=False) if mode.forces else mode
 
-    def _against(self, mode: Mode, speed: float) -> Mode:
-        """The mode with friction against a speed of the crank."""
-        return mode if self.driven.friction is None else mode._replace(way=1 if speed > 0 else -1)
+    def turning(self, mode: Mode, way: int) -> Mode:
+        """The mode of a crank that turns in a direction, +1 or -1; forces stay in their intervals."""
+        directed = self._directed or mode.brake.grip is not OPEN
+        return mode._replace(way=way, sides=self._sides_of_crank(mode, way)) if directed else mode._replace(way=None)
+
+    @cached_property
+    def _directed(self) -> bool:
+        """Whether a load, friction or the drive depends on the direction in which the crank turns."""
+        driven = self.driven
+        one_way = any(force.rising is not force.falling for force in driven.forces)
+        return self.dynamics.alone and (one_way or driven.friction is not None or 0.0 in driven.corners)
+
+    def _sides_of_crank(self, mode: Mode, way: int) -> tuple[int, ...]:
+        """The sides of the corners of the drive's torque, where its shaft passes standstill with the crank."""
+        if mode.clutch.grip is not HOLDING:
+            return mode.sides
+        return tuple(side if corner else way for corner, side in zip(self.driven.corners, mode.sides, strict=True))
 
     def _placed_at(self, mode: Mode, position: Array, speed: Array, moving: bool) -> Mode:
         """The mode in which every force is in its interval at a state a little ahead."""
@@ -424,18 +467,15 @@ class HybridSystem:
             places.append(None if place is None else force_mode(force, value, rate > 0, value, rate if moving else 0.0))
         return mode._replace(forces=tuple(places))
 
-    def holding_torque(self, side: Side, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        """Torque on the crank that a coupling has to transmit to hold [N m]."""
-        if side == "clutch":
-            free, torque = self.acceleration(mode, time, at), float(self.drive_torque(time, at))
-            return torque if mode.brake.grip is HOLDING else torque - self.driven.inertia * free
-        needed = []
-        directed = self.driven.friction is not None or any(force.rising is not force.falling for force in self.driven.forces)
-        ways = (1.0, -1.0) if directed else (0.0,)
-        for way in ways:
-            tried = self.starting(mode, y[: self.dynamics.size], way) if way else mode
-            here = self.at(y)  # computed again: `starting` has moved the linkage
-            free, pushed = self.acceleration(tried, time, here), self.acceleration(tried, time, here, more=1.0)
-            needed.append(-free / (pushed - free))  # the torque that leaves the crank at rest
-        # at rest a load of one direction takes any force up to its own, so that the brake has to hold the least torque of the two
-        return 0.0 if min(needed) <= 0 <= max(needed) else min(needed, key=abs)
+    def tending(self, mode: Mode, time: float, y: Array) -> float:
+        """Acceleration with which a crank at rest would start in a mode [rad/s2]."""
+        at = self.at(y)  # computed again: `starting` has moved the linkage
+        try:
+            return self.acceleration(mode, time, at)
+        except LawError as error:
+            raise error.within(time, float(at.linkage.angle)) from error.__cause__
+
+    def clutch_torque(self, mode: Mode, time: float, at: Snapshot) -> float:
+        """Torque on the crank that the clutch has to transmit to hold [N m]."""
+        torque = float(self.drive_torque(mode, time, at))
+        return torque if mode.rests else torque - self.driven.inertia * self.acceleration(mode, time, at)

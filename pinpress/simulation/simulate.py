@@ -44,7 +44,6 @@ from ..loads.link import law as friction_law
 from .driven_press import DrivenPress, driven_press, press_with_drives
 from .elastic.description import Elastic
 from .failures import failure, told_of
-from .hybrid_system import HOLDING
 from .law_trials import asked_drive
 from .over_angle.angle_solver import MOST_PERIODS
 from .over_angle.segment import NEAR, AngleSegment, nearly_at_rest
@@ -404,7 +403,7 @@ def _beside_rest(model: ReducedModel, segment: Any, span: float) -> bool:
     for stretch in np.split(slowly, np.flatnonzero(np.diff(slowly) > 1) + 1) if len(slowly) else []:
         k = int(stretch[speeds[stretch].argmin()])  # the slowest of states one after the other
         mode, time = segment.modes[max(k - 1, 0)], segment.start if k == 0 else segment.times[k - 1]
-        if mode.brake.grip is HOLDING or mode.standing:
+        if mode.rests:
             continue
         y = segment.pieces[max(k - 1, 0)](time)
         rate = {}

@@ -21,9 +21,9 @@ from ..common.frozen import read_only
 from ..common.integrators import RadauIIA, RungeKutta4, rounding, slopes
 from ..common.quantities import Array
 from ..loads.caller_laws import LawError
-from .events import BorderPassed, ContactChanges, CornerPassed, CouplingGrips, Event, ending_events, margins_of
+from .events import BorderPassed, ContactChanges, CornerPassed, Event, ending_events, margins_of
 from .failures import failure
-from .hybrid_system import HybridSystem, Mode
+from .hybrid_system import OPEN, HybridSystem, Mode
 from .trajectory import INTEGRALS, Sample
 
 EXPLICIT, IMPLICIT, FIXED, BY_STIFFNESS = "explicit", "implicit", "fixed step", "by stiffness"
@@ -94,8 +94,9 @@ class TimeSegment:
 
     @property
     def standing(self) -> float | None:
-        """Time since which the press stands at the end, held by loads [s]; None where it does not stand."""
-        moving = next((k for k in range(len(self.modes), 0, -1) if not self.modes[k - 1].standing), 0)
+        """Time since which the press stands at the end, held by other than a brake [s]; None where it does not stand."""
+        held = [mode.rests and mode.brake.grip is OPEN for mode in self.modes]
+        moving = next((k for k in range(len(held), 0, -1) if not held[k - 1]), 0)
         return None if moving == len(self.modes) else self.times[moving - 1] if moving else self.start
 
     @property
@@ -203,7 +204,7 @@ class Integration:
         self.system, self.settings, self.start, self.until = system, settings, start, until
         self.time, self.y, self.mode = start, y, mode
         at = system.at(y).linkage
-        self.angle, self.fastest = at.angle, abs(at.speed)
+        self.angle = at.angle
         self.segment = TimeSegment(system, start, from_rest=bool(at.speed == 0), speeds=[float(at.speed)])
         # steps end at instants at which something is not smooth, and at a corner of the drive's torque, which they must not pass over
         self.ends = sorted({b for b in system.driven.switch_times if start < b < until} | {until})
@@ -257,14 +258,12 @@ class Integration:
 
     def _stepper(self, trials: "Trials") -> tuple[str, OdeSolver]:
         """The method, and its integrator from the state reached."""
-        settings, mode, longest = self.settings, self.mode, math.inf
-        method = FIXED if settings.step is not None else settings.method
-        if self.pacer is not None and not mode.standing:
-            method = self.pacer.using
-        if mode.standing:
-            longest = (self.until - self.start) / LOOKS  # steps must not pass over what starts a press that stands
+        settings = self.settings
+        method = FIXED if settings.step is not None else self.pacer.using if self.pacer is not None else settings.method
         end = min(next(b for b in self.ends if b > self.time), self.corner)
-        stepper = _stepper(trials, self.time, self.y, end, settings, method, self.first_step, longest)
+        if self.mode.rests:  # steps must not pass over what starts a press that stands
+            end = min(end, self.time + (self.until - self.start) / LOOKS)
+        stepper = _stepper(trials, self.time, self.y, end, settings, method, self.first_step)
         if not np.isfinite(stepper.f).all():
             raise trials.error or failure("not finite", self.time, self.angle)
         return method, stepper
@@ -286,7 +285,7 @@ class Integration:
         linkage = self.system.at(self.y).linkage
         segment.travelled += abs(linkage.angle - self.angle)
         segment.speeds.append(float(linkage.speed))
-        self.angle, self.fastest = linkage.angle, max(self.fastest, abs(linkage.speed))
+        self.angle = linkage.angle
 
     def _refuse_too_long(self, stepper: OdeSolver) -> None:
         """Raise SimulationError where the run would take too long, or too many steps to be kept."""
@@ -305,7 +304,7 @@ class Integration:
         if event is not None:
             if self.at_once > MOST_AT_ONCE:
                 raise failure("chatters", self.time, self.angle)
-            self.mode, self.y = event.after(self.system, self.mode, self.time, self.y, self.fastest)
+            self.mode, self.y = event.after(self.system, self.mode, self.time, self.y)
         elif self.time >= self.corner:
             self.mode = self.system.past_corner(self.mode, self.y)
         self.corner, self.tries = math.inf, 0
@@ -338,7 +337,6 @@ def _stepper(
     settings: Settings,
     method: str,
     first: float | None,
-    longest: float,
 ) -> OdeSolver:
     """The integrator of a method.
 
@@ -350,15 +348,14 @@ def _stepper(
         settings: of the integration.
         method: one of the names above.
         first: length of the first step [s]; None where it is not known.
-        longest: largest length of a step [s].
     """
     if settings.step is not None:
         return RungeKutta4(rates, time, y, end, settings.step)
     first, error = None if first is None else min(first, end - time), settings.tolerance * settings.sizes
-    if method == IMPLICIT and longest == math.inf:
+    if method == IMPLICIT:
         return RadauIIA(rates, time, y, end, error, LEAST_RELATIVE, len(INTEGRALS), settings.sizes, first)
     more = {} if first is None else {"first_step": first}
-    return DOP853(rates, time, y, end, max_step=longest, rtol=LEAST_RELATIVE, atol=error, **more)
+    return DOP853(rates, time, y, end, rtol=LEAST_RELATIVE, atol=error, **more)
 
 
 class Pacer:
@@ -444,7 +441,7 @@ class EventFinder:
 
     def __init__(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> None:
         self.system, self.mode = system, mode
-        self.events = ending_events(system, mode)
+        self.events = ending_events(system, mode, y)
         self.margins = self._margins(time, y)
 
     def _margins(self, time: float, y: Array) -> list[float]:
@@ -491,9 +488,7 @@ class EventFinder:
         for _ in range(len(self.events) + 1):
             found = [(_zero(partial(margin, k), since, first[1], before[k]), k) for k in fallen]
             when, which = min(found, key=lambda f: f[0])
-            # of events at the same instant a brake that grips comes first: at rest it decides what happens
-            grips = (k for at, k in found if isinstance(self.events[k], CouplingGrips) and at <= when + rounding)
-            which = next(grips, which)
+            which = min((k for at, k in found if at <= when + rounding), key=lambda k: (self.events[k].rank, k != which))
             if when > first[1] - rounding and first[1] != until:
                 break
             first = which, when
