@@ -265,7 +265,7 @@ class FullDynamics:
 
     def stands(self, instant: LinkageState) -> bool:
         crank = self.units[self.crank] * abs(instant.speed)
-        return float(np.abs(self.units * instant.v).max()) <= max(MOVING * crank, STANDING)
+        return bool(np.abs(self.units * instant.v).max() <= max(MOVING * crank, STANDING))
 
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
         closure = self.press.engine("pinocchio").close(np.array([position[self.crank] + angle]), position[:, None])

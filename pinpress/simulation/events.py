@@ -269,11 +269,7 @@ class ClutchGrips(Event):
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         y = y.copy()
         y[SHAFT] = system.at(y).linkage.speed
-        mode = system.going_on(mode._replace(clutch=mode.clutch._replace(grip=HOLDING)), time, y)
-        slips = ClutchSlips()
-        if slips.margin(system, mode, time, y, system.at(y)) < 0:  # it cannot hold
-            return slips.after(system, mode, time, y)
-        return mode, y
+        return system.going_on(mode._replace(clutch=mode.clutch._replace(grip=HOLDING)), time, y), y
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -281,13 +277,10 @@ class ClutchSlips(Event):
     """A holding clutch would have to transmit more than it can."""
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        clutch = system.driven.clutch
-        assert clutch is not None
-        return (1 + LETS_GO) * mode.clutch.capacity(clutch, time) - abs(system.clutch_torque(mode, time, at))
+        return system.clutch_reserve(mode, time, at)
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
-        sign = sign_of(system.clutch_torque(mode, time, system.at(y)))
-        return system.going_on(mode._replace(clutch=mode.clutch._replace(grip=SLIPPING, sign=sign)), time, y), y
+        return system.clutch_slips(mode, time, y), y
 
 
 # ------------------------------------------------------------------------------------------------------------------------ rest of the crank

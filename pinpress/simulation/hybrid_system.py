@@ -18,6 +18,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ..common.quantities import Array
+from ..drives.protocol import corners_of
 from ..drives.transmission import Coupling
 from ..loads.caller_laws import LawError
 from ..loads.process import ForceInterval
@@ -225,7 +226,7 @@ class HybridSystem:
             brake = brake._replace(grip=SLIPPING)
         y = np.concatenate([position, speed, states, integrals])
         forces = tuple(None if force.time is not None else ForceMode(-math.inf, math.inf, True, None) for force in driven.forces)
-        return self.placed(self.past_corner(Mode(clutch, brake, forces), y), time, y), y
+        return self.going_on(self.placed(self.past_corner(Mode(clutch, brake, forces), y), time, y), time, y), y
 
     def at(self, y: Array) -> Snapshot:
         """The state of a vector."""
@@ -363,12 +364,19 @@ class HybridSystem:
         return 0.0 if drive is None else drive.torque(self._on_side(mode, at.shaft_speed), at.linkage.angle, time, at.states)
 
     def _on_side(self, mode: Mode, speed: float) -> float:
-        """A speed of the drive's shaft [rad/s], limited to the mode's side of every corner."""
-        for corner, side in zip(self.driven.corners, mode.sides, strict=False):
+        """A speed of the drive's shaft [rad/s], limited to the mode's side of those at which the torque jumps."""
+        for k, corner in self._jumps:
+            side = mode.sides[k]
             if side:
                 beside = corner + side * BESIDE * (abs(corner) or 1.0)
                 speed = max(speed, beside) if side > 0 else min(speed, beside)
         return speed
+
+    @cached_property
+    def _jumps(self) -> tuple[tuple[int, float], ...]:
+        """Places and speeds of the corners at which the drive's torque jumps. Gears with losses name standstill as a plain corner."""
+        drive, corners = self.driven.drive, self.driven.corners
+        return () if drive is None else tuple((k, corners[k]) for k, (_, jump) in enumerate(corners_of(drive)) if jump or not corners[k])
 
     def acceleration(self, mode: Mode, time: float, at: Snapshot) -> float:
         """Acceleration of the crank where it is free to turn [rad/s2]."""
@@ -423,10 +431,17 @@ class HybridSystem:
         """The mode after a stop of the crank or a change of a coupling. Raises as `placed`."""
         at = self.at(y)
         mode = self.turning(mode, sign_of(at.linkage.speed)) if at.linkage.speed else self.placed(mode, time, y)
+        if mode.clutch.grip is HOLDING and self.clutch_reserve(mode, time, self.at(y)) < 0:
+            return self.clutch_slips(mode, time, y)
         if 0 in mode.sides and mode.clutch.grip is not HOLDING:  # the shaft leaves its rest without the crank
             way = sign_of(float(self.drive_torque(mode, time, at)) - self._friction(mode, time)[0])
             mode = mode._replace(sides=tuple(side or way for side in mode.sides))
         return mode
+
+    def clutch_slips(self, mode: Mode, time: float, y: Array) -> Mode:
+        """The mode after a clutch that holds has let go. Raises as `placed`."""
+        sign = sign_of(self._clutch_torque(mode, time, self.at(y)))
+        return self.going_on(mode._replace(clutch=mode.clutch._replace(grip=SLIPPING, sign=sign)), time, y)
 
     @cached_property
     def _may_start_later(self) -> bool:
@@ -475,7 +490,14 @@ class HybridSystem:
         except LawError as error:
             raise error.within(time, float(at.linkage.angle)) from error.__cause__
 
-    def clutch_torque(self, mode: Mode, time: float, at: Snapshot) -> float:
+    def clutch_reserve(self, mode: Mode, time: float, at: Snapshot) -> float:
+        """By how much the torque at which a clutch that holds lets go is larger than the one that it has to transmit [N m]."""
+        clutch = self.driven.clutch
+        if clutch is None:
+            return math.inf
+        return (1 + LETS_GO) * mode.clutch.capacity(clutch, time) - abs(self._clutch_torque(mode, time, at))
+
+    def _clutch_torque(self, mode: Mode, time: float, at: Snapshot) -> float:
         """Torque on the crank that the clutch has to transmit to hold [N m]."""
         torque = float(self.drive_torque(mode, time, at))
         return torque if mode.rests else torque - self.driven.inertia * self.acceleration(mode, time, at)
