@@ -53,7 +53,7 @@ class Stats(Record, units={"wall_time": "s", "closure_error": "m"}):
     """The cost of a run, and its accuracy.
 
     Attributes:
-        method: the equations solved, "reduced" or "constraint".
+        method: "reduced", "implicit", "constraint" or "elastic", see `simulate`.
         solvers: what solved them, in the order of use: over the crank "angle"; over time "explicit" (DOP853), "implicit" (Radau IIA) or by
             a "fixed step"; "repetition" of a swing; "standstill".
         steps: number of panels over the crank angle and steps over time.
@@ -150,7 +150,7 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
     else:
         confirm_torques(driven.drive, times, motion.crank_angle, sample.drive_speed, sample.drive_torque)
     stats = Stats(
-        method=problem.equations,
+        method=problem.method,
         solvers=trajectory.solvers,
         steps=trajectory.steps,
         evaluations=trajectory.evaluations,
@@ -296,7 +296,7 @@ def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, 
 
 def _constraint_solution(problem: SimulationProblem, trajectory: Trajectory) -> ConstraintSolution | None:
     """What has found the accelerations of all joints; None where the crank alone was integrated."""
-    if problem.equations != "constraint":
+    if problem.method != "constraint":
         return None
     segment = cast("TimeSegment", trajectory.segments[0])
     return cast("FullDynamics", segment.system.dynamics).solution()

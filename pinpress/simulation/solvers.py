@@ -42,7 +42,7 @@ class SimulationProblem:
 
     Attributes:
         driven: the press, its drives and loads.
-        method: "reduced", "implicit" (the reduced equation by Radau IIA alone) or "constraint".
+        method: "reduced", "implicit" (the reduced equation by Radau IIA alone), "constraint" or "elastic".
         angle: (drivers,) at time 0 [rad].
         speed: (drivers,) at time 0 [rad/s].
         until: time of the end [s].
@@ -57,11 +57,6 @@ class SimulationProblem:
     until: float
     tolerance: float
     step: float | None = None
-
-    @property
-    def equations(self) -> str:
-        """ "reduced", "constraint" or "elastic"."""
-        return self.method if self.method in ("constraint", "elastic") else "reduced"
 
 
 class Leg(NamedTuple):
@@ -107,7 +102,7 @@ def march(problem: SimulationProblem, progress: Progress | None = None) -> Traje
 
 
 def _ladder(problem: SimulationProblem, progress: Progress | None) -> tuple[Solver, ...]:
-    if problem.equations == "constraint":
+    if problem.method == "constraint":
         return (AllJointsOverTime(problem, progress),)
     over_angle = OverAngle(problem, progress)
     return over_angle, OverTime(problem, progress, turns=over_angle.serves)
