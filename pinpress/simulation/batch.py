@@ -43,7 +43,7 @@ from .over_angle.refinement import cuts, interpolate_onto, passed_corners, stopp
 from .over_angle.segment import drive_torque, nearly_at_rest, place_at
 from .reduced_model import COORDINATES, INERTIA, energies, reduced_model_of
 from .run import Run, allowed_error, energy_error, state_count
-from .simulate import checked_tolerance, refuse_many_turns, simulate
+from .simulate import checked_tolerance, doubt_motor, refuse_many_turns, simulate
 
 Mask = NDArray[np.bool_]
 
@@ -176,6 +176,7 @@ def simulate_batch(
         raise PinpressError("a drive that prescribes the speed leaves nothing to simulate in scenarios: use simulate")
     refuse_many_turns(speeds, until, start)
     doubt_speeds(press, speeds)
+    doubt_motor(press, drive, speeds)
     scenarios = _Scenarios(press, until, start, speeds, (drive, flywheel, *loads), friction, states, tolerance)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         return _solved(scenarios, began)

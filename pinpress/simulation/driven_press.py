@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from ..common.frozen import read_only
 from ..common.quantities import GRAVITY, Array
 from ..drives.electric import ElectricMotor
 from ..drives.protocol import Drive, corners_of
-from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed, innermost
+from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, innermost
 from ..dynamics import applied_loads
 from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..engines.forces import AppliedForce, FrictionLaw
@@ -168,6 +168,11 @@ class GeneralizedForce:
 
     def intervals(self, rising: bool) -> tuple[ForceInterval, ...]:
         return self.rising if rising else self.falling
+
+    @property
+    def works_once(self) -> bool:
+        """Whether it acts on the way down and pushes nothing on the way up, as on a part that it changes for good."""
+        return self.rising is not self.falling and all(float(np.max(each.force(each.upper, 0.0))) < 0 for each in self.rising)
 
     def borders(self) -> tuple[float, ...]:
         """Values of the coordinate at which the force is not smooth."""
@@ -347,6 +352,39 @@ def _doubt_parts(press: Linkage, drive: Drive | None, flywheel: Flywheel | None,
         weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
         for name, value in torques.items():
             plausibility.torque(name, float(value), 0.5 * weight * (high - low) if math.isfinite(high - low) else 0.0)
+
+
+class MotorAgainst(NamedTuple):
+    """An asynchronous motor whose own direction, that of its rotating field, is against a speed: turned that way it brakes at every speed.
+
+    Attributes:
+        motor: name of its class.
+        idle: no-load speed of the driver under it, with its sign, in the unit in which speeds are shown.
+        share: of the no-load speed that the speed is, positive.
+        speed: the same of the speed.
+        remedy: what turns the motor round.
+    """
+
+    motor: str
+    idle: str
+    share: float
+    speed: str
+    remedy: str
+
+
+def motor_against(press: Linkage, given: object, speed: float) -> MotorAgainst | None:
+    """The motor of a drive if its own direction is against a speed of the driver [rad/s or m/s]; else None."""
+    drive = caller_laws.as_given(given)
+    if not isinstance(drive, Drive):
+        return None
+    motor, ratio = innermost(drive)
+    motor = caller_laws.as_given(motor)
+    idle = (getattr(motor, "primary_speed", None) or max(getattr(motor, "reversals", ()), default=0.0)) / ratio
+    if not idle * speed < 0:
+        return None
+    remedy = f"ratio={-drive.ratio:g}" if isinstance(drive, Geared) else "Geared(motor, ratio=-1)"
+    unit, size = press.driver_coordinates[0].shown_speed
+    return MotorAgainst(type(motor).__name__, f"{idle / size:.6g} {unit}", -speed / idle, f"{speed / size:.6g} {unit}", remedy)
 
 
 def _refuse_other_parts(drive: object, flywheel: object, clutch: object, brake: object) -> None:

@@ -57,6 +57,10 @@ REASONS = {
         "no steady state is found near {speed:g} rad/s ({turns:g} r/min): the drive is too weak for the loads, or gives as much or more at"
         " every speed there (a constant torque has none); try another speed, or let the press run with simulate"
     ),
+    "other way": (
+        "the motor turns the other way: without load the {motor} turns the driver at {idle}, so that it has no steady state near {speed};"
+        " for that direction write {remedy}"
+    ),
     "does not repeat": (
         "the press on its springs does not repeat its stroke: the lowest positions of its slide in {strokes} strokes are {depths} mm; let"
         " it run with simulate, or look at stiffness, damping and load"

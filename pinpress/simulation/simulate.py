@@ -41,7 +41,7 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
-from .driven_press import DrivenPress, driven_press, press_with_drives
+from .driven_press import DrivenPress, driven_press, motor_against, press_with_drives
 from .elastic.description import Elastic
 from .failures import failure, told_of
 from .law_trials import asked_drive
@@ -192,12 +192,16 @@ def simulate(
         problem = _problem(driven, method, angles, speeds, until, error, fixed)
         doubt_speeds(press, problem.speed)
         _doubt_programs(press, drive, problem.speed)
+        if driven.prescribed is None and len(press.drivers) == 1:
+            of_flywheel = None if driven.clutch is None or driven.flywheel is None else driven.flywheel.speed
+            doubt_motor(press, drive, problem.speed if of_flywheel is None else np.array([of_flywheel]))
         if elastic is not None:
             from .elastic.simulate_elastic import elastic_simulation  # a third of what a rigid run imports of ours
 
             return elastic_simulation(problem, elastic, points, began, progress)
         trajectory = march(problem, progress)
         run = as_run(problem, trajectory, points, began, start_sensitivity(problem, trajectory))
+    _doubt_second_strokes(trajectory)
     if (since := trajectory.standing) is not None:
         _tell_of_standstill(run, since)
     return run
@@ -214,6 +218,37 @@ def _doubt_programs(press: Linkage, drive: Drive | PrescribedSpeed | Mapping[str
                 f"the run begins with {speed / size:.4g} {unit} of {driver}, where its ServoMotor's program stands still: begin the program"
                 " before 0 s, or the run at rest"
             )
+
+
+def doubt_motor(press: Linkage, drive: object, speeds: Array) -> None:
+    """Warn of a motor whose own direction is against that of a press that runs at the start, at ``speeds`` (n,) in n scenarios.
+
+    A press that runs is near the motor's no-load speed. What turns back at less than half of that may well be meant so.
+    """
+    against = motor_against(press, drive, float(max(speeds, key=abs)))
+    if against is not None and against.share > 0.5:
+        caution(
+            f"the motor turns the other way: without load the {against.motor} turns the driver at {against.idle}, but the run begins with"
+            f" {against.speed}, so that it brakes the press and turns it back; if that is not meant, write {against.remedy}"
+        )
+
+
+def _doubt_second_strokes(trajectory: Trajectory) -> None:
+    """Warn of a slide that works on its way down, swings back, and turns down again before it has left the heights of its load."""
+    way, worked = 0, False  # direction of the crank so far, and whether a load that acts one way may have acted on the way down
+    for segment in trajectory.segments:
+        if isinstance(segment, AngleSegment):
+            way, worked = int(np.sign(segment.begin.speed or segment.final_speed)), True
+        for start, mode in zip(getattr(segment, "borders", ()), getattr(segment, "modes", ()), strict=False):
+            forces = zip(segment.system.driven.forces, mode.forces, strict=True)
+            works = any(place is not None and place.interval and not place.rising and force.works_once for force, place in forces)
+            if works and worked and way and mode.way == -way:
+                caution(
+                    f"the slide turns down again at {start:.6g} s within the heights of a load that acts on the way down: a rigid run"
+                    " meets there what it has worked already, as if it were new; end the run before, or leave the load out of the rest"
+                )
+                return
+            way, worked = mode.way or way, worked or works
 
 
 def _tell_of_standstill(run: Run, since: float) -> None:

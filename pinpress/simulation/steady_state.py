@@ -27,7 +27,7 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
-from .driven_press import DrivenPress, driven_press
+from .driven_press import DrivenPress, driven_press, motor_against
 from .elastic.description import Elastic
 from .failures import failure, told_of
 from .law_trials import asked_drive
@@ -150,7 +150,7 @@ def steady_state_near(
     resolved = tolerance if elastic is None else 0.0
     driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None, friction, resolved)
     if elastic is None or driven.prescribed is None:
-        _refuse_without_steady_state(driven, drive)
+        _refuse_without_steady_state(driven, drive, near)
     doubt_speeds(press, near)
     if elastic is not None:
         from .elastic.simulate_elastic import elastic_steady_state  # rigid periods need nothing of it, and it is large
@@ -181,8 +181,8 @@ def _speed(given: object) -> float:
     return speed
 
 
-def _refuse_without_steady_state(driven: DrivenPress, given: object) -> None:
-    """Raise PinpressError where a driven press can have no steady state; ``given``: the drive as it was given."""
+def _refuse_without_steady_state(driven: DrivenPress, given: object, near: float) -> None:
+    """Raise PinpressError where a driven press can have no steady state near a speed; ``given``: the drive as it was given."""
     drive = driven.drive
     if drive is None:
         raise PinpressError(f"drive is {shown(given)}: a steady state needs a motor, see pinpress.drives")
@@ -195,6 +195,8 @@ def _refuse_without_steady_state(driven: DrivenPress, given: object) -> None:
             f"a slide of {driven.press.name} does not come back after a turn, as on a screw or a rack: it has no steady state; let it run"
             " with simulate"
         )
+    if (against := motor_against(driven.press, given, near)) is not None:
+        raise failure("other way", **against._asdict())
 
 
 # --------------------------------------------------------------------------------------------------------------------------- over the angle

@@ -645,6 +645,7 @@ def test_a_drive_that_turns_backwards(press, method):
     np.testing.assert_allclose(runs[1].drive_work, runs[0].drive_work, rtol=0, atol=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:the motor turns the other way")
 def test_swings_through_both_limits_of_a_drive():
     """A crank that swings through the corners of an inverter's torque: where it stops is known only once these are. One integration, whose
     progress goes forward, and the motion that the other method finds."""
