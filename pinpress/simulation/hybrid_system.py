@@ -446,9 +446,13 @@ class HybridSystem:
     @cached_property
     def _may_start_later(self) -> bool:
         """Whether a press at rest may be started later: by the drive, a force in time, clutch or brake."""
-        driven = self.driven
-        drives = (driven.drive is not None and driven.drive.timed) or driven.clutch is not None or driven.brake is not None
-        return drives or any(force.time is not None for force in driven.forces)
+        return self.varies or self.driven.clutch is not None or self.driven.brake is not None
+
+    @cached_property
+    def varies(self) -> bool:
+        """Whether the drive or a force changes with time, other than where a clutch or brake is switched."""
+        drive = self.driven.drive
+        return (drive is not None and drive.timed) or any(force.time is not None for force in self.driven.forces)
 
     def starting(self, mode: Mode, y: Array, way: int) -> Mode:
         """The mode in which the crank of a vector starts from rest; ``way``: +1 or -1, the direction."""

@@ -261,7 +261,7 @@ class Integration:
         settings = self.settings
         method = FIXED if settings.step is not None else self.pacer.using if self.pacer is not None else settings.method
         end = min(next(b for b in self.ends if b > self.time), self.corner)
-        if self.mode.rests:  # steps must not pass over what starts a press that stands
+        if self.mode.rests and self.system.varies:  # steps must not pass over what starts a press that stands
             end = min(end, self.time + (self.until - self.start) / LOOKS)
         stepper = _stepper(trials, self.time, self.y, end, settings, method, self.first_step)
         if not np.isfinite(stepper.f).all():

@@ -129,6 +129,7 @@ HEIGHTS, FORCES = [0.0, 0.002, 0.004], [1.2e6, 4e5, 0.0]
 
 
 @pytest.mark.one_in(2)
+@pytest.mark.filterwarnings("ignore:the slide turns down again")
 def test_a_servo_press_that_dwells_on_its_work(knuckle, method):
     """The program turns back beside bottom dead centre; the table holds the slide on its way down until the servo overcomes it."""
     aim = pp.dead_centres(knuckle).bottom_angle - 0.2
