@@ -185,14 +185,14 @@ def test_the_crank_rests_where_its_torques_lie_within_what_holds(press, method):
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(16))
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 def test_methods_agree_on_random_couplings(seed):
     """The three share little: one integrates over the angle where it can, one the reduced equation by Radau IIA, one all joints. They end
     alike, or all refuse."""
     random = np.random.default_rng(seed)
     ended = 0
-    for _ in range(40):
+    for _ in range(10):
         press, given = coupled_run(random)
         ends = []
         for method in METHODS[: 2 if "friction" in given else 3]:
@@ -206,7 +206,7 @@ def test_methods_agree_on_random_couplings(seed):
         if not refused:
             ended += 1
             np.testing.assert_allclose(ends, [ends[0]] * len(ends), rtol=0, atol=2e-6, err_msg=str((press.name, given)))
-    assert ended >= 35
+    assert ended >= 8
 
 
 def test_a_slide_that_swings_back_on_its_work_is_warned_of(press):
