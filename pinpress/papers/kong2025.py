@@ -1,8 +1,8 @@
 """Kong X. et al. 2025, Forging and Stamping Technology 50(2), 195-203: the six-bar press ZXN2-3000(B), before and after partial balancing.
 
 The moments of inertia are ours, as the paper prints none; the press is not fitted to the tables. `_equation_18` works out what would bring
-it nearer to them. The paper's signs: M_b, the moment that balances the crank, is minus the driving torque; the forces in A act from the
-crank on the frame; x points to the right, y up.
+it nearer to them. The paper's signs: M_b is minus the driving torque, as (11) has -M_b beside moments that are positive counter-clockwise;
+the forces in A act from the crank on the frame, though (17) names those of the frame on the crank; x points to the right, y up.
 """
 
 from collections.abc import Sequence
@@ -24,9 +24,10 @@ from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..loads.link import PointForce
 from ..simulation.simulate import simulate
+from . import kong2025_as_printed
 from .kong2025_counterweights import PAPER, conclusion
 from .kong2025_drive import gearing_entry, motor_entry
-from .pages import BEYOND, DATA, NO_RESULT, NOT, PARTLY, REPRODUCED, Erratum, Grid, Page, PageEntry, Panel, Row, draw
+from .pages import BEYOND, DATA, FINDINGS, NO_RESULT, NOT, PARTLY, REPRODUCED, Erratum, Grid, Page, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,11 +41,11 @@ PRINTED = {
     ACROSS: ((120604, -104518), (119421, -100070)),
     UPRIGHT: ((52375, -79419), (50688, -75741)),
 }
+RANGES = {MOMENT: (38476, 37756), ACROSS: (225122, 219491), UPRIGHT: (131794, 126429)}
 REDUCTION = {MOMENT: "-1.8713", ACROSS: "-2.5013", UPRIGHT: "-4.0707"}  # [%]
 WHY_NOT = (
-    "The paper prints no moments of inertia, and its equations cannot give its tables: (10), (12) and (13) have wrong signs, (15) swaps the"
-    " axes, and (18) leaves out the weight of the crank, which is a third of the deviation (see (18)). No physically possible inertias"
-    " reproduce the tables, and the press is not fitted to them."
+    "The paper prints no moments of inertia, and its equations do not give its tables (see (18)). No physically possible inertias reproduce"
+    " the tables, and the press is not fitted to them."
 )
 SEE = "The reasons are those of Fig. 5."
 SOLVER = "independent solver"
@@ -98,11 +99,12 @@ def page() -> Page:
     return Page(
         "kong2025",
         "Kong 2025: the six-bar press ZXN2-3000(B)",
-        "Kong X. et al. 2025, Forging and Stamping Technology 50(2), 195-203 (in Chinese): kinematics, driving torque and bearing forces"
-        " of a 3000 kN press at 70 strokes/min, before and after partial balancing by counterweights on crank and rod. `zxn2_3000b` and"
-        " `zxn2_3000b_balanced`; the moments of inertia, which the paper does not print, are named in these files; gravity, not printed"
-        " either, is 9.81 m/s2. The motion agrees, the forces do not. The most informative result is what brings them nearer:"
-        " [(18)](#18-the-weight-that-it-leaves-out). Written by `python -m pinpress.papers kong2025`.",
+        "Kong X. et al. 2025, Forging and Stamping Technology 50(2), 195-203 (in Chinese): kinematics, driving torque and bearing"
+        " forces of a 3000 kN press at 70 strokes/min, before and after partial balancing by counterweights on crank and rod."
+        " `zxn2_3000b` and `zxn2_3000b_balanced`; the moments of inertia, which the paper does not print, are named in these files;"
+        " gravity, not printed either, is 9.81 m/s2. We read the paper in a transcription, so a mistake of a letter, a sign or a unit"
+        " may be the transcription's. The motion agrees, the forces do not: [(18)](#18-the-weight-that-it-leaves-out) has what we know"
+        " of the reasons. Written by `python -m pinpress.papers kong2025`.",
         (
             motor_entry(),
             gearing_entry(),
@@ -115,6 +117,7 @@ def page() -> Page:
             _bearings(before, after),
             _table("Table 3", "force in bearing A before and after balancing", (ACROSS, UPRIGHT), before, after),
             _equation_18(before, after),
+            CONCLUSIONS,
             conclusion(before.press),
             _claims(before, after),
             _moments(before, after),
@@ -201,21 +204,30 @@ def _table(number: str, title: str, names: tuple[str, ...], before: PressTurn, a
     rows = []
     for name in names:
         curves = before.columns()[name], after.columns()[name]
-        for when, each, curve, (most, least) in zip(("before", "after"), (before, after), curves, PRINTED[name], strict=True):
+        for when, curve, (most, least), width in zip(("before", "after"), curves, PRINTED[name], RANGES[name], strict=True):
             rows += [
                 Row(f"{name}, {when}, maximum", str(most), float(curve.max())),
-                Row(f"{name}, {when}, crank angle of the maximum [deg]", "", largest_at(each.motion, curve), places=2),
                 Row(f"{name}, {when}, minimum", str(least), float(curve.min())),
-                Row(f"{name}, {when}, crank angle of the minimum [deg]", "", largest_at(each.motion, -curve), places=2),
-                Row(f"{name}, {when}, range", str(most - least), float(np.ptp(curve))),
+                Row(f"{name}, {when}, range", str(width), float(np.ptp(curve))),
             ]
         change = 100 * (np.ptp(curves[1]) / np.ptp(curves[0]) - 1)
         rows.append(Row(f"{name}, change of the range [%]", REDUCTION[name], float(change), places=2))
+    if ACROSS in names:
+        direction = (
+            "(17) names F01, of the frame on the crank, whose extremes stand in Fig. 6. The rows below have the crank on the frame,"
+            " which comes nearer to the printed vertical forces; across, neither is near."
+        )
+        return PageEntry((number,), title, NOT, tuple(rows), f"{SEE} {direction}")
     direction = (
-        " The paper does not say on which body the force acts; ours acts from the crank on the frame, which comes much nearer to the"
-        " printed numbers than the opposite."
+        "(11) has -M_b beside moments that are positive counter-clockwise. So M_b is minus the driving torque of pinpress, which"
+        " stands below the rows."
     )
-    return PageEntry((number,), title, NOT, tuple(rows), SEE + (direction if ACROSS in names else ""))
+    heads = ("torque [kN m]", *(f"{end}, {when}" for when in ("before", "after") for end in ("largest", "smallest")))
+    turns = [("M_b", 1.0), ("`driving_torque`", -1.0)]
+    both = tuple(
+        (words, *(end for each in (before, after) for end in _ends(each.motion, sign / 1e3 * each.moment))) for words, sign in turns
+    )
+    return PageEntry((number,), title, NOT, tuple(rows), f"{SEE} {direction}", grids=(Grid(heads, both),))
 
 
 TURNING = ("B", "D", "E")  # joints of the links whose inertias matter at constant crank speed: coupler, rocker, rod
@@ -277,7 +289,7 @@ def least_deviation(pair: Sequence[CurveParts], weight: float) -> float:
 
 
 def _equation_18(before: PressTurn, after: PressTurn) -> PageEntry:
-    """The deviation from the tables without the crank's weight, which (18) leaves out, and without inertias, which the paper omits."""
+    """Which of the printed numbers hold the crank's weight, which (18) leaves out, and what the printed equations give."""
     pair = [parts(each) for each in (before, after)]
     rows: list[Row] = []
     for words, weight in (("with G1", 1.0), ("without G1", 0.0)):
@@ -286,20 +298,48 @@ def _equation_18(before: PressTurn, after: PressTurn) -> PageEntry:
             Row(f"the same, {words}, inertias zero [%]", "", rms_deviation(pair, weight, np.zeros(4)), places=2),
             Row(f"the same, {words}, the best of all inertias [%]", "", least_deviation(pair, weight), places=2),
         ]
-    for words, weight in (("with G1", 1.0), ("without G1", 0.0)):
-        first, second = (float(np.ptp(each.rest[0] + weight * each.weight[0] + each.inertia[:, 0].sum(axis=0))) for each in pair)
-        rows.append(Row(f"{MOMENT}, change of the range [%], {words}", "", 100 * (second / first - 1), places=2))
+    printed = kong2025_as_printed.slide_acceleration(before.press)
+    rows += [
+        Row("largest acceleration of the slide by (10) as printed [m/s2]; Fig. 3 prints 8.7040", "", float(printed.max()), places=4),
+        Row("the smallest; Fig. 3 prints -17.8620", "", float(printed.min()), places=4),
+    ]
     reason = (
-        "As printed, (18) has 18 entries for 14 unknowns. It has 14, as (17) needs, if each force and the weight behind it count as one"
-        " entry (-F2y - G2, -F3y - G3, -F4y - G4, -F5 - G5). Its last entry has inertia and weight of the slide along one axis, where (15)"
-        " has them along two. G1, the weight of the crank, is missing. The deviation below is the root mean square of the deviations of"
-        " the twelve extremes in tables 2 and 3, each relative to the printed range of its curve before balancing. It falls by a third"
-        " without G1, and by more than half without inertias as well. With G1 the best inertias hardly help; without G1 inertias of zero"
-        " are the best. So the tables seem to be computed without the weight of the crank, and with inertias of zero or far below ours."
-        " That does not explain everything: 3 % remain, and the printed change of the torque's range, -1.8713 %, is near ours with G1, not"
-        " without."
+        "(18) lists no G1, the weight of the crank. The balancing changes the crank's mass, so the changes of the extremes show which"
+        " numbers hold G1 (first table): the torque seems to, the vertical force in A not. The rows have the root mean square of the"
+        " deviations of the twelve extremes in tables 2 and 3, each by the printed range of its curve before balancing: with G1 no"
+        " inertias help, without G1 inertias of zero are the best. The tables do not come from the printed equations (second table):"
+        " solved as they stand, (11) to (15) give a third of the torque, and (10) half of the slide's accelerations and less."
     )
-    return PageEntry(("(18)",), "the weight that it leaves out", BEYOND, tuple(rows), reason)
+    return PageEntry(("(18)",), "the weight that it leaves out", BEYOND, tuple(rows), reason, grids=(_changes(pair), _systems(before)))
+
+
+def _changes(pair: Sequence[CurveParts]) -> Grid:
+    """Changes of the extremes by balancing: as printed, and ours with and without the crank's weight."""
+    rows = []
+    for place, (name, (before, after)) in enumerate(PRINTED.items()):
+        ends = []
+        for weight in (1.0, 0.0):
+            first, second = (each.rest[place] + weight * each.weight[place] + each.inertia[:, place].sum(axis=0) for each in pair)
+            ends.append((second.max() - first.max(), second.min() - first.min()))
+        for k, end in enumerate(("maximum", "minimum")):
+            rows.append((f"{name}, {end}", f"{after[k] - before[k]:+d}", *(f"{each[k]:+.0f}" for each in ends)))
+    return Grid(("change by balancing", "document", "with G1", "without G1"), tuple(rows))
+
+
+def _systems(before: PressTurn) -> Grid:
+    """The extremes of tables 2 and 3 before balancing by the printed equations, and with some of them corrected; our inertias."""
+    rows = [("tables 2 and 3", *(str(end) for ends, _ in PRINTED.values() for end in ends))]
+    for words, corrected in {
+        "(11) to (15) as printed": (),
+        "(15) corrected": ("(15)",),
+        "(12), (13) corrected": ("(12)", "(13)"),
+        "all corrected": kong2025_as_printed.WRONG,
+    }.items():
+        found = kong2025_as_printed.forces(before.press, corrected)
+        curves = found["M_b"], -found["F01x"], -found["F01y"]
+        rows.append((words, *(f"{end:.0f}" for curve in curves for end in (curve.max(), curve.min()))))
+    heads = ("before balancing", *(f"{name}, {end}" for name in PRINTED for end in ("maximum", "minimum")))
+    return Grid(heads, tuple(rows))
 
 
 def _curves(press: Linkage, motion: Motion, loads: Sequence[PointForce]) -> Array:
@@ -459,6 +499,31 @@ def _runs(press: Linkage) -> PageEntry:
     return PageEntry(("Forward dynamics",), "free runs", BEYOND, tuple(rows), reason)
 
 
+CONCLUSIONS = PageEntry(
+    ("Conclusions",),
+    "by their numbers",
+    FINDINGS,
+    reason="Conclusion (5), that the work guides similar presses, has nothing to compute.",
+    grids=(
+        Grid(
+            ("", "the paper", "here"),
+            (
+                (
+                    "(1)",
+                    "a stroke of 0.3 m; largest speeds and accelerations with their crank angles",
+                    "agrees; no angles are printed (Fig. 3)",
+                ),
+                ("(2)", "equations of all torques and forces", "only corrected ones give a press's forces: errata, (18)"),
+                (
+                    "(3)",
+                    "-1.8713 % of the torque, -2.5013 % and -4.0707 % in A; the rest hardly changes",
+                    "-1.72 %, -1.49 %, -3.43 %; agrees",
+                ),
+                ("(4)", "torque and all bearing forces fall", "the ranges in B to E rise (below)"),
+            ),
+        ),
+    ),
+)
 ERRATA = (
     Erratum("(3), (5), (8)", "the arm DE at the angle theta3", "it is at theta3 - alpha, alpha = 135 deg"),
     Erratum("(4)", "l_m and l_n with the wrong sign", "l_m + l1 cos(theta1) + l2 cos(theta2) = l31 cos(theta3); with sines and -l_n"),
@@ -472,20 +537,10 @@ ERRATA = (
     Erratum("(12)-(14)", "a2, a3, a4 called accelerations", "they are angular accelerations"),
     Erratum("(15)", "weight across the slide, inertia along the guide's force", "F45x = F05 across; F45y - G5 = m5 a5 upwards"),
     Erratum("(15), (18)", "inertia and weight of the slide along two axes in (15), along one in (18)", "along one"),
-    Erratum(
-        "(18)",
-        "18 entries for 14 unknowns; no G1",
-        "14, if each force and the weight behind it are one entry; G1 belongs to the second: see (18) above",
-    ),
-    Erratum("Table 2", "unit N; range 38476", "N m; 20325 + 18150 = 38475"),
+    Erratum("(18)", "no G1", "it belongs to the second entry: see (18) above"),
     Erratum(
         "Conclusion (4)",
         "the balancing lowers all bearing forces",
-        "the ranges in B, C, D and E rise a little, see Fig. 6; the vertical ones in E and F cannot fall, see Conclusion (4)",
-    ),
-    Erratum(
-        "1.1, motor",
-        "724.9 to 1450 r/min for 50 to 70 strokes/min",
-        "not by one ratio; those from 14.5 to 20.7 keep the motor in its range, see Gearing",
+        "the ranges in B, C, D and E rise a little, see Fig. 6; the vertical one in F cannot fall, see Conclusion (4)",
     ),
 )

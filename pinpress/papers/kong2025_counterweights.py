@@ -28,6 +28,7 @@ AXES = {"x": "x", "vertical": "z"}
 BEARINGS = {f"{pin}, {words}": Range("bearing_force", axis, bearing=pin) for pin in "ABCDEF" for words, axis in AXES.items()}
 TORQUE = {"torque": Range("driving_torque")}
 SHAKING = {f"shaking force, {words}": Range("shaking_force", axis) for words, axis in AXES.items()}
+FAR = 0.8  # distance beyond E of a mass on the rod, outside of the regions [m]
 ROUNDING = 1e-4  # a change that is less is none [%]
 
 
@@ -38,7 +39,7 @@ class Price:
     Attributes:
         words: the force or torque.
         most: largest fall with as much mass as the paper adds [%].
-        mass: least mass for a fall that one would notice [kg]; None where no mass does it.
+        mass: least mass for a fall that one would notice [kg]; None where no mass within the radii does it.
         listed: where that mass goes.
         rises: name of the range that rises most then.
         rise: its change [%].
@@ -99,20 +100,17 @@ def conclusion(press: Linkage) -> PageEntry:
             (
                 each.words,
                 f"{round(each.most, 2) + 0.0:.2f}",
-                *((each.listed, f"{each.rises}, {each.rise:+.0f} %") if each.mass else ("no mass does it", "")),
+                *((each.listed, f"{each.rises}, {each.rise:+.0f} %") if each.mass else ("no mass within the radii", "")),
             )
             for each in prices(press, motion, before)
         ),
     )
     reason = (
-        "Conclusion (4) says that the torque and the forces in all bearings fall. With the paper's counterweights the ranges in B to E"
-        " rise (Fig. 6). No counterweights on crank, rocker and rod could make all of them fall: the vertical force in F carries the"
-        " slide's weight and inertia, which they do not change, and the vertical force in E those of the rod as well, to which they only"
-        " add. At best no range rises. A counterweight on the crank alone does this best: the crank turns evenly, so that only A and the"
-        " torque feel it. A third of the paper's mass there lowers the horizontal shaking force by 88 %, where the paper's counterweights"
-        f" reach 47 %, and no bearing force rises. A fall that one would notice, {FALL:g} %, ten times the printed one of the torque, takes"
-        " one to eight tonnes, but for the vertical force in D, and raises the horizontal shaking force. All this holds for the empty"
-        " press: the force of a process adds to the bearings whatever the counterweights are."
+        "The vertical force in F carries the slide's weight and inertia alone: no counterweight changes it. The one in E carries the"
+        f" rod's too. Counterweights within {REGIONS[2].radius:g} m of the rod's pin do not lower it (tables; radii as in"
+        f" [Balancing](balancing.md)); {FAR} m beyond E a mass on the rod does: 500 kg by {_far(press, motion, before, 500.0):.1f} %,"
+        f" 3900 kg by {_far(press, motion, before, 3900.0):.0f} %. At best no range rises. A counterweight on the crank alone does this"
+        " best: only A and the torque feel it. All this holds for the empty press."
     )
     return PageEntry(("Conclusion (4)",), "which bearing forces can fall, and at what price", BEYOND, (), reason, grids=(compared, priced))
 
@@ -124,6 +122,12 @@ def _balanced(press: Linkage, motion: Motion, minimise: Target, limits: Mapping[
 def _change(before: Reactions, after: Reactions, criterion: Criterion) -> float:
     """Relative change of a criterion [%]."""
     return 100 * (criterion.value(after) / criterion.value(before) - 1)
+
+
+def _far(press: Linkage, motion: Motion, before: Reactions, mass: float) -> float:
+    """Fall of the range of the vertical force in E by a mass on the rod beyond E [%]."""
+    after = inverse_dynamics(with_counterweights(press, [Counterweight("rod", mass, (-FAR, 0.0, 0.0))]), motion)
+    return -_change(before, after, BEARINGS["E, vertical"])
 
 
 def _risen(before: Reactions, after: Reactions) -> str:

@@ -99,13 +99,10 @@ def gearing_entry() -> PageEntry:
         return draw("strokes/min", [Panel("torque [kN m]", curves)], 5.5)
 
     reason = (
-        "The paper names a belt and one gear stage, but no ratio. The motor's printed speeds span 2.0 to 1, the press's 1.4 to 1, so no"
-        " single ratio makes both ends meet. But every ratio between the least and the largest below keeps the motor in its range from 50"
-        " to 70 strokes/min. None of them weakens the field, so the permanent torque is the same over the range, and the power rises with"
-        " the strokes. The largest ratio gives the most torque and power: it is the one to choose. The lower end of the motor's range,"
-        " 724.9 r/min, then gives 35 strokes/min. Above a ratio of 21.2 nothing is gained at 70 strokes/min, as the weakened field takes"
-        " away what the ratio adds to the torque. Each of these permanent torques is far below the peaks of table 2, which the flywheel"
-        " covers."
+        "The paper names a belt and one gear stage, but no ratio. Every ratio between the least and the largest below keeps the motor"
+        " in its printed range from 50 to 70 strokes/min. The largest gives the most torque and power; 724.9 r/min are then 35"
+        " strokes/min. Above 21.2 the weakened field takes away at 70 strokes/min what the ratio adds. The peaks of table 2 are the"
+        " flywheel's."
     )
     caption = "Permanent torque on the crank, without losses; the ratio of 25 is ours, to show field weakening."
     grids = (by_ratio, by_belt)

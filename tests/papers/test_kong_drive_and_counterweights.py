@@ -1,4 +1,4 @@
-"""Kong 2025: crank angles of extremes, gearing, and what conclusion (4) would take, beside solutions without pinpress."""
+"""Kong 2025: crank angles of extremes, the printed equations, gearing, and what conclusion (4) would take, without pinpress too."""
 
 import json
 from pathlib import Path
@@ -9,7 +9,7 @@ from scipy.optimize import minimize, minimize_scalar
 
 import pinpress as pp
 from pinpress.accuracy.peers import six_bar_script
-from pinpress.papers import kong2025, kong2025_counterweights, kong2025_drive
+from pinpress.papers import kong2025, kong2025_as_printed, kong2025_counterweights, kong2025_drive
 
 SPEED = 70 * np.pi / 30
 KNOWN = json.loads((Path(__file__).parents[1] / "reference" / "zxn2_3000b.json").read_text(encoding="utf-8"))["kinematic_extremes"]
@@ -61,6 +61,53 @@ def test_the_place_of_an_extreme_wraps_round_the_turn():
         assert kong2025.largest_at(motion, np.cos(motion.crank_angle - np.radians(place))) == pytest.approx(place, abs=1e-3)
 
 
+# ------------------------------------------------------------------------------------------------------------- the printed equations
+
+
+def test_corrected_equations_give_the_forces_of_the_script():
+    _, solved = script(kong2025_as_printed.POINTS)
+    found = kong2025_as_printed.forces(pp.load("zxn2_3000b"), kong2025_as_printed.WRONG)
+    turned = {"M_b": -solved["tau"], "F05": -solved["F05x"]}  # (15) has F45x - F05
+    for name, force in found.items():
+        expected = turned.get(name, solved.get(name))
+        np.testing.assert_allclose(force, expected, atol=1e-7 * np.abs(expected).max())
+
+
+def test_equations_as_printed_hold_for_their_forces_and_not_for_right_ones():
+    """(11), (15) and the sums of (12) written out; (11) has -M_b beside counter-clockwise moments, so that M_b turns clockwise."""
+    angle, solved = script(kong2025_as_printed.POINTS)
+    literal = kong2025_as_printed.forces(pp.load("zxn2_3000b"))
+    crank = 0.143 * np.exp(1j * angle)  # from A to B; the centre of mass is 0.0567 / 0.143 of the way
+    centre, rest = 0.0567 / 0.143 * crank, (1 - 0.0567 / 0.143) * crank
+    for forces, moment in ((literal, literal["M_b"]), (solved, -solved["tau"])):
+        turning = forces["F01x"] * centre.imag + forces["F21y"] * rest.real - forces["F01y"] * centre.real - forces["F21x"] * rest.imag
+        np.testing.assert_allclose(turning - moment, 0.0, atol=1e-6 * np.abs(moment).max())
+    weight, inertia = 9.81 * 7073.87, 7073.87 * solved["slide_acceleration"]
+    np.testing.assert_allclose(-literal["F54y"], weight, rtol=1e-12)
+    np.testing.assert_allclose(-literal["F54x"] - literal["F05"], inertia, atol=1e-6 * np.abs(inertia).max())
+    assert np.abs(-solved["F54y"] - weight).max() > 1e5
+    # both of coupler and crank: no force of the crank but its own weight and inertia is left
+    for forces in (literal, solved):
+        total = forces["F01y"] - forces["F23y"] - 9.81 * (1009.16 + 290.57)
+        np.testing.assert_allclose(total.mean(), 0.0, atol=1e-6 * np.abs(forces["F23y"]).max())
+
+
+def test_slide_by_equation_10_as_printed():
+    """Rows 3 and 4 of (10) with the accelerations of the rocker that its rows 1 and 2 give, written in complex numbers."""
+    angle, solved = script(kong2025_as_printed.POINTS)
+    ab = 0.143 * np.exp(1j * angle)
+    bc, dc = (length * np.exp(1j * solved[name]) for length, name in ((1.243, "theta2"), (0.375, "theta3")))
+    de, ef = (0.48 * np.exp(1j * turned) for turned in (solved["theta3"] - 0.75 * np.pi, solved["theta4"]))
+    # rows 1 + i row 2, in which a link r with the acceleration e stands as -i e r: -i e2 bc + i e3 dc
+    right = -(solved["omega2"] ** 2 * bc - solved["omega3"] ** 2 * dc) + 1j * SPEED * ab
+    rocker = np.real(right * np.conj(bc)) / np.real(1j * dc * np.conj(bc))
+    # row 3 + i row 4: i (e3 de + e4 ef) - i a5
+    rest = -(solved["omega3"] ** 2 * de - solved["omega4"] ** 2 * ef) - 1j * rocker * de
+    rod = -rest.real / ef.imag
+    slide = np.imag(1j * rod * ef - rest)
+    np.testing.assert_allclose(kong2025_as_printed.slide_acceleration(pp.load("zxn2_3000b")), slide, atol=1e-9 * np.abs(slide).max())
+
+
 # ------------------------------------------------------------------------------------------------------------------------ gearing
 
 
@@ -104,10 +151,21 @@ def test_the_largest_fall_in_the_shafts_bearing_by_trying_all_angles(price, word
     assert price[words].most == pytest.approx(100 * (least / np.ptp(solved[name]) - 1), abs=1e-5)
 
 
-def test_no_counterweight_lowers_the_vertical_forces_of_rod_and_slide(price):
+def test_no_counterweight_within_the_radii_lowers_the_vertical_forces_of_rod_and_slide(price):
     for pin in "EF":
         assert price[f"{pin}, vertical"].most == pytest.approx(0.0, abs=1e-6)
         assert price[f"{pin}, vertical"].mass is None
+
+
+@pytest.mark.parametrize(("mass", "fall"), [(500.0, 2.3), (3900.0, 18.0)])
+def test_a_mass_far_beyond_e_lowers_its_vertical_force(monkeypatch, mass, fall):
+    """The script with a heavier rod; without the radius of the regions the page would be wrong to say that no mass does it."""
+    _, before = script()
+    own, centre, inertia = six_bar_script.ROD[False]
+    heavier = (own + mass, (own * centre - mass * kong2025_counterweights.FAR) / (own + mass), inertia)
+    monkeypatch.setattr(six_bar_script, "ROD", {False: heavier})
+    _, after = script()
+    assert 100 * (1 - np.ptp(after["F43y"]) / np.ptp(before["F43y"])) == pytest.approx(fall, abs=0.05 if mass < 1000 else 0.5)
 
 
 def test_what_a_noticeable_fall_takes_is_enough_and_not_more(price):
