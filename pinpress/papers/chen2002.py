@@ -12,7 +12,7 @@ import numpy as np
 from ..common.quantities import Array
 from ..derivatives.reshape import reshaped
 from ..kinematics.dyads import transmission_angle_curves
-from ..kinematics.measures import even_length, pressure_angle, quick_return_ratio, speed_ratio, speed_variation, stroke
+from ..kinematics.measures import bearing_positions, even_length, pressure_angle, quick_return_ratio, speed_ratio, speed_variation, stroke
 from ..kinematics.motion import Motion, cycle
 from ..kinematics.phases import phases
 from ..kinematics.servo_motion import servo_cycle
@@ -34,7 +34,6 @@ ERRATA = (
     Erratum("(22), (23)", "l1 and l4 as variables of an objective", "l1 has no influence, and l4 no optimum: see (22), (23) above"),
     Erratum("constraints (3)", "bounds of the variables left out", "the upper bound of l4 decides the result, as it is the optimum"),
     Erratum("example", "h = 630 mm, l3 = 648 mm", "(19) and (21) give 631.4 mm and 647.2 mm"),
-    Erratum("Fig. 3", "nearly uniform from 60 to 120 deg", "over these 157 mm the speed differs by 7.1 %; over the best 120 mm by 3.7 %"),
 )
 
 
@@ -48,7 +47,7 @@ def page() -> Page:
         "Chen 2002: a press for thin-walled parts",
         "Chen Y., Su S. 2002, Modern Manufacturing Engineering 2002(7), 42-44 (in Chinese): lengths of an oscillating guide bar with a"
         " rocker-slide behind it, so that the ram works at an even speed and returns quickly. `thin_wall`, at 7.54 rad/s. The paper has"
-        " no tables. Written by `python -m pinpress.papers chen2002`.",
+        " no tables. We read it in a transcription. Written by `python -m pinpress.papers chen2002`.",
         (
             PageEntry(("Fig. 1",), "scheme of the press", NO_RESULT),
             _ends(press),
@@ -169,10 +168,9 @@ def _phases(motion: Motion) -> PageEntry:
         rows.append((each.phase, f"{begin:.2f} to {ends:.2f}", f"{1e3 * each.duration:.1f}", f"{1e3 * each.travel:.1f}", *speeds))
     grid = Grid(("phase", "crank angle [deg]", "time [ms]", "travel [mm]", "lowest", "mean", "highest speed [mm/s]"), tuple(rows))
     reason = (
-        "The paper marks three parts in the figure by letters: approach, working stroke and quick return. It prints no numbers at their"
-        " ends. Here the working part is the 120 mm of evenest speed that its example asks for. The approach leads to it, and a run-out,"
-        " which the paper does not name, leads from it to the dead centre. The approach begins at rest and is on average two fifths slower"
-        " than the working part, as the paper wants it. But it ends as fast as the working part: the ram meets the blank at full speed."
+        "The paper marks approach, working stroke and quick return in the figure, without numbers at their ends. Here the working part is"
+        " the 120 mm of evenest speed; a run-out leads from it to the dead centre. The approach is on average two fifths slower than the"
+        " working part, as the paper wants it, but the ram meets the blank at full speed."
     )
     return PageEntry(("Phases",), "approach, working part, run-out and return of Fig. 3", BEYOND, (), reason, grids=(grid,))
 
@@ -202,9 +200,8 @@ def _pressure_angles(press: Linkage, motion: Motion) -> PageEntry:
         return draw("travel of the ram [mm]", [Panel("pressure angle [deg]", {"": (way, angles)}, (), ())], 5.5)
 
     reason = (
-        "At 90 and 270 deg the bar is square to the guide, and its end is highest above the guide's line, (18). At the ends of the stroke"
-        " its end is lowest below the line. In between the coupler passes through the line. The block pushes the bar squarely at all"
-        " angles, so that this is the only pressure angle."
+        "At 90 and 270 deg the bar's end is highest above the guide's line, (18), at the ends of the stroke lowest below it. The block"
+        " pushes the bar squarely, so that this is the only pressure angle."
     )
     return PageEntry(
         ("Pressure angle",),
@@ -226,6 +223,7 @@ def _example(press: Linkage, motion: Motion) -> PageEntry:
         Row("crank l1 by (20) from l6 = 350 mm [mm]", "108", 350 * math.sin(HALF), 0.5, 2),
         Row("bar l3 by (21) [mm]", "648", 1e3 * bar, None, 2),
         Row("height h by (19) [mm]", "630", 500 * bar * (1 + math.cos(HALF)), None, 2),
+        *_existence(press, motion),
         Row(
             "largest pressure angle, (18) [deg]",
             f"{math.degrees(math.asin((648 - 630) / 220)):.4f}",
@@ -236,11 +234,26 @@ def _example(press: Linkage, motion: Motion) -> PageEntry:
         ),
     )
     reason = (
-        "l1 = 108, l3 = 648, l4 = 220, l6 = 350, h = 630 mm. Time ratio and stroke are those of these lengths, as far as their rounding to"
-        " millimetres allows (0.5 % of the crank). Bar and height are not what the paper's own rules give when rounded. l4 is discussed"
-        " below."
+        "l1 = 108, l3 = 648, l4 = 220, l6 = 350, h = 630 mm. Time ratio and stroke are those of these lengths, as far as their"
+        " rounding to millimetres allows (0.5 % of the crank). Bar and height are not what the paper's own rules give when rounded."
+        " Its constraints (2) of crank and guide hold; the third, as our text reads, is the triangle inequality and holds in any such"
+        " press. That the block stays on the bar, s3 < l3, is not among them."
     )
     return PageEntry(("Example",), "lengths, time ratio, stroke, pressure angle", PARTLY, rows, reason)
+
+
+def _existence(press: Linkage, motion: Motion) -> tuple[Row, ...]:
+    """Constraints (2): the crank turns fully, the coupler reaches the guide, and the block stays beyond l6 - l1."""
+    places = {name: 1e3 * place for name, place in bearing_positions(press, motion).items()}
+    l1, l3, l4, l6 = (float(np.linalg.norm(places[end] - places[start], axis=1).max()) for start, end in ("AB", "CD", "DE", "CA"))
+    block, height = np.linalg.norm(places["B"] - places["C"], axis=1), float((places["E"] - places["C"])[0, 2])
+    values = {
+        "l1 - l6, below 0 [mm]": l1 - l6,
+        "h - l3 - l4, below 0 [mm]": height - l3 - l4,
+        "l6 - l1 - s3, at most 0, largest over the turn [mm]": float((l6 - l1 - block).max()),
+        "largest s3, below l3 = 648 [mm]": float(block.max()),
+    }
+    return tuple(Row(words, "", value, places=2) for words, value in values.items())
 
 
 def _uniform(press: Linkage, motion: Motion) -> PageEntry:

@@ -453,10 +453,8 @@ def _claims(before: PressTurn, after: PressTurn) -> PageEntry:
         Row("range of the shaking force, y, change [%]", "-2.7584", force[1], 1.0),
     )
     reason = (
-        "These numbers depend on lengths, masses and centres of mass alone, not on inertias or weight. The paper quotes them from its"
-        " reference [20]. Two of them agree as far as the printed centres of mass allow: as these are rounded to 0.1 mm, 0.1 % of the"
-        " first and 0.7 % of the last are open. The other two differ by 3 and 4 %. The table below says where the extremes are, and those"
-        " of the shaking moment, which depends on our inertias."
+        "These numbers, quoted from reference [20], depend on lengths, masses and centres of mass alone. Two agree as far as the printed"
+        " centres, rounded to 0.1 mm, allow. The other two differ by 3 and 4 %. The shaking moment in the table depends on our inertias."
     )
     title, extremes = "what the balancing does to centre of mass and shaking force", _ends_on_the_frame(before, after)
     return PageEntry(("Reference [20]",), title, PARTLY, rows, reason, grids=(extremes,))

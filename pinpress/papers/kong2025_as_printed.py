@@ -71,7 +71,7 @@ def slide_acceleration(press: Linkage) -> Array:
         [none, w3 * de.real, -w4 * ef.real, none],
         [none, w3 * de.imag, -w4 * ef.imag, none],
     ]
-    return _solution(matrix, crank - np.einsum("ijn,jn->in", np.array(changing), np.array([w2, w3, w4, v5])))[3]
+    return np.asarray(_solution(matrix, crank - np.einsum("ijn,jn->in", np.array(changing), np.array([w2, w3, w4, v5])))[3])
 
 
 def forces(press: Linkage, corrected: Collection[str] = ()) -> dict[str, Array]:
@@ -85,12 +85,12 @@ def forces(press: Linkage, corrected: Collection[str] = ()) -> dict[str, Array]:
     signs = {name: -1.0 if name in corrected else 1.0 for name in WRONG}
     s12, s13 = signs["(12)"], signs["(13)"]
     a, b, c, d, e, f = pins.values()
-    slide = (
+    slide: list[tuple[dict[str, Array | float], Array | float]] = (
         [({"F45x": 1, "F05": -1}, m5 * a5.imag), ({"F45y": 1}, g5)]
         if "(15)" not in corrected
         else [({"F45x": 1, "F05": -1}, 0.0), ({"F45y": 1}, m5 * a5.imag + g5)]
     )
-    equations = [
+    equations: list[tuple[dict[str, Array | float], Array | float]] = [
         ({"F01x": 1, "F21x": 1}, m1 * a1.real),
         ({"F01y": 1, "F21y": 1}, m1 * a1.imag + g1),
         ({"M_b": -1, "F01x": (s1 - a).imag, "F21y": (b - s1).real, "F01y": -(s1 - a).real, "F21x": -(b - s1).imag}, 0.0),

@@ -16,7 +16,7 @@ from ..balancing.counterweights import Counterweight, with_counterweights
 from ..dynamics.inverse_dynamics import Reactions
 from ..linkage.linkage import Linkage
 from . import zhang2007_arrangements, zhang2007_balancing, zhang2007_parts, zhang2007_runs, zhang2007_search, zhang2007_vibration
-from .pages import FINDINGS, FORMULAS, NO_RESULT, NOT, Erratum, Page, PageEntry, Panel, Row, draw, figures
+from .pages import BEYOND, FINDINGS, FORMULAS, NO_RESULT, NOT, Erratum, Grid, Page, PageEntry, Panel, Row, draw, figures
 from .zhang2007_balancing import GRAVITY, POINTS, SPEED, clean, presses, turning
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ def page() -> Page:
             *zhang2007_runs.load_entries(given["jf75g_125_symmetric"]),
             *zhang2007_arrangements.dies(given),
             *zhang2007_parts.entries(given["jf75g_125_plain"]),
+            TOOLS,
         ),
         ERRATA,
         ("Fig. 5-11", "Zhang 2007, 5 and 6: the balanced press at work"),
@@ -62,9 +63,8 @@ def _vibration() -> PageEntry:
     model = zhang2007_vibration.Vibration()
     rows = tuple(Row(f"{one.place}: {one.says}", "in words", f"{one.gives}. Agrees: {one.agrees}") for one in model.findings())
     reason = (
-        "The curves are voltages behind amplifiers without a scale in m/s2. The frame's mass and the stiffness of its mounts are not"
-        " printed. So only what the thesis says of them in words can be compared. Ours is a frame of bed and crown on columns, on four"
-        " rubber pads, all of it assumed; `viz/foundation.md` names the assumptions and shows how much depends on them."
+        "The curves are voltages without a scale, and the frame's mass and mounts are not printed. So only words can be compared. Ours"
+        " is a frame of bed and crown on columns, on four rubber pads, all of it assumed (`viz/foundation.md`)."
     )
     numbers = (*figures(2, 7, 15), "Fig. 2-17", "Fig. 2-18")
     caption = "Ours: acceleration of the top beam, idle."
@@ -249,6 +249,31 @@ def _symmetric(opposed: Reactions, symmetric: Reactions) -> PageEntry:
     return PageEntry(("Fig. 3-8",), "symmetric arrangement", FORMULAS, rows, reason)
 
 
+TOOLS = PageEntry(
+    ("5.1.4, 5.2, 5.6, 6.1, 6.2",),
+    "what of the tools, the results and the outlook is here",
+    BEYOND,
+    reason="These sections print no numbers.",
+    grids=(
+        Grid(
+            ("", "the thesis", "here"),
+            (
+                ("5.1.4", "design studies, experiments, optimisation", "`pp.sweeps`, `balance`, `synthesise`"),
+                (
+                    "5.2",
+                    "build, test, validate by measurements, refine, parameters, optimise",
+                    "pin tables, `check`, `pp.measured`, springs and friction",
+                ),
+                ("5.6", "no degree of freedom left: kinematics, else dynamics", "`inverse_dynamics` of a motion, `simulate`"),
+                ("6.1", "vibration, balancing, equations of motion, ADAMS, load cases", "Figs 2-7 to 2-18, 3-1 to 3-8, 4-10, 5-11 to 5-15"),
+                ("6.2 (1)", "models of contact surfaces", "`PreloadedJoint`, `Clearance`, measured modes"),
+                ("6.2 (2)", "smaller models of large machines", "`reduced_frame`"),
+                ("6.2 (3)", "flexible bodies from modal files", "`read_flexible_link`; of links of planar presses"),
+                ("6.2 (4)", "masses for more general use", "1.2.1, 6.2 (4) above"),
+            ),
+        ),
+    ),
+)
 # Where a mistake may be the transcription's, the erratum says "as our text reads". Letters of a symbol font (l for lambda, f for phi) and
 # dots lost above letters are no mistakes of the thesis and are not listed.
 ERRATA = (
@@ -267,13 +292,13 @@ ERRATA = (
     Erratum("(3.5.6)", "m_s1, as our text reads", "m_s2"),
     Erratum("(3.5.12), (3.5.13)", "P3 on the side of P2", "it is opposite"),
     Erratum("(3.5.16)", "follows from (8)", "from (9)"),
-    Erratum("(3.5.18)", "absent", "by its place y1 = L1 sin(theta) + e3 cos(alpha), from (11), of the kind of (3.5.19)"),
+    Erratum("(3.5.18)", "absent in our text", "by its place y1 = L1 sin(theta) + e3 cos(alpha), from (11), of the kind of (3.5.19)"),
     Erratum("(3.5.20)-(3.5.25)", "theta'' = 0 makes alpha'' = beta'' = 0", "they are not zero at constant speed, see Fig. 3-7"),
     Erratum("(3.5.20)-(3.5.23)", "the accelerations of the mass centres are dropped", "they are not zero either: X4 is not X2"),
     Erratum("(3.5.20), (3.5.21)", "gravity with the other sign than in (3.5.3), (3.5.6)", "Y2 = m_s1 (g + y1''), Y3 = m_s2 (g + y2'')"),
     Erratum("(3.5.23)", "follows from (16)", "from (17)"),
     Erratum("(4.2.1) on", "lambda^2 terms of x' with a plus", "with a minus"),
-    Erratum("(4.2.14)", "twice: the slide's y after (4.2.3), and the first-order system", "the first is (4.2.4)"),
+    Erratum("(4.2.14)", "twice, as our text reads: the slide's y after (4.2.3), and the first-order system", "the first is (4.2.4)"),
     Erratum("(4.2.6), (4.2.7)", "cos q, a stray l^2, rho2", "cos^2 q, no l^2, rho2^2"),
     Erratum("dV/dq after (4.2.8)", "m1 r", "m1 rho1"),
     Erratum(
@@ -282,20 +307,21 @@ ERRATA = (
         "F r (sin q + lambda sin q cos q / A)",
     ),
     Erratum("after (4.2.11)", "g lost beside M2", "M2 g lambda^2 sin q cos q / A"),
-    Erratum("(4.2.12)", "terms of the order lambda left out; J0 missing from H1", "the reduced inertia holds J0, and odd orders of lambda"),
+    Erratum("(4.2.12)", "no J0 in H1 after it, as our text reads", "J0 + J1"),
     Erratum("after (4.2.13)", "H1 q'' = -H2 q'^2 / H1 + (Q - H3) / H1", "q'' alone on the left"),
     Erratum("(4.2.16)", "r2 in the slide's position, as our text reads", "r1"),
     Erratum("(4.2.25), (4.2.26)", "q2 and omega2 of the auxiliary rod, as our text reads", "q5 and omega5"),
-    Erratum("(4.2.31)", "r1 in the counterweight's position", "r2"),
-    Erratum("(4.2.23), (4.2.33)", "called accelerations", "they are velocities"),
+    Erratum("(4.2.31)", "r1 in the counterweight's position, as our text reads", "r2"),
+    Erratum("(4.2.23)", "called an acceleration", "it is a velocity"),
+    Erratum("(4.2.33)", "-r2 sin(q) q'' alone", "-r2 (sin(q) q'' + cos(q) q'^2)"),
     Erratum("after (4.2.39), (4.2.41)", "q' by the slope of the inertia", "q'^2"),
     Erratum("(4.2.40), (4.2.41)", "a factor cos q too many", "without it"),
     Erratum("(4.2.43), (4.2.45)", "y''", "y'^2"),
     Erratum("4.3, Runge-Kutta", "position by h/6 (l1 + l2 + l3)", "by h^2/6"),
     Erratum("4.3", "curves of 3 periods called steady", "567 N m without losses have no steady state"),
     Erratum("(5-8), (5-9)", "means of differences with their signs", "they vanish, whatever the masses: rms, as in (5-10) to (5-13)"),
-    Erratum("Table 5-2", "11621.795 N", "1162.795 N, from the range printed below it"),
-    Erratum("Tables 5-1, 5-2", "ranges of 139.07 N and 2724.88 N for the same masses and speed", "at most one of them is so"),
+    Erratum("Table 5-2", "11621.795, -65789.563 and their range 66952.358", "77411.358, or 1162.795: see Table 5-2"),
+    Erratum("Tables 5-1, 5-2", "ranges of 139.07 N and 2724.88 N for the same masses", "not both at one speed; 5.5.5 prints none"),
     Erratum("5.7.3-5.7.5", "load functions of 1250", "1250 kN is 1250000 in newtons"),
     Erratum(
         "5.7.4",

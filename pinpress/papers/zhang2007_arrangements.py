@@ -79,10 +79,9 @@ def machines(given: Mapping[str, Linkage]) -> PageEntry:
         ),
     )
     reason = (
-        "The thesis shows schemes of the machines with names of their parts, without any size. Ours are presses of these kinds with the"
-        " stroke of 30 mm, the slide, crank and rod of the JF75G-125, at 300 strokes/min (`underdrive`, `eccentric_blocks`,"
-        " `aida_balance_slide`, `pirica_double_knuckle`); their URDFs say what is inferred: how the parts join, and how large they are."
-        " `viz/arrangements.md` compares them with the arrangements of chapter 3."
+        "The thesis shows schemes without any size. Ours are presses of these kinds with the stroke, slide, crank and rod of the"
+        " JF75G-125, at 300 strokes/min; their URDFs say what is inferred. `viz/arrangements.md` compares them with those of chapter"
+        " 3."
     )
     rows = tuple(Row(says, "in words", f"{gives}. Agrees: {agrees}") for says, gives, agrees in claims)
     return PageEntry(figures(1, 1, 4), "machines of others, and how they are balanced", FINDINGS, rows, reason)
@@ -144,11 +143,9 @@ def _changed(opposed: Linkage) -> PageEntry:
         _compared("balance slide, Fig. 1-3", *_strokes("aida_balance_slide", "f", lambda stroke: 400 / (1 + stroke / 30)), [slide]),
     )
     reason = (
-        "1.2.1 says that balance suffers from another upper die, and of AIDA's machine from another stroke; 6.2 (4) asks how to lay out"
-        " the masses so that an optimum is of more general use. Ours: ranges of the vertical force at 300 strokes/min, with masses"
-        " balanced for one die or stroke, with a proved compromise for the worst of all, and with masses set anew for each. Between"
-        " strokes no compromise is better than the middle one, because what is too heavy at one stroke is too light at the other. Masses"
-        " that are set anew keep the balance at all of them."
+        "1.2.1 says that balance suffers from another upper die or stroke; 6.2 (4) asks for an optimum of more general use. Ours:"
+        " ranges of the vertical force at 300 strokes/min, balanced for one die or stroke, by a proved compromise, and set anew for"
+        " each. Between strokes no compromise beats the middle one; masses that are set anew keep the balance at all of them."
     )
     return PageEntry(("1.2.1, 6.2 (4)",), "balance and the change of die and stroke", BEYOND, (), reason, grids=grids)
 

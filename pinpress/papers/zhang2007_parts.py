@@ -64,10 +64,9 @@ def _of_the_frame(plain: Linkage) -> PageEntry:
         *_guide(plain),
     )
     reason = (
-        "2.1 lists four tie rods preloaded to twice the nominal force, an eight-way slide guide and balance cylinders, without their data."
-        " The model of 2.2 leaves out the air springs. Ours: rods of 2e9 N/m, uprights of 6e9 N/m, four cylinders of 125 mm at 4.4 bar"
-        " with a tank of 60 l, eight gibs of 600 x 80 mm and 2e9 N/m. All this is assumed, and so are the springs of the bearings."
-        " Preloaded gibs rub without a load; needles, which 1.2 reports of Schuler's guide, take a tenth of it."
+        "2.1 lists four tie rods preloaded to twice the nominal force, an eight-way slide guide and balance cylinders, without their"
+        " data. All of ours are assumed: rods of 2e9 N/m, uprights of 6e9 N/m, four cylinders of 125 mm at 4.4 bar with a tank of 60"
+        " l, eight gibs of 600 x 80 mm and 2e9 N/m. Preloaded gibs rub without a load; needles (1.2) take a tenth of it."
     )
     return PageEntry(("2.1",), "tie rods, eight-way guide and balance cylinders", BEYOND, rows, reason)
 
@@ -167,11 +166,10 @@ def _against_the_shock(plain: Linkage) -> PageEntry:
         return draw("time from break-through [ms]", [Panel("rod on slide, downwards [kN]", curves)])
 
     reason = (
-        "5.7.6 and 1.2.1 name three measures against the shock of blanking: another motion of the slide (Seidel), impact dampers, and a"
-        " servo that stops just before break-through (Otsu), without numbers. Ours: `jf75g_125_plain` on springs, 60 strokes/min, a blank"
-        " of 600 kN at rest, whose force grows with the speed and falls to half before it breaks; a pace that falls to 2 % at 27 degrees"
-        " before bottom dead centre; two dampers with pistons of 160 mm and orifices of 12 mm. Springs, blank and dampers are assumed:"
-        " what counts is the comparison."
+        "5.7.6 and 1.2.1 name three measures against the shock of blanking, without numbers: another motion of the slide, impact"
+        " dampers, and a servo that stops just before break-through. Ours: `jf75g_125_plain` on springs, 60 strokes/min, a blank of"
+        " 600 kN whose force falls to half before it breaks; a pace that falls to 2 % at 27 degrees before bottom dead centre; two"
+        " dampers with orifices of 12 mm. All is assumed: what counts is the comparison."
     )
     caption = "Force of the rod on the slide about break-through."
     return PageEntry(("5.7.6",), "measures against the shock of blanking", BEYOND, tuple(rows), reason, "zhang2007_shock", figure, caption)

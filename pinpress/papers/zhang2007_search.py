@@ -77,10 +77,9 @@ def _counterweight(press: Linkage) -> PageEntry:
         Row("(5-6), moment of inertia about it [kg m2]", f"{inertia:.6f}", float(found.inertia[1, 1]), 1e-3, None, FORMULA),
     )
     reason = (
-        "`Counterweight(link, mass, position, inertia=)` and `with_counterweights` do what (5-3) to (5-6) do; of a disc `inertia` is m_b"
-        " r_b^2 / 2. The thesis has no example. Ours: on the auxiliary rod a disc of half its mass, as 5.5.4 advises, with a radius of 100"
-        " mm, 150 mm from the pin, 150 degrees from the rod's own centre. (5-4) finds the angle only where m l + m_b l_b cos(beta - phi)"
-        " is positive, and (5-5) is 0 / 0 of a counterweight on the rod's line, where most are."
+        "`with_counterweights` does what (5-3) to (5-6) do. The thesis has no example. Ours: on the auxiliary rod a disc of half its"
+        " mass, as 5.5.4 advises, with a radius of 100 mm, 150 mm from the pin, 150 degrees from the rod's own centre. (5-4) finds the"
+        " angle only where m l + m_b l_b cos(beta - phi) is positive, and (5-5) is 0 / 0 of a counterweight on the rod's line."
     )
     return PageEntry(("(5-3) to (5-6)",), "a rod with its counterweight", FORMULAS, rows, reason)
 
@@ -109,12 +108,11 @@ def _searches(press: Linkage) -> PageEntry:
         return draw("evaluations", [Panel("best range so far [N]", curves, (best.least,), logarithmic=True)], 6.5)
 
     reason = (
-        "5.4 names methods without using them. Ours, between m5 = 0 and 150 kg and m6 = 900 and 1200 kg: points at random, evenly spread"
-        " or on a grid find the valley and no more. A search along one mass after the other, from the start of table 5-1, goes down to the"
-        " valley and stalls there as ADAMS did, because the valley runs along m5 + m6. The simplex follows it to its end, but proves"
-        " nothing. The convex program finds the optimum in one solution. Where every evaluation is the forces of a turn, the searches by"
-        " steps take tens of times as long as the proof, and a thousand points hundreds of times (`python"
-        " tests/benchmarks/features/searches.py`)."
+        "5.4 names the search along coordinates, the simplex, random directions and others, and uses none of them. Ours, between m5 ="
+        " 0 and 150 kg and m6 = 900 and 1200 kg: points at random, evenly spread or on a grid, which 5.4 does not name, find the"
+        " valley and no more. A search along one mass after the other stalls there as ADAMS did, because the valley runs along m5 +"
+        " m6. The simplex follows it to its end, but proves nothing. The convex program finds the optimum in one solution, tens to"
+        " hundreds of times faster (`python tests/benchmarks/features/searches.py`)."
     )
     title = "searches at random, on a grid, step by step, and the proved optimum"
     return PageEntry(("5.4",), title, BEYOND, tuple(rows), reason, "zhang2007_searches", shown, "Dashes: the proved optimum.")
