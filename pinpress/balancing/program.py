@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.conic_program import AT_MOST, CONE, EQUAL, InfeasibleError, Optimum, Rows, minimise
+from ..common.conic_program import AT_MOST, CONE, EQUAL, InfeasibleError, Optimum, Rows, UnsolvedError, minimise
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from .problem import AddedMass, BalancingProblem, Range, Rms, Signal, Target, limit_words
@@ -132,7 +132,11 @@ def _over_all_states(
     """The optimum over all states. ``program`` makes the program over the states taken in so far, ``states``, which grow here."""
     for _ in range(MOST_ROUNDS):
         cost, rows = program()
-        optimum = minimise(cost, rows)
+        try:
+            optimum = minimise(cost, rows)
+        except UnsolvedError as error:
+            remedy = "give counterweights a largest mass, and limits that are neither very large nor very small"
+            raise PinpressError(f"{error}; {remedy}") from None
         found = {signal: _violated(signal, optimum.x[: problem.size], taken) for signal, taken in states.items()}
         if not any(len(more) for more in found.values()):
             return optimum, rows

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import PinpressError
 from .quantities import Array
 
 EQUAL, AT_MOST, CONE = "equal", "at most", "cone"
@@ -74,22 +73,23 @@ class InfeasibleError(Exception):
     """No x fulfils the constraints."""
 
 
+class UnsolvedError(Exception):
+    """The solver found neither a solution that is proved nor that there is none; in words, without what to do."""
+
+
 def minimise(cost: Array, rows: Sequence[Rows]) -> Optimum:
     """The optimum of a program.
 
     Raises:
         InfeasibleError: the solver proved that there is no solution.
-        PinpressError: the solver found neither a solution nor that proof, or a solution that violates the optimality conditions.
+        UnsolvedError: the solver found neither a solution nor that proof, or a solution that violates the optimality conditions.
     """
     for solver, equilibrated in SOLVERS:
         x, prices, status = _answer(cost, rows, solver, equilibrated)
         optimum = _proved(cost, rows, x, prices)
         if optimum.residual <= PROVED:
             return optimum
-    raise PinpressError(
-        f"the optimum was not found ({status}): its conditions are missed by {optimum.residual:.1e} of the values before balancing, more"
-        " than rounding; give counterweights a largest mass, and limits that are neither very large nor very small"
-    )
+    raise UnsolvedError(f"the optimum was not found ({status}): its conditions are missed by {optimum.residual:.1e}, more than rounding")
 
 
 def _answer(cost: Array, rows: Sequence[Rows], solver: str, equilibrated: bool) -> tuple[Array, list[Array], str]:

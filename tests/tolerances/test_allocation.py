@@ -119,3 +119,19 @@ def test_bad_targets_costs_and_bounds_are_refused(press, parts):
     ]:
         with pytest.raises(pp.PinpressError, match=said):
             tol.allocate(press, parts, *arguments)
+
+
+def test_costs_that_no_solver_can_compare_are_named_as_costs():
+    """Costs of 1e9 and 1e-9: solved, or refused in words of tolerances."""
+    six_bar = texts.shipped("zxn2_3000b")
+    several = [tol.link_length(six_bar, *pair, 50e-6) for pair in ("AB", "DC", "DE", "EF")]
+    several.append(tol.link_length(six_bar, "B", "C", 1e-4))
+    names = [part.name for part in several]
+    said = ""
+    for one, other in ((0, 1), (1, 0), (2, 3), (0, 4)):
+        try:
+            tol.allocate(six_bar, several, {names[one]: 1e9, names[other]: 1e-9}, {"height": 5e-6}, dict.fromkeys(names, (1e-9, 1e-2)))
+        except pp.PinpressError as error:
+            said += str(error)
+    assert "costs differ by a factor of 1e+18" in said
+    assert "counterweight" not in said
