@@ -7,7 +7,8 @@ A catalogue is a CSV file with a row for each point of a motor's curves, in the 
     example 300, 0.31, 0.012, 1500, 270, 800
     example 300, 0.31, 0.012, 2500, 160, 420
 
-The rated torque is the permanent one (S1). Between the points the curves are straight; the last is at the highest speed.
+Heads may have other units, as in speed [rpm]. The rated torque is the permanent one (S1). Between the points the curves are straight; the
+last is at the highest speed.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from __future__ import annotations
 import itertools
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,19 +26,12 @@ from ..common.arguments import expect, number, typed
 from ..common.errors import PinpressError, shown, suggestion
 from ..common.parameters import Checked, parameter, set_field
 from ..common.quantities import RPM, Array
-from ..common.reading.cells import read_rows
+from ..common.reading.cells import factor_to, parted, read_rows
 from ..common.results import Record
 from .drive import ServoDrive
 from .motion import ServoMotion
 
-HEADS = {
-    "motor": 1.0,
-    "inertia [kg m2]": 1.0,
-    "copper loss [W/(N m)2]": 1.0,
-    "speed [r/min]": RPM,
-    "rated torque [N m]": 1.0,
-    "peak torque [N m]": 1.0,
-}
+HEADS = {"inertia": "kg m2", "copper loss": "W/(N m)2", "speed": "r/min", "rated torque": "N m", "peak torque": "N m"}  # and their units
 LARGEST_FILE = 10**7  # bytes
 ALIKE = 1e-9  # share by which inertias of one motor may differ
 
@@ -225,11 +219,13 @@ def read_motors(path: str | os.PathLike[str]) -> tuple[CatalogueMotor, ...]:
 
         motor, inertia [kg m2], copper loss [W/(N m)2], speed [r/min], rated torque [N m], peak torque [N m]
 
+    or the same with other units.
+
     Raises:
         PinpressError: the file cannot be read, is no such table, or describes no motor; with the row.
     """
     name = files.path_of("path", path)
-    wanted = f"give a CSV file with the heads {', '.join(HEADS)}"
+    wanted = f"give a CSV file with the heads motor, {', '.join(f'{head} [{unit}]' for head, unit in HEADS.items())}"
     try:
         rows = read_rows(name, LARGEST_FILE)
     except (OSError, ValueError) as error:
@@ -237,10 +233,16 @@ def read_motors(path: str | os.PathLike[str]) -> tuple[CatalogueMotor, ...]:
     if not rows:
         raise PinpressError(f"{name} is empty: {wanted}")
     (_, heads), *points = rows
-    for head in HEADS:
-        if head not in heads:
-            raise PinpressError(f"{name}: no column {head!r}{suggestion(head, heads)}; {wanted}")
-    read = [_point(name, k, dict(zip(heads, row, strict=False))) for k, row in points]
+    columns = {"motor": (_column(name, heads, "motor", "", wanted), 1.0)}
+    for head, unit in HEADS.items():
+        place = _column(name, heads, head, unit, wanted)
+        if not parted(heads[place])[1]:
+            raise PinpressError(f"{name}: column {head!r} has no unit: write e.g. '{head} [{unit}]'")
+        try:
+            columns[head] = place, factor_to(unit, heads[place])
+        except ValueError as error:
+            raise PinpressError(f"{name}: {error}; {wanted}") from None
+    read = [_point(name, k, row, columns) for k, row in points]
     motors = []
     for motor, group in itertools.groupby(read, key=lambda point: point[0]):
         _, inertia, copper, speed, rated, peak = zip(*group, strict=True)
@@ -259,15 +261,33 @@ def read_motors(path: str | os.PathLike[str]) -> tuple[CatalogueMotor, ...]:
     return tuple(motors)
 
 
-def _point(name: str, row: int, cells: dict[str, str]) -> tuple[str, float, float, float, float, float]:
-    motor, *values = (cells.get(head, "") for head in HEADS)
+def _column(name: str, heads: Sequence[str], wanted_head: str, unit: str, wanted: str) -> int:
+    """The place of a column by its name, whatever its unit is."""
+    names = [parted(head)[0] for head in heads]
+    if wanted_head in names:
+        return names.index(wanted_head)
+    known = "motor", *HEADS
+    unknown = next((each for each in names if each and each not in known), None)
+    hint = "" if unknown is None else f"; column {unknown!r} is unknown{suggestion(unknown, known)}"
+    full = f"{wanted_head} [{unit}]" if unit else wanted_head
+    raise PinpressError(f"{name}: no column {full!r}{hint}; {wanted}")
+
+
+def _point(
+    name: str, row: int, cells: Sequence[str], columns: Mapping[str, tuple[int, float]]
+) -> tuple[str, float, float, float, float, float]:
+    def cell(place: int) -> str:
+        return cells[place] if place < len(cells) else ""
+
+    motor = cell(columns["motor"][0])
     if not motor:
         raise PinpressError(f"{name}: row {row} names no motor")
     found = []
-    for head, value in zip(list(HEADS)[1:], values, strict=True):
+    for head in HEADS:
+        place, factor = columns[head]
         try:
-            found.append(HEADS[head] * float(value))
+            found.append(factor * float(cell(place)))
         except ValueError:
-            raise PinpressError(f"{name}: row {row}, {head}: {value!r} is no number; write decimals after a point") from None
+            raise PinpressError(f"{name}: row {row}, {head}: {cell(place)!r} is no number; write decimals after a point") from None
     inertia, copper, speed, rated, peak = found
-    return motor, inertia, copper, speed, rated, peak
+    return motor, inertia, copper, RPM * speed, rated, peak

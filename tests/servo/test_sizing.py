@@ -103,13 +103,26 @@ def test_limits_that_no_motion_keeps_are_refused_for_all_motors():
 HEAD = "motor,inertia [kg m2],copper loss [W/(N m)2],speed [r/min],rated torque [N m],peak torque [N m]\n"
 
 
+@pytest.mark.parametrize(("speed", "torque", "by", "times"), [("rpm", "Nm", 1.0, 1.0), ("rad/s", "kNm", 2 * np.pi / 60, 1e-3)])
+def test_a_catalogue_is_read_in_any_unit(speed, torque, by, times, tmp_path):
+    rows = "".join(f"x,0.25,0.012,{by * n},{times * 280},{times * 700}\n" for n in (0.0, 1500.0))
+    head = f"motor,inertia (kg m2),copper loss [W/(N m)2],speed [{speed}],rated torque [{torque}],peak torque ({torque})\n"
+    (tmp_path / "motors.csv").write_text(head + rows)
+    (motor,) = pp.servo.read_motors(tmp_path / "motors.csv")
+    np.testing.assert_allclose(motor.speed, [0.0, 1500 * pp.RPM])
+    np.testing.assert_allclose([*motor.rated_torque, *motor.peak_torque], [280.0, 280.0, 700.0, 700.0])
+
+
 @pytest.mark.parametrize(
     ("content", "words"),
     [
         ("", "is empty"),
         ("motor,speed\n", r"no column 'inertia \[kg m2\]'"),
+        (HEAD.replace("speed [r/min]", "sped [r/min]"), r"no column 'speed \[r/min\]'; column 'sped' is unknown, did you mean 'speed'"),
+        (HEAD.replace(" [r/min]", ""), r"column 'speed' has no unit: write e\.g\. 'speed \[r/min\]'"),
+        (HEAD.replace("[r/min]", "[m/s]"), r"'m/s' in 'speed \[m/s\]' is none of r/min, rpm"),
         (HEAD, "has no row under its heads"),
-        (HEAD + "a,1,0,0,10,20\na,1,0,zero,10,20\n", r"row 3, speed \[r/min\]: 'zero' is no number"),
+        (HEAD + "a,1,0,0,10,20\na,1,0,zero,10,20\n", r"row 3, speed: 'zero' is no number"),
         (HEAD + "a,1,0,0,10,20\na,2,0,100,10,20\n", "a has several values of its inertia"),
         (HEAD + "a,1,0,0,30,20\na,1,0,100,10,20\n", "at 0 r/min the rated torque is above the peak torque"),
         (HEAD + "a,1,0,5,10,20\na,1,0,100,10,20\n", "speeds that rise from 0"),

@@ -12,7 +12,7 @@ from ..arguments import UNITS, unit_factor
 
 SEPARATORS = ";\t,"  # the first of them in the first line parts the cells
 _DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)")
-_UNIT = re.compile(r"^(.*?)\s*[\[(]([^\])]*)[\])]\s*$")
+_UNIT = re.compile(r"^(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))\s*$")
 _WIDE = (b"\xff\xfe", b"\xfe\xff")  # byte order marks of UTF-16
 
 
@@ -63,7 +63,7 @@ def separator_of(line: str) -> str:
 def parted(name: str) -> tuple[str, str]:
     """Name and unit of "crank [deg]" or "crank (deg)"; the unit is empty where there is none."""
     found = _UNIT.match(name.strip())
-    return (found[1].strip(), found[2].strip()) if found and found[1].strip() else (name.strip(), "")
+    return (found[1].strip(), (found[2] or found[3] or "").strip()) if found and found[1].strip() else (name.strip(), "")
 
 
 def factor_to(unit: str, head: str) -> float:
