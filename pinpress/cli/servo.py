@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from ..servo.motion_optimum import MotionOptimum
     from ..servo.sizing import MotorChoice
 
-POINTS = 720  # steps of the path
-
 SERVO_DRIVE = part_specs.Kind(ServoDrive, "inertia=1.5,ratio=60,gear_inertia=50,peak_torque=2100,rated_torque=800,top_speed=2000")
 PATHS: Mapping[str, part_specs.Kind[Any]] = {
     "turn": part_specs.Kind(Turn, "backwards=yes"),
@@ -107,7 +105,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     option("--limit", metavar="KIND:KEYS", action="append", default=[], help="limit, see below; may be given several times")
     add_force_options(parser, friction=False, stiffness=False)
     option("--step", type=quantity("s"), default=1e-3, metavar="S", help="step of angle.csv and height.csv (default: %(default)s s)")
-    option("--points", type=int, default=POINTS, metavar="N", help="number of steps of the path (default: %(default)s)")
+    option("--points", type=int, metavar="N", help="number of steps of the path (default: 720, or more until their error is below 0.001)")
     add_press_options(parser)
     add_out_option(parser, "the files")
     option("--report", action="store_true", help="also write report.html: the press with its best motion, and charts that follow it")

@@ -87,7 +87,7 @@ def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen:
         b: (N + 1,) as of `full_motion`.
         chosen: segments that are limited.
     """
-    c, grid, drive, motion = problem.coefficients, problem.coefficients.grid, problem.drive, full.motion
+    grid, drive, motion = problem.coefficients.grid, problem.drive, full.motion
     found = []
     for name, segments in (("torque of the motor", chosen.torque), ("power", chosen.power)):
         states = np.flatnonzero((full.segment >= 0) & segments[full.segment])
@@ -96,13 +96,8 @@ def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen:
         if not len(states):
             continue
         at = full.segment[states]
-        step, share = grid.step[at], (motion.angle[states] - grid.angle[at]) / grid.step[at]
-        first, last = c.inner[:, at]
-        slope = c.inner_slope[0, at] + (share - first) / (last - first) * (c.inner_slope[1, at] - c.inner_slope[0, at])
-        inertia = c.inner_inertia[0, at] + 0.5 * (share - first) * step * (slope + c.inner_slope[0, at]) + problem.inertia
-        before = 0.5 * (1.0 - share) * slope - 0.5 * inertia / step
-        after = 0.5 * share * slope + 0.5 * inertia / step
-        fixed = c.inner_torque[0, at] + (share - first) / (last - first) * (c.inner_torque[1, at] - c.inner_torque[0, at])
+        share = (motion.angle[states] - grid.angle[at]) / grid.step[at]
+        before, after, fixed = problem.torque_at(share, at)[:3]
         # what coefficients between their places leave over grows with b too, but near rests
         left = motion.torque[states] - before * b[at] - after * b[at + 1] - fixed
         square = motion.speed[states] ** 2

@@ -60,6 +60,8 @@ class MotionOptimum(OfPress, Tabular):
             turn that would need less if it were faster the gap is that of a coarser path, see the notes.
         limits: limits that act, with their prices.
         missed: largest share by which the motion exceeds a limit in full inverse dynamics, between nodes too [-].
+        node_error: share of the objective that finer nodes may change, by the values with half and a quarter of the nodes. No motion is
+            better than this one by much more than gap and node_error together [-].
         deviation: share by which the heat by full inverse dynamics, between nodes too, is larger than the program's; it falls with the
             square of the number of points [-].
         notes: what is not proved, and what else is to be said, in words.
@@ -80,6 +82,7 @@ class MotionOptimum(OfPress, Tabular):
     bound: float
     limits: Records[ActiveLimit]
     missed: float
+    node_error: float
     deviation: float
     notes: tuple[str, ...]
     angle: Array
@@ -92,7 +95,7 @@ class MotionOptimum(OfPress, Tabular):
 
     @property
     def gap(self) -> float:
-        """(value - bound) / value: how much better another motion could be at most [-]."""
+        """(value - bound) / value: how much better another motion along the same nodes could be at most [-]."""
         return (self.value - self.bound) / max(abs(self.value), 1e-300)
 
     @property
@@ -100,7 +103,7 @@ class MotionOptimum(OfPress, Tabular):
         wanted = " and ".join(self.minimise)
         return (
             f"MotionOptimum of {self.press_name}: least {wanted}, {self.motion.duration:.6g} s a cycle, torque at the crank"
-            f" {self.motion.rms_torque:.6g} N m rms, proved to {max(self.gap, 0.0):.1e}"
+            f" {self.motion.rms_torque:.6g} N m rms, proved to {max(self.gap, 0.0):.1e}, error of the nodes {self.node_error:.1e}"
         )
 
     def columns(self) -> dict[str, Array]:
@@ -118,6 +121,7 @@ class MotionOptimum(OfPress, Tabular):
             ["objective", f"{self.value:.8g} {unit}"],
             ["no motion is below", f"{self.bound:.8g} {unit}"],
             ["gap", f"{self.gap:.1e}"],
+            ["error of the nodes", f"{self.node_error:.1e} with {len(self.angle) - 1} segments"],
             ["cycle", f"{motion.duration:.6g} s, {60.0 / motion.duration:.6g} a minute"],
             ["rms torque of the motor", f"{motion.rms_motor_torque:.6g} N m"],
             ["peak torque of the motor", f"{motion.peak_motor_torque:.6g} N m"],
@@ -169,6 +173,7 @@ class TradeOffPoint(
         "peak_power": "W",
         "energy_drawn": "J",
         "gap": "-",
+        "node_error": "-",
     },
 ):
     """The best motion at one time of a cycle. Where no motion keeps the limits, all but the time is None.
@@ -177,10 +182,11 @@ class TradeOffPoint(
         time: most time of a cycle [s].
         strokes_per_minute: parts made in a minute at this time [1/min].
         rms_motor_torque: root mean square of the motor's torque at its own shaft [N m].
-        peak_motor_torque: largest mean torque of the motor over a segment, at its own shaft [N m].
+        peak_motor_torque: largest torque of the motor, at its own shaft [N m].
         peak_power: largest mean torque times mean speed of a segment [W].
         energy_drawn: energy drawn in a cycle [J].
-        gap: how much better another motion could be at most [-].
+        gap: how much better another motion along the same nodes could be at most [-].
+        node_error: share of the objective that finer nodes may change [-].
     """
 
     time: float
@@ -190,3 +196,4 @@ class TradeOffPoint(
     peak_power: float | None
     energy_drawn: float | None
     gap: float | None
+    node_error: float | None

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -35,8 +36,8 @@ from .conic.bounds import (
 )
 from .conic.coefficients import Coefficients, PathMotion, coefficients, feels_speed, load_heights, path_grid
 from .conic.local_limits import LocalLimits, powers, within_local_limits
-from .conic.motion_problem import Figures, MotionProblem, cycle_time, figures, needed_time
-from .conic.never_resting import NoTurnError, is_shorter, turn_in_time, turn_near
+from .conic.motion_problem import Figures, MotionProblem, cycle_time, figures, needed_time, segment_times
+from .conic.never_resting import COARSE, CoarseTurn, NoTurnError, coarse_turn, is_shorter, turn_in_time, turn_near
 from .conic.program import InfeasibleError, Solution, UnsolvedError, first_sizes, sizes_of, solve
 from .drive import ServoDrive
 from .limits import Limit
@@ -44,6 +45,7 @@ from .motion_optimum import UNITS, ActiveLimit, MotionOptimum, TradeOffPoint
 from .paths import Path, Stop, Turn, legs_of
 
 POINTS, FEWEST_POINTS, MOST_POINTS = 720, 8, 20_000
+NODE_ERROR = 1e-3  # share of the value that finer nodes may change, unless the number of nodes is given
 ROUGHLY, LEAST_ROUGH = 4, 16  # a first motion has so many times fewer segments, but at least so many
 PROVED = 1e-7  # gap above which the program is scaled anew by the motion found
 FAR = 1e-3  # gap of a convex program that is no answer
@@ -74,7 +76,7 @@ def trade_off(
     path: Path | None = None,
     limits: Sequence[Limit] = (),
     friction: Mapping[str, Friction] = NONE_GIVEN,
-    points: int = POINTS,
+    points: int | None = None,
 ) -> Records[TradeOffPoint]:
     """What more strokes a minute cost: the best motion at each of several times, each proved.
 
@@ -108,17 +110,16 @@ def trade_off(
         try:
             solved = replace(asked, time=time, explained=False).solved(drive, near)
         except (NoMotionError, NoTurnError):
-            found.append(TradeOffPoint(time, strokes, None, None, None, None, None))
+            found.append(TradeOffPoint(time, strokes, None, None, None, None, None, None))
             continue
+        near = solved.answer.b if solved.problem.time != time else None
+        solved, node_error = solved.task.on_enough_nodes(solved, points is None)
         problem, answer = solved.problem, solved.answer
-        if drive.peak_torque is not None or drive.power is not None:
-            problem, answer = solved.task._kept_between_nodes(problem, answer)[:2]
-        near = answer.b if problem.time != time else None
         cost = figures(problem, answer.b)
         rms = np.sqrt(cost.heat / cycle_time(problem, cost)) / drive.ratio
         peak = cost.peak / drive.ratio
         power = float(powers(problem, answer.b).max())
-        found.append(TradeOffPoint(time, strokes, float(rms), peak, power, cost.energy, answer.gap))
+        found.append(TradeOffPoint(time, strokes, float(rms), peak, power, cost.energy, answer.gap, node_error))
     return Records(TradeOffPoint, found)
 
 
@@ -134,7 +135,7 @@ def best_motion(
     limits: Sequence[Limit] = (),
     friction: Mapping[str, Friction] = NONE_GIVEN,
     ratios: Sequence[float] | None = None,
-    points: int = POINTS,
+    points: int | None = None,
 ) -> MotionOptimum:
     """The motion with the least heat, time, energy or peak torque within limits, proved to be the best.
 
@@ -155,7 +156,9 @@ def best_motion(
         limits: limits beside those of the drive.
         friction: friction of bearings and guides, by their names.
         ratios: gear ratios to try, each proved, of which the best is taken; None: that of the drive.
-        points: number of segments of the path; the error falls with its square.
+        points: number of segments of the path; None: 720, or twice as many until `MotionOptimum.node_error` is below 0.001, at most 20 000.
+            The error of the nodes falls with the square of this number, and with the number itself where a torque is limited or its peak
+            is minimised.
 
     Raises:
         PinpressError: no motion keeps the limits: the message names those that contradict one another, and what would do; arguments do not
@@ -182,7 +185,7 @@ def best_motion(
     if best is None:
         assert failed is not None
         raise failed
-    return best.task.result(best, tried if ratios is not None else {})
+    return best.task.result(best, tried if ratios is not None else {}, points is None)
 
 
 def least_heat(
@@ -207,7 +210,7 @@ def _asked(
     path: Path | None,
     limits: Sequence[Limit],
     friction: Mapping[str, Friction],
-    points: int,
+    points: int | None,
 ) -> _Task:
     """What is asked for, checked, with the coefficients of the press; arguments and errors as of `best_motion`."""
     expect("drive", drive, ServoDrive, "servo.ServoDrive")
@@ -218,7 +221,7 @@ def _asked(
     most = None if time is None else float(_positive("time", time, "s"))
     if most is not None:
         plausibility.stroke_time("time", most)
-    count = whole_number("points", points, FEWEST_POINTS, MOST_POINTS)
+    count = POINTS if points is None else whole_number("points", points, FEWEST_POINTS, MOST_POINTS)
     _refuse_open(drive, wanted, most, chosen, legs.dwell, legs.closed)
     refuse_heights(press, chosen, dead_centres(press).stroke)
     bearings = bearings_of(press, chosen)
@@ -322,7 +325,8 @@ def _refuse_open(
 class _Task:
     """What is asked for, with the coefficients of the press; attributes as the arguments of `best_motion`.
 
-    ``explained``: whether an error says what contradicts what, which takes some more programs.
+    ``explained``: whether an error says what contradicts what, which takes some more programs. ``proved``: whether a bound is looked for
+    beyond that of one program. ``turns``: coarse turns that were found, which are the same on all nodes.
     """
 
     press: Linkage
@@ -334,6 +338,8 @@ class _Task:
     wanted: Mapping[str, float]
     time: float | None
     explained: bool = True
+    proved: bool = True
+    turns: dict[object, CoarseTurn] = field(default_factory=dict)
 
     def solved(self, drive: ServoDrive, start: Array | None = None) -> _Solved:
         """The problem with this drive, its solution, and what is to be said of the proof; ``start``: b of a motion that is about it."""
@@ -378,11 +384,11 @@ class _Task:
         return problem, answer, notes
 
     def _within_local_limits(
-        self, problem: MotionProblem, answer: Solution, last: Array | None, proved: bool = True
+        self, problem: MotionProblem, answer: Solution, last: Array | None
     ) -> tuple[Solution, MotionProblem, list[str]]:
         """The motion with limits that are not convex, and what is to be said of it."""
         rates = [each.rate * problem.drive.ratio for each in self.limits if isinstance(each, limits_.TorqueRate)]
-        local = LocalLimits(problem.drive.power, min(rates, default=None), proved)
+        local = LocalLimits(problem.drive.power, min(rates, default=None), self.proved)
         closed, cost = problem.coefficients.grid.legs.closed, figures(problem, answer.b)
         if closed and "time" in self.wanted and needed_time(problem, cost) > cost.time * (1.0 + PAUSED):
             raise NoTurnError(
@@ -398,7 +404,12 @@ class _Task:
         def at(segments: int | None, like: PathMotion | None) -> MotionProblem:
             return motion_problem(self._coefficients(segments, like), problem.drive, self.limits, dict(problem.weights), problem.time)
 
-        return turn_in_time(problem, answer, local, at)
+        fine = len(problem.coefficients.grid.step) > 2 * COARSE
+        key = fine or problem, problem.drive, self.time, *problem.weights.items()
+        if key not in self.turns:
+            faster = float(segment_times(problem.coefficients, answer.b).sum())
+            self.turns[key] = coarse_turn(at(COARSE, None) if fine else problem, faster, local)
+        return turn_in_time(problem, answer, local, self.turns[key], at)
 
     def _coefficients(self, segments: int | None, like: PathMotion | None) -> Coefficients:
         """Coefficients of the path with so many segments, or its own, for motions about this one."""
@@ -449,7 +460,7 @@ class _Task:
         whole = motion_problem(found, problem.drive, self.limits, dict(problem.weights), self.time)
         narrow = replace(whole, bounds=(*whole.bounds, *limits_at_states(whole, full, answer.b, chosen)))
         new = _optimum(narrow, self.press.name, False)
-        new, narrow, _ = self._within_local_limits(narrow, new, answer.b, False)
+        new, narrow, _ = replace(self, proved=False)._within_local_limits(narrow, new, answer.b)
         return narrow, new
 
     def _with_speeds(self, problem: MotionProblem, b: Array) -> Coefficients:
@@ -468,22 +479,53 @@ class _Task:
             bearings[name] = replace(part, fixed=force - part.by_acceleration * rate - part.by_square * square)
         return replace(c, inner_torque=c.inner_torque + other, mean_torque=c.mean_torque + other.mean(axis=0), bearings=bearings)
 
-    def result(self, found: _Solved, tried: Mapping[float, float]) -> MotionOptimum:
+    def on_enough_nodes(self, found: _Solved, refined: bool) -> tuple[_Solved, float]:
+        """The motion kept between nodes, and the error of its nodes, by the same task on half and a quarter of them.
+
+        Args:
+            found: the motion.
+            refined: whether more nodes are taken until their error is small.
+        """
+        found = found.kept_between_nodes()
+        count, drive, values = len(self.coefficients.grid.step), found.problem.drive, [found.answer.value]
+        for coarser in (count // 2, count // 4):
+            try:
+                level = replace(self._on(coarser, found), proved=False, explained=False).solved(drive)
+                values.insert(0, level.kept_between_nodes().answer.value)
+            except PinpressError:  # so few nodes leave no motion
+                break
+        error = node_error(values)
+        while len(values) == 1 or (refined and error > NODE_ERROR and 2 * count <= MOST_POINTS):
+            finer = self._on(2 * count, found).solved(drive)._replace(choice=found.choice).kept_between_nodes()
+            values.append(finer.answer.value)
+            error = node_error(values)
+            if not refined:  # of the nodes that were asked for
+                return found, error + abs(1.0 - finer.answer.value / found.answer.value)
+            found, count = finer, 2 * count
+        return found, error
+
+    def _on(self, segments: int, found: _Solved) -> _Task:
+        """The task on so many segments, for motions about one that was found."""
+        like = PathMotion(found.problem.coefficients.grid.way_gone, found.answer.b)
+        return replace(self, coefficients=self._coefficients(segments, like))
+
+    def result(self, found: _Solved, tried: Mapping[float, float], refined: bool) -> MotionOptimum:
         """The motion by full inverse dynamics, with its limits."""
+        raw_gap = found.answer.gap
+        found, error = self.on_enough_nodes(found, refined)
         problem, answer = found.problem, found.answer
-        raw_gap = answer.gap
-        problem, answer, full, tightened = self._kept_between_nodes(problem, answer)
+        full = found.full or full_motion(self.press, self.loads, self.friction, problem, answer.b)
         motion, reactions, time = full.motion, full.reactions, full.time
         cost = figures(problem, answer.b)
         self._caution_absurd(problem, answer, cost)
-        said = [*found.notes, *tightened]
+        said = [*found.notes, *found.choice]
         pause, faster = cycle_time(problem, cost) - cost.time, (problem.time or 0.0) - cost.time
         if pause > SLACK * cost.time:
             said.append(_pause_in_words(pause, "time" in self.wanted))
         elif faster > SLACK * cost.time and "time" not in self.wanted:
             said.append(f"the motion is {faster:.4g} s faster than the time given: slower would cost more")
         missed = largest_excess(problem, self.limits, self.time, full, answer.b)
-        if raw_gap > FAR and _loses_by_speed(problem):
+        if raw_gap > PROVED and _loses_by_speed(problem):
             said.append(
                 "losses that grow with the speed are not convex where the crank could be slower at no cost: no motion is better by more"
                 f" than {100 * answer.gap:.2g} %"
@@ -493,6 +535,8 @@ class _Task:
         deviation = motion.heat / cost.heat - 1.0 if cost.heat else 0.0
         if abs(deviation) > 1e-3:
             said.append(f"the heat between nodes is off that of the program by {100 * deviation:+.2g} %: give more points=")
+        if error > NODE_ERROR:
+            said.append(f"finer nodes may change the objective by {100 * error:.2g} %: give more points=")
         grid = problem.coefficients.grid
         return MotionOptimum(
             _press=self.press,
@@ -504,6 +548,7 @@ class _Task:
             limits=_active(problem, answer),
             missed=missed,
             deviation=deviation,
+            node_error=error,
             notes=tuple(said),
             angle=grid.angle,
             speed=np.append(grid.way, grid.way[-1]) * np.sqrt(answer.b),
@@ -540,16 +585,43 @@ class _Solved(NamedTuple):
         problem: its last convex program's problem.
         answer: this program's solution, with the bound of all motions.
         notes: what is to be said of the proof.
+        choice: what is to be said of the path that was chosen.
+        full: the motion by full inverse dynamics, or None.
     """
 
     task: _Task
     problem: MotionProblem
     answer: Solution
     notes: tuple[str, ...]
+    choice: tuple[str, ...] = ()
+    full: FullMotion | None = None
 
     def saying(self, note: str) -> _Solved:
-        """The same with one more note."""
-        return self._replace(notes=(*self.notes, note))
+        """The same with a note on the path that was chosen."""
+        return self._replace(choice=(*self.choice, note))
+
+    def kept_between_nodes(self) -> _Solved:
+        """The same with the drive's torque and power limited between nodes too."""
+        if self.problem.drive.peak_torque is None and self.problem.drive.power is None:
+            return self
+        problem, answer, full, notes = self.task._kept_between_nodes(self.problem, self.answer)
+        return self._replace(problem=problem, answer=answer, full=full, notes=(*self.notes, *notes))
+
+
+def node_error(values: Sequence[float]) -> float:
+    """By how much finer nodes may change the last of two or more values, each with twice as many nodes as the one before, as a share of it.
+
+    Their error falls by two to four, to first or second order; of which order it is, three values show, but roughly: half more is told.
+    """
+    if len(values) < 2:
+        return np.inf
+    change = abs(values[-1] - values[-2])
+    before = abs(values[-2] - values[-3]) if len(values) > 2 else change
+    change = max(change, before / 4.0)
+    if change == 0.0:
+        return 0.0
+    falls_by = min(max(before / change, 2.0), 4.0)
+    return 1.5 * change / (falls_by - 1.0) / max(abs(values[-1]), 1e-300)
 
 
 def _same_torque(found: Coefficients, before: Coefficients) -> bool:
@@ -599,7 +671,31 @@ def _optimum(problem: MotionProblem, press_name: str, explained: bool) -> Soluti
             f"the best motion of {press_name} was not found ({status if answer is None else f'gap {answer.gap:.1e}'}): bring limits,"
             " inertia and time to sizes that a press has, or give other points="
         )
-    return answer
+    return _with_losses(problem, answer) if answer.gap > PROVED and _loses_by_speed(problem) else answer
+
+
+def _with_losses(problem: MotionProblem, answer: Solution) -> Solution:
+    """The best motion found where the program counts on smaller losses by the speed than its own motion has; the bound is the program's.
+
+    Losses by the root of b are concave in b, and below their tangent at any motion: the motion of a program with the tangent in their place
+    is no worse than the one at which it is drawn. Rounds begin at the program's motion and at the best one of a drive without losses.
+    """
+    without = replace(problem, drive=replace(problem.drive, viscous=0.0, iron=0.0))
+    starts, best = [answer.b], answer
+    with contextlib.suppress(InfeasibleError, UnsolvedError):
+        starts.append(solve(without, sizes_of(problem, answer.b)).b)
+    for b in starts:
+        value = np.inf
+        for _ in range(MOST_ROUNDS):
+            try:
+                new = solve(replace(problem, rolled_at=b), sizes_of(problem, b))
+            except (InfeasibleError, UnsolvedError):
+                break
+            best = new if new.value < best.value else best
+            if not new.value < value - NEARLY_SETTLED * abs(new.value):
+                break
+            b, value = new.b, new.value
+    return replace(best, bound=answer.bound)
 
 
 def _loses_by_speed(problem: MotionProblem) -> bool:

@@ -176,7 +176,7 @@ def choose_motor(
     limits: Sequence[Limit] = (),
     pause: float = 0.0,
     gear_inertia: float = 0.0,
-    points: int = POINTS,
+    points: int | None = None,
 ) -> MotorChoice:
     """The smallest motor that can do a press's work, with the ratio of its gear at which it is warmed least.
 
@@ -211,12 +211,14 @@ def choose_motor(
     if not 0 <= at_crank <= LARGEST:
         raise PinpressError(f"gear_inertia is {at_crank:g} kg m2: give 0 or more, up to {LARGEST:g}")
     plausibility.stroke_time("pause", number("pause", pause, "s"))
-    idle, count = number("pause", pause, "s"), whole_number("points", points, FEWEST_POINTS, MOST_POINTS)
+    idle = number("pause", pause, "s")
+    if points is not None:
+        whole_number("points", points, FEWEST_POINTS, MOST_POINTS)
     tried: list[TriedMotor] = []
     for motor in sorted(given, key=lambda each: each.rated_power):
         found: list[tuple[MotorUtilisation, MotionOptimum]] = []
         for ratio in chosen.tolist():
-            row, sufficient = _tried(press, motor, ratio, at_crank, loads, time, path, limits, idle, count)
+            row, sufficient = _tried(press, motor, ratio, at_crank, loads, time, path, limits, idle, points)
             tried.append(row)
             found += sufficient
         if found:
@@ -235,19 +237,20 @@ def _tried(
     path: Path | None,
     limits: Sequence[Limit],
     pause: float,
-    points: int,
+    points: int | None,
 ) -> tuple[TriedMotor, list[tuple[MotorUtilisation, MotionOptimum]]]:
     """What came of a motor and a ratio, and its use where it suffices; arguments as of `choose_motor`."""
     drive = motor.drive(ratio, gear_inertia=gear_inertia)
     free = replace(drive, peak_torque=None, top_speed=None, curve_speed=None, curve_torque=None)
-    rough = max(points // ROUGHLY, LEAST_ROUGH)
-    if rough < points and not isinstance(path, Pendulum | Pulse):  # of a crank that goes one way the mean speed is known
+    most = POINTS if points is None else points
+    rough = max(most // ROUGHLY, LEAST_ROUGH)
+    if rough < most and not isinstance(path, Pendulum | Pulse):  # of a crank that goes one way the mean speed is known
         rms = math.sqrt(max(0.0, least_heat(press, free, loads, time, path, limits, rough)) / (time + pause)) / ratio
         mean = ratio * 2.0 * np.pi * dead_centres(press).turns / (time + pause)
         thermal = rms / float(motor.rated_torque_at(mean))
         if thermal > FAR:
             return TriedMotor(motor.name, ratio, rms, mean, thermal, None, None, None, "too warm by far"), []
-    for count in (rough, points) if rough < points else (points,):
+    for count in (rough, points) if rough < most else (points,):
         best = best_motion(press, free, loads, time=time, path=path, limits=limits, points=count)
         use = motor_use(motor, best.motion, pause=pause)
         if use.thermal > (1.0 if count == points else 1.0 + NEAR):

@@ -119,6 +119,8 @@ class MotionProblem:
         feed_time: time of the feed window [s].
         power: a largest power, relaxed, or None.
         ceiling: largest objective that is looked at, or None.
+        rolled_at: (N + 1,) b of a motion at which losses that grow with the speed are taken by tangents of the root of b, which are above
+            it; None: by c, which is below it.
         time_name: the time in words.
         rms_name: the root mean square in words.
         feed_name: the feed window in words.
@@ -134,6 +136,7 @@ class MotionProblem:
     feed_time: float = 0.0
     power: RelaxedPower | None = None
     ceiling: float | None = None
+    rolled_at: Array | None = None
     time_name: str = "cycle time"
     rms_name: str = "rms torque"
     feed_name: str = "feed window"
@@ -151,6 +154,24 @@ class MotionProblem:
             for k in range(2)
         )
         return first, second
+
+    def torque_at(self, share: Array, segments: Index) -> Affine:
+        """Torque at places (m,) within segments, as shares of their steps, without the drag of the drive.
+
+        Loads and the slope of the inertia are straight lines through their values at the inner places.
+        """
+        c, step = self.coefficients, self.coefficients.grid.step[segments]
+        first, last = c.inner[:, segments]
+        along = (share - first) / (last - first)
+        slope, fixed = (of[0, segments] + along * (of[1, segments] - of[0, segments]) for of in (c.inner_slope, c.inner_torque))
+        inertia = c.inner_inertia[0, segments] + 0.5 * (share - first) * step * (slope + c.inner_slope[0, segments]) + self.inertia
+        change = 0.5 * inertia / step
+        return Affine(0.5 * (1.0 - share) * slope - change, 0.5 * share * slope + change, fixed, segments)
+
+    def end_torques(self) -> tuple[Affine, Affine]:
+        """Torques at the beginnings and at the ends of the segments, between which they are nearly straight lines."""
+        segments = np.arange(len(self.coefficients.grid.step))
+        return self.torque_at(np.zeros(len(segments)), segments), self.torque_at(np.ones(len(segments)), segments)
 
     def mean_torque(self) -> Affine:
         """Mean torque over the segments, without the drag of the drive."""
@@ -176,7 +197,7 @@ class Figures(NamedTuple):
         time: of moving and of the rests that the path asks for [s].
         heat: [N2 m2 s].
         energy: drawn [J].
-        peak: largest mean torque of a segment [N m].
+        peak: largest torque at the ends of the segments [N m].
         below: time outside the feed window [s].
     """
 
@@ -209,7 +230,10 @@ def figures(problem: MotionProblem, b: Array) -> Figures:
         time=float(times.sum()) + problem.resting,
         heat=float(heat.sum()) + problem.holding_heat,
         energy=float(np.maximum(given, drive.regeneration * given).sum()) + held,
-        peak=float(np.abs(mean + 0.5 * drag * grid.way * s).max()),
+        peak=max(
+            float(np.abs(torque.at(b) + drag * grid.way * rate).max())
+            for torque, rate in zip(problem.end_torques(), (speed[:-1], speed[1:]), strict=True)
+        ),
         below=below,
     )
 

@@ -29,15 +29,18 @@ from .local_limits import LocalLimits, tangents, words_of
 from .motion_problem import Affine, Bounded, MotionProblem, segment_times
 from .program import InfeasibleError, Sizes, Solution, UnsolvedError, first_sizes, sizes_of, solve
 
-SHORT = 1e-3  # share by which a cycle may be shorter than asked for
-LATE, FAR_LATE = 1e-4, 5e-4  # shares by which a cycle is longer than asked for that end the rounds, and that take some more
+SHORT = 1e-5  # share by which a cycle may be shorter than asked for
+LATE, TOO_LATE = 1e-5, 1e-4  # shares by which a cycle is longer than asked for that end the rounds, and that are refused after them
 SETTLED, NEARLY = 1e-4, 1e-3  # relative changes of the value that end the rounds, and above which the motion is said not to be settled
 SLOWEST = 0.1  # least speed of the crank, in its mean speed or the limit of speed there
-ROOM = 0.5  # share by which a program with such losses may be late, to the power of the round
-NO_HURRY = 10.0  # share by which one without them may be
+NO_HURRY = 10.0  # share by which a program may be late
 ROUGH, FINE, CLOSE = 1e-5, 1e-7, 1e-9  # tolerances of programs of the proof, whose bounds are far apart anyhow, and of rounds of tangents
 COARSE, FINER = 36, 4  # segments of the coarse path, and how many times as many the next one has
-MANY_ROUNDS, SOME_ROUNDS, FEW_ROUNDS = 40, 12, 3  # of tangents on the coarse path, the next one and the last; up to thrice as many
+MANY_ROUNDS, SOME_ROUNDS, FEW_ROUNDS = (
+    40,
+    12,
+    3,
+)  # of tangents on the coarse path, the next one and the last; more while the time is not met
 
 
 class NoTurnError(PinpressError):
@@ -67,26 +70,30 @@ def is_shorter(problem: MotionProblem, b: Array, time: float) -> bool:
     return bool(segment_times(problem.coefficients, b).sum() < time * (1.0 - SHORT))
 
 
-def turn_in_time(
-    problem: MotionProblem, free: Solution, limits: LocalLimits, at: Callable[[int | None, PathMotion | None], MotionProblem]
-) -> tuple[Solution, MotionProblem, list[str]]:
-    """The best motion found that takes the problem's time, with a bound for all that do.
+class CoarseTurn(NamedTuple):
+    """A motion that takes its time on a coarse path, which every finer path begins with.
+
+    Attributes:
+        turn: the motion.
+        gap: share by which another turn on this path may be better at most; infinite where no bound was found [-].
+    """
+
+    turn: TimedTurn
+    gap: float
+
+
+def coarse_turn(coarse: MotionProblem, faster: float, limits: LocalLimits) -> CoarseTurn:
+    """The best motion found that takes the problem's time on a coarse path, with a bound for all that do.
 
     Args:
-        problem: the problem, with the most time of a cycle.
-        free: its optimum, a faster turn.
+        coarse: the problem.
+        faster: time that the best turn takes if it may be faster [s].
         limits: limits that are not convex beside the time.
-        at: makes the problem anew with so many segments, or its own number, for motions about this one.
-
-    Returns:
-        as `within_local_limits`.
 
     Raises:
         NoTurnError: none was found.
     """
-    assert problem.time is not None
-    time, size = problem.time, len(problem.coefficients.grid.step)
-    coarse = at(COARSE, None) if size > 2 * COARSE else problem
+    assert coarse.time is not None
     bound, passing = _passing_the_mean_speed(_never_resting(coarse))
     found = None
     starts = [_even(coarse), *([] if passing is None else [passing])]
@@ -102,21 +109,46 @@ def turn_in_time(
         found = turn if found is None or turn.answer.value < found.answer.value else found
     if found is None:
         raise NoTurnError(
-            f"no turn that takes {time:.6g} s was found, which does not prove that there is none; a faster one needs least, of"
-            f" {segment_times(problem.coefficients, free.b).sum():.6g} s: give this time, wider limits, or path=servo.Stop(), which pauses"
+            f"no turn that takes {coarse.time:.6g} s was found, which does not prove that there is none; a faster one needs least, of"
+            f" {faster:.6g} s: give this time, wider limits, or path=servo.Stop(), which pauses"
         )
     if bound > found.answer.value + FINE * abs(found.answer.value):  # a program was said to have no motion, and has one
         bound = -np.inf
-    gap = max(0.0, (found.answer.value - bound) / abs(found.answer.value))
-    if coarse is not problem:
-        if size > 2 * FINER * COARSE:
-            found = _refined(at(FINER * COARSE, found.as_motion), found, limits, SOME_ROUNDS)
+    return CoarseTurn(found, max(0.0, (found.answer.value - bound) / abs(found.answer.value)))
+
+
+def turn_in_time(
+    problem: MotionProblem,
+    free: Solution,
+    limits: LocalLimits,
+    coarse: CoarseTurn,
+    at: Callable[[int | None, PathMotion | None], MotionProblem],
+) -> tuple[Solution, MotionProblem, list[str]]:
+    """The best motion found that takes the problem's time, with a bound for all that do.
+
+    Args:
+        problem: the problem, with the most time of a cycle.
+        free: its optimum, a faster turn.
+        limits: limits that are not convex beside the time.
+        coarse: the motion on a coarse path.
+        at: makes the problem anew with so many segments, or its own number, for motions about this one.
+
+    Returns:
+        as `within_local_limits`.
+
+    Raises:
+        NoTurnError: none was found.
+    """
+    size, found = len(problem.coefficients.grid.step), coarse.turn
+    if size > 2 * FINER * COARSE:
+        found = _refined(at(FINER * COARSE, found.as_motion), found, limits, SOME_ROUNDS)
+    if size > 2 * COARSE:
         found = _refined(at(None, found.as_motion), found, limits, FEW_ROUNDS)
     _refuse_late(problem, found)
-    answer = found.answer
+    answer, gap = found.answer, coarse.gap
     share = answer.value - gap * abs(answer.value)
     answer = replace(answer, bound=max(share, free.bound) if np.isfinite(share) else free.bound)
-    segments = len(coarse.coefficients.grid.step)
+    segments = len(coarse.turn.limited.coefficients.grid.step)
     proof = f"proved on a path of {segments} segments" if answer.bound > free.bound else "which the faster one proves"
     return answer, found.limited, [_in_words(problem, free, found, answer.gap, limits, proof)]
 
@@ -141,16 +173,16 @@ def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) 
     assert problem.time is not None
     whole, found, value, late = _never_resting(problem), None, np.inf, 0.0
     b = _in_time(problem, b)
-    for k in range(3 * rounds):
+    for k in range(max(3 * rounds, MANY_ROUNDS)):  # beyond `rounds` while the time is not met
         rows = [_time_tangent(problem, b, problem.time), *tangents(problem, b, limits)]
         limited = replace(whole, bounds=(*whole.bounds, *rows))
-        answer = _solved(_with_end(limited, max(ROOM**k, FAR_LATE)), sizes_of(problem, b), FINE)
+        answer = _solved(replace(_with_end(limited), rolled_at=b), sizes_of(problem, b), FINE)
         if not isinstance(answer, Solution):
             break
         found = TimedTurn(answer, replace(limited, time=None), abs(value - answer.value) / abs(answer.value))
         value = answer.value
         late = float(segment_times(problem.coefficients, answer.b).sum()) / problem.time - 1.0
-        if (found.change <= SETTLED and late <= LATE) or (k + 1 >= rounds and late <= FAR_LATE):
+        if late <= LATE and (found.change <= SETTLED or k + 1 >= rounds):
             break
         b = _in_time(problem, answer.b)
     if found is None:
@@ -161,30 +193,27 @@ def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) 
     return found
 
 
-def _with_end(problem: MotionProblem, late: float) -> MotionProblem:
-    """The problem of a turn that takes at least its time, with an end of it where one is needed; ``late``: share by which it may be late.
+def _with_end(problem: MotionProblem) -> MotionProblem:
+    """The problem of a turn that takes at least its time, with an end of it where one is needed.
 
-    Losses that grow with the speed have a program count on a slower crank than that of its own motion, unless time presses. A feed window
-    is what a cycle leaves over, and a mean torque is one over a cycle, for which a turn could wait if its time had no end. Time outside the
-    window, and heat, are the same wherever this end is.
+    A feed window is what a cycle leaves over, and a mean torque is one over a cycle, for which a turn could wait if its time had no end.
+    Time outside the window, and heat, are the same wherever this end is.
     """
     assert problem.time is not None
-    loses = problem.drive.viscous or problem.drive.iron
-    if not loses and problem.below is None and problem.rms is None:
+    if problem.below is None and problem.rms is None:
         return replace(problem, time=None, time_name="")
-    added = late if loses else NO_HURRY
     return replace(
         problem,
-        time=problem.time * (1.0 + added),
+        time=problem.time * (1.0 + NO_HURRY),
         time_name="",
-        feed_time=problem.feed_time + added * problem.time,
-        rms=None if problem.rms is None else problem.rms / np.sqrt(1.0 + added),
+        feed_time=problem.feed_time + NO_HURRY * problem.time,
+        rms=None if problem.rms is None else problem.rms / np.sqrt(1.0 + NO_HURRY),
     )
 
 
 def _refuse_late(problem: MotionProblem, found: TimedTurn) -> None:
     taken = float(segment_times(problem.coefficients, found.answer.b).sum())
-    if problem.time is not None and abs(taken / problem.time - 1.0) > SHORT:
+    if problem.time is not None and abs(taken / problem.time - 1.0) > TOO_LATE:
         raise NoTurnError(
             f"no turn that takes {problem.time:.6g} s was found, which does not prove that there is none, but one of {taken:.6g} s: give"
             " this time, or path=servo.Stop(), which pauses"

@@ -283,9 +283,20 @@ class _Program:
         if drag:
             mean = problem.mean_torque()
             parts += [(columns, values) for _, columns, values in self.affine(mean, 2.0 * drag * grid.step / self.unit_heat, zero)]
-            parts += [(columns, values) for _, columns, values in self.speeds(self.segments, 0.5 * h * drag**2 / self.unit_heat, zero)]
-            fixed += float(2.0 * drag * mean.fixed @ grid.step)
+            rolled, level = self.rolled(drag**2 / self.unit_heat, zero)
+            parts += [(columns, values) for _, columns, values in rolled]
+            fixed += float(2.0 * drag * mean.fixed @ grid.step) + float(level.sum()) * self.unit_heat
         return parts, fixed / self.unit_heat
+
+    def rolled(self, scale: float, rows: Index) -> tuple[list[tuple[Index, Index, Array]], Array]:
+        """Entries and fixed parts (N,) of the integrals of the square of the speed over the times of the segments."""
+        h, base = 0.5 * scale * np.abs(self.problem.coefficients.grid.step), self.problem.rolled_at
+        if base is None:
+            return self.speeds(self.segments, h, rows), np.zeros(len(h))
+        speed = np.sqrt(base)
+        slope = np.divide(0.5, speed, out=np.zeros_like(speed), where=speed > 0)  # at a rest b is no variable
+        tangent = Affine(h * slope[:-1], h * slope[1:], 0.5 * h * (speed[:-1] + speed[1:]), self.segments)
+        return self.affine(tangent, 1.0, rows), tangent.fixed
 
     def _row(self, parts: Sequence[tuple[Index, Array]], row: int = 0, sign: float = 1.0) -> list[tuple[Index, Index, Array]]:
         return [(np.full(len(columns), row), np.asarray(columns), sign * np.asarray(values)) for columns, values in parts]
@@ -354,19 +365,20 @@ class _Program:
         copper, drag, unit = drive.copper / drive.ratio**2, drive.crank_drag, self.unit_energy
         for share in dict.fromkeys((1.0, drive.regeneration)):
             by_torque = share * (1.0 + 2.0 * copper * drag) * grid.step / unit
-            by_speed = share * 0.5 * h * (drag + copper * drag**2 + drive.iron * drive.ratio**2) / unit
-            entries = [(k, self.p + k, -np.ones(len(k))), *self.affine(mean, by_torque, k), *self.speeds(k, by_speed, k)]
+            rolled, level = self.rolled(share * (drag + copper * drag**2 + drive.iron * drive.ratio**2) / unit, k)
+            entries = [(k, self.p + k, -np.ones(len(k))), *self.affine(mean, by_torque, k), *rolled]
             entries.append((k, self.e + k, share * 2.0 * h * copper * self.sizes.torques**2 / (self.s * unit)))
-            self.add(AT_MOST, entries, -by_torque * mean.fixed)
+            self.add(AT_MOST, entries, -by_torque * mean.fixed - level)
 
     def _peak(self) -> None:
-        mean, grid, k = self.problem.mean_torque(), self.problem.coefficients.grid, self.segments
+        grid, k = self.problem.coefficients.grid, self.segments
         size, drag = self.sizes.torque, self.problem.drive.crank_drag
-        for sign in (1.0, -1.0):
-            entries = [*self.affine(mean, sign / size, k), (k, np.full(len(k), self.peak), -np.ones(len(k)))]
-            if drag:
-                entries += self.speeds(k, 0.5 * drag * sign * grid.way / size, k)
-            self.add(AT_MOST, entries, -sign * mean.fixed / size)
+        for torque, end in zip(self.problem.end_torques(), (0, 1), strict=True):
+            for sign in (1.0, -1.0):
+                entries = [*self.affine(torque, sign / size, k), (k, np.full(len(k), self.peak), -np.ones(len(k)))]
+                if drag:
+                    entries.append(self.speeds(k, drag * sign * grid.way / size, k)[end])
+                self.add(AT_MOST, entries, -sign * torque.fixed / size)
 
     def _power(self, relaxed: RelaxedPower) -> None:
         """Driving and braking torque over a segment are at most 2 power d, and d at most the mean of the chords of 1 / (2 speed)."""

@@ -31,7 +31,8 @@ def optimum(best: MotionOptimum, shown: Shown) -> Section:
     if best.by_ratio:
         blocks.append(_ratios(best))
     wanted = " and ".join(WANTED.get(name, name) for name in best.minimise)
-    proof = f"no motion along this path that keeps the limits is better than by {max(best.gap, 0.0):.1e} of it"
+    proof = f"no motion along these nodes that keeps the limits is better than by {max(best.gap, 0.0):.1e} of it"
+    proof = f"{proof}, and finer nodes may change it by {best.node_error:.1e}"
     note = f"Least {wanted}; {proof}: {_bound(best)}."
     return Section("Servo drive", blocks, [("servo drive", _drive_in_words(best))], " ".join([note, *map(_sentence, best.notes)]))
 
