@@ -133,7 +133,7 @@ class PressRatings(OfPress, Tabular):
                 f"{self.press_name}, ratings at {conditions_in_words(self)}",
                 *tables.table(data_in_words(self), [38, 0]),
                 "",
-                "Permissible force",
+                "Permissible force, by the capacities given; strength, fatigue and overload protection are left out",
                 *tables.table([heads, *(_row(self, k) for k in listed_heights(self))], widths),
                 *(["  work: of the force that all limits but energy permit, from there to bottom dead centre"] if self.energies else []),
             ]

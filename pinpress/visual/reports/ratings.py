@@ -119,4 +119,4 @@ def _table(ratings: PressRatings) -> Table:
         place = f"{position % turn if first.turns else position:.2f}"
         numbers = [f"{1e3 * ratings.height[k]:.3f}", place, force.shown(float(ratings.force[k])), work.shown(float(ratings.work[k]))]
         rows.append([ratings.limited_by[k], *numbers])
-    return Table("Permissible force", heads, rows)
+    return Table("Permissible force, by the capacities given", heads, rows)
