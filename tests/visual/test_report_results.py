@@ -1,6 +1,7 @@
 """Results beside the motion in a report: their numbers on the page against the results, and every kind in a real browser."""
 
 import base64
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -677,3 +678,35 @@ def test_servo_motions(tmp_path: Path) -> None:
     for result in results[:3]:
         with pytest.raises(pp.PinpressError, match=r"zxn2_3000b, the page of crank_slide"):
             pp.report(other, pp.cycle(other, SPEED, points=24), tmp_path / "out.html", results=[result])
+
+
+def test_all_charts_of_a_press_that_turns_backwards_run_from_0_down(tmp_path: Path) -> None:
+    """Angles fall as time goes on, on all axes alike; values stay at their angles."""
+    path = tmp_path / "table.yaml"
+    path.write_text(json.dumps(TABLE))
+    press = pp.build(path)
+    stiffness = pp.elasticity.Stiffness(dict.fromkeys(press.bearings, 1e9), moments={"slide_guide": 1e7})
+    motion = pp.cycle(press, -2.0, points=72)
+    loaded = pp.inverse_dynamics(press, motion, [pp.loads.ConstantForce(1e4, 0.02)])
+    angle = np.linspace(0.0, 2 * np.pi, 37)
+    compliance = pp.elasticity.compliance(press, stiffness, angle=angle)
+    play = pp.tolerances.play(press, motion, dict.fromkeys(("P", "W"), 1e-4), loads=[pp.loads.ConstantForce(1e4, 0.02)])
+    drive = pp.drives.Geared(pp.drives.InductionMotor(5500.0, 1485 * pp.RPM, inertia=0.04), -70.0)
+    run = pp.steady_state(press, speed=-2.0, drive=drive, flywheel=pp.drives.Flywheel(50.0))
+    page = pp.report(press, motion, tmp_path / "out.html", reactions=loaded, results=[compliance, play, run])
+    data = data_in(page)["report"]
+    assert data["period"] == -360.0
+    seen = []
+    for section in data["sections"]:
+        for block in section["blocks"]:
+            if block["kind"] == "lines" and block["follows"] == "position":
+                for x, _ in curves(block).values():
+                    seen.append(block["title"])
+                    assert x[0] == pytest.approx(0.0, abs=1e-3)
+                    assert x[-1] == pytest.approx(-360.0, abs=1e-3)
+                    assert np.all(np.diff(x) < 0)
+    assert {"Compliance at the slide, by parts", "Slide in its clearances", "Crank speed"} <= set(seen)
+    parts = curves(chart(sections(page)["Elastic press"], "Compliance at the slide"))
+    x, y = next(iter(parts.values()))
+    _, values = next(iter(compliance.largest_parts(6)))
+    np.testing.assert_allclose(y, 1e9 * np.interp(np.radians(x) % (2 * np.pi), angle, values), rtol=1e-5)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ...common.arguments import expect, typed
@@ -21,9 +24,11 @@ from ...simulation.run import Run, inputs_of
 from .. import charts, pages
 from ..pages import packed
 from ..recording import elastic_run_of, key_frames, scene, shaft_flywheels
-from .blocks import Section
+from .blocks import Block, LineChart, Section
 from .motion import figures, sections, table_of_extremes
 from .shown import Shown, as_shown, before_shown, frames_along, in_words
+
+SAME = 1e-6  # periods by which an angle may lie beyond its period by rounding
 
 
 @typed
@@ -117,7 +122,10 @@ def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> 
         more = [section for result in results for section in sections_of(result, shown)]
     abscissa = charts.abscissa(shown.motion)
     parts = [*sections(shown, before, ratings), *more, table_of_extremes(shown, before)]
-    heights, period = shown.heights, shown.motion.period_turns
+    heights, turns, crank = shown.heights, shown.motion.period_turns, shown.frames.crank
+    period = 360.0 * turns if turns is not None and shown.motion.driver_coordinates[0].turns else None
+    if period is not None and crank[-1] < crank[0]:  # all charts run as time does, where the crank turns negatively from 0 down
+        period, parts = -period, [replace(part, blocks=[_falling(block, period) for block in part.blocks]) for part in parts]
     return {
         "subtitle": _subtitle(shown, before),
         "inputs": _inputs(shown, before, more),
@@ -125,9 +133,24 @@ def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> 
         "over": {"quantity": abscissa.quantity, "unit": abscissa.unit},
         "before": None if before is None else packed(frames_along(before), "before"),
         "heights": None if heights is None else packed(heights, "height"),
-        "period": 360.0 * period if period is not None and shown.motion.driver_coordinates[0].turns else None,
+        "period": period,
         "sections": [part.as_json() for part in parts],
     }
+
+
+def _falling(block: Block, period: float) -> Block:
+    """A block with its curves over the crank angle, if it has some, from 0 down to a period [deg] below it."""
+    if not isinstance(block, LineChart) or block.follows != "position":
+        return block
+    lines = []
+    for line in block.lines:
+        if line.x is None or len(line.x) == 0:
+            lines.append(line)
+            continue
+        x = line.x - period * math.ceil(float(np.max(line.x)) / period - SAME)
+        way = slice(None) if x[-1] < x[0] else slice(None, None, -1)
+        lines.append(replace(line, x=x[way], y=line.y[way]))
+    return replace(block, lines=lines)
 
 
 def _subtitle(shown: Shown, before: Shown | None) -> str:

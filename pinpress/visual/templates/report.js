@@ -18,7 +18,7 @@ const brief = (text, most = 40) => text.length > most ? text.slice(0, most - 1) 
 
 function xAxis({ across, follows, reach }, x) {
   const title = across || `${report.over.quantity} [${report.over.unit}]`, axis = { ...AXIS, title: { text: asText(title), standoff: 6 } }, way = x.at(-1) - x[0];
-  if (follows === "frames" && way) axis.range = [x[0], x.at(-1)];  // backwards too time runs to the right
+  if (way && (follows === "frames" || (follows === "position" && way < 0))) axis.range = [x[0], x.at(-1)];  // backwards too time runs to the right
   if (title.endsWith("[deg]") && Math.abs(way) >= 180) axis.dtick = 45 * Math.ceil(Math.abs(way) / 360 - 0.01);
   if (reach) axis.range = reach;
   return axis;
@@ -41,8 +41,9 @@ const PLACES_ALONG = {
   position: { now: () => within(number(data.crank)), moments: () => data.crank.map(within) },
 };
 
-function within(position) {  // the period from 0 on; on its border 0
-  return report.period ? (position % report.period + report.period) % report.period : position;
+function within(position) {  // the period from 0 on, or from 0 down where it is negative; on its border 0
+  const size = Math.abs(report.period), way = Math.sign(report.period);
+  return size ? way * ((way * position % size + size) % size) : position;
 }
 
 function make(tag, parent, properties = {}) {
