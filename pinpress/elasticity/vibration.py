@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..common import tables
 from ..common.arguments import numbers, positive, typed
+from ..common.damped_modes import damped_modes
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array
@@ -201,28 +202,14 @@ def _damping_ratios(frequency: Array, shapes: Array, damping: Array) -> Array:
     """(n, m) damping ratios of modes with frequencies (n, m) and shapes (n, f, m).
 
     Dampers in proportion to the springs damp each mode by itself. Others join the modes; their ratios are those of the eigenvalues of the
-    damped press in first order, by their absolute values.
+    damped press in first order.
     """
     modal = np.swapaxes(shapes, 1, 2) @ damping @ shapes
     own: Array = np.diagonal(modal, axis1=1, axis2=2)
     tiny = np.finfo(float).tiny
     if np.abs(modal - own[:, None, :] * np.eye(own.shape[1])).max() <= APART * max(float(own.max()), tiny):
         return np.asarray(own / (2 * np.maximum(frequency, tiny)), dtype=float)
-    return np.array([_damped(w, c) for w, c in zip(frequency, modal, strict=True)])
-
-
-def _damped(frequency: Array, damping: Array) -> Array:
-    """(m,) damping ratios of coupled modes with modal damping (m, m), from the eigenvalues of the first-order system."""
-    count = len(frequency)
-    matrix = np.block([[np.zeros((count, count)), np.eye(count)], [-np.diag(frequency**2), -damping]])
-    values = np.linalg.eigvals(matrix)
-    swinging, creeping = values[values.imag > 0], np.sort(values[values.imag == 0].real)
-    half = len(creeping) // 2
-    fast, slow = creeping[:half], creeping[half:][::-1]  # two a mode, whose product is the frequency squared: fastest with slowest
-    size = np.concatenate([np.abs(swinging), np.sqrt(np.maximum(slow * fast, 0.0))])
-    loss = np.concatenate([-swinging.real, -0.5 * (slow + fast)])
-    order = np.argsort(size)
-    return np.asarray((loss / size)[order])
+    return np.array([damped_modes(w, c).ratio for w, c in zip(frequency, modal, strict=True)])
 
 
 def _strain_energy(sprung: SprungPress, elastic: Elastic, coordinates: Array, moved: Array) -> FrozenMapping[str, Array]:

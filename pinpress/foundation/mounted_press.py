@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 
 from ..common import plausibility, tables
 from ..common.arguments import expect, typed, whole_number
+from ..common.damped_modes import damped_modes
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import GRAVITY, Array, ComplexArray
@@ -381,8 +382,8 @@ def modes(system: MountedPress) -> VibrationModes:
     """Find the modes of free vibration of a press on its mounts at standstill; with rotors that spin, `whirl` finds them.
 
     Natural frequencies and shapes are those of mass and stiffness alone; damped frequencies and damping ratios come from the eigenvalues of
-    the damped system in first order, in the order of their absolute values. A loss factor counts as the viscous damping that loses as much
-    energy at each mode's own frequency.
+    the damped system in first order, each of the mode that takes most part in its motion. A loss factor counts as the viscous damping that
+    loses as much energy at each mode's own frequency.
 
     Args:
         system: the press on its mounts.
@@ -392,22 +393,14 @@ def modes(system: MountedPress) -> VibrationModes:
     """
     squared, shapes = undamped(system)
     frequency = np.sqrt(squared)
-    eigenvalues = np.asarray(np.linalg.eigvals(state_matrix(system)), dtype=complex)
-    swinging = eigenvalues[eigenvalues.imag > 0]
-    creeping = np.sort(eigenvalues[eigenvalues.imag == 0].real)
-    half = len(creeping) // 2
-    fast, slow = creeping[:half], creeping[half:][::-1]  # two a mode, whose product is the frequency squared: fastest with slowest
-    size = np.concatenate([np.abs(swinging), np.sqrt(slow * fast)])
-    loss = np.concatenate([-swinging.real, -0.5 * (slow + fast)])
-    damped = np.concatenate([swinging.imag, np.zeros(half)])
-    order = np.argsort(size)
+    damped = damped_modes(frequency, shapes.T @ _resisting(system) @ shapes)
     return VibrationModes(
         system=system,
         natural_frequency=frequency,
         shapes=shapes,
-        damped_frequency=damped[order],
-        damping_ratio=(loss / size)[order],
-        eigenvalues=eigenvalues,
+        damped_frequency=damped.frequency,
+        damping_ratio=damped.ratio,
+        eigenvalues=damped.eigenvalues,
         motion=tuple(motion_in_words(system, shape) for shape in shapes.T),
     )
 
@@ -430,11 +423,15 @@ def quadrature(system: MountedPress) -> Array:
     return np.asarray((shapes / np.sqrt(squared)) @ shapes.T @ system.mass)
 
 
+def _resisting(system: MountedPress) -> Array:
+    """Matrix (n, n) of forces by velocities of dampers and of losses at each mode's own frequency [N s/m]."""
+    return np.asarray(system.damping + system.loss @ quadrature(system))
+
+
 def state_matrix(system: MountedPress, speed: float = 0.0) -> Array:
     """Matrix (2 n, 2 n) of free vibration at a speed of the crank [rad/s]: d/dt of (displacements, velocities) from these."""
     n = len(system.mass)
-    resisting = system.damping + speed * system.gyroscopic + system.loss @ quadrature(system)
-    solved = np.linalg.solve(system.mass, np.hstack([system.stiffness, resisting]))
+    solved = np.linalg.solve(system.mass, np.hstack([system.stiffness, _resisting(system) + speed * system.gyroscopic]))
     return np.block([[np.zeros((n, n)), np.eye(n)], [-solved[:, :n], -solved[:, n:]]])
 
 

@@ -293,3 +293,14 @@ def test_a_press_that_does_not_stand_is_refused(change, says):
     given = {"press": weightless(), "frame": foundation.Frame(**HEAVY), "mounts": on_four((1e6, 1e6, 1e6))} | change
     with pytest.raises(PinpressError, match=says):
         foundation.mounted(**given)
+
+
+def test_two_modes_that_creep_keep_their_own_damping():
+    """c = 2 z sqrt(k m) along x and along z, uncoupled: the slow rate of one is no partner of the fast rate of the other."""
+    mass, (kx, kz), (one, other) = 1200.0, (2e4, 7e6), (4.0, 1.05)
+    damping = tuple(2 * ratio * np.sqrt(4 * k * mass) / 4 for ratio, k in ((one, kx), (0.0, 1.0), (other, kz)))
+    frame = foundation.Frame(mass, (0.0, 0.0, -1.0), (900.0, 900.0, 900.0))
+    found = foundation.modes(foundation.mounted(weightless(), frame, on_four((kx, 3e6, kz), damping)))
+    for name, ratio in (("along x", one), ("along z", other)):
+        assert found.damping_ratio[found.motion.index(name)] == pytest.approx(ratio, rel=1e-6)
+    assert found.damping_ratio[found.motion.index("along y")] == pytest.approx(0.0, abs=1e-9)
