@@ -176,7 +176,7 @@ def _refuse_jumps(press: Linkage, times: Array, sample: Sample, fastest: float) 
     joint = press.driver_indices[0] if len(sample.position) > 1 else 0
     travel, span = np.abs(np.diff(sample.position[joint])), np.diff(times)
     fastest = max(fastest, float(np.abs(sample.speed[joint]).max()))
-    rounding = ROUNDINGS * EPS * float(np.abs(sample.position[joint]).max())
+    rounding = ROUNDINGS * EPS * max(1.0, float(np.abs(sample.position[joint]).max()))  # errors are relative to 1 rad
     beyond = travel > BETWEEN * fastest * span + rounding
     if beyond.any():
         k = int(np.argmax(beyond))

@@ -184,6 +184,18 @@ def test_the_crank_rests_where_its_torques_lie_within_what_holds(press, method):
         assert run.drive_speed[-1] == pytest.approx(1e-3 * wheel, rel=1e-2, abs=1e-15)
 
 
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.filterwarnings("ignore:Clutch is")
+def test_a_crank_that_moves_by_rounding_alone_makes_no_jump(press, method):
+    """At bottom dead centre a clutch of 6e-14 N m pulls at a crank until 0.2 s, after which it turns by 1e-14 rad."""
+    clutch = Clutch(6.442196776035303e-14, opens=At(time=0.2))
+    drive = pp.drives.Geared(pp.drives.ConstantTorque(-1.0), 10.0, efficiency=0.8)
+    given: dict[str, Any] = {"drive": drive, "clutch": clutch, "flywheel": Flywheel(20.0), "loads": [pp.loads.ConstantForce(1000.0, 0.2)]}
+    run = pp.simulate(press, 0.5, method=method, points=3, tolerance=1e-9, **given)
+    assert np.abs(run.crank_angle).max() < 1e-9
+    assert run.drive_speed[-1] == pytest.approx(-0.2, rel=1e-12)
+
+
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("seed", range(16))
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
