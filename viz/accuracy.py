@@ -6,6 +6,7 @@ the six-bar press, accuracy_rssp.csv, accuracy_bricard.csv and accuracy.png besi
 """
 
 import csv
+import itertools
 import re
 import sys
 from functools import cache
@@ -95,11 +96,13 @@ PROGRAMS = (  # words, methods of inverse dynamics of which the first one counts
 
 
 def in_short() -> str:
-    """The table of the README: a turn of each linkage."""
+    """The table of the README: time and error of a turn of each linkage, a program a row."""
+    lines = [f"| a turn, all forces | {' | error | '.join(LINKAGES.values())} | error |", "|---" * (1 + 2 * len(LINKAGES)) + "|"]
     programs = [(words, turning) for words, turning, _ in PROGRAMS if turning]
-    turns = [_turns(turning) for _, turning in programs]
-    lines = [f"| a turn, all forces | {' | '.join(words for words, _ in programs)} |", "|---" * (1 + len(programs)) + "|"]
-    return "\n".join([*lines, *(f"| {words} | {' | '.join(turn[k] for turn in turns)} |" for k, words in enumerate(LINKAGES.values()))])
+    for words, turning in [*programs, (NAMES["pinocchio"], ("pinocchio",))]:
+        cells = itertools.chain(*(("", "") if row is None else (_time(row), _largest_error(row)) for row in _rows_of_turns(turning)))
+        lines.append(f"| {words} | {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
 def in_paper() -> str:
@@ -135,20 +138,25 @@ def _inverse_dynamics() -> list[str]:
         cells: list[str] = []
         for turn in turns.values():
             row = turn.get(method)
-            cells += ["", ""] if row is None else [_time(row), _share(max(float(row[name] or 0) for name in ("error", "force_error")))]
+            cells += ["", ""] if row is None else [_time(row), _largest_error(row)]
         lines.append(f"| {_name(method)} | {' | '.join(cells)} |")
     return lines
 
 
 def _turns(methods: tuple[str, ...]) -> list[str]:
     """Of each linkage the time of a turn by the first of these methods that treats it."""
-    cells = []
-    for file in LINKAGES:
-        turn = [row for row in rows_of(file) if row["group"] == "inverse dynamics"]
-        found = (row for method in methods for row in turn if _is(row, method))
-        row = next(found, None)
-        cells.append("" if row is None else _time(row))
-    return cells
+    return ["" if row is None else _time(row) for row in _rows_of_turns(methods)]
+
+
+def _rows_of_turns(methods: tuple[str, ...]) -> list[Row | None]:
+    """Of each linkage the row of the first of these methods that treats it."""
+    turns = [[row for row in rows_of(file) if row["group"] == "inverse dynamics"] for file in LINKAGES]
+    return [next((row for method in methods for row in turn if _is(row, method)), None) for turn in turns]
+
+
+def _largest_error(row: Row) -> str:
+    """Of the driving torque and of the bearing forces, as a share of the largest."""
+    return _share(max(float(row[name] or 0) for name in ("error", "force_error")))
 
 
 def _at_work(rows: list[Row]) -> list[str]:
