@@ -271,9 +271,11 @@ def checked_name(name: object, source: Source) -> Path:
         PinpressError: it is no plain name, or does not end as it must.
     """
     wanted = " or ".join(source.suffixes)
-    if not (isinstance(name, str) and name.lower().endswith(source.suffixes) and len(name) <= 200):
+    if not (isinstance(name, str) and name.lower().endswith(source.suffixes)):
         raise PinpressError(f"the name must end in {wanted}")
     plain = not name.startswith(".") and not set(name) & set('/\\:*?"<>|') and name.isprintable() and Path(name).name == name
+    if plain and len(name.encode()) > 200:  # file systems take 255 bytes; a letter may have four
+        raise PinpressError("the name is too long: give one of at most 200 bytes, which are 66 Chinese characters")
     if not plain:
         raise PinpressError("give a plain name, without a folder: the file is written beside the one that is shown")
     return source.folder / name
@@ -287,7 +289,6 @@ def finite(values: object, count: int) -> list[float]:
     """
     if not (isinstance(values, list) and len(values) == count and all(type(value) in (int, float) for value in values)):
         raise PinpressError(f"these are not {count} numbers")
-    found = np.array(values, dtype=float)
-    if not (np.abs(found) < 1e9).all():
+    if not all(abs(value) < 1e9 for value in values):  # whole numbers in JSON have no largest one
         raise PinpressError("a value is not finite, or too large")
     return [float(value) for value in values]

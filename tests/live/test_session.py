@@ -132,6 +132,12 @@ def test_notes_come_with_a_picture_and_not_as_warnings() -> None:
     assert "1.2e+05" in change(session, speed=120000.0).everyone["notes"][0] or change(session, speed=120000.0).everyone["notes"]
 
 
+def test_a_whole_number_of_400_digits_is_refused() -> None:
+    session = of_press("crank_slide")
+    values = [10**400, *session.whole()["values"][1:]]
+    assert "too large" in ask(session, "set", values=values, speed=70.0, shapes=False).sender["text"]
+
+
 def test_a_driver_that_slides() -> None:
     session = session_of(lambda: opened(str(TEMPLATES / "toggle.yaml"), pp.load, {}), speed=0.1)
     whole = session.whole()
@@ -262,6 +268,7 @@ def test_nothing_is_replaced_unasked(tmp_path: Path) -> None:
         5,
         None,
         "x" * 300 + ".yaml",
+        "\u538b" * 100 + ".yaml",  # 300 bytes
     ],
 )
 def test_files_are_written_beside_the_own_one_alone(name: Any, tmp_path: Path) -> None:

@@ -13,8 +13,9 @@ minimises Gauss's constraint (a - a_free)' M (a - a_free) (Gauss 1829). This way
 that are redundant in closed states only, and bodies without mass on joints that others move.
 
 Pinocchio's `constraintDynamics` solves the problem with multipliers (the proximal iterations of Carpentier, Budhiraja and Mansard, Proximal
-and sparse resolution of constrained dynamic equations, 2021). A state takes less time so (`tests/benchmarks/mechanics/constraint_dynamics.py`
-prints how much less), and it is tried first where every joint moves a mass. The pivots are checked each time, and where one is near zero that should not be, or digits would be lost, the general way decides.
+and sparse resolution of constrained dynamic equations, 2021), in less time, as `tests/benchmarks/mechanics/constraint_dynamics.py` prints.
+It is tried first where every joint moves a mass. The pivots are checked each time, and where one is near zero that should not be, or digits
+would be lost, the general way decides.
 
 Loops that hold each other have rows that depend on others in closed states only. In a state that is open by e such a row demands a force of
 about 1/e, and moves the linkage by 1: it would be locked. Each proximal iteration brings a row with the eigenvalue s of J M^-1 J' nearer to

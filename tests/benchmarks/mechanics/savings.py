@@ -2,8 +2,8 @@
 interpreters.
 
 Run `python tests/benchmarks/mechanics/savings.py`; `--quick` for a fifth of the repeats. pytest does not collect this file. It prints
-the tables and writes them to `viz/savings.md`. Contestants of a table take turns within each repeat, so that whatever else the machine does meets all of
-them; the least time counts. Ratios are to the first row of the same table.
+the tables and writes them to `viz/savings.md`. Contestants of a table take turns within each repeat, so that whatever else the machine does
+meets all of them; the least time counts. Ratios are to the first row of the same table.
 """
 
 from __future__ import annotations
