@@ -18,14 +18,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..common import tables
 from ..common.arguments import any_numbers, suitable_numbers, typed
-from ..common.errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, shown
+from ..common.errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
@@ -33,7 +33,7 @@ from ..common.tables import Column
 from ..derivatives.motion import Pivots, nowhere, pivot_positions, planar
 from ..derivatives.reactions import refuse_unknown
 from ..derivatives.reshape import reshaped
-from ..kinematics.motion import cycle, period_at
+from ..kinematics.motion import Motion, cycle, period_at
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .design import Design, Start
@@ -43,6 +43,8 @@ from .search import ActiveBound, Search, optimality
 SYNTHESISED = "_synthesised"  # end of the name of a press that was found
 UNCONSTRAINED: Mapping[str, Any] = FrozenMapping({})
 SAME = 1e-9  # largest difference between the motions of the found press and its trial, as a share of the linkage's size
+FINER = 8  # crank angles at which the design that was found is judged, for each of those at which trials are
+NOTICED = 1e-3  # share of a constraint's size by which it may be missed between the crank angles of trials
 WIDE = 14  # letters of a number's column
 
 
@@ -114,6 +116,8 @@ class SynthesisResult(Tabular):
         constraints: name -> value of each constraint at the optimum, a number or (m,) [SI].
         active: the bounds of variables and constraints that hold the optimum, with their multipliers.
         idle: names of the variables on which neither the objective nor a constraint depends, so that any value is as good.
+        missed: share of its size by which the worst constraint is beyond its bounds with eight times as many crank angles [-].
+        finer_value: value of the objective with so many crank angles [SI].
         kkt: residual of the conditions of Karush, Kuhn and Tucker, at most 1e-6 [-]: the change of the objective, divided by its size, that
             remains unbalanced for a change of a variable over its whole range.
         evaluations: number of designs that were judged.
@@ -127,6 +131,8 @@ class SynthesisResult(Tabular):
     constraints: Mapping[str, float | Array]
     active: Records[ActiveBound]
     idle: tuple[str, ...]
+    missed: float
+    finer_value: float
     kkt: float
     evaluations: int
     infeasible: int
@@ -236,13 +242,18 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int | None, l
     except (AssemblyError, SingularityError) as error:
         listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
         raise PinpressError(f"the start, {listed}, is no press: {error}; start elsewhere") from error
-    plane = planar(drawn)
-    closure = drawn.engine().close(motion.crank_angle, motion.joint_position.T)
-    state = closure.position, closure.first, closure.second, closure.gap
-    design = Design(Start(drawn, plane, motion, loads), values, nowhere(drawn), [], plane, *state)
+    design = _closed(drawn, motion, values, loads)
     point = problem.at(problem.scaled(values), design)
     scaled = tuple(_scaled(requirement, found) for requirement, found in zip(problem.requirements, point.values, strict=True))
     return Problem(problem.variables, problem.geometry, scaled).at(point.z, design)
+
+
+def _closed(drawn: Linkage, motion: Motion, values: dict[str, float], loads: Sequence[Load]) -> Design:
+    """The design of a press as it is drawn, closed at the crank angles of a motion."""
+    plane = planar(drawn)
+    closure = drawn.engine().close(motion.crank_angle, motion.joint_position.T)
+    state = closure.position, closure.first, closure.second, closure.gap
+    return Design(Start(drawn, plane, motion, loads), values, nowhere(drawn), [], plane, *state)
 
 
 def _scaled(requirement: Requirement, values: Array) -> Requirement:
@@ -260,11 +271,39 @@ def _found(start: Point, search: Search, found: Point, speed: float, points: int
     motion, trial = period_at(found.design.press, speed, points), found.design.motion
     if not np.abs(motion.joint_position - trial.joint_position).max() <= SAME * (1 + found.design.plane.size):
         raise PinpressError("the press that was found moves in another assembly than it was drawn in: narrow the variables' bounds")
-    return _result(start, found, search)
+    return _result(start, found, search, _finer(found, speed))
 
 
-def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
+def _finer(found: Point, speed: float) -> Point:
+    """The design that was found, with more crank angles.
+
+    Raises:
+        PinpressError: it locks between the crank angles of its trial, or a function fails.
+    """
+    design, problem = found.design, found.problem
+    drawn = replace(problem, variables=tuple(replace(each, start=design.variables[each.name]) for each in problem.variables))
+    values = drawn.values(found.z)
+    press = reshaped(design.press, drawn.pivots(values))
+    motion = cycle(press, speed, points=FINER * len(design.motion.time))
+    return drawn.at(found.z, _closed(press, motion, values, design.start.loads))
+
+
+def _missed_between(found: Point, finer: Point) -> tuple[float, str]:
+    """Share of a constraint's size by which the worst is beyond its bounds between the crank angles of trials, and that in words."""
+    worst, words = 0.0, ""
+    for requirement, values in zip(found.problem.requirements[1:], finer.values[1:], strict=True):
+        for bound, beyond in ((requirement.lower, requirement.lower - values.min()), (requirement.upper, values.max() - requirement.upper)):
+            if beyond / requirement.scale > worst:
+                worst = float(beyond / requirement.scale)
+                words = f"{requirement.title} misses its bound {bound:g} by {beyond:.4g} between the crank angles of the trials"
+    return worst, words
+
+
+def _result(start: Point, found: Point, search: Search, finer: Point) -> SynthesisResult:
     problem, held, press = found.problem, optimality(found), found.design.press
+    missed, words = _missed_between(found, finer)
+    if missed > NOTICED:
+        caution(f"{words}: give more points=")
     constraints = {
         requirement.name: float(values[0]) if len(values) == 1 else read_only(values)
         for requirement, values in zip(problem.requirements[1:], found.values[1:], strict=True)
@@ -283,6 +322,8 @@ def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
         constraints=FrozenMapping(constraints),
         active=held.active,
         idle=held.idle,
+        missed=missed,
+        finer_value=finer.objective,
         kkt=held.residual,
         evaluations=search.evaluations,
         infeasible=search.infeasible,
@@ -317,7 +358,12 @@ def _text(found: SynthesisResult) -> str:
     ]
     if found.idle:
         lines += [f"Without influence: {', '.join(found.idle)}"]
-    checks = tables.table([["conditions of the optimum", f"{found.kkt:.2g} of the objective"]], [width + WIDE, 0])
+    rows_of_checks = [
+        ["conditions of the optimum", f"{found.kkt:.2g} of the objective"],
+        ["objective between crank angles", f"{found.finer_value:.6g}"],
+        ["constraints between them missed by", f"{found.missed:.2g} of their size"],
+    ]
+    checks = tables.table(rows_of_checks, [width + WIDE, 0])
     return "\n".join([*lines, "", "Checks", *checks])
 
 

@@ -2,6 +2,7 @@
 
 import math
 import re
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
@@ -359,3 +360,24 @@ def test_what_is_not_known_exactly_is_refused():
         synthesise(two_point, both, minimise=lambda t: t.reactions.bearing_force["P4_front"][:, 0], **rods)
     with pytest.raises(pp.PinpressError, match="several planes"):
         synthesise(two_point, both, minimise=lambda t: t.reactions.shaking_moment[:, 1], **rods)
+
+
+@pytest.mark.parametrize(("points", "noticed"), [(20, True), (180, False)])
+def test_what_a_constraint_is_missed_by_between_crank_angles_is_said(points, noticed):
+    """A slide speed that is held at the crank angles of the trials is beyond its bound between them, as a cycle with 20 000 shows."""
+    press, most = texts.shipped("crank_slide"), 1.0
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = synthesise(
+            press,
+            {"P.crank.x": (0.05, 0.1, 0.2)},
+            minimise=lambda t: -travel(t),
+            subject_to={"speed": (lambda t: both_ways(t.motion.slide_velocity), None, most)},
+            speed=10.0,
+            points=points,
+        )
+    largest = np.abs(pp.cycle(found.press, 10.0, points=20_000).slide_velocity).max()
+    assert largest > most * (1.0 + 1e-6)
+    assert found.missed == pytest.approx(largest / most - 1.0, rel=0.3)
+    assert any("between the crank angles of the trials: give more points=" in str(each.message) for each in caught) == noticed
+    assert f"{found.missed:.2g} of their size" in str(found)
