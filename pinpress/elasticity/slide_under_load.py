@@ -115,7 +115,8 @@ class ElasticDeadCentre(OfPress, Tabular):
     def __str__(self) -> str:
         standing = 1e3 * (self.standstill_position - self.rigid_position)
         rows = [f"{self.press_name}: bottom dead centre {standing:+.5g} mm off the rigid one at standstill"]
-        rows += tables.fitted([[f"{w / RPM:8.4g} strokes/min", f"{1e3 * s:+.5f} mm"] for w, s in zip(self.speed, self.shift, strict=True)])
+        rate = dead_centres(self._press).strokes_per_turn / RPM
+        rows += tables.fitted([[f"{w * rate:8.4g} strokes/min", f"{1e3 * s:+.5f} mm"] for w, s in zip(self.speed, self.shift, strict=True)])
         return "\n".join(rows)
 
     @property

@@ -15,6 +15,7 @@ from ..elasticity.guide_surfaces import LoadedGuide
 from ..elasticity.slide_under_load import ElasticDeadCentre
 from ..elasticity.speed_range import CampbellDiagram
 from ..elasticity.unit_load import SlideCompliance
+from ..kinematics.slide_path import dead_centres
 from ..simulation.elastic.elastic_run import ElasticRun
 from .style import COLOURS, GREY, LINES, Over, grid, legend, panels, plain
 
@@ -81,7 +82,8 @@ def dead_centre_shift(shifts: Mapping[str, ElasticDeadCentre], *, ax: Axes | Non
         lines: list[Artist] = []
         for i, shift in enumerate(shifts.values()):
             order = np.argsort(shift.speed)
-            lines += axes.plot(shift.speed[order] / RPM, 1e6 * shift.shift[order], color=COLOURS[i % len(COLOURS)], linestyle=_line(i))
+            rate = dead_centres(shift._press).strokes_per_turn / RPM
+            lines += axes.plot(shift.speed[order] * rate, 1e6 * shift.shift[order], color=COLOURS[i % len(COLOURS)], linestyle=_line(i))
         plain(axes.set_xlabel("strokes/min"))
         legend(axes, lines, list(shifts), loc="lower left")
     return drawn.figure

@@ -11,6 +11,8 @@ import pinpress as pp
 from pinpress.dynamics.summary import summary
 from pinpress.kinematics.main_data import forward_share
 from pinpress.simulation.run import stroke_duties
+from pinpress.visual.reports import driving
+from pinpress.visual.reports.blocks import Figures
 
 GEARED = """
 press: geared
@@ -168,3 +170,17 @@ def test_a_screw_that_pushes_a_knee_through():
     assert reactions.process_work == pytest.approx(2 * WORK, rel=1e-6)
     assert f"{WORK:.3f} J      a stroke, on average of the 2 of a way there and back\n" in summary(press, motion, reactions)
     assert pp.dead_centres(texts.load(sliding_presses.TOGGLE)).strokes == 1
+
+
+@pytest.mark.parametrize("gain", ["-2", "-1.5", "3"])
+def test_energy_and_springs_of_a_stroke(tmp_path, gain):
+    """A flywheel takes up and gives off the same energy in each of equal strokes; speeds on springs are given in strokes."""
+    strokes, turns, _ = GAINS[gain]
+    press, plain = built(GEARED, tmp_path, gain=gain), built(GEARED, tmp_path, gain=1)
+    shown = [
+        next(block for block in driving.energy(loaded(one, speed, points=points)[1]) if isinstance(block, Figures)).figures[-1].value
+        for one, speed, points in ((press, 2 * np.pi, 720 * strokes), (plain, float(gain) * 2 * np.pi, 720))
+    ]
+    assert shown[0] == shown[1]
+    shift = pp.elasticity.dead_centre_shift(press, pp.elasticity.Stiffness(dict.fromkeys(press.bearings, 1e9)), speed=2 * np.pi)
+    assert f"{60 * strokes / turns:g} strokes/min" in str(shift)

@@ -60,7 +60,7 @@ def energy(reactions: Reactions) -> list[Block]:
     if others:
         work["springs, dampers, other forces"] = work["drive"] - work["process"] - work["friction"]
     least = ROUNDING * max(asked.stored, abs(asked.work))
-    figures = [Figure("taken up and given off", with_prefix(asked.stored / strokes, "J"), "by a flywheel at an even torque, in a stroke")]
+    figures = [Figure("taken up and given off", with_prefix(asked.stored, "J"), "by a flywheel at an even torque")]
     if abs(asked.work) > least:
         mean = [("mean driving torque", asked.mean_torque, "N m"), ("mean power", asked.mean_power, "W")]
         figures = [*(Figure(name, with_prefix(value, unit)) for name, value, unit in mean), *figures]
