@@ -43,7 +43,7 @@ from .over_angle.refinement import cuts, interpolate_onto, passed_corners, stopp
 from .over_angle.segment import drive_torque, nearly_at_rest, place_at
 from .reduced_model import COORDINATES, INERTIA, energies, reduced_model_of
 from .run import Run, allowed_error, energy_error, state_count
-from .simulate import checked_tolerance, doubt_motor, refuse_many_turns, simulate
+from .simulate import checked_tolerance, doubt_motor, is_reducible, refuse_many_turns, simulate
 
 Mask = NDArray[np.bool_]
 
@@ -252,8 +252,9 @@ def _solved(scenarios: _Scenarios, began: float) -> RunBatch:
     angles, speeds, works = np.empty((len(times), count)), np.empty((len(times), count)), np.zeros((3, count))
     errors: list[SimulationError | None] = [None] * count
     missing = np.zeros(count)
-    left = list(np.flatnonzero(scenarios.speeds == 0))
-    for some in _blocks(scenarios.speeds):
+    reducible = is_reducible(scenarios.together(np.arange(count)))
+    left = list(np.flatnonzero(scenarios.speeds == 0)) if reducible else list(range(count))
+    for some in _blocks(scenarios.speeds) if reducible else ():
         solver = BatchSolver(scenarios.together(some), scenarios.angle, scenarios.speeds[some], times)
         solver.run(0.1 * scenarios.tolerance)
         missing[some] = found = solver.energy_error()

@@ -187,7 +187,7 @@ def simulate(
     with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
         # an elastic press is not reduced to its crank: its heights alone are read from the model
         driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction, error if elastic is None else 0.0)
-        if asked == "auto" and not _is_reducible(driven):
+        if asked == "auto" and not is_reducible(driven):
             method = "constraint"
         problem = _problem(driven, method, angles, speeds, until, error, fixed)
         doubt_speeds(press, problem.speed)
@@ -271,7 +271,7 @@ def _method(press: Linkage, given: str) -> str:
     return given
 
 
-def _is_reducible(driven: DrivenPress) -> bool:
+def is_reducible(driven: DrivenPress) -> bool:
     """Whether the reduced equation can have what acts on a press: not where a slide goes on from turn to turn along a spring, say."""
     if len(driven.press.drivers) > 1 or driven.friction is not None or not driven.press.advancing.any():
         return True

@@ -127,6 +127,8 @@ def test_a_spring_that_does_not_grow_evenly_is_followed_with_all_joints(rack):
     ends = 0.1**2 + np.array([raised, 0.0 * raised]) ** 2  # the rack's pin stands 30 mm beside the pinion
     energy = 0.5 * moving * run.crank_speed**2 + RACK * GRAVITY * raised + 250.0 * (ends[0] - ends[1])
     np.testing.assert_allclose(energy, energy[0], rtol=1e-8)
+    batch = pp.simulate_batch(rack, 0.4, speed=[30.0, -20.0], loads=[spring])
+    np.testing.assert_allclose(batch.crank_angle[-1, 0], run.crank_angle[-1], rtol=0, atol=1e-9)
     with pytest.raises(pp.SimulationError, match="does not come back after a turn"):
         pp.simulate(rack, 0.4, speed=30.0, loads=[spring], method="reduced")
 

@@ -65,7 +65,7 @@ def generic_columns(equations: InertialEquations, wanted: Sequence[str]) -> Arra
     """(rows, parameters) of quantities over a period at speeds and accelerations that have nothing to do with each other."""
     press, rng = equations.press, np.random.default_rng(0)
     count = MOTIONS * len(equations.parameters)
-    low, high = (0.0, 2 * np.pi * press.period_turns) if press.branch.period else press.branch.angles[[0, -1]] * 0.9
+    low, high = (0.0, 2 * np.pi * (press.turns_until_back or 1)) if press.branch.period else press.branch.angles[[0, -1]] * 0.9
     angle = low + (high - low) * (np.arange(count) + 0.5) / count
     speed, acceleration = rng.uniform(1.0, 3.0, count), rng.uniform(-5.0, 5.0, count)
     found = equations.coefficients(angle, tuple(wanted))

@@ -61,12 +61,13 @@ class Start(NamedTuple):
 
 def likely_starts(unknowns: Unknowns, runs: Sequence[RunEquations]) -> tuple[Start, ...]:
     """Where the encoder's zero may be: some degrees from 0, and elsewhere where the press as described fits better there; 0 where no torque
-    was measured in a run, or where the crank does not turn fully."""
+    was measured in a run, or where the press is not back after some turns."""
     press = unknowns.equations.press
-    if press.period_turns is None or not all("torque" in quantities(each.run) for each in runs):
+    turns = press.turns_until_back
+    if turns is None or not all("torque" in quantities(each.run) for each in runs):
         return (Start(0.0, 0.0, 1.0),)
     tables, step = [_tabulated(each) for each in runs], 2 * np.pi / TRIED
-    count = TRIED * press.period_turns
+    count = TRIED * turns
     zeros = (np.arange(count) - count // 2) * step
     misfits = np.array([_misfit(tables, runs, zero)[0] for zero in zeros])
     near = np.abs(zeros) < NEAR
