@@ -7,17 +7,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from ..common import tables
 from ..common.quantities import RPM, Array
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..dynamics.extremes import AXES, ROUNDING, Rounding, rounding
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from .counterweights import Counterweight, OperatingCondition, moving_mass
 from .problem import AddedMass, Criterion, Peak, Range, Target, limit_words
 
 MASS = AddedMass()
+FINER = 8  # states for each of a motion's, with which criteria are evaluated between these
 
 
 @dataclass(frozen=True, repr=False)
@@ -119,6 +123,26 @@ class BalancedPress(Tabular):
     reactions_before: tuple[Reactions, ...]
     reactions_after: tuple[Reactions, ...]
 
+    @cached_property
+    def between_states(self) -> float | None:
+        """Share of its value before by which a criterion of the objective or a limit is larger between the states at most [-].
+
+        The proof is that for the states of the motions; this is with eight times as many. None where a motion is not one period at constant
+        speed, of which nothing is known between its states.
+        """
+        worst = 0.0
+        for number, (press, condition) in enumerate(zip(self.presses, self.conditions, strict=True)):
+            motion = condition.motion
+            if motion.period_turns is None or np.ptp(motion.crank_speed) > 0:
+                return None
+            finer = cycle(press, float(motion.crank_speed[0]), points=FINER * len(motion.time))
+            changes = [each for each in self.changes if each.condition == number]
+            bearings = {each.criterion.bearing for each in changes} - {None}
+            reactions = inverse_dynamics(press, finer, condition.loads, bearings=sorted(map(str, bearings)))
+            shares = ((each.criterion.value(reactions) - each.after) / each.before for each in changes if each.before)
+            worst = max(worst, *shares, 0.0)
+        return worst
+
     @property
     def title(self) -> str:
         return f"BalancedPress {self.press.name}: {self.added_mass:.6g} kg added, {len(self.counterweights)} counterweights"
@@ -193,8 +217,16 @@ def _text(balanced: BalancedPress) -> str:
             "",
             "Checks",
             tables.entry("proof of the optimum", f"{balanced.residual:.3g}", proof),
+            *_between_lines(balanced),
         ]
     )
+
+
+def _between_lines(balanced: BalancedPress) -> list[str]:
+    share = balanced.between_states
+    if share is None:
+        return []
+    return [tables.entry("between the states", f"{100 * share:.2g}", "%", "most by which a criterion is larger there, relative to before")]
 
 
 def condition_name(balanced: BalancedPress, number: int) -> str:

@@ -280,3 +280,16 @@ def test_rms_of_masses_at_points_is_bounded_least_squares(criterion):
     found = [next((m for (link, at), m in masses.items() if link == region.link and np.allclose(at, region.at)), 0.0) for region in regions]
     # The lighter of designs that are as good to 1e-6 wins: along the flattest direction
     np.testing.assert_allclose(found, np.where(felt, best.x, 0.0), atol=1e-2)
+
+
+@pytest.mark.parametrize("points", [36, 360])
+def test_what_a_criterion_is_larger_by_between_the_states_is_said(points):
+    """The proof is that of the states; a load begins between them, and with eight times as many the range is larger."""
+    press, load = texts.shipped("zxn2_3000b"), [pp.loads.DeepDrawing(1e6, 0.01)]
+    region = pp.balancing.CounterweightRegion("crank", radius=0.3, mass=(0.0, 400.0))
+    speed, wanted = 70 * pp.RPM, pp.balancing.Range("driving_torque")
+    found = pp.balancing.balance(press, pp.cycle(press, speed, points=points), regions=[region], minimise=wanted, loads=load)
+    finer = pp.inverse_dynamics(found.press, pp.cycle(found.press, speed, points=8 * points), load).driving_torque
+    assert found.between_states == pytest.approx((np.ptp(finer) - found.value) / found.changes[0].before, rel=1e-9)
+    assert 1e-4 < found.between_states < 0.2
+    assert "between the states" in str(found)
