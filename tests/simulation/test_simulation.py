@@ -13,10 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
 from support import texts
-from support.exploring import examples
-from support.generators import random_linkages
 from support.generators.spatial_linkages import bennett, four_bar
 from support.oracles import crank_slide_equation as equation
 from support.oracles.crank_slide_equation import Window
@@ -1042,31 +1039,6 @@ def test_both_methods_on_a_spring_that_stops_the_crank(press):
         spring = pp.loads.SpringDamper("frame", "slide", 4e6, damping, 0.68, point1=(0.0, 0.0, -1.0))
         one, _ = both(press, 1.5, speed=1.0, flywheel=pp.drives.Flywheel(J0), loads=[spring])
         assert one.crank_speed.min() < 0 < one.crank_speed.max()
-
-
-@pytest.mark.exhaustive
-@examples(5)
-@given(random_linkages.linkages(most=3))
-def test_both_methods_on_random_linkages(tmp_path, spec):
-    drawing = random_linkages.drawn(spec)
-    assume(drawing is not None)
-    file = tmp_path / "random.urdf"
-    file.write_text(drawing.urdf("crank"), encoding="utf-8")
-    press = pp.load(file)
-    reach = 0.3 if press.branch.period else min(0.3, 0.5 * float(np.abs(press.branch.angles[[0, -1]]).min()))
-    assume(reach > 1e-3)
-    start = pp.servo_cycle(press, angle=[0.0, 0.0], speed=0.0, acceleration=[0.0, 1.0], time=[0.0, 1.0])
-    torques = pp.inverse_dynamics(press, start).driving_torque
-    inertia = float(torques[1] - torques[0])
-    # so heavy a flywheel that nothing turns the crank much further than its speed does, and everything shows
-    flywheel = 5 * inertia + abs(torques[0]) / reach
-    last = press.links[-1]
-    push = pp.loads.PointForce(last, tuple(0.1 * abs(torques[0]) / press.size * np.array([1.0, 0.5, -0.7])), (0.1, 0.2, 0.0))
-    stiffness = 0.1 * flywheel / press.size**2
-    spring = pp.loads.SpringDamper("frame", last, stiffness, stiffness, 0.1, point1=tuple(3 * press.size * np.array([1.0, 0.3, 1.0])))
-    both(
-        press, 0.5, speed=reach, drive=pp.drives.ConstantTorque(0.1 * inertia), flywheel=pp.drives.Flywheel(flywheel), loads=[push, spring]
-    )
 
 
 # ------------------------------------------------------------------------------------------------------------- small and large runs

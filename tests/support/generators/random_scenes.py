@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import yaml
 from support import texts
-from support.generators import random_linkages, spatial_crank_slide
+from support.generators import random_linkages, same_linkage, spatial_crank_slide
 from support.presses import sliding_presses
 
 import pinpress as pp
@@ -98,19 +98,23 @@ def four_bar(random: Random) -> tuple[str, Any]:
     return "four_bar", texts.load(drawing.urdf("O"))
 
 
+def linkage_spec(random: Random) -> random_linkages.Spec:
+    """A crank with one to three dyads or triads."""
+    kinds, cuts, hosts = random_linkages.KINDS, 3, 8  # hosts are taken modulo the links that there are
+    groups = tuple(
+        random_linkages.Group(str(random.choice(kinds)), int(random.integers(cuts)), tuple(map(int, random.integers(0, hosts, 3))))
+        for _ in range(random.integers(1, 4))
+    )
+    flags = {name: bool(random.integers(2)) for name in ("tilted", "stacked", "solid", "extra")}
+    return random_linkages.Spec(groups, int(random.integers(2**32)), **flags)
+
+
 def random_linkage(random: Random) -> tuple[str, Any]:
-    """A crank with one to three dyads or triads; many lock within a turn."""
-    while True:
-        groups = tuple(
-            random_linkages.Group(
-                str(random.choice(random_linkages.KINDS)), int(random.integers(3)), tuple(map(int, random.integers(0, 8, 3)))
-            )
-            for _ in range(random.integers(1, 4))
-        )
-        flags = {name: bool(random.integers(2)) for name in ("tilted", "stacked", "solid", "extra")}
-        drawing = random_linkages.drawn(random_linkages.Spec(groups, int(random.integers(2**32)), **flags))
-        if drawing is not None:
-            return "random_linkage", texts.load(drawing.urdf("crank"))
+    """Many lock within a turn."""
+    drawing = None
+    while drawing is None:
+        drawing = random_linkages.drawn(linkage_spec(random))
+    return "random_linkage", texts.load(drawing.urdf("crank"))
 
 
 def in_space(random: Random) -> tuple[str, Any]:
@@ -330,6 +334,17 @@ def states(seed: int) -> Scene:
         "friction": rubbing(random, made) if random.random() < 0.4 else {},
     }
     return Scene(seed, name, made, 0.0, given)
+
+
+def cut(seed: int) -> Scene:
+    """A random planar linkage with its loops cut in two ways, the second as "other" of what is given, and states of both."""
+    random = np.random.default_rng([5, seed])
+    drawing = None
+    while drawing is None:
+        drawing = random_linkages.drawn(linkage_spec(random))
+    gravity = tuple(map(float, 10 * random.normal(size=3)))
+    made, other = (texts.load(each.urdf("crank"), gravity=gravity) for each in (drawing, same_linkage.cut_elsewhere(drawing, random)))
+    return Scene(seed, "random_linkage", made, 0.0, {**random_linkages.servo(made, random), "other": other, "normal": drawing.world[:, 2]})
 
 
 def turning_speed(drive: Any) -> float:
