@@ -352,7 +352,26 @@ def turning_speed(drive: Any) -> float:
     return 150.0 / drive.ratio if isinstance(drive, pp.drives.Geared) else 0.0
 
 
+def _started(random: Random, press: Any) -> tuple[float, dict[str, Any]]:
+    """A press at rest under a motor on the mains that lifts its weights or swings them up, and a wheel: what solvers over the angle find
+    hardest, because a guess at its energy overshoots."""
+    size = scale(press)
+    reach = size.high - size.low
+    wheel = size.inertia * log_uniform(random, 1, 100)
+    torque = size.weight * log_uniform(random, 0.3, 1.5)
+    speed = float(np.sqrt(size.weight * reach / (wheel + size.inertia)) * log_uniform(random, 0.6, 2.5))
+    rated = 50 * np.pi * random.uniform(0.97, 0.993)
+    made = drives.InductionMotor(torque * speed, rated, inertia=0.2 * wheel * (speed / rated) ** 2)
+    drive = drives.Geared(made, rated / speed, 0.0, float(random.choice([1.0, 0.95])))
+    angle = float(random.uniform(size.low + 0.15 * reach, size.high - 0.15 * reach))
+    given = {"angle": angle, "speed": 0.0, "drive": drive, "flywheel": pp.drives.Flywheel(wheel)}
+    return float(reach / speed * random.uniform(0.3, 1.2)), given
+
+
 def _played(random: Random, press: Any, heaviest: float = 10.0) -> tuple[float, dict[str, Any]]:
+    """Duration and what is given; the largest force does ``heaviest`` times as much work as the wheel holds."""
+    if random.random() < 0.3:
+        return _started(random, press)
     size = scale(press)
     reach = size.high - size.low
     wheel = size.inertia * log_uniform(random, 0.3, 100)
