@@ -295,9 +295,11 @@ def scene(seed: int) -> Scene:
 
 
 def batch(seed: int) -> Scene:
-    """Of a batch: without clutch and brake."""
+    """Of a batch: a crank, without clutch and brake."""
     random = np.random.default_rng([2, seed])
     name, made = press(random)
+    while not made.driver_coordinates[0].turns:
+        name, made = press(random)
     duration, given = _played(random, made)
     return Scene(seed, name, made, duration, {key: part for key, part in given.items() if key not in ("clutch", "brake")})
 
