@@ -322,7 +322,7 @@ def of_same_run(scene: Scene) -> Verdict:
             details.append(f"{way.__name__}: {said or 'ends'}, as written: {refusal or 'ends'}")
         elif one is not None:
             apart = difference(one, Column(same.sense * other.crank_angle, same.sense * other.crank_speed))
-            if apart > BATCHED:
+            if apart > AGREED:
                 words.append("announced" if doubted or doubt else "disagree")
                 details.append(f"{way.__name__}: {apart:.3g}")
     return Verdict(max(words, key=WORDS.index), "; ".join(details))
