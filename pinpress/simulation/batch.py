@@ -40,7 +40,7 @@ from .over_angle.angle_solver import MOST_PERIODS
 from .over_angle.collocation import CollocationSolution, panel_integrals
 from .over_angle.mesh import Indices, build_mesh, mesh_borders
 from .over_angle.refinement import cuts, interpolate_onto, passed_corners, stopping_panels, unsettled_panels
-from .over_angle.segment import drive_torque, nearly_at_rest, place_at
+from .over_angle.segment import nearly_at_rest, place_at, torques_at_speeds
 from .reduced_model import COORDINATES, INERTIA, energies, reduced_model_of
 from .run import Run, allowed_error, energy_error, state_count
 from .simulate import checked_tolerance, doubt_motor, is_reducible, refuse_many_turns, simulate
@@ -415,9 +415,9 @@ class BatchSolver:
     def drive_and_loads(self, solution: CollocationSolution) -> list[tuple[int, Array]]:
         """Forces of the drive along the travel, and of loads and friction against it, if there are any, each with its row in ``works``."""
         driven = self.driven
-        driving = [(0, drive_torque(driven.drive, solution))] if driven.drive is not None else []
-        resisting = [(1, -solution.resisting)] if driven.forces else []
-        return driving + resisting + ([] if solution.friction_torque is None else [(2, -solution.friction_torque)])
+        driving, resisting = torques_at_speeds(driven, solution)
+        parts = [(0, driving)] * (driven.drive is not None) + [(1, -resisting)] * bool(driven.forces)
+        return parts + ([] if solution.friction_torque is None else [(2, -solution.friction_torque)])
 
     def _fill(
         self, solution: CollocationSolution, passed: Array, going: Mask, until: float, forces: list[tuple[int, Array, Array]]

@@ -20,7 +20,7 @@ from pinpress.simulation.over_angle import angle_solver, collocation, refinement
 from pinpress.simulation.over_angle.mesh import build_mesh, mesh_borders
 from pinpress.simulation.over_angle.segment import angle_segment
 from pinpress.simulation.reduced_model import energies
-from pinpress.simulation.trajectory import DRIVE_WORK, INTEGRALS, State
+from pinpress.simulation.trajectory import INTEGRALS, State
 
 MOTOR = pp.drives.Geared(pp.drives.InverterMotor(200.0, 1450 * pp.RPM, 45.0, inertia=0.1), 20.0)
 """Its torque reaches its limit at a speed of the crank of about 6.6 rad/s."""
@@ -48,17 +48,18 @@ def test_weights_put_in_the_difference_of_their_potential_energy(press):
     assert solution.ends[-1, 0] == pytest.approx(solution.ends[0, 0], rel=1e-15)
 
 
-def test_the_work_of_a_drive_is_that_of_its_torque_at_the_speeds_found(press):
-    """Not that of the torque from which these were found: the energy balance would hold of whatever speeds come of a wrong one."""
-    driven = driven_press(press, MOTOR, pp.drives.Flywheel(5.0), [], None, None)
+def test_the_works_of_drive_and_loads_are_those_at_the_speeds_found(press):
+    """Not those of the torques from which these were found: the energy balance would hold of whatever speeds come of a wrong one."""
+    driven = driven_press(press, MOTOR, pp.drives.Flywheel(5.0), [pp.loads.ElasticDie(0.05, 1e4, 1e3)], None, None)
     solution = solved(driven, 5.0)
-    wrong = dataclasses.replace(solution, driving=1.1 * solution.driving)
+    wrong = dataclasses.replace(solution, driving=1.1 * solution.driving, resisting=1.1 * solution.resisting)
     start, count = State(0.0, 0.0, 5.0, np.zeros(len(INTEGRALS))), len(solution.mesh.kinds)
-    right, asked_again = (angle_segment(driven, one, count, start).last().integrals[DRIVE_WORK] for one in (solution, wrong))
-    assert right == asked_again > 0
+    right, asked_again = (angle_segment(driven, one, count, start).last().integrals[:2] for one in (solution, wrong))
+    np.testing.assert_array_equal(right, asked_again)
+    assert right.all()
     alone = BatchSolver(driven, 0.0, np.array([5.0]), np.array([0.0, 1.0]))
-    (_, torque), (_, same) = (alone.drive_and_loads(one)[0] for one in (solution, wrong))
-    np.testing.assert_array_equal(torque, same)
+    for (_, torque), (_, same) in zip(*(alone.drive_and_loads(one) for one in (solution, wrong)), strict=True):
+        np.testing.assert_array_equal(torque, same)
 
 
 def test_a_panel_is_cut_where_the_crank_passes_a_corner_of_the_torque(press):

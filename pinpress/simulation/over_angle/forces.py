@@ -37,9 +37,9 @@ class Forces:
 
     def at(self, speed: Array) -> Array:
         """Sum of the forces at sizes of the crank's speed (q, p, S)."""
-        self.driving = self._driving(speed)
+        self.driving = self.driving_at(speed)
         if not self.known:
-            self.resisting, self.known = self._resisting(speed), self.constant
+            self.resisting, self.known = self.resisting_at(speed), self.constant
         if self.mesh.bearings is not None:
             self.friction_torque = self._friction(self.mesh.bearings, speed, self.driving + self.resisting)
         acting = self.driving + self.resisting if self.mesh.forces else self.driving
@@ -50,24 +50,26 @@ class Forces:
     def faster(self, speed: Array, share: float) -> Array:
         """Change of the sum where the crank is faster by a share than at the last `at`."""
         higher = speed * (1 + share)
-        driving, resisting = self._driving(higher), self.resisting
+        driving, resisting = self.driving_at(higher), self.resisting
         change = driving - self.driving
         if not self.constant:
-            resisting = self._resisting(higher)
+            resisting = self.resisting_at(higher)
             change += resisting - self.resisting
         if self.mesh.bearings is not None and self.friction_torque is not None:
             change += self._friction(self.mesh.bearings, higher, driving + resisting) - self.friction_torque
         self.asked += 1
         return np.asarray(change)
 
-    def _driving(self, speed: Array) -> Array:
+    def driving_at(self, speed: Array) -> Array:
+        """Torque (q, p, S) of the drive alone at speeds (q, p, S)."""
         if self.drive is None:
             return np.zeros_like(self.driving)
         torque = np.asarray(self.drive.torque(speed if self.mesh.direction > 0 else -speed))
         signed = torque if self.mesh.direction > 0 else -torque
         return signed if signed.shape == speed.shape else signed + np.zeros_like(self.driving)
 
-    def _resisting(self, speed: Array) -> Array:
+    def resisting_at(self, speed: Array) -> Array:
+        """Torque (q, p, S) of the loads alone at speeds (q, p, S)."""
         result = np.zeros_like(self.driving)
         for force in self.mesh.forces:
             result[:, force.panels] += along_travel(self.mesh, force, self.mesh.direction * speed)

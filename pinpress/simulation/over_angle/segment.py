@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from ...common.numerics import gauss_rule, polynomial_values, values_and_slopes
 from ...common.quantities import Array
-from ...drives.protocol import Drive
 from ..driven_press import DrivenPress
 from ..reduced_model import COORDINATES, INERTIA, WEIGHT
 from ..trajectory import INTEGRALS, Sample, State
 from .collocation import CollocationSolution
+from .forces import Forces
 from .mesh import Indices, Mesh
 
 # A crank is nearly at rest where its kinetic energy, and what the potential energy may still rise, are below this share of the latter's
@@ -131,8 +131,9 @@ def angle_segment(driven: DrivenPress, solution: CollocationSolution, count: int
     rule, mesh = gauss_rule(), solution.mesh
     measure, speed = mesh.measure[:, :count], solution.speed[:, :count, 0]
     elapsed = rule.integral(solution.slowness[:, :count, 0])
-    driving, motor = _drive_torques(driven, solution, count)
-    rates = [driving, -solution.resisting[:, :count, 0], motor * motor / speed]
+    driving, resisting = (torque[:, :count, 0] for torque in torques_at_speeds(driven, solution))
+    motor = driving if driven.drive is None else np.asarray(driven.drive.motor_torque(mesh.direction * speed))
+    rates = [driving, -resisting, motor * motor / speed]
     rates += [] if solution.friction_torque is None else [-solution.friction_torque[:, :count, 0]]
     summed = np.array([rule.integral(rate * measure) for rate in rates])
     final_inertia = float(mesh.inertia_ends[count]) + driven.inertia
@@ -153,21 +154,12 @@ def angle_segment(driven: DrivenPress, solution: CollocationSolution, count: int
     )
 
 
-def _drive_torques(driven: DrivenPress, solution: CollocationSolution, count: int) -> tuple[Array, Array]:
-    """Torque of the drive along the travel, and of its motor at the motor's own shaft, (q, count) each, of one scenario [N m]."""
-    drive, driving = driven.drive, solution.driving[:, :count, 0]
-    if drive is not None:
-        motor = np.asarray(drive.motor_torque(solution.mesh.direction * solution.speed[:, :count, 0]))
-        return drive_torque(drive, solution)[:, :count, 0], motor
-    return driving, np.zeros_like(driving) if driven.prescribed is None else driving
-
-
-def drive_torque(drive: Drive, solution: CollocationSolution) -> Array:
-    """Torque (q, p, S) of a drive along the travel at the speeds of a solution. It is computed again from these speeds, so that the energy
-    balance tells whether they are right."""
-    direction, speed = solution.mesh.direction, solution.speed
-    torque = np.asarray(drive.torque(speed) if direction > 0 else -drive.torque(-speed))
-    return torque if torque.shape == speed.shape else torque + np.zeros_like(speed)
+def torques_at_speeds(driven: DrivenPress, solution: CollocationSolution) -> tuple[Array, Array]:
+    """Torques (q, p, S) of drive and loads along the travel at the speeds of a solution. They are computed again from these speeds, so that
+    the energy balance tells whether these are right."""
+    forces = Forces(driven.drive, solution.mesh, solution.energy, solution.speed.shape)
+    driving = solution.driving if driven.prescribed is not None else forces.driving_at(solution.speed)
+    return driving, forces.resisting_at(solution.speed)
 
 
 def nearly_at_rest(energy: Array, force: Array, span: float) -> NDArray[np.bool_]:
