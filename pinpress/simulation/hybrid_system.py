@@ -27,7 +27,7 @@ from .equations_of_motion import Dynamics
 from .failures import failure
 from .trajectory import INTEGRALS
 
-AHEAD = 1e-9  # time looked ahead to see into which interval a force goes, with several drivers [s]
+AHEAD = 1e-9  # time looked ahead to see into which interval a force goes, with several drivers, and what a clutch that closes does [s]
 LITTLE = 1e-7  # crank angle looked ahead to see into which interval a force goes [rad]
 JUST_INSIDE = 1e-6  # share of the way from a border into its interval at which a stop that has just been touched pushes
 # What holds at its limit lets go beyond this share more: without it rounding would decide, and it would hold and let go without end.
@@ -431,7 +431,7 @@ class HybridSystem:
         """The mode after a stop of the crank or a change of a coupling. Raises as `placed`."""
         at = self.at(y)
         mode = self.turning(mode, sign_of(at.linkage.speed)) if at.linkage.speed else self.placed(mode, time, y)
-        if mode.clutch.grip is HOLDING and self.clutch_reserve(mode, time, self.at(y)) < 0:
+        if mode.clutch.grip is HOLDING and self.clutch_reserve(mode, *self._rising(mode, time, y)) < 0:
             return self.clutch_slips(mode, time, y)
         if 0 in mode.sides and mode.clutch.grip is not HOLDING:  # the shaft leaves its rest without the crank
             way = sign_of(float(self.drive_torque(mode, time, at)) - self._friction(mode, time)[0])
@@ -440,8 +440,16 @@ class HybridSystem:
 
     def clutch_slips(self, mode: Mode, time: float, y: Array) -> Mode:
         """The mode after a clutch that holds has let go. Raises as `placed`."""
-        sign = sign_of(self._clutch_torque(mode, time, self.at(y)))
+        sign = sign_of(self._clutch_torque(mode, *self._rising(mode, time, y)))
         return self.going_on(mode._replace(clutch=mode.clutch._replace(grip=SLIPPING, sign=sign)), time, y)
+
+    def _rising(self, mode: Mode, time: float, y: Array) -> tuple[float, Snapshot]:
+        """Time and state at which to decide whether a clutch holds: a little later where its torque only begins to rise. The one that it
+        has to transmit may be zero there too, but for rounding."""
+        clutch = self.driven.clutch
+        if clutch is not None and not mode.clutch.capacity(clutch, time):
+            time, y = time + AHEAD, y + AHEAD * self.rates(mode, time, y)
+        return time, self.at(y)
 
     @cached_property
     def _may_start_later(self) -> bool:

@@ -196,6 +196,21 @@ def test_a_crank_that_moves_by_rounding_alone_makes_no_jump(press, method):
     assert run.drive_speed[-1] == pytest.approx(-0.2, rel=1e-12)
 
 
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("angle", [0.0, math.pi])
+def test_a_clutch_whose_torque_rises_between_sides_that_coast_alike(press, angle, method):
+    """At a dead centre it has to transmit nothing at first, and has no torque yet. One of 5 kN m can hold what comes; the other slips."""
+    closes, wheel = At(angle=angle), Flywheel(20.0)
+    for torque, holds in ((5e3, True), (50.0, False)):
+        run = pp.simulate(
+            press, 0.3, angle=angle, speed=2.0, flywheel=wheel, clutch=Clutch(torque, closes=closes, rise=0.05), method=method
+        )
+        oracle = Coupled(20.0, clutch=lambda time, torque=torque: torque * min(1.0, time / 0.05), breaks=[0.05])
+        q, w, own = oracle.run(0.3, angle, 2.0)
+        assert (run.crank_angle[-1], run.crank_speed[-1], run.drive_speed[-1]) == pytest.approx((q, w, own), abs=1e-6)
+        assert (run.crank_speed[-1] == pytest.approx(run.drive_speed[-1], abs=1e-6)) == holds
+
+
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("seed", range(16))
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
