@@ -78,7 +78,8 @@ def speed_limit(
     loads: Sequence[ProcessLoad] = (),
     engine: str = "auto",
 ) -> PermissibleSpeed | None:
-    """Find the highest constant speed at which torque, bearings, slide acceleration and shaking force stay within their capacities.
+    """Find the highest constant speed at which torque, bearings, slide acceleration and shaking force stay within their capacities, of a
+    crank that turns positively; `rate` at a negative speed finds that of the other sense.
 
     Args:
         press: a press with one driver.
