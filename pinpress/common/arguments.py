@@ -420,7 +420,7 @@ _ROWS: tuple[Mapping[str, float], ...] = (
     {"-": 1.0, "%": 1e-2},
 )
 UNITS = {next(iter(row)): row for row in _ROWS}
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:[A-Za-z%]|[^\x00-\x7f]).*?)?\s*")
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:[A-Za-z%]|(?<=\s)1/|[^\x00-\x7f]).*?)?\s*")
 
 
 def read_quantity(text: str, unit: str) -> float:
@@ -443,6 +443,8 @@ def read_quantity(text: str, unit: str) -> float:
 def unit_factor(given: str, unit: str) -> float:
     """How large a unit is in another one that `UNITS` has; raises ValueError where it is of something else."""
     known, given = UNITS[unit], given.replace("\u03bc", "\u00b5")  # the letter mu for the sign of a millionth
+    written = {"".join(name.split()): name for name in known}  # kN m and kNm
+    given = written.get("".join(given.split()), given)
     if given not in known:
         raise ValueError(f"in {given!r}, which is none of {', '.join(known)}{suggestion(given, known)}")
     return known[given]

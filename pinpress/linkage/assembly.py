@@ -13,7 +13,7 @@ import numpy as np
 from ..common import plausibility
 from ..common.errors import AssemblyError, PinpressError, SingularityError
 from ..common.quantities import Array, DriverCoordinate
-from ..engines.branch import LARGEST_CORRECTION, Branch, Returning, Travel, leads_on, predict, walk, walk_beside
+from ..engines.branch import LARGEST_CORRECTION, Branch, Returning, Travel, leads_on, out_of_branch, predict, walk, walk_beside
 from ..engines.change_points import Gap
 from ..engines.engine import ACCEPTED, PIECE, Close, Closure, Engine, joined
 from ..engines.following import SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
@@ -146,6 +146,9 @@ def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: 
     if branch.change_points:
         return _closed_through_change_points(engine, spatial_model, branch, angles, name)
     ends = np.minimum.reduce(angles), np.maximum.reduce(angles)
+    if branch.period is None and not branch.angles[0] <= ends[0] <= ends[1] <= branch.angles[-1]:
+        further = through_change_points(engine, spatial_model, branch)
+        raise out_of_branch(branch, bool(ends[1] > branch.angles[-1]), further.change_points)
     if branch.period is not None and max(-ends[0], ends[1]) > MANY_PERIODS * branch.period:
         return _closed_far_away(engine, spatial_model, branch, angles, name)
     if len(angles) <= engine.piece:

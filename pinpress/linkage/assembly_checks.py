@@ -30,6 +30,9 @@ CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], 
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
 UNSEEN = 1e-8  # axes that miss each other by less change the rank of no equations [rad]
 BESIDE = 1e-3  # how far from the drawn pose the rank is looked at again [rad, lengths of the linkage]
+AWAY = 1e-2  # how far from a pose that may be a change point closed poses are looked at [rad, lengths of the linkage]
+HALVINGS = 40  # steps of Newton's method, which at a double root halve the distance: from `AWAY` to rounding
+NEARLY_FREE = 1e-3  # singular value, of 1 for equations that are clearly independent, below which a symmetry is meant
 MASSLESS = 1e-13  # share of the inertia that the heaviest link might have, below which nothing resists a motion
 ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
 HARDLY_OPEN = 1e-7  # gaps below are not told as numbers [m]
@@ -150,6 +153,10 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
             problem += f": held by {', '.join(each.title for each in locking)}"
         stuck = _without_axis(press) or rounded(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
         remedy = "drive fewer joints" if freedom > 0 else stuck
+        least = float(singular_values(rows.columns)[press.model.nv - len(press.drivers)])
+        if least < NEARLY_FREE:
+            problem += f"; it misses moving by {least:.1g} only, which looks like rounding"
+            remedy = "write equal and symmetrical lengths and angles with all digits, as formulas or copies: then the equations agree"
     return Finding.of(UrdfError(press.file, _robot(press), None, problem, remedy))
 
 
@@ -165,9 +172,28 @@ def _change_point(press: Linkage, rows: Rows) -> Finding:
     """The error of a linkage drawn at a change point, such as a parallelogram drawn in one line."""
     problem = "two assemblies meet in the drawn pose, and the loops do not say which of them it is"
     remedy = "draw the linkage a little further on"
+    if _is_shaky(press):
+        moving = _joints(mobility.undetermined(press, rows))
+        problem = f"its loops hold {moving} only at second order, in this pose and beside it: it is shaky, and no forces follow"
+        remedy = "another pose does not help: change lengths or guides that are equal or parallel, or leave out a link"
     smallest = float(singular_values(rows.columns)[press.model.nv - len(press.drivers) - 1])
     error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
     return Finding("error", _robot(press), None, problem, remedy, error)
+
+
+def _is_shaky(press: Linkage) -> bool:
+    """Whether the equations of a linkage that fail in the drawn pose fail in closed poses beside it too, as those of two equal trammels do
+    that a rod across them joins. Beside a change point the singular value that is zero there is about as large as the distance from it."""
+    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
+    random, last = np.random.default_rng(0), press.model.nv - len(press.drivers) - 1
+    largest = 0.0
+    for _ in range(POSES):
+        x = press.closed + AWAY * lengths * random.uniform(-1, 1, len(lengths))
+        for _ in range(HALVINGS):
+            rows = press.equations(x)
+            x = x - np.linalg.lstsq(rows.columns, rows.gaps, rcond=SEEN)[0]
+        largest = max(largest, float(singular_values(press.equations(x).columns)[last]))
+    return largest < 1e-3 * AWAY  # a double root is found to the square root of rounding, 1e-8
 
 
 def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
@@ -299,21 +325,27 @@ def remarks(press: Linkage, robot: "Element", allow_open: bool) -> Iterator[Find
     yield from _stroke(press, robot)
     poses = press.closed[:, None]
     if len(press.drivers) == 1:
-        line = next(joint.line for joint in robot.all("joint") if joint.get("name") == press.driver)
-        where = press.document.called("joint", press.driver), line
-        try:
-            branch = press.branch
-        except PinpressError as error:
-            way = "a turn" if press.driver_coordinates[0].turns else "the driver's travel"
-            yield Finding("warning", *where, f"the drawn assembly cannot be followed through {way}: {error}", "change the link lengths")
-        else:
+        branch, found = _driver(press, robot)
+        yield from found
+        if branch is not None:
             poses = np.hstack([poses, predict(branch, np.linspace(branch.angles[0], branch.angles[-1], POSES))])
-            yield from _range_of_driver(press, branch, where)
             yield from _limits(press, branch, robot)
     yield from _held_spins(press)
     yield from _gears_without_carrier(press)
     yield from _redundant(press, poses)
     yield from _engine(press)
+
+
+def _driver(press: Linkage, robot: Element) -> tuple[Branch | None, list[Finding]]:
+    """The drawn assembly over the motion of the one driver, None where it cannot be followed, and what is said of that motion."""
+    line = next(joint.line for joint in robot.all("joint") if joint.get("name") == press.driver)
+    where = press.document.called("joint", press.driver), line
+    try:
+        return press.branch, list(_range_of_driver(press, press.branch, where))
+    except PinpressError as error:
+        way = "a turn" if press.driver_coordinates[0].turns else "the driver's travel"
+        problem = f"the drawn assembly cannot be followed through {way}: {error}"
+        return None, [Finding("warning", *where, problem, "change the link lengths")]
 
 
 def _range_of_driver(press: Linkage, branch: Branch, where: tuple[str, int]) -> Iterator[Finding]:
@@ -330,7 +362,8 @@ def _range_of_driver(press: Linkage, branch: Branch, where: tuple[str, int]) -> 
         yield Finding("note", *where, problem, "a simulated run goes through, in the drawn one; a prescribed turn is refused there")
     else:
         low, high = float(branch.angles[0]), float(branch.angles[-1])
-        severity = "note" if high - low > HARDLY * (1.0 if coordinate.turns else press.size) else "warning"
+        turns_round = press.slots[press.driver_indices[0]].unbounded  # its joint is of type "continuous"
+        severity = "note" if not turns_round and high - low > HARDLY * (1.0 if coordinate.turns else press.size) else "warning"
         moves = f"it {'turns' if coordinate.turns else 'slides'} only from {low * coordinate.scale:.6g} to {coordinate.shown(high)}"
         yield Finding(severity, *where, f"{moves}, where the linkage locks", "keep motions inside, or correct the lengths")
 
@@ -367,6 +400,8 @@ def severe(press: Linkage, centres: bool = True) -> Iterator[Finding]:
     far = np.abs(press.closed - press.as_drawn).max() > CLOSED_FAR
     yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else FAR_OPEN)))
     yield from units_remarks(press, centres)
+    if "plane" in press.engines:  # of others the assembly is not followed yet, which takes long
+        yield from (finding for finding in _driver(press, press.document.robot)[1] if finding.severity == "warning")
 
 
 def units_remarks(press: Linkage, centres: bool = True) -> Iterator[Finding]:

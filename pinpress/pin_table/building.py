@@ -55,6 +55,7 @@ KEYS = (
 )
 SENSES = ("clockwise", "counter-clockwise")  # in the picture: what `turns` may be
 MOST, LEAST = 200.0, 0.02  # sizes of presses [m]
+LARGEST_RACK = 10.0  # pitch radius of a pinion, in sizes of the press, above which it is hardly in m/rad
 MARK = b"written by pinpress from the pin table"  # in a URDF: what may be written anew
 NEEDED = ("units", "frame", "pins", "links", "drive")
 
@@ -310,6 +311,7 @@ def drawn_from(entries: Entry) -> DrawnPress:
     tree = build_tree(parts, entries)
     if clockwise:
         tree = _meshing_as_before(tree, parts)
+    _check_racks(items, tree, _size(pins), unit)
     name = items["press"].text("a name") if "press" in items else "press"
     tool = read_tool(items, pins, parts, tree, parameters, UNITS[unit])
     return DrawnPress(name, entries.file, unit, pins, links, parts, tree, tool, entries)
@@ -425,6 +427,19 @@ def _gear(entry: Entry, parameters: Mapping[str, float]) -> tuple[str, float]:
 def _size(pins: Mapping[str, Pin]) -> float:
     """Diagonal of the box about all pins [m]."""
     return float(np.linalg.norm(np.ptp([pin.point for pin in pins.values()], axis=0)))
+
+
+def _check_racks(items: Mapping[str, Entry], tree: Tree, size: float, unit: str) -> None:
+    """Warn of a guide that a shaft moves by far more than the size of the press [m] in a radian, as by a number in the table's unit."""
+    guides = {joint.name for joint in tree.joints if joint.pin is None}
+    for follower, (leader, ratio) in tree.gears.items():
+        if (follower in guides) != (leader in guides):
+            radius = abs(ratio) if follower in guides else 1 / abs(ratio)
+            if radius > LARGEST_RACK * size > 0.0:
+                written = items["gears"].items("gears").get(follower, items["gears"]) if "gears" in items else items["copies"]
+                guide, shaft = (follower, leader) if follower in guides else (leader, follower)
+                right = f"{radius * UNITS[unit]:.6g} m/rad for {radius:.6g} {unit}" if UNITS[unit] < 1 else "the pitch radius of a pinion"
+                written.doubt(f"{shaft} moves {guide} by {radius:.6g} m/rad: gears of guides are in m/rad whatever units says, {right}")
 
 
 def _check_sizes(entry: Entry, pins: Mapping[str, Pin], unit: str) -> None:

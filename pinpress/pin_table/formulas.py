@@ -77,6 +77,9 @@ def formula(entry: Entry, names: Mapping[str, float]) -> float:
     text = entry.value.strip()
     if not text or len(text) > LONGEST:
         entry.refuse(f"a text of {len(text)} characters is no number", "write a number or a formula")
+    for written in _WRITTEN.findall(text):
+        if not _PLAIN.fullmatch(written):  # before Python warns of 7in
+            entry.refuse(f"{written!r}{f' in {text!r}' * (written != text)} is no number", _remedy(text))
     try:
         return _value(ast.parse(text, mode="eval").body, names)
     except (SyntaxError, ValueError, TypeError) as error:
@@ -89,6 +92,10 @@ def formula(entry: Entry, names: Mapping[str, float]) -> float:
         )
     except (ZeroDivisionError, OverflowError, RecursionError, MemoryError):
         entry.refuse(f"{text!r} has no finite value", "write a formula that has one")
+
+
+_WRITTEN = re.compile(r"(?<![\w.])\.?\d(?:[eE][-+](?=\d)|[\w.])*")  # numbers, with letters and underscores that touch them
+_PLAIN = re.compile(r"(?:\d+\.\d*|\.\d+|0|[1-9]\d*)(?:[eE][-+]?\d+)?", re.ASCII)  # unlike 0x10, 0144 and 1_000, of which Python reads some
 
 
 class _UnknownNameError(Exception):

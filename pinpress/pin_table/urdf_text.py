@@ -20,6 +20,7 @@ from .tool import Tool
 from .tree import Joint, Tree
 
 REACH = 2.0  # limits of guides, beside the size of the press: those whose travel is not said end nowhere
+ENDLESS = 1e6  # limits of a guide that follows a shaft, which may turn for ever [m]
 EFFORT, VELOCITY = 1e9, 1e3  # which URDF asks of guides; they limit nothing here
 REMARK = f"  <!-- Shapes named {STAND_IN} are for other programs; pinpress draws its own. Rename those that you change. -->"
 CROSS = "_cross"  # added to the name of a ball joint that a link hangs by
@@ -127,7 +128,9 @@ class _Writer:
         assert link.guide is not None
         place = self.places[joint.child]
         axis = _vector(place.rotation.T @ link.guide.direction, 1.0)
-        lower, upper = link.guide.travel or (-REACH * self.size, REACH * self.size)
+        follows = joint.name in self.tree.gears and joint.name not in self.tree.drivers
+        reach = ENDLESS if follows else REACH * self.size
+        lower, upper = link.guide.travel or (-reach, reach)
         limit = f'<limit lower="{_number(lower)}" upper="{_number(upper)}" effort="{_number(EFFORT)}" velocity="{_number(VELOCITY)}"/>'
         ends = f'<parent link="{joint.parent}"/><child link="{joint.child}"/>{self._origin(self.places[joint.parent].inside(place))}'
         return [f'  <joint name="{joint.name}" type="prismatic">{ends}<axis xyz="{axis}"/>{limit}{self._mimic(joint.name)}</joint>']

@@ -56,3 +56,18 @@ def test_only_those_to_blame_are_named(text, problem):
     with pytest.raises(pp.UrdfError) as caught:
         large_linkages.load(text)
     assert caught.value.problem == problem
+
+
+@pytest.mark.parametrize("turned", ["1.5707963267948966 0 0", "-1.5707963267948966 0 0", "1.5707963267948966 0.3 0"])
+def test_axes_across_each_other_are_not_aligned(turned):
+    """A pin of the crank-slide whose other end is turned by a quarter about x: its axis is exactly across that of the first."""
+    text = texts.shipped("crank_slide").text.decode()
+    spherical = (
+        '<loop_joint name="W" type="spherical"><link1 link="rod" xyz="0.400 0 0" rpy="0 0 0"/><link2 link="slide" xyz="0 0 0" rpy="0 0 0"/>'
+    )
+    assert spherical in text
+    hinge = spherical.replace("spherical", "revolute").replace('"0 0 0" rpy="0 0 0"', f'"0 0 0" rpy="{turned}"') + '<axis xyz="0 1 0"/>'
+    with pytest.raises(pp.PinpressError, match=r'<loop_joint name="W">|loop .W.'):
+        texts.load(text.replace(spherical, hinge))
+    straight = texts.load(text.replace(spherical, hinge.replace(turned, "3.141592653589793 0 0")))  # against each other
+    assert pp.cycle(straight, speed=1.0, points=12).closure_error.max() < 1e-14

@@ -348,3 +348,32 @@ def test_the_manual_lists_these_robots():
     for name, refusal in ROBOTS.items():
         (row,) = [row for row in rows if f"`{name}`" in row]
         assert ("refused" in row) == (refusal is not None)
+
+
+@pytest.mark.parametrize("none", ["1e16", "1e+16", "inf", "1.79769e+308", "1e13"])
+def test_limits_beyond_all_numbers_are_none(tmp_path, none):
+    """SDF's own words for no limit, and what programs write for it; ``effort`` and ``velocity`` too."""
+    body = '<link name="{}"><inertial><mass>2</mass><inertia><ixx>.02</ixx><iyy>.02</iyy><izz>.02</izz></inertia></inertial></link>'
+    joint = (
+        '<joint name="{}" type="{}"><parent>{}</parent><child>{}</child><axis><xyz>0 1 0</xyz>'
+        f"<limit><lower>-{none}</lower><upper>{{}}</upper><effort>{none}</effort><velocity>{none}</velocity></limit></axis></joint>"
+    )
+    joints = joint.format("A", "revolute", "world", "crank", none) + joint.format("B", "prismatic", "crank", "arm", "0.5")
+    path = tmp_path / "arm.sdf"
+    path.write_text(f'<sdf version="1.9"><model name="arm">{body.format("crank")}{body.format("arm")}{joints}</model></sdf>')
+    press = pp.load(path, driver=["A", "B"])
+    assert press.slots[0].unbounded
+    assert press.model.upperPositionLimit[press.slots[1].start] == 0.5
+    assert press.model.lowerPositionLimit[press.slots[1].start] <= -1e9
+
+
+@pytest.mark.parametrize(("tag", "text"), [("lower", "1e16"), ("lower", "inf"), ("upper", "-inf"), ("upper", "nan")])
+def test_limits_that_leave_no_way_are_refused(tmp_path, tag, text):
+    path = tmp_path / "arm.sdf"
+    path.write_text(
+        '<sdf version="1.9"><model name="arm"><link name="crank"><inertial><mass>2</mass><inertia><ixx>.02</ixx><iyy>.02</iyy>'
+        '<izz>.02</izz></inertia></inertial></link><joint name="A" type="revolute"><parent>world</parent><child>crank</child>'
+        f"<axis><xyz>0 1 0</xyz><limit><{tag}>{text}</{tag}></limit></axis></joint></model></sdf>"
+    )
+    with pytest.raises(pp.PinpressError, match=f"<{tag}> of <joint name=.A.>"):
+        pp.load(path, driver="A")

@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 from support.mistakes import FOLDER, TABLE
 
@@ -195,6 +196,7 @@ def test_moments_of_inertia_that_are_estimated_are_not_doubted():
     assert not [each for each in drawn.check().findings if "moments of inertia" in each.remedy]
 
 
+@pytest.mark.filterwarnings("ignore:.*where the linkage locks")
 def test_moments_of_inertia_that_are_given_are_doubted():
     links = FOUR_BAR["links"] | {"ab": {"pins": "A B", "mass": 1000, "inertia": 1e-4}}
     with pytest.warns(pp.PinpressWarning, match='<link name="ab">: with 1000 kg .* write moments of inertia in kg m2'):
@@ -224,3 +226,127 @@ def test_a_link_of_one_point_names_its_pins():
     links = FOUR_BAR["links"] | {"piece": {"pins": "B B1 B2", "mass": 3}}
     with pytest.raises(pp.PinTableError, match="links: piece: pins: B and B1 and B2 are one point"):
         draft(units="m", **FOUR_BAR | {"pins": pins, "links": links})
+
+
+@pytest.mark.parametrize("text", ["0x10", "0144", "1_000", "3j", "7in", "1e", "0b11", "2 * 0x10", "1.2.3", "٣"])
+def test_only_plain_decimal_numbers_are_numbers(text):
+    """Python reads some of these as numbers, and warns of others."""
+    with pytest.raises(pp.PinTableError, match="is no number"):
+        pp.build(units="mm", **FOUR_BAR | {"parameters": {"r": text}})
+
+
+@pytest.mark.parametrize(("text", "value"), [("1e5", 1e5), ("1.5E-3", 1.5e-3), (".5 + 00.5", 1.0), ("2*(1.)-0", 2.0)])
+def test_plain_numbers_are_read(text, value):
+    links = FOUR_BAR["links"] | {"ab": {"pins": "A B", "mass": text}}
+    drawn = draft(units="m", **FOUR_BAR | {"links": links})
+    assert next(link.mass for link in drawn.links if link.name == "ab") == value
+
+
+def rack(ratio, units="mm"):
+    size = 40 if units == "mm" else 0.04
+    return {
+        "units": units,
+        "frame": "O",
+        "pins": {"O": [0, 0], "Q": [size, 0]},
+        "links": {"pinion": {"pins": "O", "mass": 5}, "slide": {"pins": "Q", "guide": "up", "mass": 10}},
+        "gears": ratio,
+        "drive": "O",
+    }
+
+
+@pytest.mark.parametrize("gears", [{"slide_guide": "40 * O"}, {"slide_guide": "-40 * O"}, {"O": "0.025 * slide_guide"}])
+def test_a_rack_in_the_tables_unit_is_doubted(gears):
+    with pytest.warns(pp.PinpressWarning, match=r"gears: \w+: O moves slide_guide by 40 m/rad: .* 0.04 m/rad for 40 mm"):
+        pp.build(**rack(gears))
+
+
+@pytest.mark.parametrize("units", ["mm", "m"])
+def test_a_geared_guide_ends_nowhere(units):
+    """0.04 m per radian: ten turns are 2.5 m, and no limit stands in the way that nobody wrote."""
+    drawn = draft(**rack({"slide_guide": "0.04 * O"}, units))
+    assert not [finding for finding in drawn.check().findings if "limit" in finding.problem]
+    motion = pp.servo_cycle(drawn.press(), angle=[0.0, 20 * np.pi], speed=1.0, acceleration=0.0)
+    assert np.ptp(motion.slide_position) == pytest.approx(0.04 * 20 * np.pi, rel=1e-12)
+
+
+def trammels(degrees, second=180.0):
+    """A platform on two elliptic trammels, 0.36 m and twice ``second`` long."""
+    angle = np.radians(degrees)
+    (c, s), other = (180 * np.cos(angle), 180 * np.sin(angle)), np.arcsin(180 * np.sin(angle) / second)
+    d, e = second * np.cos(other), second * np.sin(other)
+    pins = {"F1": [0, 0], "F2": [560, 0], "M1": [c, s], "S1": [2 * c, 0], "T1": [0, 2 * s]}
+    pins |= {"M2": [560 - d, e], "S2": [560 - 2 * d, 0], "T2": [560, 2 * e]}
+    links = {
+        "c1": {"pins": "F1 M1", "mass": 1},
+        "bar1": {"pins": "S1 M1 T1", "mass": 3, "com": "M1", "inertia": 0.04},
+        "foot1": {"pins": "S1", "guide": "right", "mass": 1, "travel": [-60, 50]},
+        "c2": {"pins": "F2 M2", "mass": 1},
+        "bar2": {"pins": "S2 M2 T2", "mass": 3, "com": "M2", "inertia": 0.04},
+        "foot2": {"pins": "S2", "guide": "right", "mass": 1},
+        "platform": {"pins": "T1 T2", "mass": 10},
+    }
+    return {"units": "mm", "frame": "F1 F2", "pins": pins, "links": links, "drive": "foot1_guide"}
+
+
+@pytest.mark.parametrize("degrees", [20.0, 42.0, 65.0])
+@pytest.mark.parametrize("second", [180.0, 200.0])
+def test_no_other_pose_is_asked_for_where_none_helps(degrees, second):
+    """Both ends of the platform go straight up: their lines are across it, so that its length holds the second at second order only,
+    wherever it is drawn."""
+    with pytest.raises(pp.SingularityError, match=r"only at second order, .* it is shaky.* another pose does not help") as refused:
+        pp.build(**trammels(degrees, second))
+    assert "further on" not in str(refused.value)
+
+
+def parallelogram(angle):
+    pins = {"A": [0, 0], "D": [350, 0], "B": {"from": "A", "length": 90, "angle": angle}, "C": {"from": "B", "at": [350, 0]}}
+    links = {"crank": {"pins": "A B", "mass": 1}, "coupler": {"pins": "B C", "mass": 3}, "follower": {"pins": "D C", "mass": 1}}
+    return {"units": "mm", "frame": "A D", "pins": pins, "links": links, "drive": "A"}
+
+
+def test_a_change_point_is_no_lock_and_its_lengths_are_right():
+    with pytest.raises(pp.SingularityError, match="draw the linkage a little further on"):
+        pp.build(**parallelogram(0))
+    press = pp.build(**parallelogram(50))
+    for prescribed in (lambda: pp.cycle(press, speed=1.0), lambda: pp.servo_cycle(press, angle=[0.0, 3.1], speed=1.0, acceleration=0.0)):
+        with pytest.raises(pp.SingularityError, match=r"two assemblies meet at crank angles of -50, 130 deg|.* of 130, 310 deg") as refused:
+            prescribed()
+        assert "change the link lengths" not in str(refused.value)
+
+
+def five_bar(degrees):
+    pins = {
+        "A": [-170, 0],
+        "B": [170, 0],
+        "C": {"from": "A", "length": 70, "angle": 100},
+        "D": {"from": "B", "length": 70, "angle": degrees},
+        "E": {"C": 320, "D": 320, "side": "down"},
+    }
+    links = {
+        "c1": {"pins": "A C", "mass": 5},
+        "c2": {"pins": "B D", "mass": 5},
+        "r1": {"pins": "C E", "mass": 5},
+        "r2": {"pins": "D E", "mass": 5},
+        "slide": {"pins": "E", "guide": "up", "mass": 50},
+    }
+    return {"units": "mm", "frame": "A B", "pins": pins, "links": links, "gears": {"B": "-A"}, "drive": "A"}
+
+
+def test_a_symmetry_that_is_rounded_is_named():
+    assert pp.build(**five_bar(80)).mobility == 1
+    for degrees in (80.0001, 79.999):
+        with pytest.raises(pp.PinpressError, match=r"mobility is 0.* looks like rounding; write equal and symmetrical lengths"):
+            pp.build(**five_bar(degrees))
+    with pytest.raises(pp.PinpressError, match="mobility is 0") as refused:
+        pp.build(**five_bar(60))
+    assert "rounding" not in str(refused.value)
+
+
+def test_a_driver_that_locks_is_warned_of():
+    """No Grashof linkage: the crank is a rocker, by the law of cosines between the poses in which coupler and rocker are in one line."""
+    pins = {"A": [0, 0], "D": [400, 0], "B": {"from": "A", "length": 300, "angle": 60}, "C": {"B": 250, "D": 260, "side": "up"}}
+    links = {"crank": {"pins": "A B", "mass": 1}, "coupler": {"pins": "B C", "mass": 3}, "rocker": {"pins": "D C", "mass": 1}}
+    farthest = np.degrees(np.arccos((300**2 + 400**2 - 510**2) / (2 * 300 * 400)))
+    with pytest.warns(pp.PinpressWarning, match=rf"it turns only from -.* to {farthest - 60:.4g}\d* deg, where the linkage locks"):
+        press = pp.build(units="mm", frame="A D", pins=pins, links=links, drive="A")
+    assert press.mobility == 1

@@ -225,8 +225,8 @@ class Equations:
                 for joint, rotation in ((loop.joint1, loop.rotation1), (loop.joint2, loop.rotation2))
             )
             if loop.type == "revolute":
-                # the two axes are aligned, but may point against each other
-                error = cross(first[:, 0], second[:, 0]) * np.sign(first[:, 0] @ second[:, 0])
+                # the two axes are aligned, but may point against each other; axes across each other are a quarter turn apart either way
+                error = cross(first[:, 0], second[:, 0]) * (-1.0 if first[:, 0] @ second[:, 0] < 0.0 else 1.0)
             elif loop.type == "fixed":
                 error = first @ pin.log3(first.T @ second)
             else:

@@ -272,8 +272,8 @@ def _fill_rotation_rows(loops: Loops, placed: Placements, gaps: Array, entries: 
         first = np.einsum("ikn,kl->iln", placed.rotation[loop.joint1], loop.rotation1)
         if loop.type == "revolute":
             axis2 = np.einsum("ikn,k->in", placed.rotation[loop.joint2], loop.rotation2[:, 0])
-            # the two axes are aligned, but may point against each other
-            error = cross(first[:, 0], axis2) * np.sign((first[:, 0] * axis2).sum(axis=0))
+            # the two axes are aligned, but may point against each other; axes across each other are a quarter turn apart either way
+            error = cross(first[:, 0], axis2) * np.where((first[:, 0] * axis2).sum(axis=0) < 0.0, -1.0, 1.0)
         else:
             second = np.einsum("ikn,kl->iln", placed.rotation[loop.joint2], loop.rotation2)
             error = np.einsum("ikn,kn->in", first, _logarithm(np.einsum("kin,kjn->ijn", first, second)))

@@ -10,14 +10,16 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
 
-from ...common.errors import PinpressError, UrdfError
+from ...common.errors import PinpressError, UrdfError, shown
 from ...common.quantities import Array
-from ..urdf.document import Document, Element, Finding, Origin
+from ..urdf.document import Document, Element, Finding, Origin, tree
+from ..urdf.document import read as read_text
 from ..urdf.text import written
 from .elements import refuse, remark, unused
 from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule
@@ -30,6 +32,8 @@ SAME = 1e-9  # relative difference above which MuJoCo's inertia is not the tenso
 TORQUE_SCALE = 10  # place of a weld's torquescale among its data
 _SHAPES = ("BOX", "SPHERE", "CYLINDER", "CAPSULE", "MESH")
 _EQUALITIES = ("connect", "weld", "joint", "tendon")
+_OF_FILES = ("include", "mesh", "hfield", "texture", "skin", "model")  # elements that name files
+_FOLDERS = ("assetdir", "meshdir", "texturedir")  # in which MuJoCo looks for them
 _SEEN_GROUPS = 3  # MuJoCo shows shapes of groups 0 to 2; the others are mostly for collisions
 
 
@@ -41,6 +45,7 @@ def read(document: Document) -> Document:
         raise PinpressError(
             f"{document.file}: MJCF is read by the package mujoco; pip install 'pinpress[peers]', or mujoco alone"
         ) from error
+    _refuse_odd_files(document, document.robot, Path(document.file).absolute().parent, set())
     warned: list[str] = []
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(warned.append)  # else they are written to stderr, and to a file in the working directory
@@ -56,6 +61,23 @@ def read(document: Document) -> Document:
     reader = _Reader(document, mujoco, spec, model)
     reader.remarks += [remark("warning", reader.root, f"MuJoCo warns: {' '.join(text.split())}", "correct the file") for text in warned]
     return as_document(document.file, reader.mechanism(), f"MJCF by MuJoCo {mujoco.__version__}")
+
+
+def _refuse_odd_files(document: Document, root: Element, folder: Path, seen: set[Path]) -> None:
+    """Raise UrdfError where a file that MuJoCo would open is a pipe or a device, which may have no end, or where one that is included lies
+    outside of the model's folder: whoever loads a model of somebody else's does not mean to read other files by it."""
+    places = [folder, *(folder / each.get(name) for each in _all(root, "compiler") for name in _FOLDERS if each.get(name))]
+    for element in [each for tag in _OF_FILES for each in _all(root, tag) if each.get("file")]:
+        for path in {Path(os.path.normpath(place / element.get("file"))) for place in places}:  # as MuJoCo takes .. out
+            if path.exists() and not path.is_file():
+                refuse(document.file, element, f"{shown(str(path))} is not a regular file", "give one")
+    for element in _all(root, "include"):
+        path = Path(os.path.normpath(folder / element.get("file"))).resolve()
+        if not path.is_relative_to(folder.resolve()):
+            refuse(document.file, element, f"{shown(str(path))} is outside of the model's folder", "copy it there")
+        if path.is_file() and path not in seen:
+            seen.add(path)
+            _refuse_odd_files(document, tree(str(path), read_text(path)), folder, seen)
 
 
 def _parsed(mujoco: Any, document: Document) -> Any:

@@ -18,11 +18,12 @@ import pinocchio as pin
 
 from ...common.errors import suggestion
 from ...common.quantities import Array
-from ..urdf.document import Document, Element, Finding, Origin, tree
+from ..urdf.document import NUMBER, Document, Element, Finding, Origin, tree
 from ..urdf.element_checks import DEEPEST_JOINTS, MOST
 from .dialects import BALL, BUSHING, SPRING, ball_ends, bushing_axis, bushing_ends, bushing_remark, spring_remark
 from .elements import (
     ALONE,
+    LARGEST,
     direction,
     needed,
     numbers,
@@ -39,7 +40,6 @@ from .mechanism import Edge, Follow, Inertia, Joint, Link, Loop, Mechanism, Shap
 
 WORLD = "world"
 _MODEL = "__model__"
-_NONE = 1e16  # value by which SDF says that there is no limit
 
 _KNOWN = {  # elements that are read or say nothing of the mechanics
     "sdf": "model world light actor",
@@ -185,7 +185,7 @@ class _Reader:
 
     def _number(self, element: Element | None, tag: str, default: float) -> float:
         found = None if element is None else optional(self.file, element, tag)
-        if found is None or found.text.strip().lower() in ("inf", "+inf", "-inf"):
+        if found is None:
             return default
         return float(numbers(self.file, found, found.text, 1)[0])
 
@@ -383,7 +383,7 @@ class _Reader:
         if self._number(dynamics, "spring_stiffness", 0.0):
             remedy = "give it as a load: loads=[SpringDamper(...)]"
             self.remarks.append(remark("warning", bearing.element, "the spring of the joint is not read", remedy))
-        effort, velocity = self._number(limit, "effort", -1.0), self._number(limit, "velocity", -1.0)
+        effort, velocity = (self._limit(limit, name) for name in ("effort", "velocity"))
         return [
             Joint(
                 bearing.name,
@@ -394,8 +394,8 @@ class _Reader:
                 axis,
                 origin,
                 limits=self._limits(bearing, limit),
-                effort=effort if 0 <= effort < _NONE else None,
-                velocity=velocity if 0 <= velocity < _NONE else None,
+                effort=effort if 0 <= effort < math.inf else None,
+                velocity=velocity if 0 <= velocity < math.inf else None,
                 damping=self._number(dynamics, "damping", 0.0),
                 friction=self._number(dynamics, "friction", 0.0),
                 follow=self._mimic(bearing, element),
@@ -403,12 +403,20 @@ class _Reader:
         ], []
 
     def _limits(self, bearing: _Bearing, limit: Element | None) -> tuple[float, float] | None:
-        lower, upper = self._number(limit, "lower", -_NONE), self._number(limit, "upper", _NONE)
-        if bearing.type == "continuous" or (lower <= -_NONE and upper >= _NONE):
+        lower, upper = self._limit(limit, "lower", -1.0), self._limit(limit, "upper")
+        if bearing.type == "continuous" or (math.isinf(lower) and math.isinf(upper)):
             return None
         if lower > upper:
             refuse(self.file, limit or bearing.element, f"lower ({lower!r}) is above upper ({upper!r})", "exchange them")
         return max(lower, -1e9), min(upper, 1e9)
+
+    def _limit(self, limit: Element | None, tag: str, sign: float = 1.0) -> float:
+        """A limit, infinite in the sense of ``sign`` where there is none: not written, infinite, or larger than all that is computed with,
+        as are the 1e16 that the format itself has for none and the largest number of a computer that some programs write."""
+        found = None if limit is None else optional(self.file, limit, tag)
+        word = "" if found is None else found.text.strip()
+        said = float(word) if NUMBER.fullmatch(word) or word.lower().lstrip("+-") == "inf" else 0.0
+        return sign * math.inf if found is None or sign * said > LARGEST else self._number(limit, tag, 0.0)
 
     def _chain(self, bearing: _Bearing, parent: str, child: str, place: pin.SE3, axes: Array) -> tuple[list[Joint], list[Link]]:
         """Revolute joints in place of one that turns about several axes, and the links between them."""

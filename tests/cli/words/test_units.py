@@ -34,6 +34,9 @@ from pinpress.drives.transmission import Geared, PrescribedSpeed
         ("50µm", "m", 5e-5),
         ("50\u03bcm", "m", 5e-5),
         ("-30°", "deg", -30),
+        ("5 kN m", "N m", 5000),
+        ("3 kN m/rad", "N m/rad", 3000),
+        ("60 1/min", "r/min", 60),
     ],
 )
 def test_quantities(text, unit, value):
@@ -49,6 +52,7 @@ def test_quantities(text, unit, value):
         ("", "no number"),
         ("x", "no"),
         ("3€", "in '€', which"),
+        ("601/min", "no number"),  # 60 1/min, or 601 of something
     ],
 )
 def test_what_is_none(text, said):
