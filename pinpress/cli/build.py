@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -61,7 +62,7 @@ def run_new(options: argparse.Namespace) -> int:
     """
     if options.file.suffix not in (".yaml", ".yml"):
         raise PinpressError(f"{options.file} does not end in .yaml: name it so, as pin tables are YAML")
-    if options.file.exists():
+    if os.path.exists(options.file):
         raise PinpressError(f"{options.file} is there already: give another name")
     files.write(options.file, template(options.template))
     print(f"wrote {options.file}; change it, then: pinpress build {options.file}")
@@ -91,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
             files.write(sketch, error.sketch.encode())
             raise PinpressError(f"{error} (drawn in {sketch})") from error
         raise
-    if out.is_file() and building.MARK not in files.read(out, MOST_BYTES):
+    if os.path.isfile(out) and building.MARK not in files.read(out, MOST_BYTES):
         raise PinpressError(f"{out} is there already, and no pin table made it: give another name by --out")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PinpressWarning)  # `check` says them, with lines of the URDF that is written

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import sys
+import unicodedata
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -214,6 +215,19 @@ def shown(value: object) -> str:
     except Exception:  # whatever a caller's own object raises
         text = f"a {type(value).__name__}"
     return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
+
+
+_DIRECTIONS = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")  # of Unicode: of characters that turn a line round
+
+
+def odd_character(name: str) -> str | None:
+    """The first character of a name that no line shows as it is, as "U+202E": a control character, half of one, or one that turns the line
+    round; None if all can be seen."""
+    for character in name:
+        turns = unicodedata.bidirectional(character) in _DIRECTIONS or character in "\u200e\u200f\u061c"
+        if turns or unicodedata.category(character) in ("Cc", "Cs", "Zl", "Zp"):
+            return f"U+{ord(character):04X}"
+    return None
 
 
 def said(error: BaseException) -> str:

@@ -163,7 +163,7 @@ def assembled(
     places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
     for name in drivers:
         _refuse_without_travel(description, document, model.joints[places[name] + 1], model)
-    return Linkage(
+    press = Linkage(
         name=description.name,
         document=document,
         model=model,
@@ -175,9 +175,27 @@ def assembled(
             for j in description.joints
             if j.mimic
         ),
-        drivers=drivers,
+        drivers=drivers or tuple(model.names)[1:2],
         slide=_slide(description, model, slide),
     )
+    if not drivers:
+        raise _without_driver(press)
+    return press
+
+
+def _without_driver(press: Linkage) -> UrdfError:
+    """The error of a linkage of which nothing says what drives: how many drivers it takes as drawn, and which joints may be one of them."""
+    free = mobility.free_ways(press.equations(press.as_drawn).columns)
+    able = [name for name, share in zip(press.joints, np.linalg.norm(free, axis=1), strict=True) if share > mobility.TAKES_PART]
+    listed = f"{', '.join(able[:MANY])}{' and others' if len(able) > MANY else ''}"
+    count = free.shape[1]
+    remedy = (
+        f"its mobility as drawn is {count}: name what drives, {'one' if count == 1 else count} of {listed}, in a URDF by"
+        ' <transmission name="drive"><joint name="..."/></transmission>, else by load(..., driver=...), on the command line --driver'
+    )
+    if not count:
+        remedy = "nothing can move as it is drawn: a loop, a gear pair or a fixed joint too many"
+    return UrdfError(press.file, press.document.called("robot", press.name), None, "no driver", remedy)
 
 
 def with_spins_held(press: Linkage) -> Linkage:
@@ -206,6 +224,8 @@ def _refuse_without_travel(description: reader.Urdf, document: Document, joint: 
         return
     problem = f"the driver slides from {lower:g} to {upper:g} m, the <limit> of its joint, and "
     problem += "the drawn pose, 0, is outside" if lower < upper else "so not at all"
+    if lower == upper == 0.0:
+        problem = "the <limit> of the driver, which slides, is 0 to 0 m, as programs write it that know no limits: it could not move"
     remedy = "write its travel from the drawn pose in m: lower, 0 or less, and upper, 0 or more"
     raise UrdfError(description.file, document.called("joint", name), _line(description, name), problem, remedy)
 
@@ -224,12 +244,8 @@ def _drivers(description: reader.Urdf, driver: str | Sequence[str] | None, calle
             raise UnknownNameError("moving joint", name, moving)
     if len(set(given)) < len(given):
         raise PinpressError(f"driver names a joint twice: {', '.join(given)}")
-    if not given:
-        several = f"one of {', '.join(moving[:MANY])}{' and others' if len(moving) > MANY else ''}" if moving else "a joint that moves"
-        remedy = (
-            f'name what drives, {several}: in a URDF by <transmission name="drive"><joint name="..."/></transmission>, else by'
-            " load(..., driver=...), on the command line --driver"
-        )
+    if not given and not moving:
+        remedy = "write joints that move, and name one that drives"
         raise UrdfError(description.file, called("robot", description.name), None, "no driver", remedy)
     return given
 

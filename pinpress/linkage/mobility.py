@@ -90,6 +90,11 @@ def undetermined(press: Linkage, rows: Rows) -> list[str]:
     return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
 
 
+def free_ways(columns: Array) -> Array:
+    """(nv, freedoms) orthonormal rates of the joints by which a Jacobian (rows, nv) of the equations lets a linkage move."""
+    return np.asarray(np.linalg.svd(columns)[2][rank(columns) :].T)
+
+
 class Spin(NamedTuple):
     """A link that can spin about the line of its two ball joints, which no driver determines.
 

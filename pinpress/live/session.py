@@ -10,6 +10,7 @@ cannot be read as it is now), ``saved``, ``exists`` and ``unsaved``.
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -233,7 +234,7 @@ class Session:
         source = self._opened.source
         try:
             path = checked_name(message["name"], source)
-            if path.exists() and not message["replace"]:
+            if os.path.exists(path) and not message["replace"]:
                 return Answer(sender={"type": "exists", "text": f"{path} is there already"})
             with cautions_collected():
                 source.write(self._values, path)

@@ -14,7 +14,16 @@ from typing import Any
 import numpy as np
 
 from ..common.arguments import in_unit, is_quantity
-from ..common.errors import AssemblyError, PinpressError, PinTableError, SingularityError, UnknownNameError, shown, suggestion
+from ..common.errors import (
+    AssemblyError,
+    PinpressError,
+    PinTableError,
+    SingularityError,
+    UnknownNameError,
+    odd_character,
+    shown,
+    suggestion,
+)
 from ..common.quantities import Array
 from ..common.reading.entries import DEEPEST
 from ..common.results import Records, Tabular
@@ -313,6 +322,8 @@ def drawn_from(entries: Entry) -> DrawnPress:
         tree = _meshing_as_before(tree, parts)
     _check_racks(items, tree, _size(pins), unit)
     name = items["press"].text("a name") if "press" in items else "press"
+    if odd := odd_character(name):
+        items["press"].refuse(f"{name!a} has the character {odd}, which no line shows as it is", "give it another name")
     tool = read_tool(items, pins, parts, tree, parameters, UNITS[unit])
     return DrawnPress(name, entries.file, unit, pins, links, parts, tree, tool, entries)
 

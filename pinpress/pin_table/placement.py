@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NoReturn
 
 import numpy as np
 
-from ..common.errors import PinTableError, suggestion
+from ..common.errors import PinTableError, odd_character, suggestion
 from ..common.quantities import Array
 from .formulas import number
 from .reading import Entry
@@ -86,6 +86,10 @@ def place_pins(entries: Entry, parameters: Mapping[str, float], unit: float) -> 
 def refuse_unless_a_word(name: str, entry: Entry, what: str) -> None:
     """Names stand side by side in ``pins: A B``, and in URDFs."""
     word = re.sub(r"[\s,;:\[\]{}<>\"'&]+", "_", name)
+    if odd := odd_character(name):
+        replace(entry, path=entry.path[:-1]).refuse(
+            f"{name!a} has the character {odd}, which no line shows as it is", "give it another name"
+        )
     if word != name or not name:
         entry.refuse(f"{name!r} cannot name {what}", f"write one word: {word}" if word.strip("_") else "write a word")
 

@@ -94,6 +94,9 @@ def _with_bases(path: Path, above: tuple[Path, ...]) -> Entry:
     base = table.value["base"]
     if path.resolve() in above or len(above) == MOST_BASES:
         base.refuse("the tables are each other's base", "name a base that does not lead back here")
-    below = _with_bases(path.parent / base.text("the file of another table"), (*above, path.resolve()))
+    named = base.text("the file of another table, or the name of a shipped press")
+    beside = path.parent / named
+    shipped = None if os.path.exists(beside) else shipped_table(named)
+    below = _with_bases(shipped or beside, (*above, path.resolve()))
     own = replace(table, value={key: entry for key, entry in table.value.items() if key != "base"})
     return overlaid(below, own)

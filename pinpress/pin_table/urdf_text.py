@@ -54,7 +54,7 @@ def urdf_text(name: str, comment: str, parts: Parts, tree: Tree, tool: Tool | No
         bodies: what the links look like; none: the URDF has no shapes.
     """
     shapes = {body.name: [visual for each in body.parts for visual in _visuals(each, body.name)] for body in bodies}
-    return _Writer(name, comment, parts, tree, tool, shapes).text().encode()
+    return _Writer(name, comment, parts, tree, tool, shapes).text().encode(errors="replace")  # a file's name need not be UTF-8
 
 
 class _Writer:

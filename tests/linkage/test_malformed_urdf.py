@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from support import texts
 from support.generators.malformed_linkages import DEAD, DRIVERS, GOES, MOBILITIES, NEARLY_PARALLEL, OPEN, ROBOT
 from support.generators.malformed_urdf import ELEMENTS, FILES
 
@@ -72,3 +73,12 @@ def test_directory(tmp_path):
     (found,) = pp.check(tmp_path).findings
     assert (found.severity, found.element, found.line, found.remedy) == ("error", None, None, "give the path of a URDF file")
     assert "directory" in found.problem
+
+
+@pytest.mark.parametrize("tag", ["robot", "link", "joint"])
+def test_names_that_turn_the_line_round_are_refused(tag, tmp_path):
+    text = texts.shipped("crank_slide").text.decode()
+    path = tmp_path / "press.urdf"
+    path.write_text(re.sub(rf'<{tag} name="', f'<{tag} name="\u202e', text, count=1), encoding="utf-8")
+    with pytest.raises(pp.PinpressError, match=r"has the character U\+202E"):
+        pp.load(path)

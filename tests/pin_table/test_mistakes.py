@@ -1,5 +1,6 @@
 """Mistakes in pin tables that are not files of tests/mistakes: odd YAML, bad parameters, and what is drawn of a mistake."""
 
+import os
 import re
 
 import numpy as np
@@ -350,3 +351,73 @@ def test_a_driver_that_locks_is_warned_of():
     with pytest.warns(pp.PinpressWarning, match=rf"it turns only from -.* to {farthest - 60:.4g}\d* deg, where the linkage locks"):
         press = pp.build(units="mm", frame="A D", pins=pins, links=links, drive="A")
     assert press.mobility == 1
+
+
+@pytest.mark.parametrize("odd", ["\u202e", "\u2066", "\u200f", "\u0007", "\x85", "\u2028"])
+@pytest.mark.parametrize("place", ["press", "link", "pin"])
+def test_a_name_that_no_line_shows_is_refused(odd, place):
+    """Characters that turn the line round, ring a bell or end it; joiners, which some scripts need, pass."""
+
+    def table(character):
+        named = f"x{character}y"
+        table = FOUR_BAR | {"press": named if place == "press" else "x"}
+        if place == "link":
+            table |= {"links": {named: {"pins": "A B", "mass": 1}} | {k: v for k, v in FOUR_BAR["links"].items() if k != "ab"}}
+        if place == "pin":
+            table |= {"pins": FOUR_BAR["pins"] | {named: [1, 1]}}
+        return table
+
+    with pytest.raises(pp.PinTableError, match=f"has the character U\\+{ord(odd):04X}, which no line shows") as refused:
+        draft(units="m", **table(odd))
+    assert odd not in str(refused.value)
+    assert draft(units="m", **table("\u200c")).name
+
+
+SLIDER = (
+    "units: mm\nframe: O\npins: {O: [0, 0], P: [0, -100], W: {P: 400, x: 0, side: down}}\ndrive: O\n"
+    "links: {crank: {pins: O P, mass: 1}, rod: {pins: P W, mass: 1}, slide: {pins: W, guide: up, mass: 1}}\n"
+)
+
+
+def test_an_emoji_may_be_escaped_as_json_does(tmp_path):
+    path = tmp_path / "press.yaml"
+    path.write_text('press: "\\ud83d\\ude00 x"\n' + SLIDER, encoding="utf-8")
+    assert draft(path).urdf.decode().count('<robot name="\U0001f600 x">') == 1
+    path.write_text('press: "\\ud83d x"\n' + SLIDER, encoding="utf-8")
+    with pytest.raises(pp.PinTableError, match=r"press.yaml:1: press: .* has half a character"):
+        draft(path)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="all names of files are text there")
+def test_the_name_of_a_file_need_not_be_utf_8(tmp_path):
+    path = os.path.join(os.fsencode(tmp_path), b"odd\xff.yaml")
+    try:
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(SLIDER)
+    except OSError:
+        pytest.skip("this file system takes no such name")
+    assert b"odd?.yaml" in draft(os.fsdecode(path)).urdf
+    assert pp.build(os.fsdecode(path)).mobility == 1
+
+
+def test_a_long_name_of_a_file_is_refused(tmp_path, capsys):
+    """100 Chinese characters are 300 bytes, and a name may have 255."""
+    table = tmp_path / "press.yaml"
+    table.write_text(SLIDER, encoding="utf-8")
+    assert main(["build", str(table), "--out", str(tmp_path / f"{'中' * 100}.urdf")]) == 2
+    assert "cannot write" in capsys.readouterr().err
+
+
+def test_a_shipped_press_may_be_a_base(tmp_path):
+    path = tmp_path / "press.yaml"
+    path.write_text("base: eccentric_blocks\npress: changed\n", encoding="utf-8")
+    changed, shipped = pp.build(path), pp.build("eccentric_blocks")
+    assert changed.name == "changed"
+    assert [each.mass for each in changed.model.inertias] == [each.mass for each in shipped.model.inertias]
+
+
+def test_a_decimal_comma_in_braces_is_named(tmp_path):
+    path = tmp_path / "press.yaml"
+    path.write_text(SLIDER.replace("{P: 400, x", "{P: 400,5 mm, x"), encoding="utf-8")
+    with pytest.raises(pp.PinTableError, match="'5 mm' is no key here; write decimals after a point, not after a comma"):
+        draft(path)

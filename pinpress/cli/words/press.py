@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...common.errors import PinpressError, PinTableError
@@ -104,7 +104,7 @@ def refuse_without_table(file: str, words: str) -> None:
 
 def _is_table(file: str) -> bool:
     """Whether a file is a pin table, or would be one: for the name of a template reading says how to make it."""
-    return file.lower().endswith((".yaml", ".yml")) or (file in TEMPLATES and not Path(file).exists())
+    return file.lower().endswith((".yaml", ".yml")) or (file in TEMPLATES and not os.path.exists(file))
 
 
 def table_parameters(specs: Sequence[str]) -> dict[str, str]:

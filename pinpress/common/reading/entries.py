@@ -115,7 +115,7 @@ class Entry:
         where = replace(entry, path=self.path)
         if ":" in key:
             where.refuse(f"{key!r} is no key here", "write a space after the colon")
-        if key.isdigit() and entry.value is None:
+        if key[:1].isdigit() and entry.value is None:
             where.refuse(f"{key!r} is no key here", "write decimals after a point, not after a comma")
         bare = next((remedy for known, remedy in self.kind.bare.items() if known in keys), None)
         if entry.value is None and bare is not None:
@@ -215,7 +215,15 @@ class _Composer:
             items = tuple(self.entry(each, (*path, str(k + 1))) for k, each in enumerate(node.value))
             return Entry(items, self.file, line, path, self.kind)
         empty = node.value == "" and node.style is None
-        return Entry(None if empty else node.value, self.file, line, path, self.kind)
+        return Entry(None if empty else self._characters(node.value, line, path), self.file, line, path, self.kind)
+
+    def _characters(self, text: str, line: int, path: tuple[str, ...]) -> str:
+        """A text whose characters are whole: JSON escapes an emoji as two halves."""
+        try:
+            return text.encode("utf-16", "surrogatepass").decode("utf-16")
+        except UnicodeDecodeError:
+            place = ": ".join(path)
+            raise self.kind.error(self.file, line, place, f"{shown(text)} has half a character", "write all of it") from None
 
     def _mapping(self, node: yaml.MappingNode, path: tuple[str, ...]) -> Mapping[str, Entry]:
         items: dict[str, Entry] = {}
@@ -223,12 +231,11 @@ class _Composer:
             line = key.start_mark.line + 1
             if not isinstance(key, yaml.ScalarNode):
                 raise self.kind.error(self.file, line, ": ".join(path), "a key is no single word", "write a name before the colon")
-            entry = self.entry(value, (*path, key.value))
-            if key.value in items:
-                raise self.kind.error(
-                    self.file, line, ": ".join((*path, key.value)), f"{key.value} stands there twice", "remove one of them"
-                )
-            items[key.value] = replace(entry, line=line)
+            name = self._characters(key.value, line, path)
+            entry = self.entry(value, (*path, name))
+            if name in items:
+                raise self.kind.error(self.file, line, ": ".join((*path, name)), f"{name} stands there twice", "remove one of them")
+            items[name] = replace(entry, line=line)
         return items
 
 

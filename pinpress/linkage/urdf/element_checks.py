@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from ...common.errors import shown, suggestion
+from ...common.errors import odd_character, shown, suggestion
 from .document import Element, Finding
 
 LOOP_TYPES = ("spherical", "revolute", "fixed")
@@ -101,6 +101,8 @@ def problems(robot: Element) -> Iterator[Problem]:
     """All problems of a URDF."""
     if not robot.get("name"):
         yield robot, "has no name", 'write <robot name="press">'
+    elif odd := odd_character(robot.get("name")):
+        yield robot, _odd_name(robot, odd), "give it another name"
     if robot.attributes.get("version", "1.0") not in ("1.0", "1.1"):
         yield robot, f"unknown URDF version {robot.get('version')!r}", 'write version="1.0", or no version'
     yield from _content_problems(robot)
@@ -181,9 +183,15 @@ def _name_problems(robot: Element) -> Iterator[Problem]:
                 yield element, "the name is already that of a <joint>", "give each bearing, joint or loop, its own name"
             elif tag == "joint" and name == "universe":
                 yield element, "the name 'universe' is Pinocchio's own, for the world", "give the joint another name"
+            elif odd := odd_character(name):
+                yield element, _odd_name(element, odd), "give it another name"
             elif tag == "material" and not element.all("color", "texture"):
                 yield element, "has neither a colour nor a texture", 'write <color rgba="0.5 0.5 0.5 1"/> in it'
             first.setdefault(name, element)
+
+
+def _odd_name(element: Element, odd: str) -> str:
+    return f"its name {element.get('name')!a} has the character {odd}, which no line shows as it is"
 
 
 def _type_problems(element: Element, word: str, types: Sequence[str], unsupported: Mapping[str, str]) -> Iterator[Problem]:
