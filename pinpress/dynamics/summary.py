@@ -272,8 +272,10 @@ def driving_lines(motion: Motion, reactions: Reactions) -> list[str]:
 
 
 def _gear_pairs(motion: Motion, reactions: Reactions) -> list[str]:
-    lines = ["", "Gear pairs (torque or force on the joint that mimics, along its axis)"] if reactions.coupling_torque else []
     press = reactions._press
+    toothless = len(reactions.coupling_torque) > len(press.spatial_model.racks)
+    left_out = "; bearing forces leave out those between the teeth of two shafts" if toothless else ""
+    lines = ["", f"Gear pairs (torque or force on the joint that mimics, along its axis{left_out})"] if reactions.coupling_torque else []
     places = replace(Places.of(press, motion), heights=None)
     for name, torque in reactions.coupling_torque.items():
         unit = "N m" if press.axes[press.joints.index(name)].turns else "N"
