@@ -155,7 +155,12 @@ def _attribute_problems(element: Element) -> Iterator[Problem]:
             if name not in foreign and tag not in _OPEN_TO_ATTRIBUTES and ":" not in name and name != "xmlns":
                 yield element, f"unknown attribute {name!r}{suggestion(name, known)}", f"in <{tag}> write: {', '.join(known)}"
         elif fault := element.fault(name):
-            yield element, f"{name}={shown(text)}: {fault}", "write plain numbers, decimals after a point, spaces in between"
+            no_limit = tag == "limit" and text.strip().lower().lstrip("+-").startswith("inf")
+            plain = "write plain numbers, decimals after a point, spaces in between"
+            remedy = (
+                'URDF has no infinite numbers: write 1e9 for no limit, or type="continuous" of a joint that turns' if no_limit else plain
+            )
+            yield element, f"{name}={shown(text)}: {fault}", remedy
         elif name in _QUANTITIES and tag != "axis" and max(map(abs, element.numbers(name))) > _LARGEST:
             yield element, f"{name}={shown(text)} is out of range", f"write SI units; {_LARGEST:g} is the largest number"
         elif name in ("size", "radius", "length") and min(element.numbers(name)) <= 0:
