@@ -166,8 +166,9 @@ def simulate(
             where, and for which reason of `failures`.
 
     Warns:
-        PinpressWarning: numbers of drives, loads and speeds that are hardly meant; a press that stands at the end; a driver that moves at
-            the start, where the program of its `ServoMotor` stands still.
+        PinpressWarning: numbers of drives, loads and speeds that are probably a mistake; a press that stands at the end; a driver that
+            moves at the start, where the program of its `ServoMotor` stands still; an asynchronous motor whose own direction is against the
+            run; a slide that swings back and comes down again on what it has worked already.
     """
     began = clock.perf_counter()
     if elastic is not None and (_method(press, method) != "reduced" or step is not None) and len(press.drivers) == 1:

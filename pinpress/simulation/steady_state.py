@@ -120,7 +120,7 @@ def steady_state(
     Raises:
         PinpressError: an argument makes no sense.
         SimulationError: there is no steady state near this speed, because the drive is too weak for the load, or gives more than the load
-            takes at every speed, as a constant torque does.
+            takes at every speed, as a constant torque does, or is an asynchronous motor that turns the other way.
     """
     return steady_state_near(None, press, speed, angle, drive, flywheel, loads, friction, points, elastic, tolerance)
 
