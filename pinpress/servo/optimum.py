@@ -46,6 +46,7 @@ from .paths import Path, Stop, Turn, legs_of
 
 POINTS, FEWEST_POINTS, MOST_POINTS = 720, 8, 20_000
 NODE_ERROR = 1e-3  # share of the value that finer nodes may change, unless the number of nodes is given
+NODES_SAID = 1e-4  # share from which on a note says so, beside the gap
 ROUGHLY, LEAST_ROUGH = 4, 16  # a first motion has so many times fewer segments, but at least so many
 PROVED = 1e-7  # gap above which the program is scaled anew by the motion found
 FAR = 1e-3  # gap of a convex program that is no answer
@@ -535,8 +536,9 @@ class _Task:
         deviation = motion.heat / cost.heat - 1.0 if cost.heat else 0.0
         if abs(deviation) > 1e-3:
             said.append(f"the heat between nodes is off that of the program by {100 * deviation:+.2g} %: give more points=")
-        if error > NODE_ERROR:
-            said.append(f"finer nodes may change the objective by {100 * error:.2g} %: give more points=")
+        if error > NODES_SAID:
+            more = ": give more points=" if error > NODE_ERROR else ""
+            said.append(f"finer nodes may change the objective by {100 * error:.2g} %{more}")
         grid = problem.coefficients.grid
         return MotionOptimum(
             _press=self.press,

@@ -67,7 +67,7 @@ def all_presses() -> None:
             return servo.best_motion(press, drive, loads, time=1.0, limits=limits)  # noqa: B023
 
         taken, found = seconds(best), best(-1)
-        print(f"  {name:24}{1e3 * taken:7.0f} ms, gap {found.gap:.1e}, heat between nodes {found.deviation:+.1e}")
+        print(f"  {name:24}{1e3 * taken:7.0f} ms, gap {found.gap:.1e}, error of the nodes {found.node_error:.1e}")
 
 
 def trade_off() -> None:
