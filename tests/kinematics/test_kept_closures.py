@@ -9,7 +9,6 @@ import pinocchio as pin
 
 import pinpress as pp
 from pinpress.engines.planar import chain
-from pinpress.engines.planar import inverse_dynamics as planar_forces
 from pinpress.kinematics import motion as motions
 from pinpress.linkage import assembly
 
@@ -70,26 +69,7 @@ def test_threads_share_what_is_kept():
             np.testing.assert_array_equal(found.slide_acceleration, expected[points])
 
 
-def test_forces_at_other_speeds_are_scaled_from_those_that_are_kept(monkeypatch):
-    for name in ("zxn2_3000b", "jf75g_125_symmetric"):
-        press, speeds = pp.load(name), (7.0, 5.0, 20.0, 0.3)
-        found = [pp.inverse_dynamics(press, pp.cycle(press, speed, points=50)) for speed in speeds]
-        for speed, each in zip(speeds, found, strict=True):
-            again = pp.inverse_dynamics(press, pp.cycle(press, speed, points=50))
-            np.testing.assert_array_equal(again.driving_torque, each.driving_torque)
-            anew = pp.inverse_dynamics(fresh := pp.load(name), pp.cycle(fresh, speed, points=50))
-            peak = max(np.abs(force).max() for force in anew.bearing_force.values())
-            for bearing in press.bearings:
-                np.testing.assert_allclose(each.bearing_force[bearing], anew.bearing_force[bearing], rtol=0, atol=3e-14 * peak)
-                np.testing.assert_allclose(each.bearing_moment[bearing], anew.bearing_moment[bearing], rtol=0, atol=3e-14 * peak)
-            peak = max(peak, np.abs(anew.driving_torque).max())
-            np.testing.assert_allclose(each.driving_torque, anew.driving_torque, rtol=0, atol=3e-14 * peak)
-    monkeypatch.setattr(planar_forces, "_computed", None)
-    monkeypatch.setattr(planar_forces, "chain_forces", None)
-    pp.inverse_dynamics(press, pp.cycle(press, 3.0, points=50))  # nothing is computed from the states
-
-
-def test_forces_that_are_kept_belong_to_their_masses_bearings_and_loads():
+def test_forces_belong_to_their_masses_bearings_and_loads():
     press, speeds = pp.load("zxn2_3000b"), (4.0, 5.0, 6.0)
     motions_of = [pp.cycle(press, speed, points=30) for speed in speeds]
     heavier = press.with_inertias([pin.Inertia(2 * i.mass, i.lever, 2 * i.inertia) for i in press.model.inertias])
