@@ -182,6 +182,10 @@ class ElasticSegment:
         ends = self.states(np.array([0.0, self.end]))
         return abs(float(np.diff(self.crank(*ends.whole)[0])[0]))
 
+    @property
+    def fastest(self) -> float:
+        return float(np.abs(self.crank(*self.states(self.borders).whole)[1]).max())
+
     def states(self, times: Array) -> SolutionStates:
         """States at times (n,) of the segment."""
         mesh = self.solution.panels.mesh

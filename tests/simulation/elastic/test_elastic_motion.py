@@ -114,6 +114,7 @@ def test_the_start_rings_no_bell():
     press, speed, steady = shipped(JF75G[0]), JF75G[1] * pp.RPM, stroke(*JF75G, loaded=False, points=121)
     run = pp.simulate(press, 0.2, drive=pp.drives.PrescribedSpeed(speed), elastic=steady.elastic, points=121)
     assert np.abs(run.slide_position - steady.slide_position).max() < 0.02 * np.abs(steady.displacement).max()
+    assert run.trajectory.fastest == pytest.approx(np.abs(run.crank_speed).max(), rel=1e-3)
 
 
 @pytest.mark.parametrize("stages", [2, 3, 4])
