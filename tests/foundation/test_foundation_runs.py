@@ -35,7 +35,7 @@ def test_flywheel_turns_the_frame_as_if_it_were_part_of_the_crank():
     crank = press.model.getJointId("O")
     inertias = [pin.Inertia(inertia) for inertia in press.model.inertias]
     body = inertias[crank]
-    inertias[crank] = pin.Inertia(body.mass, body.lever, body.inertia + np.diag([0.0, FLYWHEEL.inertia, 0.0]))
+    inertias[crank] = pin.Inertia(body.mass, body.lever, body.inertia + FLYWHEEL.inertia * np.diag([0.5, 1.0, 0.5]))  # a disc
     whole = press.with_inertias(inertias)
     angle = np.linspace(0.0, 3.0, 50)
     motion = pp.servo_cycle(press, speed=20 + angle, angle=angle, acceleration=20 + angle)

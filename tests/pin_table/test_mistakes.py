@@ -197,7 +197,6 @@ def test_moments_of_inertia_that_are_estimated_are_not_doubted():
     assert not [each for each in drawn.check().findings if "moments of inertia" in each.remedy]
 
 
-@pytest.mark.filterwarnings("ignore:.*where the linkage locks")
 def test_moments_of_inertia_that_are_given_are_doubted():
     links = FOUR_BAR["links"] | {"ab": {"pins": "A B", "mass": 1000, "inertia": 1e-4}}
     with pytest.warns(pp.PinpressWarning, match='<link name="ab">: with 1000 kg .* write moments of inertia in kg m2'):
