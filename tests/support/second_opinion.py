@@ -80,7 +80,8 @@ def _of_run(scene: Scene, tolerance: float) -> tuple[str, str]:
         )
         doubted |= doubt
         if run is None:
-            refusals[method] = refusal
+            if "simulate it with method=" not in refusal:  # else this method does not take the scene, and says which does
+                refusals[method] = refusal
         else:
             runs[method] = run
     signs = {method: sign for method, run in runs.items() if (sign := sign_of_fault(scene, run))}
@@ -196,7 +197,7 @@ class Column:
 
 
 def of_steady_state(scene: Scene) -> Verdict:
-    """The period that is said to repeat itself, run over time by "implicit" from its first state: it comes back; and so do late turns."""
+    """The period that is said to repeat itself, run over time by "implicit" from its first state, comes back."""
     parts = {name: scene.given[name] for name in ("drive", "flywheel", "loads", "friction") if name in scene.given}
     angle, speed = scene.given["angle"], free_speed(scene)
     steady, refusal, _ = heard(lambda: pp.steady_state(scene.press, speed, angle=angle, points=STATES, **parts))
