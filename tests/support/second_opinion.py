@@ -8,12 +8,14 @@ crank moves between states, inverse dynamics of their motion, and energies by Pi
 
 # ruff: noqa: T201
 import argparse
+import contextlib
 import sys
 import time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -376,9 +378,11 @@ def main() -> None:
     parser.add_argument("--kind", nargs="+", choices=KINDS, default=list(KINDS))
     asked = parser.parse_args()
     for kind in asked.kind:
-        began = time.process_time()
-        counts = Counter(verdict.word for verdict in opinions(kind, range(asked.seed, asked.seed + asked.scenes), print))
-        print(kind, dict(counts), f"{time.process_time() - began:.0f} s")
+        began, counts = time.process_time(), Counter()
+        with contextlib.suppress(KeyboardInterrupt):  # what was counted until then
+            for verdict in opinions(kind, range(asked.seed, asked.seed + asked.scenes), partial(print, flush=True)):
+                counts[verdict.word] += 1
+        print(f"{kind}: {counts.total()} scenes, {dict(counts)}, {time.process_time() - began:.0f} s", flush=True)
 
 
 if __name__ == "__main__":
