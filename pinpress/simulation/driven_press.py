@@ -33,6 +33,7 @@ from .bearing_model import BearingModel, build_bearing_model
 from .law_trials import check_drive, check_load
 from .reduced_model import (
     COORDINATES,
+    INERTIA,
     RESOLVED,
     ReducedModel,
     build_reduced_model,
@@ -277,6 +278,13 @@ class DrivenPress:
                 if coupling is not None and at is not None and at.time is not None:
                     times += [at.time, at.time + coupling.rise]
         return tuple(times)
+
+    def motion_sizes(self, speed: float) -> tuple[float, float]:
+        """Speed [rad/s] and kinetic energy [J] of a crank that has this speed or falls by itself, to which tolerances are relative."""
+        inertia = self.model.middles[INERTIA] + self.inertia
+        least = max(float(inertia.min()), float(np.finfo(float).tiny))
+        size = max(abs(speed), math.sqrt(2 * self.model.potential_range / least)) or 1.0
+        return size, 0.5 * float(np.abs(inertia).max()) * size**2
 
     @cached_property
     def corners(self) -> tuple[float, ...]:

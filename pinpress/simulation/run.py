@@ -212,8 +212,6 @@ def _audited(problem: SimulationProblem, motion: Motion, sample: Sample, steps: 
         PinpressError: the energy is not finite.
         SimulationError: the energy does not balance.
     """
-    from .solvers import motion_sizes  # who only reads runs needs no solvers
-
     driven, press = problem.driven, problem.driven.press
     kinetic, potential = reduced.energies(press, motion)
     kinetic = kinetic + 0.5 * driven.inertias @ _driver_speeds(driven, sample) ** 2
@@ -226,7 +224,7 @@ def _audited(problem: SimulationProblem, motion: Motion, sample: Sample, steps: 
     if largest > allowed:
         unsure = _rounding(driven, motion.time, motion, sample.drive_speed)
         if problem.method in ("reduced", "implicit"):  # in each step kinetic energy and works may each err by the tolerance
-            unsure += (1 + len(works)) * steps * problem.tolerance * motion_sizes(driven, float(problem.speed[0]))[1]
+            unsure += (1 + len(works)) * steps * problem.tolerance * driven.motion_sizes(float(problem.speed[0]))[1]
         if largest > allowed + unsure / float(energy_size(kinetic, potential, *works)):
             worst = int(error.argmax())
             raise failure("unbalanced", float(motion.time[worst]), float(np.ravel(motion.crank_angle[worst])[0]))

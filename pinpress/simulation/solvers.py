@@ -299,17 +299,9 @@ def _energy(driven: DrivenPress, angle: float, speed: float) -> float:
     return 0.5 * inertia * speed**2
 
 
-def motion_sizes(driven: DrivenPress, speed: float) -> tuple[float, float]:
-    """Speed [rad/s] and kinetic energy [J] of a crank that has this speed or falls by itself, to which tolerances are relative."""
-    inertia = driven.model.middles[INERTIA] + driven.inertia
-    least = max(float(inertia.min()), float(np.finfo(float).tiny))
-    size = max(abs(speed), math.sqrt(2 * driven.model.potential_range / least)) or 1.0
-    return size, 0.5 * float(np.abs(inertia).max()) * size**2
-
-
 def crank_sizes(driven: DrivenPress, y: Array) -> Array:
     """Sizes of the entries of the crank's vector, to which tolerances are relative."""
-    speed, energy = motion_sizes(driven, float(y[1]))
+    speed, energy = driven.motion_sizes(float(y[1]))
     return np.array([1.0, speed, *_state_sizes(driven, len(y) - 2 - len(INTEGRALS), speed), energy, energy, np.inf, energy])
 
 
