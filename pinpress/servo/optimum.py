@@ -46,6 +46,7 @@ from .paths import Path, Stop, Turn, legs_of
 
 POINTS, FEWEST_POINTS, MOST_POINTS = 720, 8, 20_000
 NODE_ERROR = 1e-3  # share of the value that finer nodes may change, unless the number of nodes is given
+ORDERLY = 90  # nodes from which on errors fall as their order has it; by fewer they do not, which random presses show
 NODES_SAID = 1e-4  # share from which on a note says so, beside the gap
 ROUGHLY, LEAST_ROUGH = 4, 16  # a first motion has so many times fewer segments, but at least so many
 PROVED = 1e-7  # gap above which the program is scaled anew by the motion found
@@ -481,7 +482,7 @@ class _Task:
         return replace(c, inner_torque=c.inner_torque + other, mean_torque=c.mean_torque + other.mean(axis=0), bearings=bearings)
 
     def on_enough_nodes(self, found: _Solved, refined: bool) -> tuple[_Solved, float]:
-        """The motion kept between nodes, and the error of its nodes, by the same task on half and a quarter of them.
+        """The motion kept between nodes, and the error of its nodes, by the same task on half and, of many, a quarter of them.
 
         Args:
             found: the motion.
@@ -489,7 +490,7 @@ class _Task:
         """
         found = found.kept_between_nodes()
         count, drive, values = len(self.coefficients.grid.step), found.problem.drive, [found.answer.value]
-        for coarser in (count // 2, count // 4):
+        for coarser in (count // 2, count // 4) if count >= 4 * ORDERLY else (count // 2,):
             try:
                 level = replace(self._on(coarser, found), proved=False, explained=False).solved(drive)
                 values.insert(0, level.kept_between_nodes().answer.value)
