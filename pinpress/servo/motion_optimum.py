@@ -60,8 +60,8 @@ class MotionOptimum(OfPress, Tabular):
             turn that would need less if it were faster the gap is that of a coarser path, see the notes.
         limits: limits that act, with their prices.
         missed: largest share by which the motion exceeds a limit in full inverse dynamics, between nodes too [-].
-        node_error: share of the objective that finer nodes may change, by the values with half and a quarter of the nodes (of few, half). No motion is
-            better than this one by much more than gap and node_error together [-].
+        node_error: share of the objective that finer nodes may change, by the values with half and a quarter of the nodes, or of few with
+            half. No motion is better than this one by much more than gap and node_error together [-].
         deviation: share by which the heat by full inverse dynamics, between nodes too, is larger than the program's; it falls with the
             square of the number of points [-].
         notes: what is not proved, and what else is to be said, in words.
