@@ -328,7 +328,8 @@ class _Task:
     """What is asked for, with the coefficients of the press; attributes as the arguments of `best_motion`.
 
     ``explained``: whether an error says what contradicts what, which takes some more programs. ``proved``: whether a bound is looked for
-    beyond that of one program. ``turns``: coarse turns that were found, which are the same on all nodes.
+    beyond that of one program. ``turns``: coarse turns that were found, which are the same on all nodes. ``levels``:
+    coefficients on other numbers of segments.
     """
 
     press: Linkage
@@ -342,6 +343,7 @@ class _Task:
     explained: bool = True
     proved: bool = True
     turns: dict[object, CoarseTurn] = field(default_factory=dict)
+    levels: dict[int, Coefficients] = field(default_factory=dict)
 
     def solved(self, drive: ServoDrive, start: Array | None = None) -> _Solved:
         """The problem with this drive, its solution, and what is to be said of the proof; ``start``: b of a motion that is about it."""
@@ -508,8 +510,10 @@ class _Task:
 
     def _on(self, segments: int, found: _Solved) -> _Task:
         """The task on so many segments, for motions about one that was found."""
-        like = PathMotion(found.problem.coefficients.grid.way_gone, found.answer.b)
-        return replace(self, coefficients=self._coefficients(segments, like))
+        if segments not in self.levels:
+            like = PathMotion(found.problem.coefficients.grid.way_gone, found.answer.b)
+            self.levels[segments] = self._coefficients(segments, like)
+        return replace(self, coefficients=self.levels[segments])
 
     def result(self, found: _Solved, tried: Mapping[float, float], refined: bool) -> MotionOptimum:
         """The motion by full inverse dynamics, with its limits."""
