@@ -13,6 +13,7 @@ from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics.driving_energy import driving_energy
+from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import described, inputs
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import summary
@@ -91,7 +92,8 @@ def run(options: argparse.Namespace) -> int:
         steady, words = _of_motor(reactions, motor, flywheel)
         more += words
         results += [] if steady is None else [steady]
-    utilisation = None if ratings is None else ratings.utilisation(reactions)
+    peaks = at_peaks(reactions).reactions
+    utilisation = None if ratings is None else (peaks, ratings.utilisation(peaks))
     print(summary(press, reactions.motion, reactions, utilisation, prescribed=options.motion is not None))
     print("\n".join([times, *more]))
     driving = [(name, described(part)) for name, part in (("flywheel", flywheel), ("motor", motor)) if part is not None]

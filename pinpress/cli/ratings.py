@@ -121,7 +121,7 @@ def _along_motion(press: Linkage, options: argparse.Namespace, beside: Sequence[
     motion, friction = motion_of(press, options, None), part_specs.frictions(options.friction, press)
     found = rated_along(press, motion, options, beside, friction)
     process = inverse_dynamics(press, motion, process_loads, bearings=()) if process_loads else None
-    lines = [] if process is None else process_summary(press, motion, process, found.utilisation(process), prescribed=True)
+    lines = [] if process is None else process_summary(press, motion, process, (process, found.utilisation(process)), prescribed=True)
     if options.out is not None:
         make_folder(options.out)
     print("\n".join([str(found), *lines]))

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common import plausibility
 from ..common.arguments import numbers, suitable_numbers
-from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.quantities import GRAVITY, Array
 from ..engines.forces import REST, AppliedForce
 from ..kinematics.motion import point_motion
@@ -44,8 +44,8 @@ def asked(loads: Sequence[Load]) -> list[Load]:
     ]
 
 
-def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[AppliedForce]:
-    """Loads as arrays over the motion.
+def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion", *, warned: bool = False) -> list[AppliedForce]:
+    """Loads as arrays over the motion; ``warned``: the process loads were looked at before.
 
     A process load acts by its intervals for downward travel where the slide moves against the slide's direction, else by those for upward
     travel. Where the slide rests, its travel counts as upward, so that a load of the working stroke has ended at bottom dead centre.
@@ -60,11 +60,13 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[App
         if isinstance(load, SpringDamper):
             applied += _spring_forces(load, press, motion)
         elif isinstance(load, PointForce):
+            if not warned:
+                warn_of_still_point(load, press)
             applied.append(_point_force(load, press, motion))
         elif isinstance(load, TimeForce):
             applied += _on_slide(load, press, _in_time(load, motion))
         elif isinstance(load, ProcessLoad) and not isinstance(load, type):
-            applied += _on_slide(load, press, _in_height(load, press, motion))
+            applied += _on_slide(load, press, _in_height(load, press, motion, warned=warned))
         else:
             raise PinpressError(
                 f"load {shown(load)} is no load: give a PointForce, a SpringDamper, a process load (pinpress.loads) or a TimeForce"
@@ -90,7 +92,7 @@ def force_on_slide(press: "Linkage", force: ArrayLike) -> PointForce:
 def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion", *, warned: bool = False) -> Array:
     """The force (n,) of a process load on the slide, along the guide's axis [N]; ``warned``: the load was looked at before."""
     name, force = caller_laws.name(load), np.zeros(len(motion.crank_angle))
-    intervals = _intervals(load)
+    intervals = intervals_of(load)
     if not intervals:  # an idle press needs no datum
         return force
     zero = datum(caller_laws.as_given(load), press)
@@ -168,7 +170,7 @@ def _size(interval: ForceInterval, height: float) -> float:
     return float(np.abs(interval.force(height, 0.0)).max(initial=0.0))
 
 
-def _intervals(load: ProcessLoad) -> list[tuple[bool, ForceInterval]]:
+def intervals_of(load: ProcessLoad) -> list[tuple[bool, ForceInterval]]:
     """The intervals of a process load, each with whether it is for downward travel."""
     return [(downwards, interval) for downwards in (True, False) for interval in load.intervals(downwards)]
 
@@ -216,7 +218,7 @@ def process_work(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> A
 
 def _work_in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
     """Work against a process load, as of `process_work`: its laws are integrated over the height within the borders of its intervals."""
-    intervals = _intervals(load)
+    intervals = intervals_of(load)
     if not intervals:
         return np.zeros(len(motion.crank_angle) - (not is_cycle(motion)))
     heights, velocities = _heights(press, motion, datum(caller_laws.as_given(load), press))
@@ -291,6 +293,32 @@ def _point_force(load: PointForce, press: "Linkage", motion: "Motion") -> Applie
     if force.shape not in ((3,), (points, 3)):
         raise PinpressError(f"{what}: force has shape {force.shape}; give (3,) or ({points}, 3), in world axes [N]")
     return AppliedForce(joint, point, np.broadcast_to(force, (points, 3)))
+
+
+def warn_of_still_point(load: PointForce, press: "Linkage") -> None:
+    """Warn of a force at a point of a link that turns about this point in the frame, so that it does no work."""
+    if load.link == press.root or (not callable(load.force) and not np.any(load.force)):
+        return
+    joint, point = point_on_body(press, load.link, load.point, f"load on {shown(load.link)}", "point")
+    still = [
+        name
+        for body, (name, axis) in enumerate(zip(press.joints, press.axes, strict=True), 1)
+        if body == joint and press.model.parents[body] == 0 and axis.turns and _apart(point, axis.direction) <= ROUNDING * press.size
+    ]
+    for loop in press.loops:
+        at = {loop.joint1: loop.point1, loop.joint2: loop.point2}
+        if {0, joint} == set(at) and joint and np.linalg.norm(point - at[joint]) <= ROUNDING * press.size:
+            still.append(loop.name)
+    if still:
+        caution(
+            f"load on {shown(load.link)}: its point is at pin {still[0]}, which stands still in the frame, so that the force does no work:"
+            " give point=, where it acts in the link's own frame [m]"
+        )
+
+
+def _apart(point: Array, axis: Array) -> float:
+    """Distance of a point from an axis (3,) of unit length through the origin."""
+    return float(np.linalg.norm(point - (point @ axis) * axis))
 
 
 def _spring_forces(load: SpringDamper, press: "Linkage", motion: "Motion") -> list[AppliedForce]:

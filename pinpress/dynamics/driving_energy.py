@@ -15,7 +15,7 @@ import numpy as np
 from ..common.arguments import expect, positive, typed
 from ..common.errors import PinpressError
 from ..common.results import Record
-from .extremes import is_constant
+from .extremes import at_peaks, is_constant
 from .harmonics import is_cycle
 from .inverse_dynamics import Reactions
 
@@ -87,7 +87,8 @@ class PeriodEnergy(Record, units=UNITS):
 def driving_energy(reactions: Reactions) -> PeriodEnergy:
     """Work of the drive, its mean power and torque, and the energy that a flywheel has to store.
 
-    They are sums over the states of a period; the work of the process between them is exact, see `Reactions.process_work`.
+    They are sums over the states of a period; the work of the process between them is exact, see `Reactions.process_work`, and the
+    largest torque is that of `extremes`.
 
     Args:
         reactions: Reactions to one period of a crank at constant speed, as `cycle` gives it, under loads and friction.
@@ -101,7 +102,8 @@ def driving_energy(reactions: Reactions) -> PeriodEnergy:
     reactions._press.refuse_several_drivers("what they give is driving_torque * crank_speed, over time")
     if not is_cycle(motion) or not is_constant(motion.crank_speed):
         raise PinpressError("the motion is not one period of a crank at constant speed: give reactions to cycle(press, speed=...)")
-    torque, speed = reactions.driving_torque, float(motion.crank_speed[0])
+    torque, speed, peaks = reactions.driving_torque, float(motion.crank_speed[0]), at_peaks(reactions)
+    at_peak = peaks.reactions.driving_torque
     step = float(motion.crank_angle[1] - motion.crank_angle[0])
     along = 0.0 if reactions._press.slide is None else reactions.process_force * motion.slide_velocity
     rest = torque + along / speed  # without the process, whose force may jump between two states
@@ -115,8 +117,8 @@ def driving_energy(reactions: Reactions) -> PeriodEnergy:
         work=float(works.sum()),
         mean_power=mean * speed,
         mean_torque=mean,
-        rms_torque=float(np.sqrt(np.mean(torque**2))),
-        largest_torque=float(np.abs(torque).max()),
+        rms_torque=float(np.sqrt(peaks.weight @ at_peak**2)),
+        largest_torque=float(np.abs(at_peak).max()),
         stored=float(np.ptp(missing)),
         lowest_at=float(angle[lowest]),
         highest_at=float(angle[highest]),

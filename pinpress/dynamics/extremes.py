@@ -19,7 +19,9 @@ from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..kinematics.motion import Motion, poses
 from .inverse_dynamics import Reactions
+from .peaks import PeakStates, peak_states
 
+AT_PEAKS = "_at_peaks"  # where the states of peaks are kept with reactions
 ROUNDING_OF_VALUES = 1e-12  # share of a quantity's largest value below which a value is rounding
 AXES = ("x", "y", "z")
 ROUNDING = 1e-9  # share of the largest force below which a force, or of the crank speed below which its variation, is rounding
@@ -82,12 +84,43 @@ def extremes(reactions: Reactions) -> Records[ExtremeValues]:
     Raises:
         PinpressError: A value is not finite, or bearings were left out.
     """
-    motion = reactions.motion
+    found = at_peaks(reactions)
+    reactions, motion = found.reactions, found.reactions.motion
     kind, places = ExtremeValues if motion.driver_coordinates[0].turns else ExtremesOverTravel, finite("crank angle", motion.shown_position)
     if len(motion.drivers) > 1 and motion._time is not None:  # no one of them tells the states apart
         kind, places = ExtremesOverTime, motion.time
     series = _series(reactions)
-    return Records(kind, (_extreme_values(kind, quantity, unit, finite(quantity, values), places) for quantity, unit, values in series))
+    return Records(
+        kind, (_extreme_values(kind, quantity, unit, finite(quantity, values), places, found.weight) for quantity, unit, values in series)
+    )
+
+
+def at_peaks(reactions: Reactions) -> PeakStates:
+    """The states of reactions of all bearings with those at which what `extremes` and summaries list jumps or is largest; kept with them.
+
+    Raises:
+        PinpressError: as `extremes`.
+    """
+    kept = vars(reactions)
+    if AT_PEAKS not in kept:
+        kept[AT_PEAKS] = peak_states(reactions, _listed)
+    return kept[AT_PEAKS]  # type: ignore[no-any-return]
+
+
+def _listed(reactions: Reactions) -> Iterator[Array]:
+    """All quantities (n,) of which extremes are listed; always as many."""
+    motion = reactions.motion
+    if motion._guide is not None:
+        yield from (motion.slide_position, motion.slide_velocity, motion.slide_acceleration, reactions.process_force)
+    count = len(motion.crank_angle)
+    torque, speed = (values.reshape(count, -1).T for values in (reactions.driving_torque, motion.crank_speed))
+    yield from (*speed, *torque, *(torque * speed))
+    if isinstance(motion, DrivenMotion):
+        yield from motion.drive_torque.reshape(count, -1).T
+    yield from (pair[:, 0] for pair in reactions.coupling_torque.values())
+    moments = (*reactions.bearing_moment.values(), *held_moments(reactions).values())
+    for vector in (*reactions.bearing_force.values(), *moments, reactions.shaking_force, reactions.shaking_moment):
+        yield from (*vector.T, np.linalg.norm(vector, axis=1))
 
 
 def _series(reactions: Reactions) -> Iterator[tuple[str, str, Array]]:
@@ -132,13 +165,13 @@ def _vector(name: str, unit: str, vector: Array, least: float) -> Iterator[tuple
         yield f"{name}, {AXES[i]}", unit, vector[:, i]
 
 
-def _extreme_values(kind: type[ExtremeValues], quantity: str, unit: str, values: Array, angle: Array) -> ExtremeValues:
+def _extreme_values(kind: type[ExtremeValues], quantity: str, unit: str, values: Array, angle: Array, weight: Array) -> ExtremeValues:
     low, high = int(values.argmin()), int(values.argmax())
     smallest, largest = float(values[low]), float(values[high])
     size = float(np.abs(values).max()) or 1.0  # divided by before squaring: squares of large numbers overflow
     smallest, largest = (0.0 if abs(value) < ROUNDING_OF_VALUES * size else value for value in (smallest, largest))
     width = largest - smallest if largest - smallest > ROUNDING_OF_VALUES * size else 0.0
-    rms = size * float(np.sqrt(np.mean((values / size) ** 2)))
+    rms = size * float(np.sqrt(weight @ (values / size) ** 2))
     return kind(quantity, unit, smallest, float(angle[low]), largest, float(angle[high]), width, rms)
 
 

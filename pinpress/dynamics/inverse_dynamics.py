@@ -169,7 +169,8 @@ class Reactions(Tabular):
         loads = tuple(sendable(load) for load in self.loads)
         if any(isinstance(load, str) for load in loads):
             _ = self.process_force, self._process_steps  # they cannot be computed from descriptions
-        return vars(self) | {"loads": loads}
+        kept = {name: value for name, value in vars(self).items() if name != "_at_peaks"}  # it is found again when it is asked for
+        return kept | {"loads": loads}
 
     @property
     def indeterminate(self) -> NamedArrays[np.bool_]:
@@ -292,6 +293,18 @@ def inverse_dynamics(
         wrenches = _solved(press, chosen, motion, conditions, wanted)
     given = (tuple(loads), _frozen(friction), _frozen(stiffness))
     return _reactions(press, motion, chosen.name, conditions, wanted, wrenches, given)
+
+
+def in_other_states(reactions: Reactions, motion: Motion) -> Reactions:
+    """Reactions under the same loads, friction and stiffness in other states of the same press, of which nobody is warned."""
+    press, conditions = reactions._press, reactions._conditions
+    wanted = [k for k, name in enumerate(press.bearings) if name in reactions.bearing_force]
+    with np.errstate(all="ignore"):  # what overflows is refused
+        loads = applied_loads.apply(applied_loads.asked(reactions.loads), press, motion, warned=True)
+        conditions = conditions._replace(loads=loads)
+        wrenches = _solved(press, press.engine(reactions.engine), motion, conditions, wanted)
+    given = (reactions.loads, reactions.friction, reactions.stiffness)
+    return _reactions(press, motion, reactions.engine, conditions, wanted, wrenches, given)
 
 
 def _frozen(given: Mapping[str, T]) -> Mapping[str, T]:

@@ -16,7 +16,7 @@ from ..kinematics.slide_path import DeadCentres, DeadCentresOverTravel, dead_cen
 from ..linkage.linkage import Linkage
 from ..linkage.tool_point import tool_in_words
 from .applied_loads import process_work
-from .extremes import ROUNDING
+from .extremes import ROUNDING, at_peaks
 from .inverse_dynamics import Reactions
 
 AXES = "xyz"
@@ -34,6 +34,7 @@ class Places:
         values: (n,) of that [unit].
         heights: (n,) of the slide above bottom dead centre, or above the lowest state where several drivers move it [m]; None without.
         bottom: bottom dead centre as a position of the slide [m]; None where there is none.
+        remarks: what is in each state, as "where the load begins"; empty where nothing is said of any.
     """
 
     of_what: str
@@ -42,6 +43,13 @@ class Places:
     values: Array
     heights: Array | None
     bottom: float | None
+    remarks: tuple[str, ...] = ()
+
+    @staticmethod
+    def at_peaks(reactions: Reactions) -> Places:
+        """The places in the states of `extremes.at_peaks`."""
+        found = at_peaks(reactions)
+        return replace(Places.of(reactions._press, found.reactions.motion), remarks=found.remarks)
 
     @staticmethod
     def of(press: Linkage, motion: Motion) -> Places:
@@ -62,13 +70,20 @@ class Places:
     def said(self, at: int) -> str:
         """Where it is in a state, in words: "at 30.000 deg, 12.000 mm"."""
         height = "" if self.heights is None else f", {1e3 * self.heights[at]:9.3f} mm"
-        return f"at {self.values[at]:8.{self.digits + 1}f} {self.unit}{height}"
+        remark = f", {self.remarks[at]}" if self.remarks and self.remarks[at] else ""
+        return f"at {self.values[at]:8.{self.digits + 1}f} {self.unit}{height}{remark}"
 
 
-def summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: Array | None = None, *, prescribed: bool = False) -> str:
+Utilisation = tuple[Reactions, Array]
+"""Reactions of n states, and (n,) process force divided by the permissible force in these [-]."""
+
+
+def summary(
+    press: Linkage, motion: Motion, reactions: Reactions, utilisation: Utilisation | None = None, *, prescribed: bool = False
+) -> str:
     """Stroke, peaks and ranges over the period, with units, crank angles and heights, and how well the equations are fulfilled.
 
-    Peaks are the largest values among the motion's states; dead centres are exact. Heights of the slide are above bottom dead centre; of a
+    Peaks are those of `extremes`; dead centres are exact. Heights of the slide are above bottom dead centre; of a
     press with several drivers, which has none, above the lowest state. Several drivers have no one crank angle: in its place stand times.
     Signs are those of `inverse_dynamics`.
 
@@ -76,17 +91,18 @@ def summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: A
         press: The press.
         motion: The motion, with times.
         reactions: Reactions to this motion.
-        utilisation: (n,) process force divided by the permissible force [-]; None: it is not known.
+        utilisation: how much of the permissible force the process takes; None: it is not known.
         prescribed: Whether the motion is any one over time, of one driver or several, and not a period of `cycle`.
     """
+    peaks = at_peaks(reactions).reactions
     lines = [
         *(_drivers(press, motion, reactions) if prescribed else _turning_press(press, motion, reactions)),
-        *(_prescribed_slide(press, motion) if prescribed else _slide(press, motion)),
+        *(_prescribed_slide(press, peaks.motion) if prescribed else _slide(press, peaks.motion)),
         *process_summary(press, motion, reactions, utilisation, prescribed=prescribed),
         *driving_lines(motion, reactions),
         *_gear_pairs(motion, reactions),
         *bearing_table(reactions),
-        *_shaking(reactions),
+        *_shaking(peaks),
         "",
         "Checks",
         *checks(press, float(motion.closure_error.max()), reactions),
@@ -182,12 +198,12 @@ def _prescribed_slide(press: Linkage, motion: Motion) -> list[str]:
 
 
 def process_summary(
-    press: Linkage, motion: Motion, reactions: Reactions, utilisation: Array | None, *, prescribed: bool = False
+    press: Linkage, motion: Motion, reactions: Reactions, utilisation: Utilisation | None, *, prescribed: bool = False
 ) -> list[str]:
     """Lines with the largest force and the work of the process; none without a process. Arguments as of `summary`."""
     if not reactions.process_force.any():
         return []
-    ends, work, places = _dead_centres(press), reactions.process_work, Places.of(press, motion)
+    ends, work, places, peaks = _dead_centres(press), reactions.process_work, Places.at_peaks(reactions), at_peaks(reactions).reactions
     over = "in this motion" if prescribed else "a stroke" if ends else "a period"
     if not prescribed and ends is not None:
         work /= ends.strokes_per_turn * (motion.period_turns or 1)
@@ -197,12 +213,13 @@ def process_summary(
         "",
         "Process (force of the loads between slide and frame)",
         f"  process force acts {tool_in_words(press)}",
-        _extreme("largest force", reactions.process_force, "N", np.argmax, places),
+        _extreme("largest force", peaks.process_force, "N", np.argmax, places),
         tables.entry("work", scale.shown(work), scale.unit, over),
     ]
     if utilisation is not None:
-        at = int(np.argmax(utilisation))
-        lines.append(tables.entry("of the permissible force", f"{100 * utilisation[at]:.2f}", "%", places.said(at)))
+        states, shares = utilisation
+        at = int(np.argmax(shares))
+        lines.append(tables.entry("of the permissible force", f"{100 * shares[at]:.2f}", "%", Places.of(press, states.motion).said(at)))
     return lines
 
 
@@ -254,8 +271,9 @@ def _sliding(coordinate: DriverCoordinate, ends: DeadCentres) -> list[str]:
 
 def driving_lines(motion: Motion, reactions: Reactions) -> list[str]:
     """Lines with the driving torque or force of every driver, and the largest power."""
-    coordinates, places = motion.driver_coordinates, replace(Places.of(reactions._press, motion), heights=None)
-    torques, speeds = (np.reshape(values, (-1, len(coordinates))).T for values in (reactions.driving_torque, motion.crank_speed))
+    found, coordinates, places = at_peaks(reactions), motion.driver_coordinates, replace(Places.at_peaks(reactions), heights=None)
+    efforts = (found.reactions.driving_torque, found.reactions.motion.crank_speed)
+    torques, speeds = (np.reshape(values, (-1, len(coordinates))).T for values in efforts)
     lines: list[str] = []
     for driver, coordinate, torque, speed in zip(motion.drivers, coordinates, torques, speeds, strict=True):
         scale = tables.scale(coordinate.effort_unit, [float(np.abs(torque).max())])
@@ -265,7 +283,7 @@ def driving_lines(motion: Motion, reactions: Reactions) -> list[str]:
             f"Driving {coordinate.effort}{of} (on the driver, along its axis)",
             _extreme("largest", torque, coordinate.effort_unit, np.argmax, places),
             _extreme("smallest", torque, coordinate.effort_unit, np.argmin, places),
-            tables.entry("rms", scale.shown(float(np.sqrt(np.mean(torque**2)))), scale.unit),
+            tables.entry("rms", scale.shown(float(np.sqrt(found.weight @ torque**2))), scale.unit),
             _extreme("largest power", torque * speed, "W", np.argmax, places),
         ]
     return lines
@@ -276,8 +294,8 @@ def _gear_pairs(motion: Motion, reactions: Reactions) -> list[str]:
     toothless = len(reactions.coupling_torque) > len(press.spatial_model.racks)
     left_out = "; bearing forces leave out those between the teeth of two shafts" if toothless else ""
     lines = ["", f"Gear pairs (torque or force on the joint that mimics, along its axis{left_out})"] if reactions.coupling_torque else []
-    places = replace(Places.of(press, motion), heights=None)
-    for name, torque in reactions.coupling_torque.items():
+    places = replace(Places.at_peaks(reactions), heights=None)
+    for name, torque in at_peaks(reactions).reactions.coupling_torque.items():
         unit = "N m" if press.axes[press.joints.index(name)].turns else "N"
         lines += [_extreme(f"{name}, largest", torque[:, 0], unit, np.argmax, places)]
         lines += [_extreme(f"{name}, smallest", torque[:, 0], unit, np.argmin, places)]
@@ -287,7 +305,7 @@ def _gear_pairs(motion: Motion, reactions: Reactions) -> list[str]:
 def bearing_table(reactions: Reactions) -> list[str]:
     """Lines with the largest force and moment of every bearing over a motion's states, in the order of the drawing, where the crank and the
     slide are then, and the range of the force along each axis."""
-    motion, press = reactions.motion, reactions._press
+    places, press, reactions = Places.at_peaks(reactions), reactions._press, at_peaks(reactions).reactions
     names = [name for name in press.bearings_as_drawn if name in reactions.bearing_force]
     sizes = {name: np.linalg.norm(reactions.bearing_force[name], axis=1) for name in names}
     moments = [float(np.linalg.norm(reactions.bearing_moment[name], axis=1).max(initial=0.0)) for name in names]
@@ -295,7 +313,6 @@ def bearing_table(reactions: Reactions) -> list[str]:
     forces = tables.scale("N", [largest], ROUNDING * largest)
     turning = tables.scale("N m", moments, ROUNDING * largest * press.size)
     axes = [i for i in range(3) if any(np.abs(reactions.bearing_force[name][:, i]).max() > forces.least for name in names)]
-    places = Places.of(press, motion)
     heads = [
         f"peak force [{forces.unit}]",
         f"at {places.of_what} [{places.unit}]",
@@ -346,4 +363,5 @@ def _dead_centres(press: Linkage) -> DeadCentres | None:
 def _extreme(name: str, values: Array, unit: str, choose: Callable[[Array], np.intp], places: Places) -> str:
     """A line with an extreme of a quantity [SI unit] and where the press is then."""
     at, scale = int(choose(values)), tables.scale(unit, [float(np.abs(values).max())])
+    scale = scale._replace(decimals=scale.decimals + 1)  # where it is does not depend on the motion's states
     return tables.entry(name, scale.shown(float(values[at])), scale.unit, places.said(at))

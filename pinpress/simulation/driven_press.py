@@ -534,6 +534,7 @@ def _point_force(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate
         raise PinpressError(f"{what}: force has shape {force.shape}; give (3,), in world axes [N]")
     if not joint:  # on the frame, which does not move
         return None, None
+    applied_loads.warn_of_still_point(load, press)
     constant = (ForceInterval(math.inf, -math.inf, _constant_one, heeds_velocity=False),)
     return WorkOfForce((joint, point), force), GeneralizedForce(row, 0.0, constant, constant)
 

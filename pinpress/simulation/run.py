@@ -105,6 +105,16 @@ class Run(Motion):
     trajectory: Trajectory
     constraint_solution: ConstraintSolution | None = None
 
+    def at_times(self, times: Array) -> Run:
+        """The same run in the states at other times (n,), rising, from 0 to its end [s]."""
+        return _in_other_states(self, times)
+
+    @property
+    def jumps(self) -> Array | None:
+        """Instants within the run at which a load or the drive may not be smooth [s]; None where only its states are known."""
+        borders = self.trajectory.borders
+        return borders[(borders > 0.0) & (borders < self.time[-1])]
+
     @property
     def title(self) -> str:
         by = "" if self.constraint_solution is None else f" by {self.constraint_solution.algorithm}"
@@ -143,11 +153,7 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
     motion = _closed(driven.press, times, sample)
     _refuse_beyond_travel(driven.press, motion)
     error = _audited(problem, motion, sample, trajectory.steps)
-    if len(driven.inertias) > 1:
-        turning = _driver_speeds(driven, sample)
-        torques = _torques(driven, turning, motion)
-        sample = sample._replace(drive_torque=torques.T.copy(), drive_speed=turning.T.copy())
-    else:
+    if len(driven.inertias) == 1:
         confirm_torques(driven.drive, times, motion.crank_angle, sample.drive_speed, sample.drive_torque)
     stats = Stats(
         method=problem.method,
@@ -159,7 +165,22 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
         energy_error=error,
         sensitivity=sensitivity,
     )
-    return _as_run(problem, trajectory, motion, stats, sample)
+    return _as_run(problem, trajectory, motion, stats, _with_torques(driven, motion, sample))
+
+
+def _in_other_states(run: Run, times: Array) -> Run:
+    """A run in its states at other times (n,), rising [s]."""
+    driven, sample = run.problem.driven, run.trajectory.at(times)
+    motion = _closed(driven.press, times, sample)
+    return _as_run(run.problem, run.trajectory, motion, run.stats, _with_torques(driven, motion, sample))
+
+
+def _with_torques(driven: DrivenPress, motion: Motion, sample: Sample) -> Sample:
+    """A sample with the torques and speeds of all drives, where there are several."""
+    if len(driven.inertias) == 1:
+        return sample
+    turning = _driver_speeds(driven, sample)
+    return sample._replace(drive_torque=_torques(driven, turning, motion).T.copy(), drive_speed=turning.T.copy())
 
 
 def _closed(press: Linkage, times: Array, sample: Sample) -> Motion:

@@ -92,6 +92,10 @@ class ElasticRun(Run):
         return read_only(self._on_springs[:, 2].copy())
 
     @property
+    def jumps(self) -> None:
+        """Between its states the rigid press at the same crank angles is not known."""
+
+    @property
     def deepest(self) -> float:
         """Lowest position of the slide, between the states too [m]."""
         return self._extremes.deepest
