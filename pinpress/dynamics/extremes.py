@@ -37,7 +37,7 @@ class DrivenMotion(Protocol):
 
 @dataclass(frozen=True, repr=False)
 class ExtremeValues(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
-    """Extremes of one quantity over a motion's states, in its unit.
+    """Extremes of one quantity over a motion, in its unit.
 
     Attributes:
         quantity: its name, for example "shaking force, x".
@@ -48,7 +48,8 @@ class ExtremeValues(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
         largest: largest value.
         largest_at: crank angle of the largest value [deg or mm].
         range: largest value less the smallest.
-        rms: root mean square over the states; it is that over time where the states are equally spaced in time, as in a `cycle` or a run.
+        rms: root mean square over the period of a `cycle`, else over the states; it is that over time where these are equally spaced in
+            time, as in a run.
     """
 
     quantity: str
@@ -75,6 +76,10 @@ class ExtremesOverTime(ExtremeValues, units={"smallest_at": "s", "largest_at": "
 def extremes(reactions: Reactions) -> Records[ExtremeValues]:
     """Extremes of slide motion, torques, bearing forces and moments, shaking force and shaking moment, and of a crank speed that varies.
 
+    They do not depend on where the motion's states are. Where a load begins or ends with a step, they are the limits at both sides of the
+    step; smooth peaks are found between the states. Where nothing is known between the states, as under forces that are given state by
+    state, they are those of the states.
+
     Vectors are listed by their magnitude and their components along the world axes, without components that are zero to rounding. Bearing
     moments are those that `held_moments` returns. Slide positions are in mm and crank speeds in r/min, all else is in SI units.
 
@@ -84,6 +89,7 @@ def extremes(reactions: Reactions) -> Records[ExtremeValues]:
     Raises:
         PinpressError: A value is not finite, or bearings were left out.
     """
+    rounding(reactions)  # which refuses forces that are not finite
     found = at_peaks(reactions)
     reactions, motion = found.reactions, found.reactions.motion
     kind, places = ExtremeValues if motion.driver_coordinates[0].turns else ExtremesOverTravel, finite("crank angle", motion.shown_position)

@@ -78,9 +78,11 @@ def peak_states(reactions: Reactions, quantities: Callable[[Reactions], Iterable
     sides = way.within(np.concatenate([jumps - beside, jumps + beside]))
     known = np.union1d(way.times[:count], np.concatenate([sides, _between(way, np.union1d(passed, turns))]))
     smooth = _vertices(way, known, quantities, BESIDE * way.step)
-    times = np.union1d(known, smooth)
-    if len(times) == count:
+    if len(known) + len(smooth) == count:
         return as_given
+    nearest = known[np.searchsorted(known, smooth).clip(0, len(known) - 1)], known[(np.searchsorted(known, smooth) - 1).clip(0)]
+    clear = np.abs(np.subtract(nearest, smooth)).min(axis=0) > BESIDE * way.step
+    times = np.union1d(known, smooth[clear])
     found = in_other_states(reactions, way.at(times))
     places = np.searchsorted(known, times).clip(0, len(known) - 1)
     weight = np.where(known[places] == times, _weights(way, known)[places], 0.0)
@@ -244,16 +246,15 @@ def _remarks(reactions: Reactions, times: Array, jumps: Array, beside: Array) ->
 
 
 def _vertices(way: _Way, known: Array, quantities: Callable[[Reactions], Iterable[Array]], beside: float) -> Array:
-    """Times (m,) at which quantities are largest or smallest, by two parabolas each, from states at ``known`` times."""
+    """Times (m,) at which quantities are largest or smallest, by three parabolas each, from states at ``known`` times."""
 
     def values(times: Array) -> Array:
         return np.array(list(quantities(in_other_states(way.reactions, way.at(times)))))
 
     at_known = values(known)
-    times, found = known, [np.zeros(0)]
+    times = known
     for nearer in NEARER:
         vertex = _turns(way, times, at_known, beside)
-        found.append(vertex)
         place = np.searchsorted(times, vertex).clip(1, len(times) - 1)
         step = nearer * (times[place] - times[place - 1])
         trial = np.setdiff1d(way.within(np.concatenate([vertex - step, vertex, vertex + step])), times)
@@ -261,7 +262,9 @@ def _vertices(way: _Way, known: Array, quantities: Callable[[Reactions], Iterabl
             break
         times, order = np.unique(np.concatenate([times, trial]), return_index=True)
         at_known = np.hstack([at_known, values(trial)])[:, order]
-    return np.unique(np.concatenate([*found, _turns(way, times, at_known, beside)]))
+    best = times[np.concatenate([at_known.argmax(axis=1), at_known.argmin(axis=1)])]
+    vertices = np.unique(np.concatenate([best, _turns(way, times, at_known, beside)]))
+    return vertices[np.diff(vertices, prepend=-np.inf) > beside]
 
 
 def _turns(way: _Way, times: Array, values: Array, beside: float) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 from ..common.arguments import typed
 from ..common.errors import PinpressError
 from ..common.quantities import Array
-from ..dynamics.extremes import AXES
+from ..dynamics.extremes import AXES, at_peaks
 from ..dynamics.harmonics import HarmonicAnalysis, harmonics, last_period
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion
@@ -90,7 +90,8 @@ def torque(reactions: Reactions, *, ax: Axes | Iterable[Axes] | None = None) -> 
     Raises:
         PinpressError: a value is not finite, ``ax`` are no axes, or Matplotlib is not installed.
     """
-    return _stacked(reactions.motion, [*charts.driving(reactions)], ax, 6.0)
+    drawn = _with_steps(reactions, charts.driving(reactions))
+    return _stacked(drawn.motion, [*charts.driving(drawn)], ax, 6.0)
 
 
 @typed
@@ -106,9 +107,9 @@ def bearings(reactions: Reactions, *, ax: Axes | Iterable[Axes] | None = None) -
     Raises:
         PinpressError: a value is not finite, ``ax`` are not as many axes as charts, or Matplotlib is not installed.
     """
-    moments = charts.bearing_moment(reactions)
-    shown = [_merged(chart) for chart in (charts.bearing(reactions), moments) if chart is not None]
-    return _stacked(reactions.motion, shown, ax, 7.5, 4.5)
+    drawn = _with_steps(reactions, charts.bearing(reactions))
+    shown = [_merged(chart) for chart in (charts.bearing(drawn), charts.bearing_moment(drawn)) if chart is not None]
+    return _stacked(drawn.motion, shown, ax, 7.5, 4.5)
 
 
 @typed
@@ -219,6 +220,13 @@ def _amplitudes(axes: Axes, chart: Chart, found: HarmonicAnalysis) -> None:
     axes.set_xticks(np.arange(1.0, found.orders[-1] + 1.0) if found.orders[-1] >= 1 else found.orders[1:])
     axes.set_xlabel("order of the crank's speed")
     above(axes, bars, names)
+
+
+def _with_steps(reactions: Reactions, _: object) -> Reactions:
+    """Reactions with the states at both sides of steps, so that a step is drawn as one, after a chart of them was made, which refuses what
+    cannot be drawn."""
+    found = at_peaks(reactions)
+    return found.reactions if any(found.remarks) else reactions
 
 
 def _stacked(motion: Motion, shown: Sequence[Chart], ax: Axes | Iterable[Axes] | None, *least: float) -> Figure:

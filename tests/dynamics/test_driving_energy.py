@@ -38,8 +38,9 @@ def test_work_is_that_of_loads_and_friction(speed):
     assert energy.work == pytest.approx(1e6 * 0.04 * 2 / np.pi + lost + damped, rel=2e-3)
     assert energy.mean_power == pytest.approx(energy.work / period)
     assert energy.mean_torque == pytest.approx(energy.work / (2 * np.pi) * np.sign(speed))
-    assert energy.rms_torque == pytest.approx(np.sqrt(np.mean(reactions.driving_torque**2)))
-    assert energy.largest_torque == np.abs(reactions.driving_torque).max()
+    assert energy.rms_torque == pytest.approx(np.sqrt(np.mean(reactions.driving_torque**2)), rel=5e-4)
+    assert energy.largest_torque == pytest.approx(np.abs(reactions.driving_torque).max(), rel=5e-4)
+    assert energy.largest_torque >= np.abs(reactions.driving_torque).max()
 
 
 def test_a_breakthrough_between_states_costs_no_accuracy():

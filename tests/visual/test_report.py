@@ -192,12 +192,12 @@ def test_table_of_extremes(page: Any, result: Any) -> None:
     rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
     table = {row[0]: row[1:] for row in rows}
     smallest, _, largest, at, width, rms = table["driving torque [kN m]"]
-    torque = result.driving_torque / 1e3
-    assert_allclose([shown(t) for t in (smallest, largest, width)], [torque.min(), torque.max(), np.ptp(torque)], rtol=1e-4)
-    assert shown(at) == pytest.approx(2 * torque.argmax(), abs=0.06)
+    torque = result.driving_torque / 1e3  # in states 2 deg apart; the table's extremes are between them
+    assert_allclose([shown(t) for t in (smallest, largest, width)], [torque.min(), torque.max(), np.ptp(torque)], rtol=5e-4)
+    assert shown(at) == pytest.approx(2 * torque.argmax(), abs=1.0)
     assert shown(rms) == pytest.approx(np.sqrt(np.mean(torque**2)), rel=1e-4)
     figures = page.inner_text(".figures")
-    assert "301.248 mm" in figures
+    assert "301.261 mm" in figures
     assert f"{np.abs(torque).max():.4g} kN m" in figures
 
 

@@ -18,6 +18,7 @@ from support.in_browser import data_in
 import pinpress as pp
 from pinpress.cli.main import main
 from pinpress.cli.words import part_specs
+from pinpress.dynamics.extremes import at_peaks
 from pinpress.visual.reports.blocks import Line, covered
 from pinpress.visual.reports.results import MAKERS
 
@@ -159,9 +160,8 @@ def test_several_drivers_run_beside_the_motion(tmp_path: Path) -> None:
 def test_extremes_in_the_units_of_the_charts(written: Path, press: Any, loaded: Any) -> None:
     (table,) = sections(written)["Extremes"]["blocks"]
     rows = {row[0]: row[1:] for row in table["rows"]}
-    height = 1e3 * (loaded.motion.slide_position - pp.dead_centres(press).bottom_position)
-    assert_allclose([float(rows["slide height [mm]"][k]) for k in (0, 2)], [height.min(), height.max()], atol=0.005)
-    torque = loaded.driving_torque / 1e3
+    assert_allclose([float(rows["slide height [mm]"][k]) for k in (0, 2)], [0.0, 1e3 * pp.dead_centres(press).stroke], atol=0.005)
+    torque = at_peaks(loaded).reactions.driving_torque / 1e3
     assert_allclose([float(rows["driving torque [kN m]"][k]) for k in (0, 2)], [torque.min(), torque.max()], atol=5e-4)
     assert not any("[N]" in name for name in rows)
 

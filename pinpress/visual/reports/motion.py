@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...common.quantities import Array
-from ...dynamics.extremes import AXES, ExtremeValues, extremes, rounding
+from ...dynamics.extremes import AXES, ExtremeValues, at_peaks, extremes, rounding
 from ...dynamics.harmonics import HarmonicAnalysis, harmonics, is_cycle
 from ...dynamics.inverse_dynamics import Reactions
 from ...kinematics.slide_path import slide_turns, stroke_turns
@@ -184,12 +184,20 @@ def figures(shown: Shown) -> list[Figure]:
             size, at = max((abs(most.smallest), most.smallest_at), (abs(most.largest), most.largest_at))
             whose = most.quantity.removeprefix("force in ").removesuffix(", magnitude")
             whose = whose if some is forces else whose.partition(" of ")[2]
-            place = f"at {at:.{DIGITS[unit]}f}{'°' if unit == 'deg' else f' {unit}'}"
+            place = f"at {at:.{DIGITS[unit]}f}{'°' if unit == 'deg' else f' {unit}'}{_remark_at(shown.reactions, unit, at)}"
             found.append(Figure(name, with_prefix(size, most.unit), f"{whose}, {place}" if whose else place))
     for axis in "xyz":
         if value := by_name.get(f"shaking force, {axis}"):
             found.append(Figure(f"shaking force {axis}, range", with_prefix(value.range, value.unit)))
     return [*found, *_work_of_process(shown.reactions)]
+
+
+def _remark_at(reactions: Reactions, unit: str, at: float) -> str:
+    """What is at a place of the table of extremes, as ", where the load begins"; mostly nothing."""
+    found = at_peaks(reactions)
+    places = found.reactions.motion.time if unit == "s" else found.reactions.motion.shown_position
+    remark = found.remarks[int(np.abs(places - at).argmin())] if places.ndim == 1 else ""
+    return f", {remark}" if remark else ""
 
 
 def _work_of_process(reactions: Reactions) -> list[Figure]:

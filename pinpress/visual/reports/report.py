@@ -50,7 +50,7 @@ def report(
     goes; every bearing and guide force, its magnitude, components, and polar diagrams in the world's axes and in those of the link on which
     it acts; moments in guides; shaking force with its harmonics, and shaking moment. Under process loads, charts show the process
     force over the crank angle and over the slide's height. For a run, a chart shows the motor's torque over the speed, beside the motor's
-    curve. A table lists the extremes over all states. Curves have the recording's key frames, at most 360 a turn. For an
+    curve. A table lists the extremes, see `measures.extremes`. Curves have the recording's key frames, at most 360 a turn. For an
     `ElasticRun` these forces are those of the rigid press; a section of its own has the forces of the springs
     beside them, the slide's depth, and the places where loads begin and end.
 
