@@ -201,7 +201,7 @@ def process_summary(
     press: Linkage, motion: Motion, reactions: Reactions, utilisation: Utilisation | None, *, prescribed: bool = False
 ) -> list[str]:
     """Lines with the largest force and the work of the process; none without a process. Arguments as of `summary`."""
-    if not reactions.process_force.any():
+    if not at_peaks(reactions).reactions.process_force.any():
         return []
     ends, work, places, peaks = _dead_centres(press), reactions.process_work, Places.at_peaks(reactions), at_peaks(reactions).reactions
     over = "in this motion" if prescribed else "a stroke" if ends else "a period"
