@@ -10,6 +10,7 @@ import numpy as np
 from ..common import tables
 from ..common.quantities import RPM
 from ..drives.transmission import Geared
+from ..dynamics.extremes import at_peaks
 from ..dynamics.inverse_dynamics import Reactions
 from ..dynamics.summary import bearing_table, checks, driver_table, driving_lines
 from ..kinematics.slide_path import dead_centres, slide_turns, stroke_turns
@@ -35,7 +36,7 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, steady: b
         steady: whether the run is one period of a steady state.
 
     Works and extremes of speed and of the motor's torque are those of `duty_cycle`; torques and forces of the crank and the bearings are
-    the largest of the run's states. Signs as in `Reactions`.
+    those of `extremes`. Signs as in `Reactions`.
     """
     if len(run.drivers) > 1:
         return "\n".join([_title(press, run), *_of_several(run, reactions), *bearing_table(reactions), "", *_checks(press, run, reactions)])
@@ -182,8 +183,14 @@ def _mains(run: Run, whole: MotorDuty) -> list[str]:
     return lines
 
 
+def _said(remark: str) -> str:
+    """What is in a state, behind its place."""
+    return f", {remark}" if remark else ""
+
+
 def _torque(reactions: Reactions) -> list[str]:
-    torque, motion = reactions.driving_torque, reactions.motion
+    found = at_peaks(reactions)
+    torque, motion = found.reactions.driving_torque, found.reactions.motion
     first = motion.driver_coordinates[0]
     title = "Torque at the crank (flywheel, drive, clutch and brake together)" if first.turns else "Force on the driver"
     lines, scale = ["", title], tables.scale(first.effort_unit, [float(np.abs(torque).max())])
@@ -193,7 +200,7 @@ def _torque(reactions: Reactions) -> list[str]:
                 name,
                 scale.shown(float(torque[at])),
                 scale.unit,
-                f"at {motion.shown_position[at]:8.3f} {first.shown_unit}, {motion.time[at]:.6f} s",
+                f"at {motion.shown_position[at]:8.3f} {first.shown_unit}, {motion.time[at]:.6f} s{_said(found.remarks[at])}",
             )
         )
     return lines

@@ -109,7 +109,7 @@ def run(options: argparse.Namespace) -> int:
     reactions = inverse_dynamics(press, done, acting, friction)
     took = time.perf_counter() - began
     print(simulation_summary(press, done, reactions, options.steady))
-    if acting and not options.steady:
+    if acting and elastic is not None and not options.steady:
         print(
             tables.entry("states", f"{len(done.time)}", "", "peaks are those at the states: where a blow falls between two, raise --points")
         )

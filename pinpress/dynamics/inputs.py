@@ -70,7 +70,7 @@ def of_press(press: Linkage) -> Inputs:
     drivers = f"{'joints' if len(press.drivers) > 1 else 'joint'} {', '.join(press.drivers)}"
     slide = f"its slide is link {press.slide}" if press.slide else "it has no slide"
     rows = [("press", f"{press.name}, driven at {drivers}; {slide}"), ("file", _file_in_words(press))]
-    rows += [] if press.slide is None else [("process force", f"acts {tool_in_words(press)}")]
+    rows += [] if press.slide is None else [("process", f"force acts {tool_in_words(press)}")]
     rows += [("crank angles", f"counted from {press.zero}")] if press.zero else []
     gravity = tuple(float(part) for part in press.model.gravity.linear)
     return rows if gravity == STANDARD_GRAVITY else [*rows, ("gravity", f"{_numbers(np.array(gravity))} m/s2")]
