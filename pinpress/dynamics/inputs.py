@@ -19,10 +19,10 @@ from ..common import tables
 from ..common.errors import shown
 from ..common.parameters import declared, in_signature
 from ..common.quantities import CRANK, GRAVITY, RPM, DriverCoordinate
+from ..kinematics.main_data import tool_in_words
 from ..kinematics.motion import Motion
 from ..linkage import loading
 from ..linkage.linkage import Linkage
-from ..linkage.tool_point import tool_in_words
 from ..linkage.writing import is_as_read
 from ..loads.link import Friction, SpringDamper
 from .extremes import is_constant

@@ -10,11 +10,10 @@ import numpy as np
 from ..common import tables
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array, DriverCoordinate
-from ..kinematics.main_data import directions, forward_share, sense_of_rotation
+from ..kinematics.main_data import directions, forward_share, sense_of_rotation, tool_in_words
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import DeadCentres, DeadCentresOverTravel, dead_centres, turning_points
 from ..linkage.linkage import Linkage
-from ..linkage.tool_point import tool_in_words
 from .applied_loads import process_work
 from .extremes import ROUNDING, at_peaks
 from .inverse_dynamics import Reactions

@@ -13,7 +13,7 @@ from ..common.quantities import CRANK, Array, DriverCoordinate
 from ..common.results import Record
 from ..engines.joints import drawn_placements
 from ..linkage.linkage import UPRIGHT, Linkage
-from ..linkage.tool_point import tool_in_words
+from ..linkage.tool_point import ALIKE
 from .motion import motion_through_change_points
 from .slide_path import DeadCentres, dead_centres, turning_points
 
@@ -140,6 +140,17 @@ def forward_share(press: Linkage, speed: float = 1.0) -> float:
 def directions(press: Linkage) -> tuple[str, str]:
     """Words for the slide's ways to bottom and to top dead centre: "down" and "up" where it moves so."""
     return ("down", "up") if press.slide_direction @ press.up > UPRIGHT else ("to bottom dead centre", "to top dead centre")
+
+
+def tool_in_words(press: Linkage) -> str:
+    """Where process forces act on the slide, as "at x = 0.0 mm, the middle of SL and SR": coordinates that the guide lets change are
+    left out, or those of the drawn pose where the guide is along no world axis."""
+    found, along = press.tool, press.slide_direction
+    place = press.model.jointPlacements[press.slide_guide.joint + 1].act(found.in_body)
+    upright = np.abs(along) > ALONG
+    kept = [axis for axis in range(3) if not upright[axis] and (axis != 1 or abs(place[1]) > ALIKE * press.size)]
+    words = ", ".join(f"{'xyz'[axis]} = {1e3 * place[axis] + 0.0:.1f} mm" for axis in kept)
+    return f"at {words}{'' if upright.any() else ' as drawn'}, {found.name}"
 
 
 def main_lines(data: MainData, drivers: Sequence[str]) -> list[str]:

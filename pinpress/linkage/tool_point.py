@@ -1,21 +1,17 @@
-"""The point of the slide at which process forces act."""
+"""The point of the slide at which process forces act. ``press`` is a `Linkage`, whose module imports this one."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from ..common.quantities import Array
 
-if TYPE_CHECKING:
-    from .linkage import Linkage
-
 ALIKE = 1e-9  # distance, as a share of the linkage's size, below which two points are one
-ALONG = 0.999  # cosine between a guide and a world axis from which on the slide keeps its other coordinates
 
 
 class ToolPoint(NamedTuple):
@@ -32,7 +28,7 @@ class ToolPoint(NamedTuple):
     name: str
 
 
-def tool_point(press: Linkage) -> ToolPoint:
+def tool_point(press: Any) -> ToolPoint:
     """The point of a linkage with a slide: the ``<tool>`` of its file, else the middle of the pins farthest apart by which links hold the
     slide. Where all of them are in one line along the guide, it is the origin of the slide's link."""
     link = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement
@@ -40,14 +36,14 @@ def tool_point(press: Linkage) -> ToolPoint:
     return ToolPoint(point, link.act(point), name)
 
 
-def _named(press: Linkage) -> tuple[Array, str] | None:
+def _named(press: Any) -> tuple[Array, str] | None:
     """The ``<tool>`` of the slide's link, in its frame, and its name."""
     for tool in press.document.robot.all("link")[press.links.index(str(press.slide))].all("tool"):
         return np.array(tool.numbers("xyz")), tool.get("name") or "the <tool> of its file"
     return None
 
 
-def _middle_or_origin(press: Linkage, link: pin.SE3) -> tuple[Array, str]:
+def _middle_or_origin(press: Any, link: pin.SE3) -> tuple[Array, str]:
     """The point that the pins make, in the slide link's frame, and what it is; ``link``: placement of this frame in that of its joint."""
     pins = {name: link.actInv(point) for name, point in _holding(press).items()}
     along = link.rotation.T @ press.axes[press.slide_guide.joint].direction
@@ -74,22 +70,11 @@ def middle_of_outermost(pins: Mapping[str, Array], along: Array, size: float) ->
     return found
 
 
-def tool_in_words(press: Linkage) -> str:
-    """Where process forces act on the slide, as "at x = 0.0 mm, the middle of SL and SR": coordinates that the guide lets change are
-    left out, or those of the drawn pose where the guide is along no world axis."""
-    found, along = press.tool, press.slide_direction
-    place = press.model.jointPlacements[press.slide_guide.joint + 1].act(found.in_body)
-    upright = np.abs(along) > ALONG
-    kept = [axis for axis in range(3) if not upright[axis] and (axis != 1 or abs(place[1]) > ALIKE * press.size)]
-    words = ", ".join(f"{'xyz'[axis]} = {1e3 * place[axis] + 0.0:.1f} mm" for axis in kept)
-    return f"at {words}{'' if upright.any() else ' as drawn'}, {found.name}"
-
-
 def _across(vector: Array, along: Array) -> Array:
     return np.asarray(vector - (vector @ along) * along)
 
 
-def _holding(press: Linkage) -> dict[str, Array]:
+def _holding(press: Any) -> dict[str, Array]:
     """Places (3,) in the frame of the slide's body of the bearings by which the drive holds it [m].
 
     A chain that hangs on the slide and leads to no driver, such as a lever that it moves, carries nothing of a process force.

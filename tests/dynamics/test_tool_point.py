@@ -5,7 +5,7 @@ import pytest
 from support import texts
 
 import pinpress as pp
-from pinpress.linkage.tool_point import tool_in_words
+from pinpress.kinematics.main_data import tool_in_words
 from pinpress.pin_table import draft
 
 FORCE, START, RADIUS, OFF = 3e5, 0.010, 0.08, 0.12
