@@ -11,6 +11,7 @@ from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM, DriverCoordinate
+from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import motion_in_words, of_friction, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import process_summary
@@ -212,7 +213,8 @@ def rated(
 
 def _process(press: Linkage, process: Reactions, found: PressRatings) -> list[str]:
     """Lines that compare the process with what is permitted, its force and its work."""
-    lines = process_summary(press, process.motion, process, found.utilisation(process))
+    peaks = at_peaks(process).reactions
+    lines = process_summary(press, process.motion, process, (peaks, found.utilisation(peaks)))
     for name, energy in found.energies.items():
         share = process.process_work * found.turns / press.period_turns / energy
         lines.append(tables.entry(f"of the {name}", f"{100 * share:.2f}", "%", "by its work in a stroke"))
