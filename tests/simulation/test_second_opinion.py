@@ -36,6 +36,16 @@ def test_methods_agree(kind: str, first: int) -> None:
     assert refused <= REFUSED_BY_SOME.get(kind, set()), "\n".join(told)
 
 
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+def test_a_crank_that_the_losses_of_its_gears_hold_rests_under_a_drive_of_ones_own() -> None:
+    """A direct-current motor behind gears of 0.8: whichever side its torque at rest is taken from, it is the speed's."""
+    scene = random_scenes.scene(1082)
+    verdict = next(iter(second_opinion.opinions("runs", [1082])))
+    assert scene.given["speed"] == 0.0
+    assert isinstance(scene.given["drive"].drive, random_scenes.DirectCurrent)
+    assert verdict.word == "agree", verdict.detail
+
+
 def test_a_wrong_run_shows() -> None:
     """Without a second method: a jump of the crank, torques of other speeds, another start, energy from nowhere."""
     press = texts.shipped("crank_slide")
