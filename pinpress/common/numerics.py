@@ -1,5 +1,5 @@
 """Small numerics: Gauss-Legendre quadrature on -1..1 with the polynomials through its nodes, and roots within brackets: by Newton's method,
-which halves the bracket where a step would leave it, or without derivatives.
+which halves the bracket where a step would leave it, or without derivatives. Damped modes, each with the undamped mode to which it belongs.
 """
 
 import itertools
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .products import product
-from .quantities import Array
+from .quantities import Array, ComplexArray
 
 NODES = 14  # nodes of the quadrature; the polynomials through them have one degree less
 BESIDE_EACH_OTHER = 64  # columns from which on rows are added one by one
@@ -195,3 +195,47 @@ def sign_change(function: Callable[[float], float], low: float, high: float, wid
         else:
             low, f_low = place, value
     return low if not f_low else high if not f_high else 0.5 * (low + high)
+
+
+class DampedModes(NamedTuple):
+    """Damped modes, in the order of the undamped ones.
+
+    Attributes:
+        frequency: (n,) frequencies at which they swing, 0 for those that creep [rad/s].
+        ratio: (n,) damping ratios: the mean rate of decay by the root of the product of the two eigenvalues [-].
+        eigenvalues: (2 n,) of the system in first order [rad/s].
+    """
+
+    frequency: Array
+    ratio: Array
+    eigenvalues: ComplexArray
+
+
+def damped_modes(frequency: Array, damping: Array) -> DampedModes:
+    """Damped modes of a system in its undamped modes of modal mass 1.
+
+    A mode swings with a pair of conjugate eigenvalues, or creeps with two real ones. Each pair, then each real one, goes to the undamped
+    mode that takes most part in its motion.
+
+    Args:
+        frequency: (n,) undamped frequencies [rad/s].
+        damping: (n, n) modal damping [1/s].
+    """
+    from scipy.optimize import linear_sum_assignment  # slow to import
+
+    count = len(frequency)
+    matrix = np.block([[np.zeros((count, count)), np.eye(count)], [-np.diag(frequency**2), -damping]])
+    values, vectors = np.linalg.eig(matrix)
+    values, moved = values.astype(complex), np.abs(vectors[:count]) ** 2
+    part = moved / moved.sum(axis=0)  # (n, 2 n)
+    swinging, creeping = np.flatnonzero(values.imag > 0), np.flatnonzero(values.imag == 0)
+    modes, chosen = linear_sum_assignment(part[:, swinging], maximize=True)
+    pairs = np.empty((count, 2), dtype=complex)
+    pairs[modes] = np.stack([values[swinging[chosen]], values[swinging[chosen]].conj()], axis=1)
+    crept = np.setdiff1d(np.arange(count), modes)
+    chosen = linear_sum_assignment(np.repeat(part[crept], 2, axis=0)[:, creeping], maximize=True)[1]
+    pairs[crept] = values[creeping[chosen]].reshape(-1, 2)
+    product, fastest = pairs.prod(axis=1).real, np.abs(pairs).max(axis=1)
+    # a slow rate that rounding hides is that of the undamped frequency, whose square is the product
+    size = np.where(product > count * np.finfo(float).eps * fastest**2, np.sqrt(np.maximum(product, 0.0)), frequency)
+    return DampedModes(pairs[:, 0].imag.copy(), -pairs.sum(axis=1).real / (2.0 * size), values)

@@ -133,7 +133,7 @@ class _Way:
         first, last = self.times[0], self.times[-1]
         if self.closed:
             return np.asarray(first + (times - first) % (last - first))
-        return times[(times >= first) & (times <= last)]
+        return np.asarray(times[(times >= first) & (times <= last)])
 
     def at(self, times: Array) -> Motion:
         """The motion at rising times (m,)."""

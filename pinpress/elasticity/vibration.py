@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..common import tables
 from ..common.arguments import numbers, positive, typed
-from ..common.damped_modes import damped_modes
+from ..common.numerics import damped_modes
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from ..common import plausibility, tables
 from ..common.arguments import expect, typed, whole_number
-from ..common.damped_modes import damped_modes
+from ..common.numerics import damped_modes
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import GRAVITY, Array, ComplexArray

@@ -113,7 +113,7 @@ class Run(Motion):
     def jumps(self) -> Array | None:
         """Instants within the run at which a load or the drive may not be smooth [s]; None where only its states are known."""
         borders = self.trajectory.borders
-        return borders[(borders > 0.0) & (borders < self.time[-1])]
+        return np.asarray(borders[(borders > 0.0) & (borders < self.time[-1])])
 
     @property
     def title(self) -> str:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pinpress.common.damped_modes import damped_modes
+from pinpress.common.numerics import damped_modes
 
 
 @pytest.mark.parametrize("seed", range(20))

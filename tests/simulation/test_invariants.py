@@ -163,7 +163,8 @@ def drawn(random, presses):
     """A press, a duration, and what acts on it: a start mostly from rest, a motor of a size that suits the press or does not."""
     press = presses[random.integers(len(presses))]
     model = reduced_model_of(press)
-    ratio, rated, poles = float(random.uniform(5, 40)), *[(945.0, 6), (1430.0, 4), (1485.0, 4)][random.integers(3)]
+    ratio = float(random.uniform(5, 40))
+    rated, poles = [(945.0, 6), (1430.0, 4), (1485.0, 4)][random.integers(3)]
     wheel = float(model.middles[0].max() * np.exp(random.uniform(np.log(0.1), np.log(100))))
     torque = model.potential_range * float(np.exp(random.uniform(np.log(0.2), np.log(30))))
     motor = pp.drives.InductionMotor(torque / ratio * rated * RPM, rated * RPM, poles=poles, inertia=wheel / ratio**2 * 0.1)

@@ -111,9 +111,10 @@ class AngleSolver:
         self.segments.append(segment)
         self.state = segment.last()
         self.solved += solution.mesh.periods
-        if self.model.repeats and segment.travelled == solution.mesh.periods * self.model.period:
+        period = self.model.period
+        if period is not None and self.model.repeats and segment.travelled == solution.mesh.periods * period:
             self.periods += solution.mesh.periods
-            self.state = self.state._replace(angle=self.first + solution.mesh.direction * self.periods * self.model.period)
+            self.state = self.state._replace(angle=self.first + solution.mesh.direction * self.periods * period)
         else:
             self.anchor += solution.mesh.direction * segment.travelled
             self.first, self.periods = self.state.angle, 0

@@ -97,7 +97,7 @@ def turned_round(press: Any, random: Any) -> Same:
 def renamed(press: Any, random: Any) -> Same:
     """In another order of names, by which Pinocchio sorts, and of elements."""
     root = ElementTree.fromstring(press.text)
-    every = sorted({e.get("name") for kind in ("link", "joint", "loop_joint") for e in root.findall(kind)})
+    every = sorted({str(e.get("name")) for kind in ("link", "joint", "loop_joint") for e in root.findall(kind)})
     names = {
         name: f"{letter}{k}_{name}" for name, letter, k in zip(every, random.choice(list("abcdefgz"), len(every)), range(99), strict=False)
     }
