@@ -240,8 +240,11 @@ def _doubt_second_strokes(trajectory: Trajectory) -> None:
     for segment in trajectory.segments:
         if isinstance(segment, AngleSegment):
             way, worked = int(np.sign(segment.begin.speed or segment.final_speed)), True
-        for start, mode in zip(getattr(segment, "borders", ()), getattr(segment, "modes", ()), strict=False):
-            forces = zip(segment.system.driven.forces, mode.forces, strict=True)
+        system = getattr(segment, "system", None)  # of a `TimeSegment`, whose module imports SciPy's integrators
+        if system is None:
+            continue
+        for start, mode in zip(segment.borders, segment.modes, strict=False):  # type: ignore[attr-defined]
+            forces = zip(system.driven.forces, mode.forces, strict=True)
             works = any(place is not None and place.interval and not place.rising and force.works_once for force, place in forces)
             if works and worked and way and mode.way == -way:
                 caution(

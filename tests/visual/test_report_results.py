@@ -663,7 +663,7 @@ def test_servo_motions(tmp_path: Path) -> None:
     found = sections(pp.report(press, motion, tmp_path / "out.html", reactions=reactions, results=results))
     servo = found["Servo drive"]
     assert "No motion" not in servo["note"]
-    assert "no motion along this path that keeps the limits is better" in servo["note"]
+    assert "no motion along these nodes that keeps the limits is better" in servo["note"]
     speed = curves(chart(servo, "Crank speed over its angle"))["best"]
     assert_allclose(speed[1].max(), best.motion.speed.max() / pp.RPM, rtol=1e-5)
     assert [row[0] for row in chart(servo, "What limits where")["rows"]] == [each.limit for each in best.limits]
