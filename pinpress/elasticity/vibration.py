@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike
 
 from ..common import tables
 from ..common.arguments import numbers, positive, typed
-from ..common.numerics import damped_modes
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
+from ..common.numerics import damped_modes
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..drives.transmission import Flywheel

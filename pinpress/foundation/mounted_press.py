@@ -31,9 +31,9 @@ from numpy.typing import NDArray
 
 from ..common import plausibility, tables
 from ..common.arguments import expect, typed, whole_number
-from ..common.numerics import damped_modes
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
+from ..common.numerics import damped_modes
 from ..common.quantities import GRAVITY, Array, ComplexArray
 from ..common.results import Tabular
 from ..common.tables import Column

@@ -2,6 +2,7 @@
 
 import os
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -179,7 +180,7 @@ def test_a_length_with_an_angle_is_not_negative():
         pp.build(**table)
 
 
-FOUR_BAR = {
+FOUR_BAR: dict[str, Any] = {
     "frame": "A D",
     "pins": {"A": [4.3, 3.9], "B": [1.4, 0.3], "C": [-2.1, -2.1], "D": [0.3, 1.4], "E": [-2.4, 1.8]},
     "links": {"ab": {"pins": "A B", "mass": 1}, "cbe": {"pins": "B C E", "mass": 1}, "dc": {"pins": "D C", "mass": 1}},

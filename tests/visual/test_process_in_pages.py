@@ -120,7 +120,7 @@ def test_a_run_states_its_motor_and_flywheel(press: Any, tmp_path: Path) -> None
     assert rows["flywheel"] == "Flywheel(inertia=2000 kg m2)"
     assert rows["drive"].startswith("Geared(drive=InductionMotor(rated_power=75 kW, rated_speed=1485 r/min")
     (card,) = [card for card in report["figures"] if card["name"] == "work of the process"]
-    assert (card["value"], card["at"]) == (f"{run.load_work[-1] / 1e3:.4g} kJ", "over the motion")
+    assert (card["value"], card["at"]) == (f"{run.load_work[-1] / 1e3:.3f} kJ", "over the motion")
 
 
 def test_utilisation(press: Any, pressed: Any, ratings: Any) -> None:

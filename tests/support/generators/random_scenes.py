@@ -134,7 +134,7 @@ def screw_or_rack(random: Random) -> tuple[str, Any]:
     """A slide that does not come back after a turn of its driver."""
     lead = random.choice([-1, 1]) * 10 ** random.uniform(-2.5, -1)
     if random.random() < 0.5:
-        pins = {"O": [0, 0], "Q": [30, 0]}
+        pins: dict[str, Any] = {"O": [0, 0], "Q": [30, 0]}
         wheel = {"pins": "O", "mass": 2.0, "disc": "30 x 40"}
     else:
         pins = {"O": {"x": 0, "y": 0, "z": 0, "axis": "z"}, "Q": {"x": 0, "y": 0, "z": -200, "axis": "z"}}
