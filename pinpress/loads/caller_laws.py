@@ -179,7 +179,10 @@ def refuse_intervals(name: str, downwards: bool, found: Any) -> None:
         raise PinpressError(f"{name}: intervals({downwards}) is {shown(found)}; give a tuple of ForceInterval, () for none")
     for interval in found:
         if not all(isinstance(end, Real) for end in (interval.lower, interval.upper)) or not interval.lower < interval.upper:
-            raise PinpressError(f"{name}: an interval from {shown(interval.lower)} to {shown(interval.upper)} m; give lower < upper")
+            raise PinpressError(
+                f"{name}: an interval from {shown(interval.lower)} to {shown(interval.upper)} m; give lower < upper: ForceInterval takes"
+                " the upper height first"
+            )
     for below, above in itertools.pairwise(sorted(found, key=lambda s: s.lower)):
         if below.upper > above.lower:
             raise PinpressError(f"{name}: its intervals overlap at {above.lower:g} m; write two loads, or intervals that do not")

@@ -323,13 +323,6 @@ class ForceInterval:
     heeds_velocity: bool = True
     sense: int = 1
 
-    def __post_init__(self) -> None:
-        if not self.upper >= self.lower:
-            raise PinpressError(
-                f"ForceInterval: upper is {self.upper:g} and lower is {self.lower:g}; give the height up to which the force acts [m] first,"
-                " then the height from which it acts"
-            )
-
     def acting(self, law: Any) -> Any:
         """The force where the law has this value: a contact that would pull is lost."""
         if not self.one_sided:

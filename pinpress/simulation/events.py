@@ -15,7 +15,6 @@ from ..loads.process import ForceInterval
 from .failures import failure
 from .hybrid_system import (
     HOLDING,
-    LETS_GO,
     OPEN,
     SLIPPING,
     CouplingMode,
@@ -322,7 +321,7 @@ class PressStarts(Event):
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
         rising, falling = system.tending(self.forward, time, y), -system.tending(self.back, time, y)
-        return LETS_GO * abs(rising + falling) - max(rising, falling)
+        return system.holding(rising, falling) - max(rising, falling)
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         rising, falling = system.tending(self.forward, time, y), -system.tending(self.back, time, y)

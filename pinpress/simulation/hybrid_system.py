@@ -421,11 +421,25 @@ class HybridSystem:
     def start(self, forward: Mode, back: Mode, time: float, y: Array) -> Mode | None:
         """Which of the modes in which the crank may start from rest it does; None: neither, it rests."""
         rising, falling = self.tending(forward, time, y), -self.tending(back, time, y)
-        if rising == falling == 0.0:  # an equilibrium in which nothing holds it
+        if rising == falling == 0.0 and not self.varies:  # an equilibrium in which nothing holds it
             return forward
-        if max(rising, falling) > LETS_GO * abs(rising + falling):
+        if max(rising, falling) > self.holding(rising, falling):
             return forward if rising > falling else back
         return None
+
+    def holding(self, rising: float, falling: float) -> float:
+        """Acceleration that what holds a crank at rest withstands, from those with which it would start forward and back [rad/s2]."""
+        return max(LETS_GO * abs(rising + falling), self._rounding)
+
+    @cached_property
+    def _rounding(self) -> float:
+        """Acceleration that rounding of the weights leaves at a dead centre [rad/s2]. It must not choose the way of a press that a drive or
+        a force will move in time."""
+        if not self.varies:
+            return 0.0
+        press = self.driven.press
+        arm = press.size if press.driver_coordinates[0].turns else 1.0
+        return 100 * float(np.finfo(float).eps * np.linalg.norm(press.model.gravity.linear)) / arm
 
     def going_on(self, mode: Mode, time: float, y: Array) -> Mode:
         """The mode after a stop of the crank or a change of a coupling. Raises as `placed`."""

@@ -178,11 +178,6 @@ def test_loads_given_state_by_state_leave_the_states_alone():
     assert at_peaks(reactions).reactions is reactions
 
 
-def test_intervals_in_the_other_order_are_refused():
-    with pytest.raises(pp.PinpressError, match=r"upper is 0\.001 and lower is 0\.007; give the height up to which"):
-        ForceInterval(0.001, 0.007, lambda height, velocity: 0.0 * height)
-
-
 def test_a_force_at_a_pin_in_the_frame_is_warned_of():
     press = texts.shipped("zxn2_3000b")
     motion = pp.cycle(press, 1.0, points=12)
