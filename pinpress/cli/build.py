@@ -99,7 +99,7 @@ def run(options: argparse.Namespace) -> int:
         press = draft.press(slide=options.slide)
         files.write(out, draft.urdf)
     files.write(sketch, draft.sketch.encode())
-    print(check_document(str(out), draft.document(str(out), draft.urdf), slide=options.slide))
+    print(check_document(str(out), draft._document(str(out), draft.urdf), slide=options.slide))
     print("\n".join([*_other_places(draft, options.slide), *_estimates(draft)]))
     print(f"wrote {out} and {sketch} of {press.name}")
     return 0

@@ -220,12 +220,13 @@ def shown(value: object) -> str:
 _DIRECTIONS = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")  # of Unicode: of characters that turn a line round
 
 
-def odd_character(name: str) -> str | None:
-    """The first character of a name that no line shows as it is, as "U+202E": a control character, half of one, or one that turns the line
-    round; None if all can be seen."""
+def odd_character(name: str, with_control: bool = True) -> str | None:
+    """The first character of a name that no line shows as it is, as "U+202E": half of one, one that turns the line round, and, if
+    ``with_control``, one of control or a line's end; None if all can be seen."""
+    hidden = ("Cs", "Cc", "Zl", "Zp") if with_control else ("Cs",)
     for character in name:
         turns = unicodedata.bidirectional(character) in _DIRECTIONS or character in "\u200e\u200f\u061c"
-        if turns or unicodedata.category(character) in ("Cc", "Cs", "Zl", "Zp"):
+        if turns or unicodedata.category(character) in hidden:
             return f"U+{ord(character):04X}"
     return None
 

@@ -10,7 +10,7 @@ A driver that slides goes to and fro between two ends. The walk counts its trave
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple, cast
 
@@ -270,8 +270,8 @@ def periods_until_back(gain: Array) -> int | None:
     return int(counts[np.argmax(back)]) if back.any() else None
 
 
-def out_of_branch(branch: Branch, upwards: bool, meetings: Sequence[ChangePoint] = ()) -> PinpressError:
-    """The error for a motion that leaves a branch without a period, upwards or downwards."""
+def out_of_branch(branch: Branch, upwards: bool, further: Branch | None = None) -> PinpressError:
+    """The error for a motion that leaves a branch without a period, upwards or downwards; ``further``: the branch through change points."""
     coordinate, lock = branch.coordinate, branch.locks[upwards]
     low, high = float(branch.angles[0]), float(branch.angles[-1])
     if lock is None and not coordinate.turns:
@@ -285,7 +285,8 @@ def out_of_branch(branch: Branch, upwards: bool, meetings: Sequence[ChangePoint]
             f" keep the motion between {low * coordinate.scale:.6g} and {coordinate.shown(high)}"
         )
     low, high = (at if of is None else of.angle for at, of in zip((low, high), branch.locks, strict=True))
-    if any(abs(point.angle - lock.angle) < point.half for point in meetings):
+    meetings, period = ((), None) if further is None else (further.change_points, further.period)
+    if any(abs(math.remainder(point.angle - lock.angle, period or math.inf)) < point.half for point in meetings):
         places = ", ".join(f"{place * coordinate.scale:.6g}" for place in sorted(point.angle for point in meetings))
         problem = f"two assemblies meet at {coordinate.position}s of {places} {coordinate.shown_unit}, and a prescribed motion does not say"
         remedy = "keep it between them, make the lengths unequal, or simulate a run, which goes on in the drawn one"

@@ -659,7 +659,7 @@ def _period(
     if not branch.coordinate.turns:
         return _there_and_back(branch, rate, points)
     if branch.period is None:  # a prescribed turn does not go through change points
-        raise out_of_branch(branch, rate > 0, press.branch_through_change_points.change_points)
+        raise out_of_branch(branch, rate > 0, press.branch_through_change_points)
     turns = press.period_turns if known.turns is None else known.turns
     period = 2 * np.pi * turns
     if not (rate and math.isfinite(period / rate)):

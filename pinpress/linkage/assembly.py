@@ -148,7 +148,7 @@ def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: 
     ends = np.minimum.reduce(angles), np.maximum.reduce(angles)
     if branch.period is None and not branch.angles[0] <= ends[0] <= ends[1] <= branch.angles[-1]:
         further = through_change_points(engine, spatial_model, branch)
-        raise out_of_branch(branch, bool(ends[1] > branch.angles[-1]), further.change_points)
+        raise out_of_branch(branch, bool(ends[1] > branch.angles[-1]), further)
     if branch.period is not None and max(-ends[0], ends[1]) > MANY_PERIODS * branch.period:
         return _closed_far_away(engine, spatial_model, branch, angles, name)
     if len(angles) <= engine.piece:

@@ -123,7 +123,7 @@ class DrawnPress(Tabular):
         Raises:
             PinpressError: what `load` raises.
         """
-        return load_document(self.document(self._file_as_urdf, self._text()), slide, gravity, command=self._check_command)
+        return load_document(self._document(self._file_as_urdf, self._text()), slide, gravity, command=self._check_command)
 
     def check(self, slide: str | None = None) -> CheckResult:
         """How the press moves, and everything that is wrong with it, odd in it or worth knowing, as `pinpress.check` finds it.
@@ -131,11 +131,11 @@ class DrawnPress(Tabular):
         Args:
             slide: as for `load`.
         """
-        found = check_document(self.file, self.document(self._file_as_urdf, self._text()), slide=slide)
+        found = check_document(self.file, self._document(self._file_as_urdf, self._text()), slide=slide)
         findings = (replace(finding, line=None) for finding in found.findings)  # lines are of a URDF that nobody has seen
         return replace(found, findings=Records(Finding, findings))
 
-    def document(self, file: str, text: bytes) -> Document:
+    def _document(self, file: str, text: bytes) -> Document:
         """A URDF of this press, which says of which links the moments of inertia are estimated."""
         return Document(file, text, estimated=frozenset(link.name for link in self.parts.links if not link.inertia_given))
 

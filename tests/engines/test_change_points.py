@@ -59,14 +59,11 @@ def test_rod_as_long_as_the_crank(equal, method, speed):
     assert run.stats.energy_error < 1e-10
 
 
-def test_between_change_points_none_is_looked_for():
-    """Forces of a motion that stays clear of both, by the branch alone; within 1e-4 rad of one it is looked for, and the forces stand."""
-    press = texts.load.__wrapped__(equal_rod())  # no other test's
-    near = math.pi / 2 - 1e-4
-    pp.inverse_dynamics(press, pp.servo_cycle(press, angle=[-1.5, 0.3, 1.5], speed=1.0))
-    assert not any(name.endswith(".branch_through_change_points") for known in vars(press)["_kept"] for name in known)
-    pp.inverse_dynamics(press, pp.servo_cycle(press, angle=[0.0, near], speed=1.0))
-    assert any(name.endswith(".branch_through_change_points") for known in vars(press)["_kept"] for name in known)
+def test_forces_between_and_beside_change_points():
+    """Forces of a motion that stays clear of both change points, and of one that comes within 1e-4 rad of one, balance."""
+    press, near = texts.load.__wrapped__(equal_rod()), math.pi / 2 - 1e-4
+    for angles in ([-1.5, 0.3, 1.5], [0.0, near]):
+        assert np.abs(pp.inverse_dynamics(press, pp.servo_cycle(press, angle=angles, speed=1.0)).power_residual).max() < 1e-8
     assert len(press.branch_through_change_points.change_points) == 2
 
 
@@ -102,7 +99,7 @@ def test_a_swing_that_turns_back_at_the_change_point(equal, method):
 def test_a_prescribed_turn_is_refused_there(equal):
     """Without momentum mechanics does not say which way: the error has the crank angle; a turn up to it is fine."""
     for angle in (math.pi / 2 + 1e-3, math.pi, -math.pi / 2 - 1e-3):
-        with pytest.raises(pp.SingularityError, match="locks") as caught:
+        with pytest.raises(pp.SingularityError, match="two assemblies meet") as caught:
             pp.servo_cycle(equal, angle=[0.0, angle], speed=1.0)
         assert abs(abs(caught.value.crank_angle) - math.pi / 2) < 1e-6
     near = pp.servo_cycle(equal, angle=[math.pi / 2 - 1e-3], speed=1.0)

@@ -189,7 +189,7 @@ def test_lumped_masses(monkeypatch):
         found = foundation.reduced_frame(at_nodes, stiffness, **more | {"modes": kept})
         assert found.stiffness_between("crown", "bed") == pytest.approx(frame().stiffness_between("crown", "bed"), rel=1e-7)
     bare = np.where(np.asarray(more["degrees"])[:, 1] > 2, 0.0, np.diag(at_nodes))
-    with pytest.raises(PinpressError, match=r"interface .foot .' along its coordinate turn about z moves no mass: give rotary inertia"):
+    with pytest.raises(PinpressError, match=r"interface '[\w ]+' along its coordinate turn about [xyz] moves no mass: give rotary inertia"):
         foundation.reduced_frame(np.diag(bare), stiffness, **more)
 
 

@@ -154,7 +154,10 @@ def test_a_press_is_the_same_however_its_file_lies(both, turned, downwards):
     same(first.shaking_force @ rotation.T, second.shaking_force, 1e-8)
     text = [summary(press, motion, found) for press, motion, found in zip((upright, turned_press), motions, (first, second), strict=True)]
     slides = [re.search(r"Slide \(.*?\n\n", each, re.DOTALL)[0] for each in text]
-    assert slides[0] == slides[1]
+    number = r"-?\d+(?:\.\d+)?"
+    assert re.sub(number, "#", slides[0]) == re.sub(number, "#", slides[1])
+    ours, theirs = (np.array(re.findall(number, slide), dtype=float) for slide in slides)
+    assert_allclose(theirs, ours, rtol=3e-4)  # a flat peak is located to 0.01 deg, where the slide has moved 0.02 mm
     runs = [
         pp.simulate(press, 0.2, speed=8.0, flywheel=pp.drives.Flywheel(2e3), loads=loads, points=5) for press in (upright, turned_press)
     ]

@@ -545,6 +545,7 @@ DESCRIPTIONS = {
     "Parts",
     "Pin",
     "Stiffness",
+    "Tool",
     "Tree",
 }  # callers give these
 SOLUTION = {"ClosedStates", "SimulationProblem", "Trajectory"}  # behind a motion: the equations and what solves them

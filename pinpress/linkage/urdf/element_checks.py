@@ -101,7 +101,7 @@ def problems(robot: Element) -> Iterator[Problem]:
     """All problems of a URDF."""
     if not robot.get("name"):
         yield robot, "has no name", 'write <robot name="press">'
-    elif odd := odd_character(robot.get("name")):
+    elif odd := odd_character(robot.get("name"), with_control=False):
         yield robot, _odd_name(robot, odd), "give it another name"
     if robot.attributes.get("version", "1.0") not in ("1.0", "1.1"):
         yield robot, f"unknown URDF version {robot.get('version')!r}", 'write version="1.0", or no version'
@@ -188,7 +188,7 @@ def _name_problems(robot: Element) -> Iterator[Problem]:
                 yield element, "the name is already that of a <joint>", "give each bearing, joint or loop, its own name"
             elif tag == "joint" and name == "universe":
                 yield element, "the name 'universe' is Pinocchio's own, for the world", "give the joint another name"
-            elif odd := odd_character(name):
+            elif odd := odd_character(name, with_control=False):
                 yield element, _odd_name(element, odd), "give it another name"
             elif tag == "material" and not element.all("color", "texture"):
                 yield element, "has neither a colour nor a texture", 'write <color rgba="0.5 0.5 0.5 1"/> in it'
