@@ -23,6 +23,11 @@ STATED = """() => [...document.querySelectorAll('.inputs')].map(box => [
     box.querySelector('h3')?.textContent ?? '',
     [...box.querySelectorAll('dt')].map(name => [name.textContent, name.nextSibling.textContent]),
 ])"""
+VALUE = """([time, title]) => {
+    seek(time);
+    const box = [...document.querySelectorAll('.chart')].find(box => box.querySelector('h3')?.textContent.startsWith(title));
+    return box.querySelector('.legend output').textContent;
+}"""
 ARROW = """time => {
     setPlaying(false);
     seek(time);
@@ -138,3 +143,65 @@ def test_utilisation(press: Any, pressed: Any, ratings: Any) -> None:
             pp.PinpressError, match=r"are of crank_slide, the ratings of zxn2_3000b|is of zxn2_3000b, the page of crank_slide"
         ):
             refused()
+
+
+@pytest.fixture(scope="module")
+def stepped() -> Any:
+    crank = texts.shipped("crank_slide")
+    return pp.inverse_dynamics(crank, pp.cycle(crank, 10.0, points=360), [pp.loads.ConstantForce(1e5, 0.03)])
+
+
+@pytest.fixture(scope="module")
+def steps(stepped: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    crank = texts.shipped("crank_slide")
+    rated = pp.ratings.rate(crank, 10.0, pp.ratings.Capacities(2e5, nominal_height=0.006))
+    along = pp.ratings.rate_motion(crank, stepped.motion, pp.ratings.Capacities(2e5, torque=1e4))
+    path = tmp_path_factory.mktemp("steps") / "out.html"
+    return pp.report(crank, stepped.motion, path, reactions=stepped, before=stepped, results=[rated, along])
+
+
+def test_a_step_of_the_load_is_drawn_as_a_step(steps: Path, stepped: Any) -> None:
+    """Both values at the edge, by the closed form of the reference press: -159.084 and 7661.827 N m at 318.96 deg."""
+    report = data_in(steps)["report"]
+    charts = [block for section in report["sections"] for block in section["blocks"]]
+    charts += [bearing["components"] for block in charts if block["kind"] == "bearings" for bearing in block["bearings"]]
+    lines = [(chart, curve) for chart in charts if chart["kind"] == "lines" and chart["follows"] == "frames" for curve in chart["curves"]]
+    drawn = {(chart["title"], curve["name"]): (numbers(curve["x"]), numbers(curve["y"])) for chart, curve in lines if curve["x"]}
+    x, torque = drawn["Driving torque", "driving torque"]
+    ends, edge = np.flatnonzero((np.diff(x) < 1e-4) & (np.abs(np.diff(torque)) > 1.0))
+    assert x[edge : edge + 2] == pytest.approx(318.9603436797, abs=1e-4)
+    assert 1e3 * torque[edge : edge + 2] == pytest.approx([-159.084, 7661.827], abs=2e-3)
+    assert_allclose(1e3 * np.delete(torque, [ends, ends + 1, edge, edge + 1])[:360], stepped.driving_torque, rtol=1e-5, atol=1e-2)
+    for title, name in drawn:
+        assert np.all(np.diff(drawn[title, name][0]) >= 0), title
+        assert len(drawn[title, name][0]) == len(x), title
+    assert drawn["Process force", "process force"][1][edge : edge + 2].tolist() == [0.0, 100.0]
+    uses = [block for block in charts if block.get("title") == "Process force by permissible force"]
+    assert len(uses) == 2
+    for use in uses:
+        assert numbers(use["curves"][0]["y"])[edge] == 0.0 < numbers(use["curves"][0]["y"])[edge + 1]
+    for over_height in (block for block in charts if block.get("follows") == "height"):
+        for curve in (curve for curve in over_height["curves"] if curve["name"] == "process force"):
+            height, force = numbers(curve["x"]), numbers(curve["y"])
+            step = np.flatnonzero(np.diff(force))
+            assert height[[*step, *step + 1]] == pytest.approx(30.0, abs=1e-4)
+    assert_allclose(numbers(report["before"]), x)
+    for _, curve in lines:
+        if curve["before"]:
+            assert np.array_equal(numbers(curve["before"]), numbers(curve["y"])), curve["name"]
+
+
+def test_cursors_follow_curves_with_steps(steps: Path, stepped: Any, shared_view: Callable[..., Any]) -> None:
+    page = shared_view(steps, (1000, 500))
+    for state in (0, 100, 318, 319, 359):
+        shown = page.evaluate(VALUE, [float(stepped.motion.time[state]), "Driving torque"])
+        assert float(shown.replace("\u2212", "-")) == pytest.approx(1e-3 * stepped.driving_torque[state], abs=6e-4)
+    assert page.evaluate(VALUE, [10.0, "Driving torque"])  # at the end too
+
+
+def test_loads_without_steps_keep_the_key_frames(written: Path) -> None:
+    """Deep drawing begins and ends without force; its curves have no abscissa of their own."""
+    charts = [block for section in data_in(written)["report"]["sections"] for block in section["blocks"]]
+    curves = [curve for chart in charts if chart["kind"] == "lines" and chart["follows"] == "frames" for curve in chart["curves"]]
+    assert curves
+    assert [curve["name"] for curve in curves if curve["x"]] == []

@@ -59,7 +59,7 @@ class Line:
         name: Name of the curve.
         y: (m,) values in the chart's unit.
         x: (m,) values along the chart; None: those of the key frames.
-        before: (b,) values of the press before, over its own key frames, drawn dashed; None for none.
+        before: (b,) values of the press before, over its own abscissa, drawn dashed; None for none.
         at_frames: (k, 2) x and y at the key frames, for a curve that is no function of x; None: the value is read off the curve.
         points: Whether it is drawn as points without a line.
         strong: Whether it is drawn wide, below the others.

@@ -17,7 +17,6 @@ from ...simulation.run import Run
 from .. import charts
 from ..charts import Chart, Locus
 from ..pages import packed
-from ..recording import KeyFrames
 from . import driving
 from .blocks import BarChart, Block, Figure, Line, LineChart, Section, Table, alike, with_prefix
 from .shown import Shown
@@ -33,27 +32,27 @@ DIGITS = {"deg": 1, "mm": 1, "s": 4}  # behind the point, of places by their uni
 def sections(shown: Shown, before: Shown | None, ratings: PressRatings | None) -> list[Section]:
     """Sections of motion and reactions, without the table of extremes."""
     reactions, other = shown.reactions, {} if before is None else {chart.title: chart for chart in _charts(before)}
-    motion, heights = reactions.motion, _force_over_height(shown, ratings)
+    motion, heights, curves = reactions.motion, _force_over_height(shown, ratings), shown.drawn
 
     def drawn(*some: Chart | None) -> list[Block]:
-        return [_line_chart(chart, shown.frames, other.get(chart.title), before) for chart in some if chart is not None]
+        return [_line_chart(chart, shown, other.get(chart.title), before) for chart in some if chart is not None]
 
     run = [*driving.motor(motion, shown.frames), *driving.strokes(motion)] if isinstance(motion, Run) else []
     bearings: list[Block] = [_Bearings(shown, before)] if shown.press.bearings else []
     found = harmonics_chart(reactions, None if before is None else before.reactions)
     named: list[tuple[str, list[Block]]] = [
-        ("Slide", drawn(*charts.slide(motion, shown.bottom))),
-        ("Process", [*drawn(charts.process(reactions)), *heights]),
-        ("Drive", [*drawn(*charts.driving(reactions), *charts.driver_speeds(motion)), *run, *driving.energy(reactions)]),
-        ("Bearings and guides", [*drawn(charts.bearing(reactions), charts.bearing_moment(reactions)), *bearings]),
-        ("Foundation", [*drawn(charts.shaking(reactions), charts.shaking_moment(reactions)), *([] if found is None else [found])]),
+        ("Slide", drawn(*charts.slide(curves.motion, shown.bottom))),
+        ("Process", [*drawn(charts.process(curves)), *heights]),
+        ("Drive", [*drawn(*charts.driving(curves), *charts.driver_speeds(curves.motion)), *run, *driving.energy(reactions)]),
+        ("Bearings and guides", [*drawn(charts.bearing(curves), charts.bearing_moment(curves)), *bearings]),
+        ("Foundation", [*drawn(charts.shaking(curves), charts.shaking_moment(curves)), *([] if found is None else [found])]),
     ]
     return [Section(title, blocks) for title, blocks in named if blocks]
 
 
 def _charts(shown: Shown) -> list[Chart]:
     """All charts of a motion and its reactions."""
-    reactions = shown.reactions
+    reactions = shown.drawn
     some = [
         *charts.slide(reactions.motion, shown.bottom),
         charts.process(reactions),
@@ -67,25 +66,24 @@ def _charts(shown: Shown) -> list[Chart]:
     return [chart for chart in some if chart is not None]
 
 
-def _line_chart(chart: Chart, frames: KeyFrames, other: Chart | None, before: Shown | None) -> LineChart:
-    """A chart over the key frames, its counterpart of the press before dashed."""
+def _line_chart(chart: Chart, shown: Shown, other: Chart | None, before: Shown | None) -> LineChart:
+    """A chart of what is drawn of a motion, its counterpart of the press before dashed."""
     dashed: dict[str, Array] = {}
     if other is not None and before is not None:
         factor = charts.factor(chart.quantity, chart.unit) / charts.factor(other.quantity, other.unit)
-        dashed = {curve.name: factor * curve.values[before.frames.states] for curve in other.curves}
-    lines = [Line(curve.name, curve.values[frames.states], before=dashed.get(curve.name)) for curve in chart.curves]
+        dashed = {curve.name: factor * curve.values[before.states] for curve in other.curves}
+    lines = [Line(curve.name, curve.values[shown.states], shown.own_along, dashed.get(curve.name)) for curve in chart.curves]
     return LineChart(chart.title, chart.unit, lines)
 
 
 def _force_over_height(shown: Shown, ratings: PressRatings | None) -> list[Block]:
     """Process force and permissible force over the height; nothing without a process."""
-    reactions, frames = shown.reactions, shown.frames
-    chart = charts.force_over_height(reactions)
+    chart, keys = charts.force_over_height(shown.drawn), shown.keys
     if chart is None:
         return []
-    closed = np.append(np.arange(len(chart.height)), 0 if is_cycle(reactions.motion) else [])
-    every = closed.astype(int) if len(closed) <= MOST_POINTS else frames.states
-    at_frames = np.column_stack([chart.height[frames.states], chart.force[frames.states]])
+    closed = np.append(np.arange(len(chart.height)), 0 if is_cycle(shown.motion) else [])
+    every = closed.astype(int) if len(closed) <= MOST_POINTS else shown.states
+    at_frames = np.column_stack([chart.height[keys], chart.force[keys]])
     lines = [Line("process force", chart.force[every], chart.height[every], at_frames=at_frames)]
     if ratings is not None:
         lines.append(Line("permissible force", charts.factor("force", chart.unit) * ratings.force, 1e3 * ratings.height))
@@ -110,7 +108,7 @@ class _Bearings:
         reactions, before = self.shown.reactions, {}
         if self.before is not None:
             names = list(self.before.reactions.bearing_force)
-            before = dict(zip(names, charts.loci(self.before.reactions, names), strict=True))
+            before = dict(zip(names, charts.loci(self.before.drawn, names), strict=True))
         found = charts.loci(reactions, self.shown.press.bearings_as_drawn)
         return {"kind": "bearings", "bearings": [self._bearing(locus, before.get(locus.bearing)) for locus in found]}
 
@@ -120,12 +118,11 @@ class _Bearings:
         bearing: dict[str, Any] = {"name": name, "link": locus.link, "axes": locus.axes, "unit": locus.unit, "before": None}
         bearing |= {key: packed(getattr(locus, key)[frames.states], name) for key in ("frame", "own")}
         if self.before is not None and old is not None:
-            its = self.before.frames
-            other = charts.components(self.before.reactions, name)
+            other = charts.components(self.before.drawn, name)
             if old.axes == locus.axes:
                 factor = charts.factor("force", locus.unit) / charts.factor("force", old.unit)
-                bearing["before"] = {key: packed(factor * getattr(old, key)[its.states], name) for key in ("frame", "own")}
-        components = _line_chart(charts.components(reactions, name), frames, other, self.before)
+                bearing["before"] = {key: packed(factor * getattr(old, key)[self.before.states], name) for key in ("frame", "own")}
+        components = _line_chart(charts.components(self.shown.drawn, name), self.shown, other, self.before)
         return bearing | {"open": _left_open(reactions, name), "components": components.as_json()}
 
 
@@ -249,7 +246,7 @@ def _change(value: ExtremeValues, before: float) -> str:
 
 def _units(shown: Shown) -> dict[str, tuple[str, float]]:
     """Units of the charts, and the number of it in the unit of `extremes`, by the first words of a quantity's name."""
-    reactions, found = shown.reactions, dict[str, tuple[str, float]]()
+    reactions, found = shown.drawn, dict[str, tuple[str, float]]()
 
     def take(chart: Chart | None, *names: str) -> None:
         if chart is not None and chart.quantity in ("force", "torque", "moment"):

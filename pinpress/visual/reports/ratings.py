@@ -24,7 +24,12 @@ def section(ratings: PressRatings, shown: Shown) -> Section:
     """The section of ratings; raises `PinpressError` where they are of another press."""
     refuse_others("rating", ratings._press, shown)
     use = ratings.utilisation(shown.reactions)
-    blocks: list[Block] = [*_figures(ratings, shown, use), *_forces(ratings, shown), *_use(use, shown), *_work(ratings)]
+    blocks: list[Block] = [
+        *_figures(ratings, shown, use),
+        *_forces(ratings, shown),
+        *_use(ratings.utilisation(shown.drawn)[shown.states], shown),
+        *_work(ratings),
+    ]
     blocks += [Facts("Main data", data_in_words(ratings)), _table(ratings)]
     return Section(
         "Ratings", blocks, [*capacities_in_words(ratings.capacities, ratings.driver_coordinate)], f"At {conditions_in_words(ratings)}."
@@ -35,6 +40,7 @@ def along_motion(ratings: MotionRatings, shown: Shown) -> Section:
     """The section of ratings along the motion of the page; raises `PinpressError` where they are of another press or motion."""
     refuse_others("rating", ratings._press, shown)
     use, states = ratings.utilisation(shown.reactions), shown.frames.states
+    process, permissible = shown.drawn.process_force[shown.states], np.interp(shown.time, shown.frames.time, ratings.force[states])
     least, most = int(ratings.force.argmin()), int(use.argmax())
     figures = [Figure("least permissible force", with_prefix(float(ratings.force[least]), "N"), f"at {shown.motion.place(least)}")]
     if use.any():
@@ -43,8 +49,8 @@ def along_motion(ratings: MotionRatings, shown: Shown) -> Section:
     lines = [Line("permissible force", scale.factor * ratings.force[states], strong=True)]
     lines += [Line(name, scale.factor * force[states]) for name, force in ratings.limits.items()]
     if use.any():
-        lines.append(Line("process force", scale.factor * shown.reactions.process_force[states]))
-    blocks: list[Block] = [Figures(figures), LineChart("Permissible process force", scale.unit, lines), *_use(use, shown)]
+        lines.append(Line("process force", scale.factor * process, shown.own_along))
+    blocks: list[Block] = [Figures(figures), LineChart("Permissible process force", scale.unit, lines), *_use(process / permissible, shown)]
     note = "In this motion, beside weights and inertia forces" + ", with friction" * bool(ratings.friction)
     return Section("Ratings", blocks, limits_in_words(ratings), f"{note}.")
 
@@ -68,12 +74,12 @@ def _forces(ratings: PressRatings, shown: Shown) -> Sequence[Block]:
     scale, height = tables.scale("N", [ratings.capacities.nominal_force]), 1e3 * ratings.height
     lines = [Line("permissible force", scale.factor * ratings.force, height, strong=True)]
     lines += [Line(name, scale.factor * force, height) for name, force in ratings.limits.items()]
-    process = charts.force_over_height(shown.reactions)
+    process = charts.force_over_height(shown.drawn)
     if process is not None and process.above_bottom:
         factor = scale.factor / charts.factor("force", process.unit)
-        states = shown.frames.states
-        pairs = np.column_stack([process.height[states], factor * process.force[states]])
-        lines.append(Line("process force", pairs[:, 1], pairs[:, 0], at_frames=pairs))
+        pairs = np.column_stack([process.height, factor * process.force])
+        drawn = pairs[shown.states]
+        lines.append(Line("process force", drawn[:, 1], drawn[:, 0], at_frames=pairs[shown.keys]))
     nominal = ratings.capacities.nominal_height
     marks = [mark for mark in (*ratings.changes, *([] if nominal is None else [nominal])) if mark < ratings.stroke / 2]
     reaches = {"Permissible force": ratings.stroke}
@@ -85,10 +91,10 @@ def _forces(ratings: PressRatings, shown: Shown) -> Sequence[Block]:
 
 
 def _use(use: Array, shown: Shown) -> list[Block]:
-    """Share of the permissible force over the motion."""
+    """Share of the permissible force over the motion, (c,) in the states that are drawn."""
     if not use.any():
         return []
-    return [LineChart("Process force by permissible force", "%", [Line("use", 100 * use[shown.frames.states])])]
+    return [LineChart("Process force by permissible force", "%", [Line("use", 100 * use, shown.own_along)])]
 
 
 def _work(ratings: PressRatings) -> list[Block]:

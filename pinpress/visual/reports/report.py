@@ -26,7 +26,7 @@ from ..pages import packed
 from ..recording import elastic_run_of, key_frames, scene, shaft_flywheels
 from .blocks import Block, LineChart, Section
 from .motion import figures, sections, table_of_extremes
-from .shown import Shown, as_shown, before_shown, frames_along, in_words
+from .shown import Shown, as_shown, before_shown, in_words
 
 SAME = 1e-6  # periods by which an angle may lie beyond its period by rounding
 
@@ -50,9 +50,9 @@ def report(
     goes; every bearing and guide force, its magnitude, components, and polar diagrams in the world's axes and in those of the link on which
     it acts; moments in guides; shaking force with its harmonics, and shaking moment. Under process loads, charts show the process
     force over the crank angle and over the slide's height. For a run, a chart shows the motor's torque over the speed, beside the motor's
-    curve. A table lists the extremes, see `measures.extremes`. Curves have the recording's key frames, at most 360 a turn. For an
-    `ElasticRun` these forces are those of the rigid press; a section of its own has the forces of the springs
-    beside them, the slide's depth, and the places where loads begin and end.
+    curve. A table lists the extremes, see `measures.extremes`. Curves have the recording's key frames, at most 360 a turn, and the states
+    on both sides of each step of the load. For an `ElasticRun` these forces are those of the rigid press; a section of its own has the
+    forces of the springs beside them, the slide's depth, and the places where loads begin and end.
 
     Args:
         press: As for `record`.
@@ -131,7 +131,7 @@ def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> 
         "inputs": _inputs(shown, before, more),
         "figures": [figure.as_json() for figure in figures(shown)],
         "over": {"quantity": abscissa.quantity, "unit": abscissa.unit},
-        "before": None if before is None else packed(frames_along(before), "before"),
+        "before": None if before is None else packed(before.along, "before"),
         "heights": None if heights is None else packed(heights, "height"),
         "period": period,
         "sections": [part.as_json() for part in parts],

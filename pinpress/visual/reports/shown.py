@@ -6,10 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
 from ...dynamics.applied_loads import turning_points
+from ...dynamics.extremes import at_peaks, rounding
 from ...dynamics.inverse_dynamics import Reactions
 from ...kinematics.motion import Motion
 from ...linkage.linkage import Linkage, is_same_press, told_apart
@@ -27,17 +29,35 @@ class Shown:
         reactions: Reactions to its motion.
         frames: Key frames of the motion.
         bottom: Slide position at bottom dead centre [m]; None where there is none.
+        drawn: Reactions whose states the curves show: these reactions, or these with the states on both sides of each step of the load.
+        states: (c,) indices of the curves' states in `drawn`: those of the key frames, and the states beside steps.
+        time: (c,) their times, 0 at the first [s].
+        along: (c,) quantity over which the curves are drawn, in its unit.
     """
 
     press: Linkage
     reactions: Reactions
     frames: KeyFrames
     bottom: float | None
+    drawn: Reactions
+    states: NDArray[np.intp]
+    time: Array
+    along: Array
 
     @property
     def motion(self) -> Motion:
         """The motion to which the reactions are."""
         return self.reactions.motion
+
+    @property
+    def own_along(self) -> Array | None:
+        """(c,) quantity over which the curves are drawn; None where they have the key frames alone."""
+        return None if self.drawn is self.reactions else self.along
+
+    @property
+    def keys(self) -> NDArray[np.intp]:
+        """(k,) indices of the key frames in `drawn`."""
+        return self.states[np.searchsorted(self.time, self.frames.time)]
 
     @property
     def heights(self) -> Array | None:
@@ -48,10 +68,22 @@ class Shown:
 
 
 def as_shown(reactions: Reactions, frames: KeyFrames) -> Shown:
-    """What a page shows moving, of reactions and the key frames of their motion."""
+    """What a page shows moving, of reactions and the key frames of their motion; raises `PinpressError` as `extremes` does."""
+    rounding(reactions)  # which refuses forces that are not finite
     press = reactions._press
     bottom = -math.inf if press.slide is None else turning_points(press)[0]
-    return Shown(press, reactions, frames, bottom if math.isfinite(bottom) else None)
+    motion, found = reactions.motion, at_peaks(reactions)
+    beside = np.flatnonzero([bool(remark) for remark in found.remarks])  # the states on both sides of each step of the load
+    drawn = found.reactions if len(beside) else reactions
+    states, time, crank = frames.states, frames.time, frames.crank
+    if len(beside):
+        its, angle = drawn.motion.time, drawn.motion.crank_angle.reshape(len(found.remarks), -1)[:, 0]
+        states = np.append(np.searchsorted(its, motion.time[states]), beside)
+        time, crank = np.append(time, its[beside] - motion.time[0]), np.append(crank, angle[beside])
+        order = np.argsort(time, kind="stable")
+        states, time, crank = states[order], time[order], crank[order]
+    along = time if charts.abscissa(motion).quantity == "time" else motion.driver_coordinates[0].scale * crank
+    return Shown(press, reactions, frames, bottom if math.isfinite(bottom) else None, drawn, states, time, along)
 
 
 def before_shown(before: Reactions, motion: Motion) -> Shown:
@@ -67,13 +99,6 @@ def before_shown(before: Reactions, motion: Motion) -> Shown:
     if over != "time" and (motion.crank_angle[-1] > motion.crank_angle[0]) != (frames.crank[-1] > frames.crank[0]):
         raise PinpressError("before turns the other way than the motion: compare two that turn the same way")
     return as_shown(before, frames)
-
-
-def frames_along(shown: Shown) -> Array:
-    """(k,) quantity over which the curves of the key frames are drawn, in its unit."""
-    if charts.abscissa(shown.motion).quantity == "time":
-        return shown.frames.time
-    return np.asarray(shown.motion.driver_coordinates[0].scale * shown.frames.crank)
 
 
 def in_words(motion: Motion) -> str:

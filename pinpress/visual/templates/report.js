@@ -147,6 +147,7 @@ function lineChart(parent, chart) {
 const pairAt = pairs => [0, 1].map(i => pairs[2 * moment.before + i] + moment.part * (pairs[2 * moment.after + i] - pairs[2 * moment.before + i]));
 
 function valueAt(x, y, at) {  // of a curve over rising or falling places, between which it is straight; null beyond its ends
+  at = Math.fround(at);  // as the places are
   const way = Math.sign(x.at(-1) - x[0]), k = x.findIndex(place => way * (place - at) >= 0);
   if (k < 0 || (k === 0 && x[0] !== at)) return null;
   return k === 0 ? y[0] : y[k - 1] + (at - x[k - 1]) / (x[k] - x[k - 1] || 1) * (y[k] - y[k - 1]);
