@@ -171,7 +171,7 @@ def comparison(before: Reactions, after: Reactions, *, ax: Iterable[Axes] | None
         PinpressError: they have no bearing of one name, one motion is over the crank angle and the other over time, they turn in different
             directions, ``ax`` are not as many axes as charts, or Matplotlib is not installed.
     """
-    peaks = _pairs(charts.bearing(before), charts.bearing(after))
+    peaks = _pairs(*(charts.bearing(_with_steps(each, charts.bearing(each))) for each in (before, after)))
     if not peaks:
         raise PinpressError(f"{before.motion.linkage} and {after.motion.linkage} have no bearing of one name: there is nothing to compare")
     overs = Over(before.motion), Over(after.motion)

@@ -247,6 +247,18 @@ def test_comparison(result, balanced, comparison):
     assert legend(figure) == ["before: zxn2_3000b", "after: zxn2_3000b_balanced"]
 
 
+def test_comparison_has_the_peaks_at_a_step_of_the_load():
+    """The peaks of one press under one load do not depend on the states: 99.570 kN in W, where the load begins."""
+    press = texts.shipped("crank_slide")
+    loads = [pp.loads.ConstantForce(1e5, 0.03)]
+    coarse, fine = (pp.inverse_dynamics(press, pp.cycle(press, 10.0, points=points), loads) for points in (72, 720))
+    bars = plots.comparison(coarse, fine).axes[-1]
+    widths = [[bar.get_width() for bar in group] for group in bars.containers]
+    largest = {each.quantity: each.largest for each in pp.measures.extremes(fine)}
+    expected = [1e-3 * largest[f"force in {name}, magnitude"] for name in in_order(fine)]
+    np.testing.assert_allclose(widths, [expected, expected], rtol=1e-6)
+
+
 @pytest.mark.exhaustive
 def test_comparison_in_one_unit():
     """Slowly, the crank-slider shakes with 200 N along x, at speed with kilonewtons; a force that was nothing has no percentage."""
