@@ -104,7 +104,7 @@ def test_force_over_height(page: Any, press: Any, pressed: Any, ratings: Any) ->
     assert_allclose(permissible[0], 1e3 * ratings.height, rtol=1e-6)
     assert_allclose(permissible[1], ratings.force / 1e3, rtol=1e-6)
     assert len(charts["Process force [kN]"]) == 1  # the idle press has none to be dashed
-    assert f"{pressed.process_work / 1e3:.4g} kJ" in page.inner_text(".figures")
+    assert f"{pressed.process_work / 1e3:.3f} kJ" in page.inner_text(".figures")
 
 
 @pytest.mark.exhaustive
