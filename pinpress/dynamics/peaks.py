@@ -283,9 +283,14 @@ def _turns(way: _Way, times: Array, values: Array, beside: float) -> Array:
         peak = values[:, 1:-1] + 0.5 * tilt * offset
     changes = np.ptp(values, axis=1) > CONSTANT * np.abs(values).max(axis=1)
     met = changes[:, None] & (offset > -left) & (offset < right) & apart[:-1] & apart[1:]
-    largest, smallest = (best(values[:, 1:-1], axis=1, keepdims=True) for best in (np.max, np.min))
-    beyond = met & (((bend < 0) & (peak >= largest)) | ((bend > 0) & (peak <= smallest)))
-    return way.within(np.unique((times[1:-1] + offset)[beyond]))
+    vertex, found = times[1:-1] + offset, [np.zeros(0)]
+    for sign in (1, -1):
+        beyond = met & (sign * bend < 0) & (sign * peak >= (sign * values[:, 1:-1]).max(axis=1, keepdims=True))
+        height = np.where(beyond, sign * peak, -np.inf)
+        # of peaks of nearly one height the parabolas do not tell the highest; of rounding there are as many as states
+        highest = np.argsort(height, axis=1)[:, -3:]
+        found.append(np.take_along_axis(vertex, highest, axis=1)[np.take_along_axis(beyond, highest, axis=1)])
+    return way.within(np.unique(np.concatenate(found)))
 
 
 def _weights(way: _Way, known: Array) -> Array:

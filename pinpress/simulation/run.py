@@ -112,8 +112,8 @@ class Run(Motion):
     @property
     def jumps(self) -> Array | None:
         """Instants within the run at which a load or the drive may not be smooth [s]; None where only its states are known."""
-        borders = self.trajectory.borders
-        return np.asarray(borders[(borders > 0.0) & (borders < self.time[-1])])
+        jumps = self.trajectory.jumps
+        return np.asarray(jumps[(jumps > 0.0) & (jumps < self.time[-1])])
 
     @property
     def title(self) -> str:

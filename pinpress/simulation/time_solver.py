@@ -5,6 +5,7 @@ DOP853 integrates with steps by error, or Radau IIA where forces are so stiff th
 the classical Runge-Kutta method integrates, as in Zhang 2007, 4.3 (its update of positions corrected: h^2/6, not h/6).
 """
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -91,6 +92,13 @@ class TimeSegment:
     @property
     def borders(self) -> Array:
         return read_only(np.array([self.start, *self.times]))
+
+    @property
+    def jumps(self) -> Array:
+        changes = [
+            time for time, (mode, next_mode) in zip(self.times, itertools.pairwise(self.modes), strict=False) if mode is not next_mode
+        ]
+        return read_only(np.unique([self.start, *changes, self.end]))
 
     @property
     def standing(self) -> float | None:

@@ -69,6 +69,11 @@ class Segment(Protocol):
         ...
 
     @property
+    def jumps(self) -> Array:
+        """Those of the borders at which a load or the drive may jump [s]."""
+        ...
+
+    @property
     def steps(self) -> int: ...
     @property
     def evaluations(self) -> int: ...
@@ -140,6 +145,11 @@ class Trajectory:
         """Rising times, start and end among them, between which the run is smooth [s]."""
         return read_only(np.unique(np.concatenate([segment.borders for segment in self.segments])))
 
+    @cached_property
+    def jumps(self) -> Array:
+        """Those of the borders at which a load or the drive may jump [s]."""
+        return read_only(np.unique(np.concatenate([segment.jumps for segment in self.segments])))
+
     def at(self, times: Array, complete: bool = True) -> Sample:
         """States at rising times (n,); if not ``complete``, without accelerations, and with loops not closed again."""
         if len(self.segments) == 1 and complete:
@@ -179,6 +189,8 @@ class StandstillSegment:
     def borders(self) -> Array:
         return np.array([self.start, self.end])
 
+    jumps = borders
+
     def at(self, times: Array, complete: bool = True) -> Sample:
         none = np.zeros((1, len(times)))
         return Sample(none + self.state.angle, none, none, none[0], none[0], none[0], none[:0], self.state.integrals[:, None] + none)
@@ -215,7 +227,15 @@ class RepetitionSegment:
 
     @property
     def borders(self) -> Array:
-        period, inner = self.start - self.first, self.swing.borders
+        return self._repeated(self.swing.borders)
+
+    @property
+    def jumps(self) -> Array:
+        return self._repeated(self.swing.jumps)
+
+    def _repeated(self, inner: Array) -> Array:
+        """Times of the swing, again in every repetition [s]."""
+        period = self.start - self.first
         inner = inner[(inner >= self.first) & (inner <= self.start)]
         count = np.arange(1, np.ceil((self.end - self.start) / period) + 1)
         found = np.concatenate([(inner + period * count[:, None]).ravel(), [self.start, self.end]])

@@ -181,6 +181,8 @@ class ElasticSegment:
         found = (own + period * np.arange(np.ceil(self.end / period) + 1)[:, None]).ravel()
         return np.unique(np.concatenate([found[(found > 0.0) & (found < self.end)], [0.0, self.end]]))
 
+    jumps = borders
+
     @property
     def travelled(self) -> float:
         ends = self.states(np.array([0.0, self.end]))

@@ -67,6 +67,8 @@ class AngleSegment:
     def borders(self) -> Array:
         return self.times
 
+    jumps = borders
+
     @property
     def steps(self) -> int:
         return self.count
