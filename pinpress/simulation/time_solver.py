@@ -327,12 +327,12 @@ class Trials:
 
     def __init__(self, system: HybridSystem, mode: Mode) -> None:
         self.system, self.mode = system, mode
-        self.error: LawError | None = None
+        self.error: LawError | SimulationError | None = None
 
     def __call__(self, time: float, y: Array) -> Array:
         try:
             return self.system.rates(self.mode, time, y)
-        except LawError as error:
+        except (LawError, SimulationError) as error:  # SimulationError: where friction would lock the linkage
             self.error = error
             return np.full(len(y), np.nan)
 

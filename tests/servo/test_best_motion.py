@@ -184,7 +184,7 @@ def test_a_press_that_may_rest_does_where_that_needs_less():
     assert np.abs(turn.speed).min() == pytest.approx(0.1 * np.pi, rel=1e-3)  # a tenth of the mean speed
     heavy = best(5.0)
     assert heavy.path == servo.Turn()
-    assert "a stop at top dead centre, path=servo.Stop(), would need 5" in heavy.notes[-1]
+    assert any("a stop at top dead centre, path=servo.Stop(), would need 5" in note for note in heavy.notes)
 
 
 @given(st.floats(0.3, 20.0), st.floats(0.25, 3.0), st.lists(st.floats(-0.3, 0.3), min_size=6, max_size=6))

@@ -171,7 +171,7 @@ def turn_near(problem: MotionProblem, free: Solution, limits: LocalLimits, start
 def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) -> TimedTurn:
     """The motion by tangents, from one that is about the one looked for."""
     assert problem.time is not None
-    whole, found, value, late = _never_resting(problem), None, np.inf, 0.0
+    whole, found, value, least_late = _never_resting(problem), None, np.inf, np.inf
     b = _in_time(problem, b)
     for k in range(max(3 * rounds, MANY_ROUNDS)):  # beyond `rounds` while the time is not met
         rows = [_time_tangent(problem, b, problem.time), *tangents(problem, b, limits)]
@@ -179,10 +179,12 @@ def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) 
         answer = _solved(replace(_with_end(limited), rolled_at=b), sizes_of(problem, b), FINE)
         if not isinstance(answer, Solution):
             break
-        found = TimedTurn(answer, replace(limited, time=None), abs(value - answer.value) / abs(answer.value))
+        turn = TimedTurn(answer, replace(limited, time=None), abs(value - answer.value) / abs(answer.value))
         value = answer.value
         late = float(segment_times(problem.coefficients, answer.b).sum()) / problem.time - 1.0
-        if late <= LATE and (found.change <= SETTLED or k + 1 >= rounds):
+        if late <= max(LATE, least_late):  # where the rounds leave the time again, the one that has met it best counts
+            found, least_late = turn, late
+        if late <= LATE and (turn.change <= SETTLED or k + 1 >= rounds):
             break
         b = _in_time(problem, answer.b)
     if found is None:
