@@ -16,6 +16,7 @@ from pinpress.simulation.over_angle import collocation, refinement
 from pinpress.simulation.over_angle.forces import Forces
 from pinpress.simulation.over_angle.mesh import build_mesh, mesh_borders
 from pinpress.simulation.reduced_model import reduced_model_of
+from pinpress.simulation.run import BETWEEN
 
 RPM = np.pi / 30
 MOTOR = pp.drives.Geared(pp.drives.InductionMotor(75e3, 1485 * RPM, inertia=1.2), ratio=20.7)
@@ -117,7 +118,7 @@ def holds_as_a_run(run, motors_speed=None):
     assert (np.diff(run.trajectory.borders) > 0).all()
     assert np.isfinite(sample.drive_torque).all()
     assert np.isfinite(sample.motor_torque).all()
-    assert speed.max() <= run.trajectory.fastest * 1.02  # between the ends of steps it may be a little larger
+    assert speed.max() <= run.trajectory.fastest * BETWEEN  # between the ends of steps it may be a little larger
     if motors_speed is not None:
         assert speed.max() <= motors_speed
 
