@@ -297,9 +297,9 @@ def _point_force(load: PointForce, press: "Linkage", motion: "Motion") -> Applie
 
 def warn_of_still_point(load: PointForce, press: "Linkage") -> None:
     """Warn of a force at a point of a link that turns about this point in the frame, so that it does no work."""
-    if load.link == press.root or (
-        not callable(load.force) and not numbers(f"load on {shown(load.link)}: force", load.force, unit="N").any()
-    ):
+    if load.link == press.root or callable(load.force):  # a force that a caller turns there is an unbalance
+        return
+    if not numbers(f"load on {shown(load.link)}: force", load.force, unit="N").any():
         return
     joint, point = point_on_body(press, load.link, load.point, f"load on {shown(load.link)}", "point")
     still = [
