@@ -149,7 +149,7 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
     times = np.linspace(0.0, problem.until, state_count(points, trajectory.turns))
     sample = trajectory.at(times)
     if problem.step is None:
-        _refuse_jumps(driven.press, times, sample, trajectory.fastest)
+        _refuse_jumps(problem, times, sample, trajectory.fastest)
     motion = _closed(driven.press, times, sample)
     _refuse_beyond_travel(driven.press, motion)
     error = _audited(problem, motion, sample, trajectory.steps)
@@ -191,14 +191,14 @@ def _closed(press: Linkage, times: Array, sample: Sample) -> Motion:
     return of_states(press, position, speed, acceleration, press.engine().gaps(position), times, press.turns_until_back)
 
 
-def _refuse_jumps(press: Linkage, times: Array, sample: Sample, fastest: float) -> None:
+def _refuse_jumps(problem: SimulationProblem, times: Array, sample: Sample, fastest: float) -> None:
     """Raise SimulationError where the first driver is farther from its state before than its speed allows; ``fastest``: largest size of
     that where it was solved."""
-    joint = press.driver_indices[0] if len(sample.position) > 1 else 0
+    joint = problem.driven.press.driver_indices[0] if len(sample.position) > 1 else 0
     travel, span = np.abs(np.diff(sample.position[joint])), np.diff(times)
     fastest = max(fastest, float(np.abs(sample.speed[joint]).max()))
-    rounding = ROUNDINGS * EPS * max(1.0, float(np.abs(sample.position[joint]).max()))  # errors are relative to 1 rad
-    beyond = travel > BETWEEN * fastest * span + rounding
+    error = problem.tolerance * max(1.0, float(np.abs(sample.position[joint]).max()))  # of a state's angle: a crank at rest may move by it
+    beyond = travel > BETWEEN * fastest * span + error
     if beyond.any():
         k = int(np.argmax(beyond))
         there = float(sample.position[joint, k])

@@ -72,14 +72,10 @@ def test_process_beside_what_is_permitted(tmp_path: Path, capsys: pytest.Capture
     limits = ["--nominal-force", "3000kN", "--nominal-height", "13mm", "--out", str(tmp_path), "--report"]
     assert main([*ANALYSE, "--load", BLANKING, *limits]) == 0
     text = capsys.readouterr().out
-    press, motion = shipped()
-    reactions = pp.inverse_dynamics(press, motion, [BLANK])
-    ratings = pp.ratings.rate(press, 70 * pp.RPM, pp.ratings.Capacities(3e6, nominal_height=0.013))
     section = text.split("\nProcess")[1].split("\n\n")[0]
     numbers = [float(number) for number in re.findall(r"^  [a-z ]+? +([\d.]+) (?:kN|J|%)", section, flags=re.MULTILINE)]
-    assert numbers == pytest.approx(
-        [reactions.process_force.max() / 1e3, 1e6 * 0.004 * 2 / np.pi, 100 * ratings.utilisation(reactions).max()], rel=1e-4
-    )
+    # at the blank's upper edge the whole 1000 kN act, where 3000 kN are permitted
+    assert numbers == pytest.approx([1000.0, 1e6 * 0.004 * 2 / np.pi, 100 / 3], rel=1e-3)
     assert "  nominal height   13 mm" in text
     data = data_in(tmp_path / "report.html")["report"]
     assert ["nominal force", "3000 kN"] in data["inputs"][0]["rows"]

@@ -78,6 +78,16 @@ def left_over(press, result, loads=()):
             if body:
                 left[:, body - 1, :3] += sign * force
                 left[:, body - 1, 3:] += sign * (moment + np.cross(turning.place[k] - origins[body - 1], force))
+    for coupling in press.couplings:
+        if meshes_with_slide(press, coupling):  # a force at the pitch point, from shaft to slide
+            slide, shaft = sorted((press.joints.index(coupling.name), coupling.leader), key=lambda joint: press.axes[joint].turns)
+            follows = press.joints[slide] == coupling.name
+            push = result.coupling_torque[coupling.name][:, int(not follows), None] * turning.axis[slide]
+            by_turn = coupling.multiplier if follows else 1 / coupling.multiplier  # [m/rad]
+            pitch = origins[shaft] + by_turn * np.cross(turning.axis[slide], turning.axis[shaft])
+            for body, sign in ((slide, 1.0), (shaft, -1.0)):
+                left[:, body, :3] += sign * push
+                left[:, body, 3:] += sign * np.cross(pitch - origins[body], push)
     data = press.model.createData()
     for each in loads:
         frame = press.model.getFrameId(each.link, pin.BODY)
@@ -90,6 +100,11 @@ def left_over(press, result, loads=()):
     return left
 
 
+def meshes_with_slide(press, coupling):
+    """Whether a coupling is a rack: its teeth push on both bodies, where a gear pair turns both shafts by torques."""
+    return press.axes[press.joints.index(coupling.name)].turns != press.axes[coupling.leader].turns
+
+
 def efforts(press, result):
     """Of every bearing (n,): what it transmits along the motion that it leaves free, less drives and gear pairs. Friction alone is left."""
     turning, sliding = Turning(press, result.motion), slides(press)
@@ -98,6 +113,8 @@ def efforts(press, result):
     for k, name in enumerate(press.drivers):
         torque[name] = torque[name] + driving[:, k]
     for coupling in press.couplings:
+        if meshes_with_slide(press, coupling):
+            continue
         for k, name in enumerate((coupling.name, press.joints[coupling.leader])):
             torque[name] = torque[name] + result.coupling_torque[coupling.name][:, k]
     parts = [result.bearing_force[name] if name in sliding else result.bearing_moment[name] for name in press.bearings]

@@ -196,6 +196,7 @@ def test_a_load_it_cannot_get_through(press, name):
 
 @pytest.mark.parametrize("name", [name for name in DRIVES if name != "none"])
 @pytest.mark.parametrize("speed", [0.0, -5.0])
+@pytest.mark.filterwarnings("ignore:the motor turns the other way")
 def test_drives_from_standstill_and_backwards(press, name, speed):
     """No torque law is left where its motor never was meant to work."""
     options = {"speed": speed, "angle": 0.5, "flywheel": pp.drives.Flywheel(5.0), "drive": DRIVES[name]}
@@ -212,6 +213,7 @@ def test_an_inverter_at_its_limit(press, method):
     assert result.crank_speed.max() < 1.05 * 2 * math.pi * 25 / 20  # little beyond the synchronous speed
 
 
+@pytest.mark.filterwarnings("ignore:the motor turns the other way")
 def test_an_inverter_passed_through(press, method):
     """The crank swings through its synchronous speed: from one limit to the other within 0.3 rad/s, back and forth."""
     motor = pp.drives.Geared(pp.drives.InverterMotor(0.0147, 1440 * pp.RPM, 50.0), 72.455)
@@ -914,6 +916,7 @@ def test_a_torque_that_holds_a_speed(press, method):
     refused("rest|stiff|jump", press, 1.0, speed=5.0, drive=Drive(jump(300.0, -300.0), (6.0,)), method=method, **AT_5)
 
 
+@pytest.mark.filterwarnings("ignore:the press stands from .* to the end")
 def test_dry_friction_that_holds(press, method):
     """500 N m, more than the weights: the crank stands, or the error says that it would."""
     friction = Drive(lambda w: -500.0 * np.sign(w), (0.0,))

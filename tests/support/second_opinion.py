@@ -19,8 +19,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-if __name__ == "__main__":
-    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # `support`
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # `support`
 
 import numpy as np
 import pinocchio as pin
