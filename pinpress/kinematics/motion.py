@@ -6,7 +6,6 @@ import math
 import os
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from threading import Lock
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
@@ -42,8 +41,6 @@ LATER = {  # what is computed when it is first read, by the names of `ChainState
 }
 TOO_FAST = 1e300  # rates of joints from which on their sums may be too large for floating point
 POINTS = 360  # states of a turn by default
-GRIDS_KEPT = 4  # grids of crank angles whose closures stay with a linkage
-MOST_KEPT = 2**15  # joint coordinates of such a grid: some 10 megabytes with all that belongs to them, 15 in space
 MOST_IN_TITLE = 3  # drivers whose ranges are written out in a title
 MOST_POINTS = 10**7  # most states of one period: half a gigabyte for every quantity of a six-bar press
 
@@ -460,7 +457,6 @@ class _Known(NamedTuple):
         branch: its branch.
         spatial_model: constants for Pinocchio's engine.
         engine: the fastest engine.
-        closures: the last closures.
         slide_rates: how fast the slide is.
         turns: `Linkage.turns_until_back` where the branch has a period, else None.
         chain: the chain of dyads that the linkage is; None where it is none.
@@ -471,7 +467,6 @@ class _Known(NamedTuple):
     branch: Branch
     spatial_model: SpatialModel
     engine: Engine
-    closures: _LastClosures
     slide_rates: _SlideRates
     turns: int | None
     chain: Chain | None
@@ -487,7 +482,6 @@ def _known(press: Linkage) -> _Known:
         branch=branch,
         spatial_model=press.spatial_model,
         engine=press.engine(),
-        closures=_last_closures(press),
         slide_rates=_slide_rates(press),
         turns=turns,
         chain=_chain(press),
@@ -519,7 +513,7 @@ def _along_branch(
     chain = known.chain if branch is known.branch and engine is known.engine else None
     if chain is not None and (one_period or _reaches(chain, known.branch, angles)) and _is_finite(known, speeds, accelerations):
         return _of_chain(press, chain, known, angles if one_period else angles.copy(), speeds, accelerations, times)
-    closure = _closed(known, branch, angles, engine)
+    closure = closed(engine, known.spatial_model, branch, angles, known.fixed.linkage)
     with np.errstate(all="ignore"):  # what overflows is refused
         v, a = _rates(closure, speeds, accelerations)
         _refuse_too_fast(press, a)
@@ -557,15 +551,9 @@ def _of_chain(
     times: Array | None,
 ) -> Motion:
     """The motion of a chain of dyads, which is closed when something of it is read."""
-    fixed, n, closure = known.fixed, len(angles), None
-    key = ("chain", 0, angles.tobytes()) if n * len(fixed.joints) <= MOST_KEPT else None
-    if key is not None:
-        closure = known.closures.get(key)
-    if closure is None:
-        angles.setflags(write=False)
-        closure = ChainClosure(chain, known.branch, angles)
-        if key is not None:
-            known.closures.keep(key, closure)
+    fixed = known.fixed
+    angles.setflags(write=False)
+    closure = ChainClosure(chain, known.branch, angles)
     states = ChainStates(closure, _kept(speeds), _kept(accelerations))
     if times is not None:
         times.setflags(write=False)
@@ -598,49 +586,6 @@ def _refuse_too_fast(press: Linkage, a: Array) -> None:
     """Raise PinpressError where joint accelerations, which have the squares of the speeds in them, are not finite."""
     if not math.isfinite(np.add.reduce(a, axis=None)):
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
-
-
-class _LastClosures:
-    """Closures of the grids of crank angles that were asked for last, because sweeps, ratings and reports ask for the same angles again and
-    again. Threads may share it; copies and pickles start empty."""
-
-    def __init__(self) -> None:
-        self._lock = Lock()
-        self._found: dict[tuple[str, int, bytes], Any] = {}
-
-    def __reduce__(self) -> tuple[type[_LastClosures], tuple[()]]:
-        return _LastClosures, ()
-
-    def get(self, key: tuple[str, int, bytes]) -> Any:
-        with self._lock:
-            closure = self._found.pop(key, None)
-            if closure is not None:
-                self._found[key] = closure  # the last one is dropped last
-            return closure
-
-    def keep(self, key: tuple[str, int, bytes], closure: Any) -> None:
-        with self._lock:
-            self._found[key] = closure
-            if len(self._found) > GRIDS_KEPT:
-                del self._found[next(iter(self._found))]
-
-
-@per_linkage(of_geometry=True)
-def _last_closures(press: Linkage) -> _LastClosures:
-    return _LastClosures()
-
-
-def _closed(known: _Known, branch: Branch, angles: Array, engine: Engine) -> Closure:
-    """`assembly.closed`, kept where the angles are few enough."""
-    name, model = known.fixed.linkage, known.spatial_model
-    if len(angles) * len(known.fixed.joints) > MOST_KEPT:
-        return closed(engine, model, branch, angles, name)
-    key = engine.name, len(branch.change_points), angles.tobytes()
-    closure: Closure | None = known.closures.get(key)
-    if closure is None:
-        closure = closed(engine, model, branch, angles, name)
-        known.closures.keep(key, closure)
-    return closure
 
 
 def _rates(closure: Closure, speed: Array | float, acceleration: Array | float) -> tuple[Array, Array]:

@@ -3,8 +3,7 @@ shipped press, of scenes with springs and friction, and of linkages in space.
 
 Run `python tests/benchmarks/mechanics/inverse_dynamics.py`; `--quick` for a fifth of the repeats. pytest does not collect this file.
 Every contestant starts from crank angles and the loaded press and ends with the driving torque and the force of every pin and
-guide as arrays. A press keeps its closures of the last few grids of crank angles: "new angles" takes another number of angles in each call,
-so that none are found, "other speed" the same angles at another speed, whose closures are found. Contestants take
+guide as arrays. pinpress takes another number of angles in each call, so that memory is not laid out for one number alone. Contestants take
 turns within each repeat, so that whatever else the machine does meets all of them.
 """
 
@@ -45,7 +44,7 @@ SPEED = 70 * 2 * np.pi / 60  # [rad/s]
 TURN = 0.02  # seconds
 SUBSET = 720  # angles that the per-angle loop is timed on where the whole turn has more
 REPEATS = {360: 60, 36000: 15}
-GRIDS = 8  # numbers of angles that take turns where no grid may be known, more than a press keeps
+GRIDS = 8  # numbers of angles that take turns
 FEWEST = range(2, 24)  # numbers of angles for the fixed cost of a call
 OPERATIONS = 95  # calls of NumPy's operations in one of the engine's first calls
 
@@ -76,29 +75,20 @@ def contestants(n: int) -> list[Contestant]:
         print(f"pinpress is left out: {error}")
         return found
     press = load(ROOT / "urdf" / "zxn2_3000b.urdf")
-    sizes, speeds = itertools.cycle(range(n - GRIDS // 2, n + GRIDS // 2)), itertools.count(70.0, 1e-4)
+    sizes = itertools.cycle(range(n - GRIDS // 2, n + GRIDS // 2))
 
-    def pinpress(engine: str, where: dict[str, str], points: int = n, at: float = 70.0) -> tuple[Array, Forces, Forces]:
-        motion = cycle(press, speed=at * rpm, points=points, **where)
+    def pinpress(engine: str, where: dict[str, str], points: int = n) -> tuple[Array, Forces, Forces]:
+        motion = cycle(press, speed=70.0 * rpm, points=points, **where)
         result = solve(press, motion, engine=engine)
         forces = {name: result.bearing_force[name] for name in press.bearings}
         moments = {name: result.bearing_moment[name] for name in press.bearings}
         return result.driving_torque, forces, moments
 
-    found.append(("(c) pinpress, plane, new angles", n, lambda: pinpress("plane", {}, next(sizes)), lambda _: pinpress("plane", {})[:2]))
+    found.append(("(c) pinpress, plane", n, lambda: pinpress("plane", {}, next(sizes)), lambda _: pinpress("plane", {})[:2]))
     if n <= SUBSET:
-        other_speed: Contestant = (
-            "(d) pinpress, plane, other speed",
-            n,
-            lambda: pinpress("plane", {}, at=next(speeds)),
-            lambda _: pinpress("plane", {})[:2],
-        )
-        found.append(other_speed)
         anew: dict[str, Any] = {"engine": "space"}
-        found.append(
-            ("(e) pinpress, space, new angles", n, lambda: pinpress("space", anew, next(sizes)), lambda _: pinpress("space", anew)[:2])
-        )
-        found.append(("(f) pinpress, pinocchio", n, lambda: pinpress("pinocchio", {"engine": "pinocchio"}), lambda r: r[:2]))
+        found.append(("(d) pinpress, space", n, lambda: pinpress("space", anew, next(sizes)), lambda _: pinpress("space", anew)[:2]))
+        found.append(("(e) pinpress, pinocchio", n, lambda: pinpress("pinocchio", {"engine": "pinocchio"}), lambda r: r[:2]))
     return found
 
 
@@ -183,11 +173,6 @@ def print_fixed_cost(repeats: int) -> None:
     def few() -> pp.Reactions:
         return pp.inverse_dynamics(press, pp.cycle(press, speed=70 * pp.RPM, points=next(sizes)))
 
-    speeds = itertools.count(70.0, 1e-4)
-
-    def known() -> pp.Reactions:
-        return pp.inverse_dynamics(press, pp.cycle(press, speed=next(speeds) * pp.RPM, points=12))
-
     turns = itertools.cycle([2 * np.pi * np.arange(n) / n for n in FEWEST])
     rotor = np.exp(2j * np.pi * np.arange(12) / 12)
 
@@ -200,8 +185,7 @@ def print_fixed_cost(repeats: int) -> None:
 
     entries: list[Contestant] = [
         ("(a) hand script, NumPy", 12, script, lambda r: r),
-        ("(c) pinpress, plane, new angles", 12, few, lambda r: r),
-        ("(d) pinpress, plane, other speed", 12, known, lambda r: r),
+        ("(c) pinpress, plane", 12, few, lambda r: r),
         (f"bare operations, {OPERATIONS} of them", 12, bare, lambda r: r),
     ]
     best = {name: min(row) for (name, *_), row in zip(entries, timed(entries, repeats), strict=True)}

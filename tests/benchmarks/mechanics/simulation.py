@@ -30,7 +30,6 @@ import pinpress as pp
 from pinpress.accuracy.contests import least_seconds
 from pinpress.accuracy.peers.six_bar_script import six_bar as hand_script
 from pinpress.accuracy.peers.six_bar_script import world_forces
-from pinpress.kinematics.motion import _last_closures
 from pinpress.linkage.memo import keep_all_but
 from pinpress.simulation.reduced_model import reduced_model_of
 
@@ -54,9 +53,8 @@ def least(contestants: list[Contestant], repeats: int) -> list[tuple[str, float,
 
 
 def without_table(press: pp.Linkage) -> pp.Linkage:
-    """The same linkage, followed and all, without its reduced model, and without the closures of its angles."""
+    """The same linkage, followed and all, without its reduced model."""
     same = replace(press)
-    _last_closures(press)._found.clear()
     keep_all_but(reduced_model_of, same, press)
     return same
 
