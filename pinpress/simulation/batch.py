@@ -226,7 +226,7 @@ class _Scenarios:
     def together(self, some: Indices) -> DrivenPress:
         """The press of the scenarios with these indices, as one array."""
         drive, flywheel, *loads = (pick_scenarios(part, some) for part in self.parts)
-        return driven_press(self.press, drive, flywheel, loads, None, None, self.friction, self.tolerance)
+        return driven_press(self.press, drive, flywheel, loads, None, None, self.friction)
 
     def alone(self, k: int, end: float | None = None) -> Run:
         """Simulate scenario k to the end with all states, or with two states up to the time ``end``."""

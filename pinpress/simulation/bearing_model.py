@@ -29,7 +29,7 @@ from ..engines.forces import MOST_ITERATIONS, AppliedForce, FrictionLaw
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage
 from .failures import failure
-from .reduced_model import RESOLVED, ReducedModel, resolved_panels, roots
+from .reduced_model import ReducedModel, resolved_panels, roots
 
 BY_ACCELERATION, BY_SQUARED_SPEED, BY_WEIGHT, BY_LOADS = 0, 1, 2, 3  # parts of the radial vectors: A, B, G and the first L
 POWERS = np.arange(NODES)
@@ -203,9 +203,7 @@ class BearingStates:
         raise failure("friction locks", None, float(self.angle[worst]))
 
 
-def build_bearing_model(
-    press: Linkage, law: FrictionLaw, reduced: ReducedModel, unit_forces: Sequence[UnitForce], resolution: float = RESOLVED
-) -> BearingModel:
+def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel, unit_forces: Sequence[UnitForce]) -> BearingModel:
     """The model of the bearings of a linkage with one driver.
 
     Args:
@@ -213,7 +211,6 @@ def build_bearing_model(
         law: friction of all its bearings.
         reduced: its reduced model.
         unit_forces: of every coordinate of the loads.
-        resolution: share of the speeds, and of each part, that polynomials may miss.
 
     Raises:
         PinpressError: the linkage goes through change points, where its bearing forces have no bounds.
@@ -226,7 +223,7 @@ def build_bearing_model(
     with_friction = np.flatnonzero((law.arm > 0) | (law.viscous > 0))
     some = FrictionLaw(law.arm[with_friction], law.viscous[with_friction], law.preload[with_friction], law.turns[with_friction], law.size)
     count, sampling = len(with_friction), _Sampling(press, with_friction, unit_forces)
-    sampled = resolved_panels(sampling.rows, sampling.missed, reduced.borders, resolution)
+    sampled = resolved_panels(sampling.rows, sampling.missed, reduced.borders)
     coefficients = sampled.coefficients
     speeds = np.abs(coefficients[:, :count]).max(axis=2) / np.where(some.turns, 1.0, press.size)
     fastest = speeds.max(axis=1).clip(min=1.0 if press.driver_coordinates[0].turns else 1.0 / press.size)  # near a lock without bounds

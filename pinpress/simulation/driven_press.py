@@ -34,13 +34,10 @@ from .law_trials import check_drive, check_load
 from .reduced_model import (
     COORDINATES,
     INERTIA,
-    RESOLVED,
     ReducedModel,
     build_reduced_model,
-    joined,
     places_of,
-    reduced_model_to,
-    resolution_for,
+    reduced_model_of,
     roots,
 )
 
@@ -195,7 +192,6 @@ class DrivenPress:
         prescribed: the speed at which the one driver is held, whatever torque that takes; None: it is not held.
         flywheel: on the drive's side of the clutch.
         flywheels: of a linkage with several drivers, by their names.
-        tolerance: of runs, to which the reduced model is resolved.
         clutch: between drive and flywheel, and the crank; None: they turn together.
         brake: on the crank.
         friction: of the bearings; None for none.
@@ -213,7 +209,6 @@ class DrivenPress:
     brake: Brake | None = None
     friction: FrictionLaw | None = None
     flywheels: Mapping[str, Flywheel] = field(default_factory=dict)
-    tolerance: float = 0.0
 
     @property
     def timed(self) -> bool:
@@ -245,9 +240,8 @@ class DrivenPress:
         """The press reduced to its crank, with the coordinates of the forces."""
         press, coordinates = self.press, self.coordinates
         if len(coordinates) == (press.slide is not None):
-            return reduced_model_to(press, self.tolerance)
-        model, resolution = build_reduced_model(press, [partial(each.over, press) for each in coordinates]), resolution_for(self.tolerance)
-        return joined(model, resolution) if resolution > RESOLVED else model
+            return reduced_model_of(press)
+        return build_reduced_model(press, [partial(each.over, press) for each in coordinates])
 
     @cached_property
     def bearing_model(self) -> BearingModel | None:
@@ -255,7 +249,7 @@ class DrivenPress:
         if self.friction is None:
             return None
         unit_forces = [partial(coordinate.unit_force, self.press) for coordinate in self.coordinates]
-        return build_bearing_model(self.press, self.friction, self.model, unit_forces, resolution_for(self.tolerance))
+        return build_bearing_model(self.press, self.friction, self.model, unit_forces)
 
     @cached_property
     def switch_angles(self) -> tuple[Array, ...]:
@@ -300,9 +294,8 @@ def driven_press(
     clutch: object,
     brake: object,
     friction: Mapping[str, Friction] = NONE_GIVEN,
-    tolerance: float = 0.0,
 ) -> DrivenPress:
-    """A press with one driver, and all that acts on it, for runs to a tolerance.
+    """A press with one driver, and all that acts on it.
 
     Raises:
         PinpressError: an argument is of the wrong kind or contradicts another, a load cannot be simulated, or heights are to be measured
@@ -338,7 +331,6 @@ def driven_press(
         clutch=clutch,
         brake=brake,
         friction=law(friction, press),
-        tolerance=tolerance,
     )
 
 

@@ -5,8 +5,7 @@
 with the reduced inertia I(angle), the potential energy V(angle) of the weights, the inertia J of flywheel and drive on the crank, and
 forces F along coordinates c(angle): the slide's position, the length of a spring. All are smooth functions of the crank angle. They are
 sampled at the nodes of Gauss's quadrature and kept as polynomials, panel by panel; a panel on which a polynomial does not resolve them to
-rounding is halved. The branch's table tells beforehand where that is to be expected, so that mostly one call of the engine samples all. For
-runs to a looser tolerance neighbouring panels are joined again where one polynomial serves for both.
+rounding is halved.
 Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
 """
 
@@ -14,18 +13,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ..common.errors import SimulationError
-from ..common.frozen import read_only
 from ..common.numerics import NODES, gauss_rule, polynomial_root
 from ..common.quantities import Array, DriverCoordinate
-from ..engines.branch import MOST_TURNS, Branch, periods_until_back
-from ..engines.following import slopes
+from ..engines.branch import MOST_TURNS, periods_until_back
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
@@ -38,12 +35,9 @@ NOISE, GAIN = 1e-8, 10.0
 SLACK = 1e-9  # rounding by which an angle may lie outside the range of the model [rad]
 FLAT = 1e-13  # range of the potential energy that is rounding, as a share of its size
 HEIGHT = 1e-3  # the range of the potential energy, and its slope, count as at least this share of its size
-COARSER = 1e-2  # share of a run's tolerance to which its model is resolved
-COARSEST = 1e-5  # as a share of the functions
 PARTS = (
     1e-6  # and as at least this share of what lifting all links by the linkage's size takes: they may balance each other but for rounding
 )
-MIDDLE = 6  # of the terms of a polynomial; it and the next are about the square root of the last ones, and far above the errors of a table
 ALIKE, FAR, SAME = 36, 1000, 1e-9  # angles of a period that are compared with those so many periods away, and the share that is rounding
 NARROWEST = 1e-7  # narrowest panel: what it does not resolve lies at a lock [rad]
 INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a model
@@ -64,7 +58,6 @@ class ReducedModel:
         gains: (rows,) by how much each row has grown after a period: a slide on a screw or a rack does not come back.
         evaluations: states of the linkage that were computed.
         coordinate: what the crank angle is: of a driver that slides it is a position [m], and the reduced inertia a mass [kg].
-        finest: the model from which this one was made by joining panels; None where it is that itself.
     """
 
     borders: Array
@@ -73,7 +66,6 @@ class ReducedModel:
     gains: Array
     evaluations: int
     coordinate: DriverCoordinate
-    finest: ReducedModel | None = None
 
     @property
     def repeats(self) -> bool:
@@ -87,14 +79,12 @@ class ReducedModel:
 
     @cached_property
     def middles(self) -> Array:
-        """(rows, m) in the middles of the panels from which this model was made."""
-        return self.coefficients[:, :, 0].T if self.finest is None else self.finest.middles
+        """(rows, p) in the middles of the panels."""
+        return self.coefficients[:, :, 0].T
 
     @cached_property
     def lightest(self) -> tuple[float, float]:
         """The least reduced inertia at borders and middles of the panels [kg m2], and its crank angle [rad]."""
-        if self.finest is not None:
-            return self.finest.lightest
         angles = np.append(0.5 * (self.borders[1:] + self.borders[:-1]), self.borders[:-1])
         inertia = np.append(self.coefficients[:, INERTIA, 0], self.at(self.borders[:-1])[0][INERTIA])
         return float(inertia.min()), float(angles[int(inertia.argmin())])
@@ -173,7 +163,7 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
     weight = sum(inertia.mass for inertia in list(press.model.inertias)[1:]) * float(np.linalg.norm(press.model.gravity.linear))
     missed, borders = None, np.linspace(low, high, count + 1)
     if panels is None:
-        missed, borders = _Sizes(len(coordinates), PARTS * weight * press.size).missed, _expected(press, branch, borders)
+        missed = _Sizes(len(coordinates), PARTS * weight * press.size).missed
     sampled = resolved_panels(lambda angles: sample_rows(press, angles, coordinates), missed, borders)
     gains = np.zeros(COORDINATES + len(coordinates)) if period is None else _gains(press, coordinates, low, period)
     return ReducedModel(sampled.borders, _centred(sampled.coefficients), period, gains, sampled.points, branch.coordinate)
@@ -199,103 +189,6 @@ def _gains(press: Linkage, coordinates: Sequence[Coordinate], start: float, peri
     return gains
 
 
-def _expected(press: Linkage, branch: Branch, borders: Array) -> Array:
-    """Borders of panels that will resolve the inertia, from these by halving: by its like, the sum of the squares of all joints' rates, in
-    sizes of the linkage where they slide, so that units of length do not matter."""
-    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
-    rule = gauss_rule()
-    starts, ends, done = borders[:-1], borders[1:], [borders[-1:]]
-    while len(starts):
-        angles = _at_nodes(starts, ends)
-        local = angles if branch.period is None else branch.angles[0] + np.mod(angles - branch.angles[0], branch.period)
-        rates = slopes(branch.angles, branch.coefficients, local.ravel()) / lengths[:, None]
-        squares = np.einsum("jn,jn->n", rates, rates).reshape(angles.shape)
-        middle = np.abs(squares @ rule.legendre[MIDDLE : MIDDLE + 2].T).max(axis=1)
-        good = (middle <= math.sqrt(RESOLVED) * squares.max(axis=1)) | (0.5 * (ends - starts) < NARROWEST)
-        done.append(starts[good])
-        starts, ends = _halved(starts[~good], ends[~good])
-    return np.sort(np.concatenate(done))
-
-
-def _halved(starts: Array, ends: Array) -> tuple[Array, Array]:
-    """Starts and ends of the halves of panels: first the left ones."""
-    middle = 0.5 * (starts + ends)
-    return np.concatenate([starts, middle]), np.concatenate([middle, ends])
-
-
-@per_linkage
-def _coarser_models(press: Linkage) -> dict[float, ReducedModel]:
-    """Coarser models by their resolutions, which are entered as they are asked for."""
-    return {}
-
-
-def reduced_model_to(press: Linkage, tolerance: float) -> ReducedModel:
-    """The reduced model for runs to a tolerance, as `reduced_model_of`."""
-    resolution = resolution_for(tolerance)
-    if resolution <= RESOLVED:
-        return reduced_model_of(press)
-    known = _coarser_models(press)
-    if resolution not in known:
-        known[resolution] = read_only(joined(reduced_model_of(press), resolution))
-    return known[resolution]
-
-
-def resolution_for(tolerance: float) -> float:
-    """The share to which a model is resolved for runs to a tolerance: a power of ten, so that few models are made."""
-    power = math.floor(math.log10(max(COARSER * tolerance, RESOLVED)) + 1e-9)
-    return min(COARSEST, max(RESOLVED, float(f"1e{power}")))
-
-
-def joined(model: ReducedModel, resolution: float) -> ReducedModel:
-    """A model whose neighbouring panels are joined in pairs, and these again, where one polynomial misses no row by more than a share.
-
-    A joined panel is compared with its two parts at the nodes of both. A model without a period stays as it is, because beside a lock its
-    inertia has no bounds.
-    """
-    if model.period is None:
-        return model
-    borders, coefficients = model.borders, model.coefficients
-    sizes = np.abs(model.at(_at_nodes(borders[:-1], borders[1:]))[0]).max(axis=(1, 2))
-    while len(coefficients) > 2:
-        starts = np.arange(0, len(coefficients) - 1, 2)
-        pairs = coefficients[starts], coefficients[starts + 1]
-        whole, missed = _joined_pairs(*pairs, borders[starts], borders[starts + 1], borders[starts + 2])
-        good = (missed <= resolution * np.where(sizes > 0, sizes, 1.0)).all(axis=1)
-        if not good.any():
-            break
-        kept = np.ones(len(coefficients), dtype=bool)
-        kept[starts[good] + 1] = False
-        coefficients = coefficients.copy()
-        coefficients[starts[good]] = whole[good]
-        coefficients, borders = coefficients[kept], np.append(borders[:-1][kept], borders[-1])
-    return replace(model, borders=borders, coefficients=coefficients, finest=model)
-
-
-def _joined_pairs(left: Array, right: Array, starts: Array, middles: Array, ends: Array) -> tuple[Array, Array]:
-    """Polynomials (p, rows, q) over pairs of panels, from those of both, and the most (p, rows) that they miss at the nodes of both."""
-    rule = gauss_rule()
-
-    def values(coefficients: Array, low: Array, high: Array, angles: Array) -> Array:
-        powers = np.ones((*angles.shape, NODES))
-        powers[..., 1:] = (2 * (angles - low[:, None]) / (high - low)[:, None] - 1)[..., None]
-        return np.asarray(coefficients @ np.multiply.accumulate(powers, axis=-1, out=powers).swapaxes(1, 2))
-
-    angles = _at_nodes(starts, ends)
-    inside = values(left, starts, middles, angles), values(right, middles, ends, angles)
-    whole = np.where((angles < middles[:, None])[:, None], *inside) @ rule.legendre.T @ rule.powers.T
-    missed = [
-        np.abs(values(whole, starts, ends, at := _at_nodes(low, high)) - values(half, low, high, at)).max(axis=2)
-        for half, low, high in ((left, starts, middles), (right, middles, ends))
-    ]
-    return whole, np.maximum(*missed)
-
-
-def _at_nodes(starts: Array, ends: Array) -> Array:
-    """Crank angles (p, q) at the nodes of panels."""
-    half = 0.5 * (ends - starts)
-    return np.asarray((starts + half)[:, None] + half[:, None] * gauss_rule().nodes)
-
-
 class ResolvedPanels(NamedTuple):
     """Rows of functions of the crank angle as polynomials.
 
@@ -310,16 +203,13 @@ class ResolvedPanels(NamedTuple):
     points: int
 
 
-def resolved_panels(
-    sample: Callable[[Array], Array], missed: Callable[[Array], Array] | None, borders: Array, resolution: float = RESOLVED
-) -> ResolvedPanels:
+def resolved_panels(sample: Callable[[Array], Array], missed: Callable[[Array], Array] | None, borders: Array) -> ResolvedPanels:
     """Sample functions over panels, and halve these until polynomials resolve the functions.
 
     Args:
         sample: returns the rows (rows, n) at crank angles (n,).
         missed: returns (p,) what polynomials through values (rows, p, q) miss on each panel, as a share; None: no panel is halved.
         borders: of the panels to begin with, rising [rad].
-        resolution: share that polynomials may miss.
     """
     points, rule = 0, gauss_rule()
     starts, ends, coarser = borders[:-1], borders[1:], np.full(len(borders) - 1, np.inf)
@@ -331,9 +221,10 @@ def resolved_panels(
         points += angles.size
         share = np.zeros(len(starts)) if missed is None else missed(values)
         rounding = (share <= NOISE) & (share > coarser / GAIN)  # halving a panel that is nearly resolved divides this by thousands
-        settled = (share <= resolution) | rounding | (half < NARROWEST)
+        settled = (share <= RESOLVED) | rounding | (half < NARROWEST)
         done.append((starts[settled], np.moveaxis(values[:, settled], 0, 1) @ rule.legendre.T @ rule.powers.T))
-        starts, ends = _halved(starts[~settled], ends[~settled])
+        low, middle, high = starts[~settled], (starts + half)[~settled], ends[~settled]
+        starts, ends = np.concatenate([low, middle]), np.concatenate([middle, high])
         coarser = np.tile(share[~settled], 2)
     order = np.argsort(np.concatenate([starts for starts, _ in done]))
     found = np.append(np.concatenate([starts for starts, _ in done])[order], borders[-1])

@@ -186,8 +186,7 @@ def simulate(
     refuse_far("angle", angles, press.driver_coordinates)
     refuse_many_turns(speeds, until, float(angles[0]))
     with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
-        # an elastic press is not reduced to its crank: its heights alone are read from the model
-        driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction, error if elastic is None else 0.0)
+        driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction)
         if asked == "auto" and not is_reducible(driven):
             method = "constraint"
         problem = _problem(driven, method, angles, speeds, until, error, fixed)
@@ -308,7 +307,6 @@ def _driven(
     clutch: object,
     brake: object,
     friction: Mapping[str, Friction],
-    tolerance: float,
 ) -> DrivenPress:
     """The press with its parts. Raises as `driven_press`, and where the method does not suit several drivers or friction."""
     if friction_law(friction, press) is not None and (method == "constraint" or len(press.drivers) > 1):
@@ -318,7 +316,7 @@ def _driven(
             " driver has; leave friction out, or let one driver turn with method='auto'"
         )
     if len(press.drivers) == 1:
-        return driven_press(press, drive, flywheel, loads, clutch, brake, friction, tolerance)
+        return driven_press(press, drive, flywheel, loads, clutch, brake, friction)
     if method != "constraint":
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
     return press_with_drives(press, drive, flywheel, loads, clutch, brake)

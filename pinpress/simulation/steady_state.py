@@ -147,8 +147,7 @@ def steady_state_near(
     refuse_far("angle", np.array(start), press.driver_coordinates)
     loads = list(loads)  # of what is gone through once, too
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
-    resolved = tolerance if elastic is None else 0.0
-    driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None, friction, resolved)
+    driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None, friction)
     if elastic is None or driven.prescribed is None:
         _refuse_without_steady_state(driven, drive, near)
     doubt_speeds(press, near)

@@ -23,7 +23,6 @@ from .mesh import TO_REST, Indices, Mesh
 
 ROUNDS = 12  # most rounds of Newton's method in which no further panel is solved
 SETTLED = 1e-8  # relative change of the kinetic energy that ends Newton's method, which squares it: the next one would be rounding
-FEW = 6  # scenarios up to which panel by panel Python numbers take less time than arrays
 ROUGHLY = 1e-4  # relative change that ends it where a solution only has to tell where to look for another
 FLOOR = 1e-6  # share of the kinetic energy at the start: forces are not computed at the speeds of less
 TINY = float(np.finfo(float).tiny)
@@ -400,20 +399,11 @@ def _panel_by_panel(gained: Array, factors: Array, short: Array | None, start: A
     """Values (p + 1, S) at the borders of what panels (p, S) add to, and multiply by factors (p, S), from a ``start`` (S,), or if
     ``short`` is given from one that is larger by that (S,) than the value at the end."""
     if short is not None:
-        start = (_from_start(gained, factors, 0.0)[-1] + short) / (1 - factors.prod(axis=0))
-    return _from_start(gained, factors, start)
-
-
-def _from_start(gained: Array, factors: Array, start: Array | float) -> Array:
-    """`_panel_by_panel` from a ``start`` (S,) or one number."""
+        at_end = _panel_by_panel(gained, factors, None)[-1]
+        start = (at_end + short) / (1 - factors.prod(axis=0))
     panels, count = gained.shape
     ends = np.empty((panels + 1, count))
     ends[0] = start
-    if count <= FEW:
-        for column, value in enumerate(ends[0].tolist()):
-            steps = zip(factors[:, column].tolist(), gained[:, column].tolist(), strict=True)
-            ends[1:, column] = [value := factor * value + gain for factor, gain in steps]
-        return ends
     for k in range(panels):
         np.multiply(factors[k], ends[k], out=ends[k + 1])
         ends[k + 1] += gained[k]
