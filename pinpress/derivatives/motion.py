@@ -23,10 +23,10 @@ from numpy.typing import ArrayLike
 
 from ..common.arguments import suitable_numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.products import product
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
 from ..common.tables import by_driver
-from ..engines.joints import product
 from ..engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity, factored, solve
 from ..engines.planar.model import Plane
 from ..kinematics.motion import Motion, refuse_motion_of_another
@@ -159,7 +159,7 @@ def planar(press: Linkage) -> Plane:
     """
     return press.plane_or_refuse(
         f"exact derivatives are those of planar linkages with one driver and pins for loops, which {press.name} is not"
-    ).dense
+    )
 
 
 def guide_shift(plane: Plane, by: Shift, guide: int) -> float:

@@ -20,10 +20,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.errors import PinpressError, said, shown
+from ..common.products import product
 from ..common.quantities import Array, ComplexArray
 from ..dynamics.applied_loads import apply, asked
 from ..engines.forces import REST, AppliedForce
-from ..engines.joints import product
 from ..engines.planar import statics
 from ..engines.planar.bodies import Bodies
 from ..engines.planar.model import Plane, to_complex

@@ -139,7 +139,7 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
 @_closed_by.register(PlanarEngine)
 def _closed_in_plane(engine: PlanarEngine, press: Linkage, moved: Displacements) -> Array:
     """Joint coordinates (nv,) that close a planar linkage."""
-    plane = engine.plane.dense
+    plane = engine.plane
     return continue_geometry(plane, press.closed[:, None], shift(press, plane, moved)).closure.position[:, 0]
 
 

@@ -7,17 +7,11 @@ Solved in this order, n loops take n times as long as one; solved all together, 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from graphlib import TopologicalSorter
 from heapq import heapify, heappop, heappush
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
-
-FEW = 8  # loops and couplings up to which the smallest group is found by trying all
+FEW = 8  # loops and couplings up to which all groups are tried; of more, which have millions of groups, pairs, triples and all together
 
 
 class Group(NamedTuple):
@@ -71,7 +65,6 @@ class _Waiting:
         for k, unknown in self.unknown.items():
             for joint in unknown:
                 self._at.setdefault(joint, set()).add(k)
-        self._planned: list[tuple[int, ...]] = []
         self._ready = [(self.surplus(k), place, k) for k, place in self._places.items() if self.surplus(k) >= 0]
         heapify(self._ready)
 
@@ -101,11 +94,12 @@ class _Waiting:
             if k in self.unknown and surplus == self.surplus(k):
                 return (k,)
             heappop(self._ready)
-        return self._smallest_group() if len(self.unknown) <= FEW else self._next_interdependent()
+        return self._smallest_group()
 
     def _smallest_group(self) -> tuple[int, ...] | None:
-        """The smallest group that determines its joints, found by trying all groups; None where there is none."""
-        for size in range(2, len(self.unknown) + 1):
+        """The smallest group that determines its joints, found by trying groups; None where there is none."""
+        count = len(self.unknown)
+        for size in range(2, count + 1) if count <= FEW else (2, 3, count):
             found, fewest = None, 0
             for group in combinations(self.unknown, size):
                 surplus = sum(map(self.equation_count, group)) - len(self.unknown_of(group))
@@ -114,51 +108,3 @@ class _Waiting:
             if found is not None:
                 return found
         return None
-
-    def _next_interdependent(self) -> tuple[int, ...] | None:
-        """The next group of loops and couplings that need each other, where there are many; None where there is none."""
-        while self._planned and self.unknown.keys().isdisjoint(self._planned[-1]):
-            self._planned.pop()
-        planned = self._planned[-1] if self._planned else ()
-        if not planned or not self.unknown.keys() >= set(planned) or sum(map(self.equation_count, planned)) < len(self.unknown_of(planned)):
-            self._planned = interdependent_groups(self.unknown, self.equation_count)[::-1]
-        return self._planned.pop() if self._planned else None
-
-
-def interdependent_groups(unknown: Mapping[int, set[int]], equation_count: Callable[[int], int]) -> list[tuple[int, ...]]:
-    """Loops and couplings in groups that need each other, each group after those that it needs; empty where a joint has no equation.
-
-    Every joint is assigned to one equation that determines it. A loop or coupling then needs those to which its other joints are assigned;
-    the groups are the strongly connected components of these needs.
-
-    Args:
-        unknown: unknown joints by loop or coupling.
-        equation_count: number of equations of a loop or coupling.
-    """
-    from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching  # see `_graph`
-
-    members = list(unknown)
-    equations = [place for place, k in enumerate(members) for _ in range(equation_count(k))]
-    joints = {joint: place for place, joint in enumerate(sorted(set().union(*unknown.values())))}
-    entries = [(row, joints[joint]) for row, place in enumerate(equations) for joint in unknown[members[place]]]
-    if not entries:
-        return []
-    given_by = maximum_bipartite_matching(_graph(entries, (len(equations), len(joints))), perm_type="row")
-    if given_by.min() < 0:
-        return []
-    needs = [(place, equations[given_by[joints[joint]]]) for place, k in enumerate(members) for joint in unknown[k]]
-    count, label = connected_components(_graph(needs, (len(members), len(members))), connection="strong")
-    result: list[list[int]] = [[] for _ in range(count)]
-    for k, its in zip(members, label.tolist(), strict=True):
-        result[its].append(k)
-    before: dict[int, set[int]] = {its: set() for its in range(count)}
-    for one, other in needs:
-        if label[one] != label[other]:
-            before[int(label[one])].add(int(label[other]))
-    return [tuple(result[its]) for its in TopologicalSorter(before).static_order()]
-
-
-def _graph(entries: list[tuple[int, int]], shape: tuple[int, int]) -> csr_array:
-    from scipy.sparse import csr_array  # its import takes longer than loading a small press
-
-    return csr_array((np.ones(len(entries)), np.array(entries).T), shape=shape)

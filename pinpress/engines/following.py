@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.products import product
 from ..common.quantities import CRANK, Array, DriverCoordinate
 from .engine import Close, CloseDrivers, Closure
-from .joints import product
 
 COARSE_STEP = 2 * np.pi / 64  # longest step of the walk, unless the linkage moves too fast for it [rad]
 FIRST_STEP = 1e-3  # first step of the walk, which shows how the margins change [rad]

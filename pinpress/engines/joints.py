@@ -1,11 +1,7 @@
-"""Joints of a linkage: loop joints and couplings, joint coordinates and Pinocchio's configurations, and matrices of joints and loops.
+"""Joints of a linkage: loop joints and couplings, joint coordinates, and Pinocchio's configurations.
 
 Every joint has one coordinate, in the order of v: an angle [rad], unwrapped, or a travel [m], zero in the drawn pose. Pinocchio's q holds
 these coordinates too, but for an unbounded (``continuous``) joint it holds the cosine and sine of its angle.
-
-The constant matrices of a linkage are NumPy arrays where it is small and SciPy's sparse matrices where it is large, so that time and memory
-grow with the number of entries. Both kinds take ``matrix @ columns``, slices of rows and transposition; for all else there are functions
-below.
 """
 
 from __future__ import annotations
@@ -17,18 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from ..common import products
 from ..common.errors import PinpressError
 from ..common.frozen import Frozen, read_only
-from ..common.quantities import Array, ComplexArray
+from ..common.quantities import Array
 
 MOST_JOINTS = 200  # `pin.Data` has 7 arrays whose size grows with the cube of the joints: half a gigabyte at this number
-LARGE = 33  # joints from which on sparse matrices are faster
 
 _HELD_ROTATIONS = {"spherical": 0, "revolute": 2, "fixed": 3}
-
-Matrix = Any
-"""A NumPy array or a SciPy `csr_array`."""
 
 Entries = Mapping[int, complex]
 """A row of a matrix: its entries by their columns."""
@@ -186,65 +177,13 @@ def crank_angle(slot: Slot, q: Array) -> float:
     return float(np.arctan2(q[slot.start + 1], q[slot.start]) if slot.unbounded else q[slot.start])
 
 
-# ------------------------------------------------------------------------------------------------ matrices, plain where small, else sparse
+# ------------------------------------------------------------------------------------------------------------------------ constant matrices
 
 
-def matrix(rows: Sequence[Entries], width: int, joints: int, dtype: type = complex) -> Matrix:
-    """The matrix (rows, width) with these entries.
-
-    Args:
-        rows: entries of every row.
-        width: number of columns.
-        joints: number of joints of the linkage; from `LARGE` on the matrix is sparse.
-        dtype: of its numbers.
-    """
-    if joints < LARGE:
-        filled: Array = np.zeros((len(rows), width), dtype)
-        for place, row in enumerate(rows):
-            for column, entry in row.items():
-                filled[place, column] = entry
-        return filled
-    from scipy.sparse import csr_array  # its import takes longer than loading a small press
-
-    ends = np.cumsum([0, *map(len, rows)])
-    columns = np.array([column for row in rows for column in row], dtype=int)
-    entries: Array = np.array([entry for row in rows for entry in row.values()], dtype)
-    found = csr_array((entries, columns, ends), shape=(len(rows), width))
-    found.sort_indices()
-    return found
-
-
-def product(rows: Matrix, columns: Any) -> Any:
-    """``rows @ columns`` for many columns; dense ones as `products.product`."""
-    return products.product(rows, columns) if isinstance(rows, np.ndarray) else np.asarray(rows @ columns)
-
-
-def plain(rows: Matrix) -> Any:
-    """The matrix as a NumPy array."""
-    return rows if isinstance(rows, np.ndarray) else rows.toarray()
-
-
-def stacked(parts: Sequence[Matrix]) -> Matrix:
-    """The rows of all parts, one part below the other."""
-    if isinstance(parts[0], np.ndarray):
-        return np.concatenate(parts)
-    from scipy.sparse import vstack  # see `matrix`
-
-    return vstack(parts, format="csr")
-
-
-def weighted(rows: Matrix, weights: Array) -> Matrix:
-    """Every row times its weight."""
-    return rows * weights[:, None] if isinstance(rows, np.ndarray) else rows.multiply(weights[:, None]).tocsr()
-
-
-def compressed(rows: Matrix) -> Matrix:
-    """A product or transpose of such matrices, brought back to their form (SciPy may return another one)."""
-    return rows if isinstance(rows, np.ndarray) else rows.tocsr()
-
-
-def with_column(rows: Matrix, column: int, entries: ComplexArray) -> Matrix:
-    """The matrix with one column replaced."""
-    changed = rows.copy() if isinstance(rows, np.ndarray) else rows.tolil()
-    changed[:, [column]] = entries[:, None]
-    return compressed(changed)
+def array_of(rows: Sequence[Entries], width: int, dtype: type = complex) -> Any:
+    """The array (rows, width) with these entries, of numbers of this type; all others are zero."""
+    result: Array = np.zeros((len(rows), width), dtype)
+    for place, row in enumerate(rows):
+        for column, entry in row.items():
+            result[place, column] = entry
+    return result

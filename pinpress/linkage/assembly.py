@@ -23,9 +23,7 @@ from ..engines.pinocchio.kinematics import PassiveJacobian, close, rank
 from ..engines.pinocchio.model import Rows, SpatialModel
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import moves, openings
-from ..engines.spatial.closing import regular
 from ..engines.spatial.engine import SpatialEngine
-from ..engines.spatial.equations import equations
 
 CLEAR = 1e-2  # smallest margin of a redundant linkage over a turn; below it all its equations are solved in one block
 TRAVELLED = 20.0  # a driver that slides is followed as far [lengths of the linkage]
@@ -268,10 +266,6 @@ def _in_space(spatial_engine: PinocchioEngine, start: Array) -> Assembly:
     count, engine = len(spatial_model.drivers), SpatialEngine(spatial_engine)
     engines: dict[str, Engine] = {engine.name: engine, spatial_engine.name: spatial_engine}
     zero, along = np.zeros((count, 1)), np.eye(count)[:, :1]
-    if engine.few == 0:
-        drawn = engine.closing_function()(zero, along, start[:, None])
-        if drawn.widest <= ACCEPTED * engine.tolerance and regular(engine.loops, drawn.position[:, 0]):
-            return Assembly(engines, drawn, equations(engine.loops, start[:, None]).gaps[:, 0], True, None, None)
     one_by_one = spatial_model.equations()
     drawn = close(spatial_model, one_by_one, zero, along, start[:, None])
     gaps, rows, determined = one_by_one.at(start).gaps, None, False

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import Frozen, NamedArrays, read_only
+from ..common.products import product
 from ..common.quantities import Array, ComplexArray
 from ..derivatives.motion import STEP, Displacements, Rates, Shift, States, Tangent, guide_shift, shift
 from ..derivatives.reactions import Balanced, Push, pushes, tangent
@@ -24,7 +25,6 @@ from ..dynamics.applied_loads import apply, asked
 from ..dynamics.inverse_dynamics import shaking
 from ..engines.engine import ClosedStates
 from ..engines.forces import AppliedConditions, Wrenches
-from ..engines.joints import product
 from ..engines.planar.bodies import Bodies, build_bodies
 from ..engines.planar.inverse_dynamics import inverse_dynamics
 from ..engines.planar.model import Plane, to_complex, to_world

@@ -8,18 +8,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
+from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import ClosedStates, EnergyRates, PowerBalance
 from ..forces import AppliedForce, Objective, lexicographic_least_squares
-from ..joints import Matrix, compressed, matrix, plain, product, stacked, weighted, with_column
+from ..joints import array_of
 from .kinematics import basis_acceleration, basis_velocity, known_basis
 from .model import Plane, to_complex
-from .tree import sum_inwards, sum_outwards
 
 ROUNDING = 1e-13  # relative size below which an offset from the plane is rounding
 
@@ -53,58 +53,43 @@ class Bodies:
     mass: Array
     gravity: Array
     axial_weight: Array
-    inertia: Matrix
+    inertia: Array
     products: ComplexArray
-    minus_incidence: Matrix
-    centers: Matrix
-    forces: Matrix
-    rotor_inertia: Matrix
+    minus_incidence: Array
+    centers: ComplexArray
+    forces: ComplexArray
+    rotor_inertia: ComplexArray
     on_guides: tuple[int, ...]
-    arms: Matrix
+    arms: ComplexArray
     arms_turn: bool
     guided: tuple[tuple[int, int], ...]
     geared: frozenset[int]
     in_one_plane: bool
 
     @cached_property
-    def subtree_forces(self) -> Matrix:
+    def subtree_forces(self) -> ComplexArray:
         """(nv, nb) second derivative of the basis, as for ``forces``, to the sum of the forces of all bodies that a joint carries."""
-        return compressed(self.plane.subtree @ self.forces)
+        return np.asarray(self.plane.subtree @ self.forces)
 
     @cached_property
-    def reduced(self) -> Matrix:
+    def reduced(self) -> ComplexArray:
         """(nb - 1, nb) likewise to the work of these forces on every function of the basis but the first, conj(function) times force; the
         moments of inertia of the links stand with their rotors, as masses at the radius 1 round them would."""
-        return compressed(self.centers.conj().T)[1:] @ self.forces + self.rotor_inertia
+        return np.asarray(self.centers.conj().T[1:] @ self.forces + self.rotor_inertia)
 
     @cached_property
-    def open_tree(self) -> Matrix:
+    def open_tree(self) -> ComplexArray:
         """The rows of ``reduced``, of ``subtree_forces``, and of ``forces`` of the bodies that are ``on_guides``."""
-        return stacked([self.reduced, self.subtree_forces, self.forces[list(self.on_guides)]])
+        return np.concatenate([self.reduced, self.subtree_forces, self.forces[list(self.on_guides)]])
 
     @cached_property
-    def steps(self) -> Matrix:
-        """(2 nv, nb) second derivative of the basis to the acceleration of every joint's origin relative to that of its parent, then of
-        every centre of mass relative to its joint; as in ``forces`` the first column is for weights, here accelerations of the centres."""
-        plane, count = self.plane, len(self.mass)
-        parents = matrix([{parent: 1.0} if parent >= 0 else {} for parent in plane.parents], count, count, float)
-        between = with_column(compressed(plane.origins - parents @ plane.origins), 0, np.zeros(count, complex))
-        weights = np.full(count, -complex(*(plane.axes @ self.gravity)))
-        return stacked([between, with_column(plane.centers, 0, weights)])
-
-    @cached_property
-    def work_of_steps(self) -> Matrix:
-        """(nb - 1, 2 nv) forces of the joints and of the bodies to their work on every function of the basis but the first."""
-        return compressed(self.steps.conj().T)[1:]
-
-    @cached_property
-    def force_sharing(self) -> LoadSharing:
-        """How bearings share forces along the normal where no compliances are given."""
+    def force_sharing(self) -> Array:
+        """(bearings, nv) how bearings share forces along the normal where no compliances are given."""
         return share_forces(self.plane, None)
 
     @cached_property
-    def moment_sharing(self) -> LoadSharing:
-        """How bearings share tilting moments."""
+    def moment_sharing(self) -> Array:
+        """(bearings, nv) how bearings share tilting moments."""
         return share_moments(self.plane)
 
     @cached_property
@@ -113,23 +98,23 @@ class Bodies:
         return bool(np.any(np.abs(self.axial_weight) > ROUNDING * self.mass * np.linalg.norm(self.gravity)))
 
     @cached_property
-    def tilting(self) -> Matrix:
+    def tilting(self) -> ComplexArray:
         """(nv, nb) second derivative of the basis to the tilting moments that the joints would have to carry with all loops open, where
         nothing acts along the normal."""
         plane, width = self.plane, 1 + len(self.mass)
         steps = np.array([height - plane.heights[p] if p >= 0 else 0.0 for p, height in zip(plane.parents, plane.heights, strict=True)])
         turned = [{rotor: -1j * by} if rotor else {} for rotor, by in zip(plane.rotors, self.products.tolist(), strict=True)]
-        own = weighted(1j * self.forces, plane.center_heights - plane.heights) + matrix(turned, width, len(self.mass))
-        hanging = weighted(1j * self.subtree_forces, steps)
-        return compressed(plane.subtree @ (own + hanging) - hanging)
+        own = 1j * self.forces * (plane.center_heights - plane.heights)[:, None] + array_of(turned, width)
+        hanging = 1j * self.subtree_forces * steps[:, None]
+        return np.asarray(plane.subtree @ (own + hanging) - hanging)
 
     @cached_property
-    def tilting_by_pins(self) -> Matrix:
+    def tilting_by_pins(self) -> Array:
         """(nv, nl) forces of the loops in the plane to minus i times what they add to these moments."""
-        plane, count = self.plane, len(self.mass)
+        plane = self.plane
         levers = plane.heights[:, None] - plane.loop_heights
         rows = [{k: sign * float(levers[j, k]) for k, sign in loops.items()} for j, loops in enumerate(plane.loops_of_joint)]
-        return matrix(rows, len(plane.loop_heights), count, float)
+        return np.asarray(array_of(rows, len(plane.loop_heights), float))
 
 
 def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
@@ -143,7 +128,8 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     products[np.abs(products) <= ROUNDING * np.abs(tensors).max(axis=(1, 2))] = 0.0
     axial_weight = mass * float(gravity @ plane.normal)
     centers = plane.origins + plane.centers
-    body_forces = with_column(weighted(centers, mass), 0, -mass * complex(*(plane.axes @ gravity)))
+    body_forces = centers * mass[:, None]
+    body_forces[:, 0] = -mass * complex(*(plane.axes @ gravity))
     guides = set(plane.prismatic)
     on_guides = [j for j in reversed(range(count)) if not guides.isdisjoint(plane.carriers(j))]
     parents = [plane.parents[j] if plane.parents[j] >= 0 else j for j in on_guides]  # of a joint on the frame the arm is not needed
@@ -153,11 +139,11 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     groups = [
         plane.centers[on_guides],
         plane.origins[on_guides] - plane.origins[parents],
-        plane.loop_points[loops] + weighted(plane.gap_rows[loops], at_end2) - plane.origins[joints],
+        plane.loop_points[loops] + plane.gap_rows[loops] * at_end2[:, None] - plane.origins[joints],
     ]
-    arms = stacked(groups)
+    arms = np.concatenate(groups)
     heights = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
-    inertia = weighted(plane.spin, tensors[:, 2, 2])
+    inertia = plane.spin * tensors[:, 2, 2][:, None]
     return Bodies(
         plane=plane,
         mass=mass,
@@ -182,13 +168,13 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     )
 
 
-def _inertia_of_rotors(plane: Plane, about_normal: Array) -> Matrix:
+def _inertia_of_rotors(plane: Plane, about_normal: Array) -> ComplexArray:
     """(nb - 1, nb) the moments of inertia (nv,) of the links with the rotors that turn them [kg m2]."""
     rows: list[dict[int, complex]] = [{} for _ in plane.parents]
     for rotor, inertia in zip(plane.rotors, about_normal.tolist(), strict=True):
         if rotor:
             rows[rotor - 1][rotor] = rows[rotor - 1].get(rotor, 0.0) + inertia
-    return matrix(rows, 1 + len(rows), len(rows))
+    return np.asarray(array_of(rows, 1 + len(rows)))
 
 
 class OpenTree(NamedTuple):
@@ -220,88 +206,42 @@ def forces_of_tree(bodies: Bodies, second: ComplexArray) -> tuple[ComplexArray, 
         Their work (nb - 1, n) on every function of the basis but the first, see `Bodies.reduced`; (nv, n) the sums of those of all bodies
         that a joint carries [N]; those (k, n) of the bodies that are ``on_guides`` [N].
     """
-    count = len(bodies.mass)
-    if not bodies.plane.deep:
-        found = product(bodies.open_tree, second)
-        return found[:count], found[count : 2 * count], found[2 * count :]
-    moved = product(bodies.steps, second)
-    accelerations, own = moved[:count], moved[count:]
-    sum_outwards(bodies.plane, accelerations)
-    own += accelerations
-    own *= bodies.mass[:, None]
-    on_guides = own[list(bodies.on_guides)]
-    carried = accelerations
-    carried[:] = own
-    sum_inwards(bodies.plane, carried)
-    return product(bodies.work_of_steps, moved) + product(bodies.rotor_inertia, second), carried, on_guides
+    count, found = len(bodies.mass), product(bodies.open_tree, second)
+    return found[:count], found[count : 2 * count], found[2 * count :]
 
 
 def work_of_tree(bodies: Bodies, second: ComplexArray) -> ComplexArray:
     """The work of `forces_of_tree` alone."""
-    return product(bodies.reduced, second) if not bodies.plane.deep else forces_of_tree(bodies, second)[0]
+    return product(bodies.reduced, second)
 
 
 def forces_of_joints(bodies: Bodies, second: ComplexArray, joints: Sequence[int]) -> ComplexArray:
     """The sums of `forces_of_tree` of these joints alone, (joints, n) [N]."""
     joints = list(joints)
-    return product(bodies.subtree_forces[joints], second) if not bodies.plane.deep else forces_of_tree(bodies, second)[1][joints]
+    return product(bodies.subtree_forces[joints], second)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class LoadSharing:
-    """How loops share forces or moments out of the plane with the joints. It does not depend on the configuration.
-
-    Attributes:
-        alone: (bearings, nv) loads of the joints with all loops open to the loads of all bearings if no loop shares them.
-        response: (bearings, shares) what a unit of each loop's share adds to all bearings.
-        every: (bearings, nv) loads of the joints with all loops open to the loads of all bearings, shared; None for a large linkage, where
-            it would have too many entries.
-    """
-
-    alone: Matrix
-    response: Matrix
-    every: Array | None
-
-    def shared(self, own: Any, kept: slice | list[int]) -> Any:
-        """Loads (kept, n) of the ``kept`` bearings, shared by least squares, where ``own`` (nv, n) are those of the joints with all loops
-        open."""
-        if self.every is not None:
-            return product(self.every[kept].astype(own.dtype), own)
-        from scipy.sparse.linalg import splu  # its import takes longer than loading a small press
-
-        squares = splu((self.response.T @ self.response).tocsc())
-        unshared = self.alone @ own
-        right = self.response.T @ unshared
-        parts = [right.real, right.imag] if np.iscomplexobj(right) else [right]
-        shares = [squares.solve(np.ascontiguousarray(part)) for part in parts]
-        return (unshared - self.response @ (shares[0] + 1j * shares[1] if len(shares) > 1 else shares[0]))[kept]
+def share_forces(plane: Plane, compliance: Array | None) -> Array:
+    """How bearings share forces along the normal, which all loops can carry; see `_shares`."""
+    return _shares(plane, list(range(len(plane.loop_heights))), compliance)
 
 
-def share_forces(plane: Plane, compliance: Array | None) -> LoadSharing:
-    """How bearings share forces along the normal, which all loops can carry."""
-    return _load_sharing(plane, list(range(len(plane.loop_heights))), compliance)
+def share_moments(plane: Plane) -> Array:
+    """How bearings share tilting moments, which the loops that resist tilting can carry; see `_shares`."""
+    return _shares(plane, [int(k) for k in np.flatnonzero(plane.resists_tilting)], None)
 
 
-def share_moments(plane: Plane) -> LoadSharing:
-    """How bearings share tilting moments, which the loops that resist tilting can carry."""
-    return _load_sharing(plane, [int(k) for k in np.flatnonzero(plane.resists_tilting)], None)
-
-
-def _load_sharing(plane: Plane, sharing: list[int], compliance: Array | None) -> LoadSharing:
-    count, loops = len(plane.parents), len(plane.loop_heights)
-    large = not isinstance(plane.incidence, np.ndarray)
-    size = count if large else 0
-    alone = matrix([{k: 1.0} if k < count else {} for k in range(count + loops)], count, size, float)
-    response = stacked([-plane.incidence, matrix([{k: 1.0} for k in range(loops)], loops, size, float)])[:, sharing]
-    if large and compliance is None:
-        return LoadSharing(alone, response, None)
-    alone, response, every = plain(alone), plain(response), np.eye(count + loops)  # the shares of a unit of each
+def _shares(plane: Plane, loops: list[int], compliance: Array | None) -> Array:
+    """(bearings, nv) loads of the joints with all loops open to the loads of all bearings, of which these ``loops`` take a share by least
+    squares; it depends on no configuration."""
+    count, bearings = len(plane.parents), len(plane.parents) + len(plane.loop_heights)
+    alone, every = np.eye(bearings, count), np.eye(bearings)
+    response = np.concatenate([-plane.incidence, np.eye(len(plane.loop_heights))])[:, loops]  # of all bearings to a unit in each loop
     objectives = [Objective(response, every, 1.0)]
     if compliance is not None:
         weights = np.sqrt(compliance)
         objectives.insert(0, Objective(weights[:, None] * response, weights * every, float(weights.max())))
-    found = alone + response @ lexicographic_least_squares(objectives).T @ alone if sharing else alone
-    return LoadSharing(alone, response, found)
+    return alone + response @ lexicographic_least_squares(objectives).T @ alone if loops else alone
 
 
 def energies(bodies: Bodies, basis: ComplexArray, v: Array) -> EnergyRates:

@@ -20,10 +20,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...common.frozen import read_only
+from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..branch import SUBDIVISION, Branch, nodes_before, predict
 from ..engine import ClosedStates
-from ..joints import plain, product
 from . import kinematics
 from .dyads import ONE, ZERO, Along, Dyad, Guide, GuidedLink, I, Inverses, Lever, SwingingGuide, TwoGuides, TwoLinks, rotor_rate
 from .model import Plane
@@ -468,7 +468,7 @@ def _gears(plane: Plane, rows: Sequence[int]) -> tuple[Gear, ...] | None:
 
 def _entries(plane: Plane, loop: int) -> dict[int, complex]:
     """The coefficients of a loop's gap over the basis that are not zero."""
-    row = plain(plane.gap_rows[[loop]])[0]
+    row = plane.gap_rows[loop]
     return {int(place): complex(row[place]) for place in np.flatnonzero(row)}
 
 

@@ -27,7 +27,6 @@ import numpy as np
 from ...common.products import SERIAL_COMPLEX, finite_if
 from ...common.quantities import Array, ComplexArray
 from ..forces import AppliedForce, SomeVectors, Wrenches, nothing
-from ..joints import LARGE, plain
 from . import out_of_plane
 from .bodies import Bodies
 from .chain import Chain, ChainStates, Closed, Equation, all_functions, rate_of
@@ -76,7 +75,7 @@ class ChainBodies:
     Attributes:
         chain: the chain.
         bodies: inertial constants of the linkage.
-        together: (work, forces of joints; rows) of all trees together, for few states; None for many joints.
+        together: (work, forces of joints; rows) of all trees together, for few states.
         trees: the same tree by tree.
         guided: the links on guides.
         carriers: of every loop the joints that carry one of its ends, with `Plane.incidence`.
@@ -84,7 +83,7 @@ class ChainBodies:
 
     chain: Chain
     bodies: Bodies
-    together: ComplexArray | None
+    together: ComplexArray
     trees: tuple[Tree, ...]
     guided: tuple[GuidedBody, ...]
     carriers: tuple[tuple[tuple[int, float], ...], ...]
@@ -127,19 +126,16 @@ def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
     plane = chain.plane
     places = [chain.order.index(row) if row not in chain.ones else 0 for row in range(chain.count)]  # of rows in the basis
     first, trees = chain.count, []
-    together = None
-    if len(plane.parents) < LARGE:
-        together = np.zeros((first + len(plane.parents), chain.count), complex)
+    together = np.zeros((first + len(plane.parents), chain.count), complex)
     for one, end in zip(chain.ones, (*chain.ones[1:], chain.count), strict=True):
         joints = [j for j, row in enumerate(chain.rows) if one < row < end]
         columns = [0, *places[one + 1 : end]]
-        to_work = plain(bodies.reduced[[place - 1 for place in columns[1:]]][:, columns]).conj()
-        to_forces = plain(bodies.subtree_forces[joints][:, columns]).conj()
+        to_work = bodies.reduced[[place - 1 for place in columns[1:]]][:, columns].conj()
+        to_forces = bodies.subtree_forces[joints][:, columns].conj()
         single = tuple(np.array(entry) for entry in (*to_work[0], *to_forces[0])) if len(joints) == 1 else ()
         trees.append(Tree(range(joints[0], joints[-1] + 1), slice(one, end), to_work, to_forces, single))
-        if together is not None:
-            together[one + 1 : end, one:end] = to_work
-            together[first + joints[0] : first + joints[-1] + 1, one:end] = to_forces
+        together[one + 1 : end, one:end] = to_work
+        together[first + joints[0] : first + joints[-1] + 1, one:end] = to_forces
     carriers: list[list[tuple[int, float]]] = [[] for _ in plane.loop_heights]
     for joint, signs in enumerate(plane.loops_of_joint):
         for loop, sign in signs.items():
@@ -309,7 +305,7 @@ def _open_tree(fixed: ChainBodies, second: ComplexArray) -> OpenTree:
     found = np.empty((first + fixed.bearing_count, n), complex)
     rows = list(found)
     work, forces = rows[:first], rows[first:]
-    if fixed.together is not None and fixed.together.size * n <= SERIAL_COMPLEX:
+    if fixed.together.size * n <= SERIAL_COMPLEX:
         np.dot(fixed.together, second, found[: first + joints])
         return OpenTree(work, forces, found[first:])
     for tree in fixed.trees:

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.frozen import read_only
+from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
-from ..joints import product
 from ..pinocchio.model import SpatialModel
 from . import kinematics
 from .bodies import Bodies, build_bodies, energies, power_balance

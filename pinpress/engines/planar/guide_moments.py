@@ -14,7 +14,6 @@ import numpy as np
 
 from ...common.quantities import Array, ComplexArray
 from ..forces import AppliedForce
-from ..joints import plain
 from .bodies import Bodies
 from .chain import Chain, Closed
 from .model import Plane, to_complex
@@ -49,19 +48,19 @@ def guided_bodies(chain: Chain, bodies: Bodies) -> tuple[GuidedBody, ...]:
 
 def _guided_body(chain: Chain, bodies: Bodies, joint: int) -> GuidedBody:
     plane, rotor, count = chain.plane, chain.plane.rotors[joint], len(chain.rows)
-    origin, own = plain(plane.origins[[joint]])[0], plain(bodies.inertia[[joint]])[0]
-    center = complex(plain(plane.centers[[joint]])[0][rotor])
+    origin, own = plane.origins[joint], bodies.inertia[joint]
+    center = complex(plane.centers[joint][rotor])
     arms = {joint: center}
     ways = []
     for child, parent in enumerate(plane.parents):
         if parent == joint:
-            arms[child] = (plain(plane.origins[[child]])[0] - origin)[rotor] - center
+            arms[child] = (plane.origins[child] - origin)[rotor] - center
             if child in plane.prismatic:
-                direction = plain(plane.directions[[plane.prismatic.index(child)]])[0][rotor]
+                direction = plane.directions[plane.prismatic.index(child)][rotor]
                 ways.append((child, chain.rows[child], np.array(direction)))
     for loop, links in enumerate(plane.loop_links):
-        first = plain(plane.loop_points[[loop]])[0]
-        for link, row, sign in zip(links, (first, first + plain(plane.gap_rows[[loop]])[0]), (1.0, -1.0), strict=True):
+        first = plane.loop_points[loop]
+        for link, row, sign in zip(links, (first, first + plane.gap_rows[loop]), (1.0, -1.0), strict=True):
             if link == joint:
                 arms[count + loop] = sign * ((row - origin)[rotor] - center)
     least = ROUNDING * plane.size

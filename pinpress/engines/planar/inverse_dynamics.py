@@ -18,17 +18,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
-from ..joints import product
 from . import out_of_plane, statics
 from .bodies import Bodies, OpenTree, forces_of_joints, forces_of_tree, work_of_tree
 from .chain import Chain, ChainStates
 from .chain_forces import ChainBodies, chain_forces
 from .kinematics import basis_acceleration, basis_at, gaps, known_basis, known_jacobian
 from .model import Plane, put_in_plane, put_normal, to_complex
-from .tree import turning_efforts
 
 OnChain = Callable[[Chain], ChainBodies]
 
@@ -343,7 +342,7 @@ def _efforts(bodies: Bodies, basis: ComplexArray, work: ComplexArray, loads: Seq
     for row, rotor in enumerate(plane.guide_rotors, revolute):
         if rotor:
             rotor_moments[rotor - 1] += rotor_moments[row]
-    efforts = turning_efforts(plane, rotor_moments[:revolute])
+    efforts = np.asarray(plane.turn.T.dot(rotor_moments[:revolute]))
     for row, joint, rotor in plane.guides:
         efforts[joint] = (basis[rotor].conj() * work[row - 1]).real if rotor else work[row - 1].real
     return efforts

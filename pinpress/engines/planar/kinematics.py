@@ -20,12 +20,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import ACCEPTED, MOST_NEWTON_STEPS, PIECE, ClosedStates, Closure, Jacobian
 from ..forces import RANK
-from ..joints import product
 from .model import Block, Plane, to_world
-from .tree import absolute_turns
 
 NO_SLIPS = np.empty((0, 1))
 
@@ -90,7 +89,7 @@ def _opened_by_turning(plane: Plane, basis: ComplexArray, v: Array) -> ComplexAr
     """Second derivatives (nl, n) of the gaps by time at joint rates (nv, n) without accelerations."""
     if any(plane.guide_rotors):
         return np.asarray(product(plane.gap_rows, basis_acceleration(plane, basis, v, None)))
-    spin = absolute_turns(plane, v)
+    spin = product(plane.turn, v)
     spin *= spin
     return np.asarray(product(plane.centripetal, basis[1 : 1 + len(plane.revolute)] * spin))
 
@@ -109,7 +108,7 @@ def basis_at(plane: Plane, x: Array) -> ComplexArray:
     turning = len(plane.revolute)
     basis = np.empty((1 + len(x), x.shape[1]), complex)
     basis[0] = 1.0
-    absolute, rotors = absolute_turns(plane, x), basis[1 : 1 + turning]
+    absolute, rotors = product(plane.turn, x), basis[1 : 1 + turning]
     np.cos(absolute, out=rotors.real)
     np.sin(absolute, out=rotors.imag)
     for row, joint, rotor in plane.guides:
@@ -144,7 +143,7 @@ def basis_velocity(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
     turning = len(plane.revolute)
     rate = np.empty_like(basis)
     rate[0] = 0.0
-    spin = absolute_turns(plane, v)
+    spin = product(plane.turn, v)
     np.multiply(basis[1 : 1 + turning], 1j * spin, out=rate[1 : 1 + turning])
     for row, joint, rotor in plane.guides:
         rate[row] = v[joint] * basis[rotor] + 1j * spin[rotor - 1] * basis[row] if rotor else v[joint]
@@ -157,9 +156,9 @@ def basis_acceleration(plane: Plane, basis: ComplexArray, v: Array, a: Array | N
     turning = slice(1, 1 + len(plane.revolute))
     result = np.empty(basis.shape, complex)
     result[0] = 0.0
-    spin, factor = absolute_turns(plane, v), result[turning]
+    spin, factor = product(plane.turn, v), result[turning]
     np.multiply(spin, -spin, out=factor.real)
-    factor.imag = 0.0 if a is None else absolute_turns(plane, a)
+    factor.imag = 0.0 if a is None else product(plane.turn, a)
     for row, joint, rotor in plane.guides:
         along = 0.0 if a is None else a[joint]
         if rotor:

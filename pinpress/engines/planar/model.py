@@ -17,7 +17,7 @@ The equations are solved block by block (`ordered_blocks`), because a press link
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -28,13 +28,12 @@ from numpy.typing import NDArray
 from ...common.quantities import CRANK, RAM, Array, ComplexArray, DriverCoordinate
 from ..blocks import ordered_groups
 from ..engine import PIECE
-from ..joints import Coupling, Entries, LoopJoint, Matrix, drawn_placements, joints_between, matrix, plain
+from ..joints import Coupling, Entries, LoopJoint, array_of, drawn_placements, joints_between
 from ..joints import axes as joint_axes
 from ..racks import Rack, racks
 
 EPSILON = float(np.finfo(float).eps)
 COORDINATES = 40_960  # joint coordinates of the states that are worked through at a time: their arrays take some megabytes
-DEEP = 12  # mean number of joints between a link and the frame from which on sums joint by joint are faster than sparse matrices
 PARALLEL = 1e-12  # a linkage is spatial where a joint axis is further from the plane's normal than this [rad]
 ROUNDING = 1e-12  # share of the distances of points from the world origin below which the length of a loop is rounding
 
@@ -80,7 +79,7 @@ class Block:
 class Plane:
     """Constants of a planar linkage. Joints are counted as in v, loops as declared.
 
-    The module says what the basis is, and `engines.joints` what a matrix is; ``dense`` has all matrices as NumPy arrays.
+    The module says what the basis is.
 
     Attributes:
         normal: (3,) unit normal of the plane in the world.
@@ -125,30 +124,30 @@ class Plane:
     sense: Array
     revolute: tuple[int, ...]
     prismatic: tuple[int, ...]
-    turn: Matrix
-    spin: Matrix
+    turn: Array
+    spin: Array
     frames: Array
     rotors: tuple[int, ...]
     guide_rotors: tuple[int, ...]
-    origins: Matrix
-    centers: Matrix
+    origins: ComplexArray
+    centers: ComplexArray
     heights: Array
     center_heights: Array
-    directions: Matrix
-    closure: Matrix
+    directions: ComplexArray
+    closure: ComplexArray
     loop_links: tuple[tuple[int, int], ...]
-    loop_points: Matrix
+    loop_points: ComplexArray
     loop_heights: Array
     resists_tilting: NDArray[np.bool_]
-    coupled: Matrix
+    coupled: Array
     coupling_rows: tuple[Mapping[int, float], ...]
     offsets: Array
     followers: tuple[int, ...]
     racks: tuple[Rack, ...]
     blocks: tuple[Block, ...]
     driven: tuple[int | None, ...]
-    subtree: Matrix
-    incidence: Matrix
+    subtree: Array
+    incidence: Array
     loops_of_joint: tuple[Mapping[int, float], ...]
     size: float
 
@@ -174,28 +173,18 @@ class Plane:
         return tuple(zip(rows, self.prismatic, self.guide_rotors, strict=True))
 
     @cached_property
-    def deep(self) -> bool:
-        """Whether so many joints hang on each other that sums along the tree are taken joint by joint, see `tree`."""
-        return not isinstance(self.subtree, np.ndarray) and self.subtree.nnz > DEEP * len(self.parents)
-
-    @cached_property
-    def hanging(self) -> tuple[tuple[int, int], ...]:
-        """The joints that hang on other joints, rising, each with the joint that carries it."""
-        return tuple((joint, parent) for joint, parent in enumerate(self.parents) if parent >= 0)
-
-    @cached_property
     def world_components(self) -> tuple[tuple[int, float, float, float], ...]:
         """Indices of the world axes with the components of ``axes[0]``, ``axes[1]`` and ``normal`` along them."""
         parts = zip(range(3), *self.axes.tolist(), self.normal.tolist(), strict=True)
         return tuple((i, first, second, along) for i, first, second, along in parts)
 
     @cached_property
-    def gap_rows(self) -> Matrix:
+    def gap_rows(self) -> ComplexArray:
         """(nl, nb) the rows of ``closure`` with the gaps of the loops."""
         return self.closure[: len(self.loop_heights)]
 
     @cached_property
-    def centripetal(self) -> Matrix:
+    def centripetal(self) -> ComplexArray:
         """(nl, nr) what the squared speeds of the rotors, times the rotors, add to the second derivatives of the gaps."""
         return -self.gap_rows[:, 1 : 1 + len(self.revolute)]
 
@@ -210,16 +199,6 @@ class Plane:
         """Whether some of the equations in the plane are redundant."""
         return any(block.redundant for block in self.blocks)
 
-    @property
-    def dense(self) -> Plane:
-        """These constants with NumPy arrays for all matrices."""
-        return self if isinstance(self.closure, np.ndarray) else self._dense
-
-    @cached_property
-    def _dense(self) -> Plane:
-        matrices = {field.name: plain(getattr(self, field.name)) for field in fields(self) if field.type is Matrix}
-        return replace(self, **matrices)
-
     def rotor(self, joint: int) -> int:
         """Basis row of the rotor of a joint's link; 0 for the frame (joint -1) and for links that only translate."""
         return self.rotors[joint] if joint >= 0 else 0
@@ -230,7 +209,7 @@ class Plane:
 
     def point(self, joint: int, arm: complex) -> ComplexArray:
         """Row (nb,) of a point of a joint's link, at ``arm`` from the joint's origin in the drawn pose."""
-        row: ComplexArray = plain(self.origins[[joint]])[0].copy()
+        row: ComplexArray = self.origins[joint].copy()
         row[self.rotor(joint)] += arm
         return row
 
@@ -320,30 +299,30 @@ def build_plane(
         sense=tree.sense,
         revolute=revolute,
         prismatic=prismatic,
-        turn=matrix([spin[j] for j in revolute], count, count, float),
-        spin=matrix(spin, count, count, float),
+        turn=array_of([spin[j] for j in revolute], count, float),
+        spin=array_of(spin, count, float),
         frames=np.array([np.array([*tree.axes, tree.normal]) @ p.rotation for p in place[1:]]),
         rotors=tree.rotors,
         guide_rotors=tuple(next(iter(tree.guides[j])) for j in prismatic),
-        origins=matrix(tree.origins, 1 + count, count),
-        centers=matrix(centers, 1 + count, count),
+        origins=array_of(tree.origins, 1 + count),
+        centers=array_of(centers, 1 + count),
         heights=np.array([p.translation @ tree.normal for p in place[1:]]),
         center_heights=np.array([place[j].act(model.inertias[j].lever) @ tree.normal for j in range(1, count + 1)]),
-        directions=matrix([tree.guides[j] for j in prismatic], 1 + count, count),
-        closure=matrix([*gaps, *columns.values()], 1 + count, count),
+        directions=array_of([tree.guides[j] for j in prismatic], 1 + count),
+        closure=array_of([*gaps, *columns.values()], 1 + count),
         loop_links=tuple((loop.joint1 - 1, loop.joint2 - 1) for loop in loops),
-        loop_points=matrix([first.row for first, _ in ends], 1 + count, count),
+        loop_points=array_of([first.row for first, _ in ends], 1 + count),
         loop_heights=np.array([first.height for first, _ in ends]),
         resists_tilting=np.array([loop.held_rotations > 0 for loop in loops], dtype=bool),
-        coupled=matrix(coupling_rows, count, count, float),
+        coupled=array_of(coupling_rows, count, float),
         coupling_rows=tuple({joint: by for joint, by in row.items() if by} for row in coupling_rows),
         offsets=np.array([unit * coupling.offset for coupling, unit in zip(couplings, units, strict=True)]),
         followers=tuple(coupling.follower for coupling in couplings),
         racks=racks(model, joint_axes(model), couplings),
         blocks=blocks,
         driven=tuple(driven.get(k) for k in range(len(loops))),
-        subtree=matrix(_transposed([dict.fromkeys(line, 1.0) for line in carriers], count), count, count, float),
-        incidence=matrix(_transposed(incidence, count), len(loops), count, float),
+        subtree=array_of(_transposed([dict.fromkeys(line, 1.0) for line in carriers], count), count, float),
+        incidence=array_of(_transposed(incidence, count), len(loops), float),
         loops_of_joint=tuple(_transposed(incidence, count)),
         size=size,
     )

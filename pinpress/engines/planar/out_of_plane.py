@@ -14,9 +14,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..forces import RANK, AppliedForce
-from ..joints import product
 from .bodies import Bodies, share_forces
 from .kinematics import basis_at
 from .model import Plane, to_complex, to_world
@@ -47,7 +47,7 @@ def forces(bodies: Bodies, loads: Sequence[AppliedForce], compliance: Array | No
     for joint, force in along:
         axial[joint] -= force
     spread = bodies.force_sharing if compliance is None else share_forces(plane, compliance)
-    return np.asarray(spread.shared(plane.subtree @ axial, slice(None)))
+    return np.asarray(product(spread, plane.subtree @ axial))
 
 
 def add(
@@ -79,7 +79,7 @@ def add(
     moments = _tilting_moments(bodies, second, pins, loads)
     if axial is not None:
         moments += _moments_of_axial_forces(bodies, basis(), loads, axial)
-    tilting = bodies.moment_sharing.shared(moments, kept)
+    tilting = product(bodies.moment_sharing[kept].astype(complex), moments)
     for i, (along, first, other) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
         # most presses stand in a coordinate plane: axes without a component there cost nothing
         if along and axial is not None:

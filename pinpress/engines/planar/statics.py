@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..forces import Objective, lexicographic_least_squares
-from ..joints import Matrix, product
 from .kinematics import DyadFactor, Factor
 from .model import Block, Plane
 
@@ -45,7 +45,7 @@ class Statics(NamedTuple):
     rows: ComplexArray
     factors: Sequence[Factor]
     subtree_force: ComplexArray
-    minus_incidence: Matrix
+    minus_incidence: Array
     idle: list[tuple[ComplexArray, Array]]
     responses: list[ComplexArray]
     compliance: Array | None
@@ -57,7 +57,7 @@ def build(
     rows: ComplexArray,
     factors: Sequence[Factor],
     subtree_force: ComplexArray,
-    minus_incidence: Matrix,
+    minus_incidence: Array,
     basis: ComplexArray,
     compliance: Array | None,
 ) -> Statics:
@@ -90,7 +90,7 @@ def balance(statics: Statics, joint_efforts: Array, coupling_multipliers: Array,
             coupling_multipliers += share * idle_couplings
 
 
-def carried(rows: Matrix, pins: ComplexArray) -> ComplexArray:
+def carried(rows: Array, pins: ComplexArray) -> ComplexArray:
     """Real rows (k, nl), such as those of `Bodies.minus_incidence`, times the forces of the pins (nl, n)."""
     return np.asarray(product(rows, pins.view(float)).view(complex))  # a product of real numbers takes a third of the time
 

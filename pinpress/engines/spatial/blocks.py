@@ -120,12 +120,10 @@ class _Factors(NamedTuple):
     """Blocks of one shape, factorised.
 
     Attributes:
-        scaled: (m, k, b, n) their Jacobians, columns scaled to unit length.
         inverse: (k, m, b, n) from gaps to the joints that close them, in the least-squares sense.
         idle: (m - k, m, b, n) orthonormal multipliers that balance each other on the joints of the block.
     """
 
-    scaled: Array
     inverse: Array
     idle: Array
 
@@ -157,7 +155,7 @@ class InBlocks:
         self.regular &= good.reshape(last).all(axis=0)
         inverse = inverse.reshape(k, m, *last)
         inverse /= lengths[:, None]
-        return _Factors(columns, inverse, idle.reshape(m - k, m, *last))
+        return _Factors(inverse, idle.reshape(m - k, m, *last))
 
     def _each(self) -> Iterator[tuple[Block, Array, Array]]:
         """The blocks, their inverses (k, m, n), and the columns (m, p, n) of their known joints."""
@@ -182,31 +180,17 @@ class InBlocks:
                 left[block.known] -= np.einsum("mpn,mn->pn", coupling, found)
         return result
 
-    def idle(self, column: NDArray[np.intp], columns: int) -> Array:
-        """(n, rows, columns) orthonormal multipliers that balance each other on the passive joints.
+    def idle(self) -> Array:
+        """(n, rows, idle) orthonormal multipliers that balance each other on the passive joints.
 
         Each belongs to one block. On joints of earlier blocks it has no effort: their columns add nothing to the rank of a loop's own.
-
-        Args:
-            column: (idle,) which column each is written to; those of one block have different ones.
-            columns: number of columns.
         """
-        result, filled = np.zeros((self._blocks.rows, columns, len(self.regular))), 0
+        result, filled = np.zeros((self._blocks.rows, self._blocks.idle, len(self.regular))), 0
         for block in self._blocks.blocks:
             own = self._factors[block.shape].idle[:, :, block.place]
-            result[block.rows[:, None], column[filled : filled + len(own)]] = own.swapaxes(0, 1)
+            result[block.rows, filled : filled + len(own)] = own.swapaxes(0, 1)
             filled += len(own)
         return result.transpose(2, 0, 1)
-
-    def margins(self) -> Array:
-        """(blocks, n) smallest singular values, with the signs of determinants where a block is square."""
-        by_shape = []
-        for factors in self._factors:
-            m, k = factors.scaled.shape[:2]
-            matrices = factors.scaled.transpose(2, 3, 0, 1)
-            values = np.linalg.svd(matrices, compute_uv=False)[:, :, -1]
-            by_shape.append(values * np.sign(np.linalg.det(matrices)) if m == k else values)
-        return np.array([by_shape[block.shape][block.place] for block in self._blocks.blocks])
 
 
 def _triangularised(columns: Array) -> tuple[Array, Array]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +22,6 @@ from ..forces import AppliedForce
 from ..pinocchio.model import SpatialModel
 
 ACROSS = (slice(1, 3), slice(2, None, -2), slice(0, 2))  # the other two axes of a frame, in cyclic order after each
-MANY_ALIKE = 8  # joints of a kind from which on it pays to place them at once
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,18 +51,6 @@ class Bodies(Frozen):
     lever: Array
     inertia: Array
     gravity: Array
-
-    @cached_property
-    def alike(self) -> tuple[NDArray[np.intp], ...]:
-        """Joints of one kind that as many joints carry, those on the frame first; none where there are few of a kind, as in a small linkage
-        or a serial chain."""
-        depths: list[int] = []
-        kinds: dict[tuple[int, bool, int, bool], list[int]] = {}
-        for joint, parent in enumerate(self.parents):
-            depths.append(depths[parent - 1] + 1 if parent else 0)
-            kind = depths[-1], bool(self.turns[joint]), self.along[joint], self.aligned[joint] is None
-            kinds.setdefault(kind, []).append(joint)
-        return tuple(np.array(kinds[kind]) for kind in sorted(kinds)) if len(depths) >= MANY_ALIKE * len(kinds) else ()
 
 
 def build_bodies(spatial: SpatialModel) -> Bodies:
@@ -184,10 +170,6 @@ def placements(bodies: Bodies, x: Array) -> Placements:
     np.negative(sines[:, 0], out=sines[:, 1])
     rotation, origin, axis = np.empty((3, 3, count + 1, n)), np.empty((3, count + 1, n)), np.empty((3, count, n))
     rotation[:, :, 0], origin[:, 0] = np.eye(3)[:, :, None], 0.0
-    if bodies.alike:
-        for joints in bodies.alike:
-            _place(bodies, joints, x, rotation, origin, axis)
-        return Placements(rotation.transpose(2, 0, 1, 3), origin.swapaxes(0, 1), axis.swapaxes(0, 1))
     frame, more = np.empty((3, 4, n)), np.empty((3, 2, n))
     for joint, parent in enumerate(bodies.parents):
         # axes of the frame before the joint moves, its own one last, and the origin, from the parent's
@@ -206,24 +188,6 @@ def placements(bodies: Bodies, x: Array) -> Placements:
         if aligned is not None:
             own[:] = np.matmul(aligned, own)
     return Placements(rotation.transpose(2, 0, 1, 3), origin.swapaxes(0, 1), axis.swapaxes(0, 1))
-
-
-def _place(bodies: Bodies, joints: NDArray[np.intp], x: Array, rotation: Array, origin: Array, axis: Array) -> None:
-    """Fill in rotations (3, 3, nv + 1, n), origins (3, nv + 1, n) and axes (3, nv, n) of joints of one kind, as `placements` does one by
-    one."""
-    parents, along = np.array(bodies.parents)[joints], bodies.along[joints[0]]
-    frame = np.einsum("gkl,ilgn->ikgn", bodies.placement[joints], rotation[:, :, parents])
-    own, place = np.empty_like(frame[:, :3]), origin[:, parents] + frame[:, 3]
-    axis[:, joints] = own[:, along] = frame[:, 2]
-    if bodies.turns[joints[0]]:
-        sine = np.sin(x[joints])
-        own[:, ACROSS[along]] = frame[:, :2] * np.cos(x[joints]) + frame[:, 1::-1] * np.stack([sine, -sine])
-    else:
-        own[:, ACROSS[along]] = frame[:, :2]
-        place += frame[:, 2] * x[joints]
-    aligned = [turned for joint in joints.tolist() if (turned := bodies.aligned[joint]) is not None]
-    rotation[:, :, joints + 1] = np.einsum("gkl,ilgn->ikgn", np.array(aligned), own) if aligned else own
-    origin[:, joints + 1] = place
 
 
 def displaced(bodies: Bodies, placed: Placements, joints: Array) -> Placements:

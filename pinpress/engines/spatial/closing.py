@@ -18,7 +18,6 @@ from ..forces import RANK
 from .blocks import InBlocks
 from .bodies import motion_axes
 from .equations import Equations, Loops, drift, equations
-from .sharing import Chains
 
 
 class PassiveColumns:
@@ -41,13 +40,11 @@ class PassiveColumns:
 
     @cached_property
     def parts(self) -> list[Part]:
-        """The idle multipliers, in parts of equal rank; those of chains in their columns."""
+        """The idle multipliers, in parts of equal rank."""
         found = []
         if self._blocks is not None and self._blocks.regular.any() and self.loops.rows > len(self.loops.passive):
             states = slice(None) if self.regular else np.flatnonzero(self._blocks.regular)
-            chains, count = self.loops.chains, self.loops.rows - len(self.loops.passive)
-            idle = self._blocks.idle(*((np.arange(count), count) if chains is None else (chains.column, chains.columns)))
-            found.append(Part(states, idle[states], chains))
+            found.append(Part(states, self._blocks.idle()[states]))
         if not self.regular:
             found += [Part(self._others[part.states], part.left[:, :, part.rank :]) for part in self._decomposed.parts]
         return found
@@ -69,9 +66,7 @@ class PassiveColumns:
         return result
 
     def margins(self) -> Array:
-        """(blocks, n), see `Closure.margins`."""
-        if self.loops.large and self._blocks is not None:
-            return self._blocks.margins()
+        """(1, n), see `Closure.margins`."""
         count = len(self.loops.passive)
         if count == 0:
             return np.ones((1, self.n))
@@ -80,23 +75,16 @@ class PassiveColumns:
         return np.asarray(np.linalg.svd(_scaled(self.loops, self._entries)[0], compute_uv=False)[None, :, count - 1])
 
 
-def regular(loops: Loops, x: Array) -> bool:
-    """Whether there are as many equations as passive joints, and certainly determine these at joint coordinates (nv,)."""
-    return loops.rows == len(loops.passive) and PassiveColumns(loops, equations(loops, x[:, None]).entries).regular
-
-
 class Part(NamedTuple):
     """Idle multipliers of some of the configurations.
 
     Attributes:
         states: which configurations, m of them.
         idle: (m, rows, k) orthonormal basis of the multipliers that balance each other on the passive joints.
-        chains: where several of them stand in one column of ``idle``, which ones do; else None.
     """
 
     states: NDArray[np.intp] | slice
     idle: Array
-    chains: Chains | None = None
 
 
 class _Decomposition(NamedTuple):

@@ -14,7 +14,7 @@ from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, EnergyRates, Jo
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..pinocchio.engine import PinocchioEngine
 from . import bodies, closing, equations
-from .equations import MANY, Loops, build_loops
+from .equations import Loops, build_loops
 
 FEW = 3  # up to so many configurations Pinocchio closes them faster, one at a time
 
@@ -36,12 +36,6 @@ class SpatialEngine:
         """Constants of the linkage."""
         return build_loops(self.one_by_one.spatial)
 
-    @cached_property
-    def few(self) -> int:
-        """Up to so many configurations Pinocchio closes faster, one at a time."""
-        many = self.one_by_one.spatial.model.nv >= MANY
-        return 0 if many and self.loops.large else FEW
-
     @property
     def piece(self) -> int:
         return PIECE
@@ -60,22 +54,22 @@ class SpatialEngine:
     # ----------------------------------------------------------------------------------------------------------------- equations
 
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
-        if len(angle) <= self.few:
+        if len(angle) <= FEW:
             return self.one_by_one.close(angle, guess, with_margins)
         return closing.close(self.loops, angle[None], np.ones((1, len(angle))), guess, with_margins)
 
     def closing_function(self) -> CloseDrivers:
-        close_few = self.one_by_one.closing_function() if self.few else None
+        close_few = self.one_by_one.closing_function()
 
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
-            if close_few is not None and guess.shape[1] <= self.few:
+            if guess.shape[1] <= FEW:
                 return close_few(drivers, along, guess)
             return closing.close(self.loops, drivers, along, guess, with_margins=True)
 
         return close
 
     def rates(self, position: Array, speed: Array, acceleration: Array) -> JointRates:
-        if position.shape[1] <= self.few:
+        if position.shape[1] <= FEW:
             return self.one_by_one.rates(position, speed, acceleration)
         return closing.rates(self.loops, position, speed, acceleration)
 
@@ -83,8 +77,6 @@ class SpatialEngine:
         return equations.gaps(self.loops, position)
 
     def redundant(self, x: Array) -> bool:
-        if self.few == 0 and closing.regular(self.loops, x):
-            return False
         return self.one_by_one.redundant(x)
 
     def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
@@ -114,7 +106,7 @@ class SpatialEngine:
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
-        if self.few and states.v.shape[1] == 1:  # a single state takes Pinocchio half the time
+        if states.v.shape[1] == 1:  # a single state takes Pinocchio half the time
             return self.one_by_one.inverse_dynamics(states, conditions, wanted)
         from . import inverse_dynamics  # not needed to load
 

@@ -15,18 +15,16 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ...common.frozen import Frozen
+from ...common.products import product
 from ...common.quantities import Array
 from ..engine import PIECE
 from ..forces import REST
-from ..joints import Matrix, matrix, product
+from ..joints import array_of
 from ..pinocchio.model import PARALLEL_TO_ROUNDING, SpatialModel, coupling_equations
-from .blocks import Blocks, InBlocks, build_blocks
+from .blocks import Blocks, build_blocks
 from .bodies import Bodies, Placements, accelerations, build_bodies, cross, displaced, placements, turned, velocities
-from .sharing import MANY_IDLE, Chains, build_chains
 
-MANY = 64  # joints from which on all that is done with a linkage has to grow no faster than they do
 JACOBIANS = 500_000  # entries of the Jacobians of all configurations that are worked through at a time
-PURE = 1e-12  # share of an idle multiplier below which its force, or its couple, is rounding
 HALF_TURN = -0.99  # cosine of an angle from which on the logarithm of a rotation needs care
 
 
@@ -58,7 +56,7 @@ class Loops(Frozen):
     pair_loop: NDArray[np.intp]
     pair_joint: NDArray[np.intp]
     pair_end: NDArray[np.intp]
-    coupled: Matrix
+    coupled: Array
     offsets: Array
     entries: NDArray[np.intp]
     rows: int
@@ -66,13 +64,7 @@ class Loops(Frozen):
     @cached_property
     def piece(self) -> int:
         """Number of configurations that are worked through at a time, so that their Jacobians take a few megabytes."""
-        size = self.entries.shape[1] if self.large else self.rows * len(self.bodies.parents)
-        return max(8, min(PIECE, JACOBIANS // max(1, size)))
-
-    @cached_property
-    def large(self) -> bool:
-        """Whether there are many joints, and the equations fall into several blocks."""
-        return len(self.bodies.parents) >= MANY and self.blocks is not None and len(self.blocks.blocks) > 1
+        return max(8, min(PIECE, JACOBIANS // max(1, self.rows * len(self.bodies.parents))))
 
     @cached_property
     def _irregular(self) -> Array:
@@ -88,25 +80,6 @@ class Loops(Frozen):
         held = np.repeat(np.arange(count), [loop.held_rotations for loop in spatial.loops])
         members = np.concatenate([np.repeat(np.arange(count), 3), held, count + np.arange(len(self.offsets))])
         return build_blocks(self.entries, self._irregular[:-1, 0], members, self.passive)
-
-    @cached_property
-    def chains(self) -> Chains | None:
-        """The idle multipliers where they are many, each is a force or a couple, and has bearings in common with few others; else None."""
-        if self.blocks is None or self.rows - len(self.passive) < MANY_IDLE:
-            return None
-        count, gears = len(self.spatial.loops), self.rows - len(self.offsets)
-        blocks = [block for block in self.blocks.blocks for _ in range(len(block.rows) - len(block.joints))]
-        places = np.concatenate([np.arange(len(block.rows) - len(block.joints)) for block in self.blocks.blocks])  # within the block
-        idle = InBlocks(self.blocks, self._irregular).idle(places, int(places.max()) + 1)[0]
-        own = [(np.abs(idle[block.rows, place]), block.rows) for block, place in zip(blocks, places, strict=True)]
-        is_force = np.array([sizes[rows >= 3 * count].max(initial=0.0) <= PURE for sizes, rows in own])
-        is_couple = np.array([sizes[(rows < 3 * count) | (rows >= gears)].max(initial=0.0) <= PURE for sizes, rows in own])
-        if not np.all(is_force | is_couple):
-            return None
-        rows = [block.rows.tolist() for block in blocks]
-        loops = [sorted({row // 3 for row in these if row < 3 * count}) for these in rows]
-        joints = [sorted(set().union(*(self.spatial.joints_of_loop[loop] for loop in these))) for these in loops]
-        return build_chains(rows, loops, joints, (self.rows, len(self.bodies.parents), count), is_couple)
 
     @cached_property
     def driving_places(self) -> NDArray[np.intp]:
@@ -146,10 +119,9 @@ class Loops(Frozen):
         return list(zip(self.pair_loop.tolist(), self.pair_joint.tolist(), changes, strict=True))
 
     @cached_property
-    def spinning(self) -> Matrix:
+    def spinning(self) -> Array:
         """(nl, nv) sums over the joints on a loop, +1 where a joint carries only its end 2, -1 where only its end 1."""
-        count = len(self.bodies.parents)
-        return matrix([dict(joints) for joints in self.spatial.joints_of_loop], count, count, float)
+        return np.asarray(array_of(self.spatial.joints_of_loop, len(self.bodies.parents), float))
 
     @cached_property
     def pair_turns(self) -> NDArray[np.bool_]:
@@ -178,7 +150,7 @@ def build_loops(spatial: SpatialModel) -> Loops:
         pair_loop=pair_loop,
         pair_joint=pair_joint,
         pair_end=pair_end,
-        coupled=matrix(coupled, spatial.model.nv, spatial.model.nv, float),
+        coupled=array_of(coupled, spatial.model.nv, float),
         offsets=offsets,
         entries=np.array(entries, dtype=np.intp).reshape(-1, 2).T.copy(),
         rows=row + len(offsets),

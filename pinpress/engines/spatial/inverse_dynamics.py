@@ -19,8 +19,8 @@ from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
 from .bodies import Placements, accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
 from .closing import PassiveColumns
-from .equations import PURE, Equations, Loops, equations, loop_turning
-from .sharing import Chains, SharedByAll, SharedByNeighbours, shared_by_all, shared_by_neighbours
+from .equations import Equations, Loops, equations, loop_turning
+from .sharing import Shared, share
 
 
 def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
@@ -107,7 +107,7 @@ class _Balance:
             AssemblyError: a state leaves the loops open, because it belongs to another linkage.
         """
         self.loops, self.states, self.compliance = loops, states, compliance
-        self.sharing: list[SharedByAll | SharedByNeighbours] | None = None
+        self.sharing: list[Shared] | None = None
         spatial, bodies = loops.spatial, loops.bodies
         self.count, self.n = states.v.shape
         if states.solved is None:
@@ -224,45 +224,15 @@ class _Balance:
         if self.sharing is None:
             self.sharing = list(self._share())
         starts = list(islice(self._starts(found, friction), max((each.objectives for each in self.sharing), default=0)))
-        for sharing in self.sharing:  # the forces that are shared before couples change the moments
-            own = starts if not sharing.of_couples else [*self._starts(found, friction)][-1:]
-            found[:, sharing.states] += sharing.added(own)
+        for sharing in self.sharing:
+            found[:, sharing.states] += sharing.added(starts)
         return found
 
-    def _share(self) -> Iterator[SharedByAll | SharedByNeighbours]:
+    def _share(self) -> Iterator[Shared]:
         for part in self.passive.parts:
-            if not (part.idle.shape[2] and len(part.idle)):
-                continue
-            idle, chains = _configurations_last(part.idle), part.chains
-            if chains is not None:
-                shared = list(self._shared_by_neighbours(idle, part.states, chains))
-                if None not in shared:
-                    yield from shared  # type: ignore[misc]
-                    continue
-                idle = chains.together(idle)
-            yield shared_by_all(part.states, idle, self._objectives(idle, part.states))
-
-    def _shared_by_neighbours(self, idle: Array, states: NDArray[np.intp] | slice, chains: Chains) -> Iterator[SharedByNeighbours | None]:
-        """How idle forces, and after them idle couples, of some states are shared by neighbours; None where this may leave something open.
-
-        Args:
-            idle: (columns, rows, m) idle multipliers.
-            states: which states.
-            chains: what stands in these columns.
-        """
-        forces, couples = np.split(idle, [chains.forces.columns])
-        own, gears = 3 * len(self.loops.spatial.loops), self.loops.rows - len(self.loops.offsets)
-        others = forces[:, own:], couples[:, :own], couples[:, gears:]
-        if max(np.abs(each).max(initial=0.0) for each in others) > PURE:
-            yield None
-            return
-        objective, _ = next(self._objectives(forces, states))
-        weights = np.ones(1) if self.compliance is None else np.sqrt(self.compliance[self.count + chains.forces.own_loops])
-        yield shared_by_neighbours(states, forces, chains.forces, objective, float(weights.min()))
-        if chains.couples is not None:
-            *_, (moments, size) = self._objectives(couples, states)
-            found = shared_by_neighbours(states, couples, chains.couples, moments, size)
-            yield None if found is None else found._replace(of_couples=True)
+            if part.idle.shape[2] and len(part.idle):
+                idle = _configurations_last(part.idle)
+                yield share(part.states, idle, self._objectives(idle, part.states))
 
     def _objectives(self, idle: Array, states: NDArray[np.intp] | slice) -> Iterator[tuple[Array, float]]:
         """The objectives (k, bearings, 3, m) by which multiples of idle multipliers (k, rows, m) of some states are chosen, and their

@@ -17,7 +17,6 @@ from ...common import plausibility
 from ...common.arguments import positive
 from ...common.errors import PinpressError, UnknownNameError, shown
 from ...common.quantities import Array, ComplexArray
-from ...engines.joints import plain
 from ...engines.planar.engine import PlanarEngine
 from ...engines.planar.kinematics import basis_at
 from ...engines.planar.model import Plane, to_complex
@@ -89,11 +88,11 @@ class DrawnBodies:
         self.press = press
         engine = press.engine("plane")
         assert isinstance(engine, PlanarEngine)
-        self.plane: Plane = engine.plane.dense
+        self.plane: Plane = engine.plane
         basis = basis_at(self.plane, np.zeros((press.model.nv, 1)))
-        self.origins: ComplexArray = plain(self.plane.origins @ basis)[:, 0]
-        self.centers: ComplexArray = plain((self.plane.origins + self.plane.centers) @ basis)[:, 0]
-        self.directions = dict(zip(self.plane.prismatic, plain(self.plane.directions @ basis)[:, 0], strict=True))
+        self.origins: ComplexArray = (self.plane.origins @ basis)[:, 0]
+        self.centers: ComplexArray = ((self.plane.origins + self.plane.centers) @ basis)[:, 0]
+        self.directions = dict(zip(self.plane.prismatic, (self.plane.directions @ basis)[:, 0], strict=True))
 
     def point(self, joint: int, point: Array) -> complex:
         """A point of a link, in the frame of its joint (-1: the world), in the axes of the plane [m]."""

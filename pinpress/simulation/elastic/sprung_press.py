@@ -218,7 +218,7 @@ class SprungPress:
         """Constants of the planar linkage."""
         engine = self.press.engine("plane")
         assert isinstance(engine, PlanarEngine)
-        return engine.plane.dense
+        return engine.plane
 
     def rigid_coordinates(self, motion: Motion) -> tuple[Array, Array, Array]:
         """All coordinates, rates and accelerations (n, k) of the rigid press in a motion."""

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common import products
+from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ...derivatives.motion import Displacements, Rates, Shift, States, Tangent, guide_shift, planar, shift
-from ...engines.joints import product
 from ...engines.planar.kinematics import NO_SLIPS, basis_acceleration, basis_at, drive, factored, solve
 from ...engines.planar.model import Plane
 from ...linkage.linkage import Linkage

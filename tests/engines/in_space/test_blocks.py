@@ -1,19 +1,14 @@
 """Equations in space that are solved block by block: the same as all at once, and linkages of any size."""
 
-from dataclasses import replace
-
 import numpy as np
-import pinocchio as pin
 import pytest
 from support import texts
 from support.generators import large_linkages
-from support.generators.spatial_crank_slide import SPATIAL
 from support.oracles import cassie, n_four_bar
 
 import pinpress as pp
 from pinpress.engines.engine import ClosedStates
 from pinpress.engines.forces import AppliedConditions, AppliedForce
-from pinpress.engines.spatial import bodies
 from pinpress.engines.spatial.closing import PassiveColumns
 from pinpress.engines.spatial.engine import SpatialEngine
 from pinpress.engines.spatial.equations import Equations, equations
@@ -98,12 +93,10 @@ def test_where_a_block_is_singular_the_whole_is_decomposed():
     assert np.abs(columns[1:].swapaxes(1, 2) @ part.idle).max() < 1e-12
 
 
-def test_a_long_chain(monkeypatch):
-    """Closed near its drawn pose, and its forces, without Pinocchio's data, which grow as the joints cubed; as by Pinocchio's engine."""
-    made, create = [], pin.Model.createData
-    monkeypatch.setattr(pin.Model, "createData", lambda model: made.append(model) or create(model))
+def test_a_long_chain():
+    """Closed near its drawn pose, and its forces, as by Pinocchio's engine."""
     press = large_linkages.load(large_linkages.spatial_chain(22))
-    angles, guess = np.array([-0.02, 0.01]), np.repeat(press.closed[:, None], 2, axis=1)
+    angles, guess = np.linspace(-0.02, 0.01, 4), np.repeat(press.closed[:, None], 4, axis=1)
 
     def moved(engine):
         closed = engine.close(angles, guess, with_margins=True)
@@ -112,42 +105,23 @@ def test_a_long_chain(monkeypatch):
         return closed, states, forces
 
     engine, judge = in_space(press), press.engine("pinocchio")
-    assert engine.loops.large
-    (closed, *ours), regular = moved(engine), not engine.redundant(press.closed)
-    assert not made
-    (other, *theirs) = moved(judge)
-    assert regular is not judge.redundant(press.closed)
-    assert np.abs(closed.margins).min() > other.margins.min() > 1e-3  # no block is nearer to a singularity than the whole
+    (closed, *ours), (other, *theirs) = moved(engine), moved(judge)
+    assert other.margins.min() > 1e-3
+    np.testing.assert_allclose(closed.margins, other.margins, rtol=1e-9)
     for mine, judged, names in zip(ours, theirs, (("position", "v", "a"), ("torque", "force", "moment")), strict=True):
         for name in names:
             expected = getattr(judged, name)
             assert np.abs(getattr(mine, name) - expected).max() <= 1e-12 * (1 + np.abs(expected).max()), name
 
 
-@pytest.mark.parametrize("text", [cassie.urdf, lambda: SPATIAL], ids=["cassie", "slide"])
-def test_joints_of_a_kind_are_placed_as_one_by_one(text, monkeypatch):
-    own = in_space(texts.load(text())).loops.bodies
-    x = np.sin(np.arange(7.0 * len(own.parents))).reshape(-1, 7)
-    expected = bodies.placements(own, x)
-    monkeypatch.setattr(bodies, "MANY_ALIKE", 0)
-    at_once = replace(own)
-    assert sum(map(len, at_once.alike)) == len(own.parents) > len(own.alike) == 0
-    for one, other in zip(bodies.placements(at_once, x), expected, strict=True):
-        np.testing.assert_allclose(one, other, rtol=0, atol=1e-15)
-
-
 @pytest.mark.parametrize("every", [None, 1, 2, "gears"], ids=["balls", "hinges", "both", "gears"])
 @pytest.mark.parametrize("stiff", ["none", "all", "some"])
-def test_idle_forces_of_a_chain_are_shared_by_neighbours(stiff, every):
-    """Under forces across the plane, as by Pinocchio's engine from dense decompositions; where a bearing of a loop counts for nothing, they
-    are decomposed here too."""
+def test_idle_forces_of_a_chain(stiff, every):
+    """Under forces across the plane, as by Pinocchio's engine."""
     text, rng, gears = n_four_bar.urdf(18), np.random.default_rng(3), every == "gears"
     every = None if gears else every
     press = large_linkages.load(large_linkages.geared_chain(18) if gears else large_linkages.hinged(text, every) if every else text)
     engine, count = in_space(press), len(press.bearings)
-    chain, couples = engine.loops.chains.forces, engine.loops.chains.couples
-    assert (chain.columns, chain.band, len(chain.column)) == (2, 1, 18)
-    assert (couples is None) if not every else len(couples.column) == 2 * 18 // every
     compliance = None if stiff == "none" else 1e-9 * 10.0 ** rng.uniform(-2.0, 2.0, size=count)
     if stiff == "some":
         compliance[-4:] = 0.0
