@@ -244,7 +244,7 @@ def _audited(problem: SimulationProblem, motion: Motion, sample: Sample, steps: 
     allowed = math.inf if problem.step is not None else allowed_error(problem.tolerance)
     if largest > allowed:
         unsure = _rounding(driven, motion.time, motion, sample.drive_speed)
-        if problem.method in ("reduced", "implicit"):  # in each step kinetic energy and works may each err by the tolerance
+        if len(driven.inertias) == 1:  # in each step kinetic energy and works may each err by the tolerance
             unsure += (1 + len(works)) * steps * problem.tolerance * driven.motion_sizes(float(problem.speed[0]))[1]
         if largest > allowed + unsure / float(energy_size(kinetic, potential, *works)):
             worst = int(error.argmax())
