@@ -288,7 +288,7 @@ def test_a_run_names_its_method(press, method):
 
 
 def test_a_brake_that_catches_a_crank_at_once():
-    """The crank moves 0.13 mrad before the brake holds it: errors of its angle count beside the energy of a press in motion, by every method."""
+    """The crank moves 0.13 mrad before the brake holds it. Errors are compared with the energy of a press in motion, by every method."""
     press, motor = texts.shipped("zxn2_3000b"), pp.drives.InductionMotor(75e3, 1485 * pp.RPM, inertia=1.2)
     given: dict[str, Any] = {"angle": 5.8262, "drive": pp.drives.Geared(motor, 20.7), "flywheel": Flywheel(4750.0)}
     brake = Brake(6260.0, closes=At(time=0.0232))

@@ -3,10 +3,11 @@
 Run `python tests/benchmarks/mechanics/sizes.py`; `--quick` for the smaller half of the sizes. pytest does not collect this file. Linkages
 are chains of dyads (see `n_four_bar`), with ball joints or hinges for loops, rows of geared shafts, of links that hang on each other,
 chains of four-bars in space and of five-bars with a gear pair each, and rows of links tied to the frame. Every step is timed with what it
-needs already there: `load` from the file, the branch walked once, then motion and inverse dynamics at some crank angles, and both together; the table of a free run, the next run, a URDF and a report. Times are those of the
-processor, BLAS in one thread; memory is the most that Python and NumPy hold of the linkage while it moves and all forces are found. The
-exponent is the slope of log time over log size, fitted to all sizes, and to the upper half of them: 1 is linear. At last, motion and forces
-with as many BLAS threads as cores beside those with one, in alternated processes.
+needs already there: `load` from the file, the branch walked once, then motion and inverse dynamics at some crank angles, and both
+together; the table of a free run, the next run, a URDF and a report. Times are those of the processor, BLAS in one thread; memory is the
+most that Python and NumPy hold of the linkage while it moves and all forces are found. The exponent is the slope of log time over log
+size, fitted to all sizes, and to the upper half of them: 1 is linear. At last, motion and forces with as many BLAS threads as cores beside
+those with one, in alternated processes.
 """
 
 from __future__ import annotations
