@@ -21,7 +21,7 @@ from pinpress.balancing import Counterweight, with_counterweights
 from pinpress.linkage.urdf import reader
 
 EPS = np.finfo(float).eps
-LEVER = 1.0  # centre of mass [ulp of its largest component]: Pinocchio reads (m c) (1 / m)
+LEVER = 3.0  # centre of mass [ulp of its largest component]: Pinocchio reads (m c) (1 / m), three roundings of up to an ulp each
 TENSOR = EPS  # of its largest component
 ROTATION = 6 * EPS  # Pinocchio reads roll, pitch and yaw, by way of a quaternion
 WELDED = 2 * EPS  # masses, lengths and tensors that are sums over links
@@ -292,8 +292,6 @@ def test_inertias(name, tmp_path):
     heavier = changed(press, all_new)
     again = written(heavier, tmp_path)
     assert_same(again, heavier, welded=False)
-    missed = [np.count_nonzero(one.lever != two.lever) for one, two in zip(again.model.inertias, heavier.model.inertias, strict=True)]
-    assert sum(missed) == 0  # which no text may reach, but one does for these numbers; the first that is tried misses one in eight
 
 
 def test_thin_rod_whose_tensor_is_rounded(press, tmp_path):
