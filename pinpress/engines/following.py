@@ -22,6 +22,7 @@ FIRST_STEP = 1e-3  # first step of the walk, which shows how the margins change 
 SMALLEST_STEP = 1e-10  # the walk ends where it would need a shorter one: the linkage locks there [rad]
 SMALLEST_MARGIN = 1e-6  # the walk ends at a smaller margin, where rounding of the loop equations decides between two assemblies
 TURNED_OFF = 0.5  # cosine between two ways of a path below which its direction is a new one
+AT_ONCE = 16  # most steps of a walk that are closed at once
 ROUNDING = 1e-12  # of a joint's position [rad, lengths of the linkage]
 
 
@@ -102,10 +103,12 @@ def follow(close: Close, start: Array, distance: float, size: float, tolerance: 
 
 
 def extend_walk(follower: Follower, nodes: list[Node], target: float) -> SingularPosition | None:
-    """Append nodes up to the crank angle ``target``. Returns where the linkage locks before it, None if it does not."""
+    """Append nodes up to the crank angle ``target``. Returns where the linkage locks before it, None if it does not.
+
+    Steps of full length are closed several at once, which takes a third of the time; only those that count one after the other are kept.
+    """
     direction = 1.0 if target > nodes[-1].angle else -1.0
-    step = FIRST_STEP
-    weight = 1.0 / (1.0 + follower.size)
+    step, tried = FIRST_STEP, 1
     share = 0.5 * min(1.0, follower.longest / COARSE_STEP)  # towards a singularity all steps are as much shorter as the longest one is
     while abs(target - nodes[-1].angle) > 0:
         last = nodes[-1]
@@ -116,17 +119,22 @@ def extend_walk(follower: Follower, nodes: list[Node], target: float) -> Singula
         if margin < follower.smallest_margin:
             return SingularPosition(last.angle + direction * min(ahead, follower.longest), margin)
         step = min(step, share * ahead)
-        remaining = abs(target - last.angle)
-        # the last step of a turn is stretched or cut to end on it exactly
-        angle = target if remaining <= 1.01 * step else last.angle + direction * step
-        h = angle - last.angle
-        guess = last.position + h * (last.first + 0.5 * h * last.second)
-        closure = follower.close(np.array([angle]), guess[:, None])
-        if _belongs(closure, guess, last, h, weight, follower.tolerance):
-            nodes.append(Node.of(angle, closure))
+        angles = last.angle + direction * step * np.arange(1 + (tried if step == follower.longest else 1))
+        ends = np.flatnonzero(np.abs(target - angles[:-1]) <= 1.01 * step)
+        if len(ends):  # the last step of a turn is stretched or cut to end on it exactly
+            angles = np.append(angles[: ends[0] + 1], target)
+        h = angles - last.angle
+        guess = last.position[:, None] + h * (last.first[:, None] + 0.5 * h * last.second[:, None])
+        closure = follower.close(angles, guess)
+        good = _continues(closure, np.diff(angles), follower.size, follower.tolerance, share, follower.smallest_margin)
+        inside = np.abs(closure.position[:, :-1] - nodes[0].position[:, None]) <= np.reshape(follower.farthest, (-1, 1))
+        count = _leading(good & inside.all(axis=0))
+        nodes += [Node.of(float(angles[k]), closure, k) for k in range(1, count + 1)]
+        tried = min(AT_ONCE, max(1, 2 * count))  # one that is far away can keep Newton's method from closing those that are near
+        if count:
             step = min(2 * step, follower.longest)
-        else:
-            step = min(step, abs(h)) / 2
+        elif len(angles) == 2:
+            step = min(step, abs(h[1])) / 2
             if step < SMALLEST_STEP:
                 return SingularPosition(last.angle, margin)
     return None
@@ -142,28 +150,44 @@ def _singularity_ahead(before: Node, last: Node) -> float:
     return float(abs(last.angle - before.angle) / share) if share > 0 else np.inf
 
 
-def _belongs(closure: Closure, guess: Array, last: Node, h: float, weight: float, tolerance: float) -> bool:
-    """Whether a closed configuration continues the assembly of the last node, and is not another assembly.
+def _continues(
+    closure: Closure, steps: Array, size: float, tolerance: float, share: float = 0.5, smallest_margin: float = SMALLEST_MARGIN
+) -> NDArray[np.bool_]:
+    """Whether each of s steps between s + 1 configurations continues an assembly, and does not go over to another one.
 
-    Newton's method must have corrected the prediction by little, compared with the step. Every margin must have kept its sign and half its
-    value, because it passes through zero where assemblies meet.
+    Newton's method must have corrected the prediction from the configuration before by little, compared with the step. Every margin must
+    have kept its sign and half its value, because it passes through zero where assemblies meet, and a step must be no longer than a part of
+    the way on which it would reach zero, if it went on falling as in the step before.
 
     Args:
-        closure: the configuration.
-        guess: (nv,) its prediction.
-        last: the last node.
-        h: step from it [rad].
-        weight: factor by which corrections of joints are multiplied [rad or m], 1 / (1 + size).
+        closure: the configurations.
+        steps: (s,) steps between them [rad].
+        size: length of the linkage [m].
         tolerance: gap at which a loop counts as closed [m].
+        share: the part of that way.
+        smallest_margin: margin before a step below which the linkage counts as locked.
     """
     assert closure.margins is not None
-    if not closure.gap[0] <= tolerance or not np.all(np.isfinite(closure.second)):
-        return False
-    before, margins = np.abs(last.margins), closure.margins[:, 0] * np.sign(last.margins)
-    if np.any(margins < 0.5 * before) or np.any(margins > 2.0 * np.maximum(before, 0.25)):
-        return False
-    correction = weight * np.abs(closure.position[:, 0] - guess).max()
-    return bool(correction <= 0.1 * abs(h) * (1.0 + weight * np.abs(last.first).max()))
+    weight, lengths = 1.0 / (1.0 + size), np.abs(steps)
+    closed = (closure.gap <= tolerance) & np.isfinite(closure.second).all(axis=0)
+    last, first, second = closure.position[:, :-1], closure.first[:, :-1], closure.second[:, :-1]
+    with np.errstate(all="ignore"):  # of configurations that are not closed
+        corrections = weight * np.abs(closure.position[:, 1:] - last - steps * (first + 0.5 * steps * second)).max(axis=0)
+        near = corrections <= 0.1 * lengths * (1.0 + weight * np.abs(first).max(axis=0)) + ROUNDING
+        before, after = np.abs(closure.margins[:, :-1]), closure.margins[:, 1:] * np.sign(closure.margins[:, :-1])
+        kept = (before >= smallest_margin) & (after >= 0.5 * before) & (after <= 2.0 * np.maximum(before, 0.25))
+        near[1:] &= lengths[1:] * _falling(before, after, lengths)[:-1] <= share
+    return np.asarray(closed[:-1] & closed[1:] & near & kept.all(axis=0))
+
+
+def _falling(before: Array, after: Array, steps: Array) -> Array:
+    """Inverse of the way (s,) after which the first of the margins (blocks, s) would reach zero behind each of s steps [1/rad]."""
+    return np.asarray(np.max((before - after) / after, axis=0, initial=0.0) / steps)
+
+
+def _leading(good: NDArray[np.bool_]) -> int:
+    """How many there are before the first that is not good."""
+    return len(good) if good.all() else int(np.argmin(good))
 
 
 # ------------------------------------------------------------------------------------------------------------- a path of several drivers
@@ -232,27 +256,12 @@ def follow_at_once(close: CloseDrivers, start: Array, path: Path, size: float, t
     alike = close(np.repeat(begin[:, None], count, axis=1), np.eye(count), np.repeat(start[:, None], count, axis=1)).first
     guess = start[:, None] + product(alike, (path.stations - begin).T)
     closure = close(path.stations.T, path.along.T, guess)
-    good = _continuous(closure, path.steps, 1.0 / (1.0 + size), tolerance)
-    reached = len(good) if good.all() else int(np.argmin(good))
-    return np.asarray(closure.position[:, path.ends[path.ends <= reached]])
-
-
-def _continuous(closure: Closure, steps: Array, weight: float, tolerance: float) -> NDArray[np.bool_]:
-    """Whether each of s steps between s + 1 configurations stays on one assembly; see `_belongs` and `_singularity_ahead`."""
+    steps, good = path.steps, _continues(closure, path.steps, size, tolerance)
     assert closure.margins is not None
-    closed = (closure.gap <= tolerance) & np.isfinite(closure.second).all(axis=0)
-    last, first, second = closure.position[:, :-1], closure.first[:, :-1], closure.second[:, :-1]
-    with np.errstate(all="ignore"):  # of configurations that are not closed
-        corrections = weight * np.abs(closure.position[:, 1:] - last - steps * (first + 0.5 * steps * second)).max(axis=0)
-        near = corrections <= 0.1 * steps * (1.0 + weight * np.abs(first).max(axis=0)) + ROUNDING
+    with np.errstate(all="ignore"):  # a path counts only where it could be followed back as well
         before, after = np.abs(closure.margins[:, :-1]), closure.margins[:, 1:] * np.sign(closure.margins[:, :-1])
-        kept = (before >= SMALLEST_MARGIN) & (after >= 0.5 * before) & (after <= 2.0 * np.maximum(before, 0.25))
-        # no margin would reach zero within twice the next step, nor within twice the one before if the path were followed back
-        ahead = np.max((before - after) / after, axis=0, initial=0.0) / steps
-        behind = np.max((after - before) / before, axis=0, initial=0.0) / steps
-        near[1:] &= 2.0 * steps[1:] * ahead[:-1] <= 1.0
-        near[:-1] &= 2.0 * steps[:-1] * behind[1:] <= 1.0
-    return np.asarray(closed[:-1] & closed[1:] & near & kept.all(axis=0))
+        good[:-1] &= steps[:-1] * _falling(after, before, steps)[1:] <= 0.5
+    return np.asarray(closure.position[:, path.ends[path.ends <= _leading(good)]])
 
 
 # -------------------------------------------------------------------------------------------------- polynomials through the nodes of a walk

@@ -54,9 +54,9 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     A link whose mass has grown aside of its centre of mass, as by a counterweight, gets a ball of steel of that mass as ``<visual
     name="added_ballast">``, in place of one that it has of before. Pinpress draws a counterweight of this mass there.
 
-    All numbers load to 1e-12 of their sizes, or the file is not written. Masses, positions and limits mostly load to the last bit; Pinocchio
-    computes centres of mass, inertia tensors, turned frames and sums over links that are welded together from what it reads, and rounds
-    them to some 1e-15. Of limits of effort, velocity and friction the upper ones are written.
+    All numbers load to 1e-12 of their sizes, or the file is not written. Masses, positions and limits load to the last bit, or nearly;
+    Pinocchio computes centres of mass, inertia tensors, turned frames and sums over links that are welded together from what it reads, and
+    rounds them to some 1e-15. Of limits of effort, velocity and friction the upper ones are written.
 
     Welded links are one body. Where its inertia has changed, the heaviest link takes the difference and the others keep what the text says.
     If no body could have the inertia that is then left for the heaviest, the next one takes the difference; if that is so for each of them,
