@@ -9,6 +9,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .products import product
 from .quantities import Array, ComplexArray
@@ -16,6 +17,7 @@ from .quantities import Array, ComplexArray
 NODES = 14  # nodes of the quadrature; the polynomials through them have one degree less
 BESIDE_EACH_OTHER = 64  # columns from which on rows are added one by one
 MOST_STEPS = 60  # most steps of Newton's method: as many halvings narrow a bracket down to rounding
+Numbers = NDArray[np.float64] | NDArray[np.complex128]
 ValueAndSlope = Callable[[Array], tuple[Any, Any]]
 """Places (m,) -> values and derivatives of a function there, (m,) each. They may be complex; decisions are made on their real parts."""
 
@@ -91,6 +93,28 @@ def values_and_slopes(coefficients: Array, x: Array) -> tuple[Array, Array]:
         value *= x
         value += coefficients[k]
     return value, slope
+
+
+def quintics(steps: Array, value: Numbers, first: Numbers, second: Numbers) -> Any:
+    """Coefficients (6, ..., m) of the polynomials that have given values and derivatives at both ends of m intervals.
+
+    They belong to rising powers of the distance from an interval's start.
+
+    Args:
+        steps: (m,) lengths of the intervals.
+        value: (..., m + 1) values at their ends.
+        first: (..., m + 1) first derivatives.
+        second: (..., m + 1) second derivatives.
+    """
+    # SciPy's BPoly does the same, but importing it takes longer than everything else that a first cycle does.
+    h, start, slope, bend = steps, value[..., :-1], first[..., :-1], second[..., :-1]
+    rise = value[..., 1:] - start - h * (slope + 0.5 * h * bend)
+    speeding = h * (first[..., 1:] - slope - h * bend)
+    bending = 0.5 * h**2 * (second[..., 1:] - bend)
+    third = (10 * rise - 4 * speeding + bending) / h**3
+    fourth = (-15 * rise + 7 * speeding - 2 * bending) / h**4
+    fifth = (6 * rise - 3 * speeding + bending) / h**5
+    return np.stack([start, slope, 0.5 * bend, third, fourth, fifth])
 
 
 def running_sums(start: Array | float, steps: Array) -> Array:

@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from ..common.numerics import bracketed_roots
+from ..common.numerics import bracketed_roots, polynomial_values, quintics
 from ..common.quantities import Array
 from ..kinematics.motion import Motion, moved
 from ..loads import caller_laws
@@ -146,16 +146,11 @@ class _Way:
     def _driven(self, times: Array) -> Array:
         """Angle, speed and acceleration (3, m) of the driver, which between two states are those of the quintic through both."""
         place = (np.searchsorted(self.times, times, side="right") - 1).clip(0, len(self.times) - 2)
-        h = np.diff(self.times)[place]
-        x = (times - self.times[place]) / h
-        (p0, v0, a0), (p1, v1, a1) = self.driver[:, place], self.driver[:, place + 1]
-        v0, v1, a0, a1 = v0 * h, v1 * h, a0 * h * h, a1 * h * h
-        way, turn, bend = p1 - p0 - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
-        c3, c4, c5 = 10 * way - 4 * turn + bend / 2, -15 * way + 7 * turn - bend, 6 * way - 3 * turn + bend / 2
-        angle = p0 + x * (v0 + x * (a0 / 2 + x * (c3 + x * (c4 + x * c5))))
-        speed = v0 + x * (a0 + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))
-        acceleration = a0 + x * (6 * c3 + x * (12 * c4 + x * 20 * c5))
-        return np.array([angle, speed / h, acceleration / (h * h)])
+        angle, speed, acceleration = self.driver
+        through = quintics(np.diff(self.times), angle, speed, acceleration)[:, place]
+        since = times - self.times[place]
+        derivatives = [np.polynomial.polynomial.polyder(through, order) for order in range(3)]
+        return np.array([polynomial_values(each, since) for each in derivatives])
 
 
 def _is_one(load: PointForce) -> bool:

@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import AssemblyError, PinpressError, SingularityError
+from ..common.numerics import quintics
 from ..common.quantities import CRANK, RAM, Array, DriverCoordinate
 from .change_points import ChangePoint, Gap, cross_change_point
 from .engine import Close, Closure
-from .following import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, Follower, Node, SingularPosition, columns, evaluated, extend_walk, hermite
+from .following import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, Follower, Node, SingularPosition, columns, evaluated, extend_walk
 
 SUBDIVISION = 8  # nodes of the table per step of the walk
 LARGEST_CORRECTION = 1e-3  # by which Newton's method may move a joint from its prediction [rad, or lengths of the linkage]
@@ -213,12 +214,12 @@ def walk_beside(close: Close, branch: Branch, size: float, tolerance: float) -> 
     rows = closure.position, closure.first, closure.second
     begin = int(np.argmin(np.abs(angles)))
     accepted = LARGEST_CORRECTION * (1 + size)
-    coarse = Branch(angles[::2], hermite(angles[::2], *(values[:, ::2] for values in rows)), None, np.zeros(0), (None, None))
+    coarse = Branch(angles[::2], quintics(np.diff(angles[::2]), *(values[:, ::2] for values in rows)), None, np.zeros(0), (None, None))
     missed = np.abs(predict(coarse, angles) - closure.position).max()
     gained = closure.position[:, -1] - closure.position[:, 0] - branch.gain_per_period if branch.period else np.zeros(1)
     if angles[begin] or not max(missed, np.abs(gained).max(), np.abs(closure.position[:, begin]).max()) <= accepted:
         return None
-    return replace(branch, coefficients=hermite(angles, *rows))
+    return replace(branch, coefficients=quintics(np.diff(angles), *rows))
 
 
 def predict(branch: Branch, angle: Array, ends: tuple[float, float] | None = None) -> Array:
@@ -372,7 +373,7 @@ def _table(follower: Follower, nodes: list[Node], passed: tuple[ChangePoint, ...
         AssemblyError: the loops do not stay closed.
     """
     coarse = np.array([node.angle for node in nodes])
-    polynomials = hermite(coarse, *columns(nodes))
+    polynomials = quintics(np.diff(coarse), *columns(nodes))
     shares = np.arange(SUBDIVISION) / SUBDIVISION
     angles = np.append((coarse[:-1, None] + np.diff(coarse)[:, None] * shares).ravel(), coarse[-1])
     for point in passed:
@@ -391,4 +392,4 @@ def _table(follower: Follower, nodes: list[Node], passed: tuple[ChangePoint, ...
         )
     if not (closure.widest <= follower.tolerance and moved.max() <= LARGEST_CORRECTION * (1 + follower.size)):
         return None
-    return angles, hermite(angles, closure.position, closure.first, closure.second)
+    return angles, quintics(np.diff(angles), closure.position, closure.first, closure.second)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.numerics import quintics
 from ..common.products import product
 from ..common.quantities import CRANK, Array, DriverCoordinate
 from .engine import Close, CloseDrivers, Closure
@@ -267,31 +268,11 @@ def follow_at_once(close: CloseDrivers, start: Array, path: Path, size: float, t
 # -------------------------------------------------------------------------------------------------- polynomials through the nodes of a walk
 
 
-def hermite(angles: Array, position: Array, first: Array, second: Array) -> Array:
-    """Coefficients (6, nv, m) of the quintics that have these values and derivatives (nv, m + 1) at both ends of m intervals.
-
-    They are written out, because importing SciPy's BPoly takes longer than everything else that a first cycle does.
-    """
-    h = np.diff(angles)
-    value = position[:, 1:] - position[:, :-1] - h * (first[:, :-1] + 0.5 * h * second[:, :-1])
-    slope = h * (first[:, 1:] - first[:, :-1] - h * second[:, :-1])
-    bend = 0.5 * h**2 * (second[:, 1:] - second[:, :-1])
-    powers = [
-        position[:, :-1],
-        first[:, :-1],
-        0.5 * second[:, :-1],
-        (10 * value - 4 * slope + bend) / h**3,
-        (-15 * value + 7 * slope - 2 * bend) / h**4,
-        (6 * value - 3 * slope + bend) / h**5,
-    ]
-    return np.stack(powers)
-
-
 def hermite_at(nodes: Sequence[Node], angle: Array) -> Array:
     """Joint coordinates (nv, n) at crank angles (n,) from the quintics through nodes in the order of a walk."""
     rising = sorted(nodes, key=lambda node: node.angle)
     borders = np.array([node.angle for node in rising])
-    return evaluated(borders, hermite(borders, *columns(rising)), angle)
+    return evaluated(borders, quintics(np.diff(borders), *columns(rising)), angle)
 
 
 def columns(nodes: Sequence[Node]) -> tuple[Array, Array, Array]:

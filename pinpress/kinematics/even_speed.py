@@ -11,9 +11,9 @@ import numpy as np
 
 from ..common.arguments import suitable_numbers
 from ..common.errors import PinpressError
-from ..common.numerics import sign_change
+from ..common.numerics import Numbers, sign_change
 from ..common.quantities import Array, ComplexArray
-from .periodic_curve import Numbers, zeros
+from .periodic_curve import zeros
 from .slide_path import Stroke
 
 SHORTEST, LONGEST = 1e-6, 1 - 1e-9  # windows between which the longest is looked for, as shares of the stroke

@@ -23,11 +23,12 @@ from numpy.typing import ArrayLike
 from ..common.arguments import suitable_numbers, typed
 from ..common.errors import PinpressError
 from ..common.frozen import NamedArrays
+from ..common.numerics import Numbers
 from ..common.quantities import Array, ComplexArray
 from ..linkage.linkage import Linkage
 from .even_speed import evenest_window, inside_stroke, longest_window
 from .motion import Motion, bearing_points, poses, refuse_motion_of_another
-from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle, step_time, zeros
+from .periodic_curve import CrankMotion, Curve, curve, step_angle, step_time, zeros
 from .slide_path import SlideMotion, slide_path, working_stroke
 
 FINER = 8  # places between two states at which an angle's cosine or squared sine is evaluated

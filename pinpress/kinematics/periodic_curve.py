@@ -15,17 +15,14 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.errors import PinpressError
-from ..common.numerics import ValueAndSlope, bracketed_roots
+from ..common.numerics import Numbers, ValueAndSlope, bracketed_roots, quintics
 from ..common.quantities import Array, ComplexArray
 
 MISSED = 1e-5  # accepted error of the end-corrected trapezoidal rule from state to state [share of the quantity's range]; measures err less
 UNEQUAL = 1e-9  # difference of crank angle steps [rad], or share by which crank speeds differ, up to which they are equal
 ROUNDING = 4 * float(np.finfo(float).eps)  # rounding of a place
-
-Numbers = NDArray[np.float64] | NDArray[np.complex128]
 
 
 class CrankMotion(Protocol):
@@ -167,11 +164,8 @@ def curve(what: str, value: Numbers, first: Numbers, second: Numbers, real: bool
             f"{len(x)} states do not resolve {what} over the period, or it is elsewhere after it: give cycle more points; of a linkage that"
             " repeats itself only after several turns give all of them"
         )
-    distance, speeding, bending = x_next - x - v - 0.5 * a, v_next - v - a, a_next - a
-    third = 10 * distance - 4 * speeding + 0.5 * bending
-    fourth = -15 * distance + 7 * speeding - bending
-    fifth = 6 * distance - 3 * speeding + 0.5 * bending
-    return Curve(np.array([x, v, 0.5 * a, third, fourth, fifth]), real)
+    ends = (np.append(values, values[0]) for values in (x, v, a))
+    return Curve(quintics(np.ones(len(x)), *ends), real)
 
 
 def zeros(function: ValueAndSlope, low: Array, high: Array) -> ComplexArray:

@@ -12,14 +12,14 @@ import numpy as np
 
 from ..common.arguments import typed
 from ..common.errors import PinpressError
-from ..common.numerics import bracketed_roots
+from ..common.numerics import Numbers, bracketed_roots
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Record
 from ..engines.branch import out_of_branch
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from .motion import motion_through_change_points
-from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_time, zeros
+from .periodic_curve import CrankMotion, Curve, curve, step_time, zeros
 
 SAME = 1e-9  # share of a range below which values differ by rounding
 ROUNDING = 4 * float(np.finfo(float).eps)  # rounding of a crank angle [rad]
