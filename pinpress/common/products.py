@@ -15,7 +15,6 @@ from .quantities import Array, ComplexArray
 SERIAL = 262_144  # multiplications of a product of real matrices
 SERIAL_COMPLEX = 65_536  # of complex matrices
 SERIAL_COMPLEX_VECTOR = 4_095  # of complex ones, one of them a single row or column, which OpenBLAS takes for a vector
-SERIAL_VECTOR = 10_000  # of two vectors
 
 
 @overload
@@ -43,11 +42,3 @@ def product(rows: NDArray[Any], columns: NDArray[Any]) -> NDArray[Any]:
         else:
             np.matmul(some, others, out=out)
     return result
-
-
-def finite_if(values: Array | ComplexArray) -> float:
-    """A number that is finite only if all values are: the sum of their squares, which takes less time, or of many values their sum."""
-    if values.size <= SERIAL_VECTOR:
-        return float(np.vdot(values, values).real)
-    total = np.add.reduce(values, axis=None)
-    return float(total.real + total.imag)

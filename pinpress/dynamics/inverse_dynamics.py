@@ -25,7 +25,7 @@ from ..common.results import Tabular
 from ..engines.branch import Branch
 from ..engines.change_points import at_change_point
 from ..engines.engine import Engine
-from ..engines.forces import AppliedConditions, AppliedForce, SomeVectors, Wrenches, compliances
+from ..engines.forces import AppliedConditions, AppliedForce, Wrenches, compliances
 from ..engines.racks import PlacedAxis, between_teeth
 from ..kinematics.motion import MOST_IN_TITLE, Motion, refuse_other_joints
 from ..linkage.linkage import Linkage
@@ -112,13 +112,9 @@ class Reactions(Tabular):
 
     @cached_property
     def coupling_torque(self) -> NamedArrays[np.float64]:
-        press, found = self._press, self._wrenches
-        if not self._conditions.with_gear_torques and press.couplings:
-            with np.errstate(all="ignore"):  # what overflows is refused
-                found = _solved(press, press.engine(self.engine), self.motion, self._conditions._replace(with_gear_torques=True), ())
-        pairs = [
-            np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, found.coupling, strict=False)
-        ]  # not of held spins
+        press = self._press
+        torques = self._complete.coupling if press.couplings else ()
+        pairs = [np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, torques, strict=False)]
         return NamedArrays(tuple(c.name for c in press.couplings), np.array(pairs))
 
     @cached_property
@@ -200,15 +196,18 @@ class Reactions(Tabular):
         return self._shaking[1]
 
     @cached_property
+    def _complete(self) -> Wrenches:
+        """The wrenches of all bearings, found now where all were left out."""
+        if len(self._wrenches.force):
+            return self._wrenches
+        with np.errstate(all="ignore"):  # what overflows is refused
+            return _solved(self._press, self._press.engine(self.engine), self.motion, self._conditions, bearings=True)
+
+    @cached_property
     def _shaking(self) -> tuple[Array, Array]:
-        press, found = self._press, self._wrenches
-        there = [press.bearings.index(name) for name in self.bearing_force]
+        press, found = self._press, self._complete
         with np.errstate(all="ignore"):  # what overflows is refused below
-            if not set(on_frame(press)) <= set(there):
-                there = sorted(on_frame(press))
-                found = _solved(press, press.engine(self.engine), self.motion, self._conditions, there)
-            forces, moments = (dict(zip(there, vectors, strict=True)) for vectors in (found.force, found.moment))
-            force, moment = shaking(press, self.motion, forces, moments, self._conditions.loads)
+            force, moment = shaking(press, self.motion, found.force, found.moment, self._conditions.loads)
             if not math.isfinite(force.sum() + moment.sum()):
                 raise PinpressError(f"the shaking moment of {self._press.name} is not finite: a load is too large for floating point")
         return read_only((force, moment))
@@ -269,9 +268,8 @@ def inverse_dynamics(
         engine: "plane" (a planar linkage), "space" (any linkage), "pinocchio" (any, by Pinocchio's own algorithms, one configuration at
             a time), or "auto": "plane" where the linkage is planar, else "space".
         bearings: names of the bearings and guides whose force and moment are wanted; by default all, ``()`` for none. Torques, friction
-            power and shaking force are available in any case. Leaving bearings out saves time, unless they are needed for the others: with
-            friction, where bearings share redundant forces, and where a guide is wanted. Results agree with those of all bearings to
-            rounding.
+            power and shaking force are available in any case. Leaving out all bearings saves time where there is no friction; leaving out
+            some saves none. Results are those of all bearings.
 
     Raises:
         PinpressError: a motion of a linkage with other joints; a load of wrong shape, with a value that is not finite, or whose function
@@ -288,9 +286,8 @@ def inverse_dynamics(
     law, compliance = friction_law(friction, press), compliances(stiffness, press.bearings)
     asked = applied_loads.asked(loads)
     with np.errstate(all="ignore"):  # what overflows is refused
-        with_gear_torques = bool(wanted) or law is not None
-        conditions = AppliedConditions(applied_loads.apply(asked, press, motion), law, compliance, with_gear_torques)
-        wrenches = _solved(press, chosen, motion, conditions, wanted)
+        conditions = AppliedConditions(applied_loads.apply(asked, press, motion), law, compliance)
+        wrenches = _solved(press, chosen, motion, conditions, bearings=bool(wanted))
     given = (tuple(loads), _frozen(friction), _frozen(stiffness))
     return _reactions(press, motion, chosen.name, conditions, wanted, wrenches, given)
 
@@ -302,7 +299,7 @@ def in_other_states(reactions: Reactions, motion: Motion) -> Reactions:
     with np.errstate(all="ignore"):  # what overflows is refused
         loads = applied_loads.apply(applied_loads.asked(reactions.loads), press, motion, warned=True)
         conditions = conditions._replace(loads=loads)
-        wrenches = _solved(press, press.engine(reactions.engine), motion, conditions, wanted)
+        wrenches = _solved(press, press.engine(reactions.engine), motion, conditions, bearings=bool(wanted))
     given = (reactions.loads, reactions.friction, reactions.stiffness)
     return _reactions(press, motion, reactions.engine, conditions, wanted, wrenches, given)
 
@@ -324,7 +321,9 @@ def _reactions(
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
-    forces, moments = _between_teeth(press, press.engine(engine), motion, wrenches, wanted)
+    forces, moments = _between_teeth(press, press.engine(engine), motion, wrenches)
+    if 0 < len(kept) < len(names):
+        forces, moments = forces[list(wanted)], moments[list(wanted)]
     wrenches.torque.setflags(write=False)  # before there are views of it
     reactions: Reactions = object.__new__(Reactions)  # all arrays are read-only already: looking for them takes as long as a dyad
     vars(reactions).update(
@@ -385,19 +384,16 @@ def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
     return [k for k, name in enumerate(press.bearings) if name in bearings]
 
 
-def _solved(press: Linkage, engine: Engine, motion: Motion, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
-    """Torques, and the wrenches of the wanted bearings; raises as `inverse_dynamics`."""
-    found = engine.inverse_dynamics(motion.states(press), conditions, wanted)
+def _solved(press: Linkage, engine: Engine, motion: Motion, conditions: AppliedConditions, bearings: bool) -> Wrenches:
+    """Torques and, with ``bearings``, the wrenches of all bearings; raises as `inverse_dynamics`."""
+    found = engine.inverse_dynamics(motion.states(press), conditions, bearings)
     _refuse_not_finite(motion, found)
     return found
 
 
-def _between_teeth(
-    press: Linkage, engine: Engine, motion: Motion, wrenches: Wrenches, wanted: Sequence[int]
-) -> tuple[Array, Array | SomeVectors]:
-    """Forces and moments (wanted, n, 3) of bearings, those of racks and screws as `engines.racks` says."""
-    meshed = [rack for rack in press.spatial_model.racks if rack.slide in wanted or rack.shaft in wanted]
-    if not meshed:
+def _between_teeth(press: Linkage, engine: Engine, motion: Motion, wrenches: Wrenches) -> tuple[Array, Array]:
+    """Forces and moments (bearings, n, 3) of bearings, those of racks and screws as `engines.racks` says."""
+    if not (press.spatial_model.racks and len(wrenches.force)):
         return wrenches.force, wrenches.moment
     states = motion.states(press)
 
@@ -406,28 +402,22 @@ def _between_teeth(
         end, _ = engine.point_motion(states, joint + 1, press.axes[joint].direction)
         return PlacedAxis(origin, end - origin)
 
-    force, moment = dict(zip(wanted, wrenches.force, strict=True)), dict(zip(wanted, np.array(wrenches.moment), strict=True))
-    for rack in meshed:
+    force, moment = wrenches.force.copy(), wrenches.moment.copy()
+    for rack in press.spatial_model.racks:
         between_teeth(rack, wrenches.coupling[rack.coupling], placed(rack.slide), placed(rack.shaft), force, moment)
-    return np.array([*force.values()]), np.array([*moment.values()])
+    return force, moment
 
 
 def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
     """Raise PinpressError where a number is not finite. A sum shows it, and takes less time than looking at every number."""
-    if wrenches.finite:
-        return
-    moment = wrenches.moment.some if isinstance(wrenches.moment, SomeVectors) else wrenches.moment
-    total = np.add.reduce(wrenches.force, axis=None) + np.add.reduce(moment, axis=None)
-    if len(wrenches.force) < len(wrenches.friction):  # else the torques are among the moments
-        total += wrenches.torque.sum() + wrenches.coupling.sum()
-    if math.isfinite(total):
-        return
     arrays = {
         "driving torque": wrenches.torque,
         "torque of a gear pair": wrenches.coupling,
         "bearing force": wrenches.force,
-        "bearing moment": np.asarray(wrenches.moment),
+        "bearing moment": wrenches.moment,
     }
+    if math.isfinite(sum(np.add.reduce(array, axis=None) for array in arrays.values())):
+        return
     for name, array in arrays.items():
         if not np.isfinite(array).all():
             states = np.moveaxis(array, 1, 0)
@@ -445,16 +435,14 @@ def on_frame(press: Linkage) -> tuple[int, ...]:
     return (*joints, *(k for k, loop in enumerate(press.loops, len(press.joints)) if 0 in (loop.joint1, loop.joint2)))
 
 
-def shaking(
-    press: Linkage, motion: Motion, force: Mapping[int, Array], moment: Mapping[int, Array], loads: list[AppliedForce]
-) -> tuple[Array, Array]:
+def shaking(press: Linkage, motion: Motion, force: Array, moment: Array, loads: list[AppliedForce]) -> tuple[Array, Array]:
     """Shaking force and shaking moment about the world origin, (n, 3) each, world axes [N, N m].
 
     Args:
         press: the press.
         motion: its motion.
-        force: (n, 3) forces, parent on child (link1 on link2), by the indices of all bearings that are `on_frame` [N].
-        moment: (n, 3) moments by the indices of these bearings [N m].
+        force: (bearings, n, 3) forces of all bearings, parent on child (link1 on link2) [N].
+        moment: (bearings, n, 3) their moments [N m].
         loads: forces on links; only those on the frame are added, because the bearing forces include the others.
     """
     total = np.zeros((2, len(motion.crank_angle), 3))

@@ -236,13 +236,13 @@ class Engine(Protocol):
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
-    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
-        """Driving torque, and the wrenches of some bearings.
+    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
+        """Driving torque, and the wrenches of all bearings.
 
         Args:
             states: closed states.
             conditions: loads, friction and compliances.
-            wanted: rising indices of the bearings whose wrenches are wanted, joints first, then loops.
+            bearings: whether to find forces and moments of the bearings, too; without them the driving torque takes less time.
 
         Raises:
             AssemblyError: the states leave the loops open, because they belong to another linkage.

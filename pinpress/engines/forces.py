@@ -17,21 +17,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.arguments import number
 from ..common.errors import PinpressError, UnknownNameError, shown
-from ..common.frozen import Frozen
 from ..common.quantities import Array
 
 REST = 1e-12  # share of the motion's largest speed below which a bearing rests: at a dead centre its speed is rounding
 MOST_ITERATIONS = 200  # of friction efforts and bearing forces in turn: many are needed only where friction nearly locks the linkage
 RANK = 1e-9  # singular values below this share of the largest count as zero, columns scaled to unit length
 INVERTIBLE = 1e-7  # share of the squared size of a matrix above which its smallest squared singular value is certainly no rounding
-_ZERO = bytes(8)  # the number 0
 WELL_CONDITIONED = 1e-3  # share of the largest squared singular value above which normal equations lose hardly a digit
 
 
@@ -55,52 +53,21 @@ class AppliedForce:
 
 
 class AppliedConditions(NamedTuple):
-    """What acts on a linkage in motion, and whether the torques of its gears are wanted.
+    """What acts on a linkage in motion.
 
     Attributes:
         loads: forces on links.
         law: friction of the bearings; None for none.
         compliance: (bearings,) compliances by which bearings share redundant forces [m/N]; None where no stiffness is given.
-        with_gear_torques: whether the torques of gear pairs are wanted; if not, they are one of several solutions that balance.
     """
 
     loads: list[AppliedForce]
     law: FrictionLaw | None
     compliance: Array | None
-    with_gear_torques: bool
 
     def part(self, points: slice) -> AppliedConditions:
         """The conditions over a part of the motion."""
         return self._replace(loads=[load.part(points) for load in self.loads])
-
-
-def nothing(*shape: int) -> Array:
-    """Zeros that take no memory, and cannot be written to."""
-    return np.ndarray(shape, float, _ZERO, strides=(0,) * len(shape))
-
-
-class SomeVectors(Frozen, Sequence[Array]):
-    """Vectors (n, 3) of bearings most of which have none: the pins of a planar linkage transmit no moments.
-
-    Attributes:
-        some: (k, n, 3) those of the other bearings.
-        places: of every bearing its place among them, None where there is no vector.
-    """
-
-    def __init__(self, some: Array, places: Sequence[int | None]) -> None:
-        self.some, self.places = some, places
-        self._none = nothing(*some.shape[1:])
-
-    def __len__(self) -> int:
-        return len(self.places)
-
-    def __getitem__(self, bearing: Any) -> Any:
-        place = self.places[bearing]
-        return self._none if place is None else self.some[place]
-
-    def setflags(self, write: bool) -> None:
-        """As of an array."""
-        self.some.setflags(write=write)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -112,28 +79,27 @@ class Wrenches:
 
     Attributes:
         torque: (drivers, n) on the driver joints, positive along their axes [N m, of a driver that slides N].
-        coupling: (couplings, n) torque on the follower of every coupling, positive along its axis [N m, or N where it slides].
+        coupling: (couplings, n) torque on the follower of every coupling, positive along its axis [N m, or N where it slides]. Without the
+            bearings it is one of several solutions that balance, where rigid mechanics leaves it open.
         friction: (bearings, n) power lost in every bearing [W].
-        force: (wanted bearings, n, 3) forces [N].
-        moment: (wanted bearings, n, 3) moments about the origin of the child's joint frame, of a loop about its point [N m], as an array or
-            as `SomeVectors`. Along the axis in which a joint is free the moment is the effort of drive, gear pairs and friction.
-        finite: whether the engine has seen that all numbers are finite.
+        force: (bearings, n, 3) forces [N]; (0, n, 3) where the bearings are left out.
+        moment: (bearings, n, 3) moments about the origin of the child's joint frame, of a loop about its point [N m]; (0, n, 3) as above.
+            Along the axis in which a joint is free the moment is the effort of drive, gear pairs and friction.
     """
 
     torque: Array
     coupling: Array
     friction: Array
     force: Array
-    moment: Any
-    finite: bool = False
+    moment: Array
 
     @staticmethod
-    def zeros(drivers: int, couplings: int, bearings: int, n: int, wanted: int) -> Wrenches:
-        """Wrenches to be filled in, of n states and of ``wanted`` of the bearings; the other arguments are numbers of each, too.
+    def zeros(drivers: int, couplings: int, bearings: int, n: int, with_bearings: bool) -> Wrenches:
+        """Wrenches to be filled in, of n states, with the forces and moments of the bearings or without; arguments are numbers of each.
 
         In memory the states are next to each other: components along one axis are filled in, and read, at once.
         """
-        force, moment = np.zeros((2, 3, wanted, n)).transpose(0, 2, 3, 1)
+        force, moment = np.zeros((2, 3, bearings if with_bearings else 0, n)).transpose(0, 2, 3, 1)
         return Wrenches(np.zeros((drivers, n)), np.zeros((couplings, n)), np.zeros((bearings, n)), force, moment)
 
     def part(self, points: slice) -> Wrenches:

@@ -60,16 +60,12 @@ class PlacedAxis(NamedTuple):
     direction: Array
 
 
-def between_teeth(
-    rack: Rack, efforts: Array, slide: PlacedAxis, shaft: PlacedAxis, force: dict[int, Array], moment: dict[int, Array]
-) -> None:
-    """Let the forces and moments (n, 3) of the two joints, by joint, be those of bearings between which teeth push; ``efforts``: (n,) of
-    the coupling on its follower. Of joints that are not there nothing is changed."""
+def between_teeth(rack: Rack, efforts: Array, slide: PlacedAxis, shaft: PlacedAxis, force: Array, moment: Array) -> None:
+    """Let the forces and moments (bearings, n, 3) of the two joints be those of bearings between which teeth push; ``efforts``: (n,) of the
+    coupling on its follower."""
     push = (rack.by_torque * efforts)[:, None] * slide.direction
     torque = (rack.turning * efforts)[:, None] * shaft.direction
-    if rack.slide in force:
-        force[rack.slide] = force[rack.slide] - push
-        moment[rack.slide] = moment[rack.slide] - np.cross(shaft.origin - slide.origin, push) + torque
-    if rack.shaft in force:
-        force[rack.shaft] = force[rack.shaft] + push
-        moment[rack.shaft] = moment[rack.shaft] - torque
+    force[rack.slide] -= push
+    moment[rack.slide] += torque - np.cross(shaft.origin - slide.origin, push)
+    force[rack.shaft] += push
+    moment[rack.shaft] -= torque

@@ -294,9 +294,9 @@ class Design:
 
     @cached_property
     def _wrenches(self) -> Wrenches:
-        conditions = AppliedConditions(apply(asked(self.start.loads), self.press, self.motion), None, None, with_gear_torques=True)
+        conditions = AppliedConditions(apply(asked(self.start.loads), self.press, self.motion), None, None)
         states = ClosedStates(self.position, self._rates.v, self._rates.a, self._states.basis)
-        return inverse_dynamics(self._bodies, states, conditions, range(len(self.start.press.bearings)))
+        return inverse_dynamics(self._bodies, states, conditions, bearings=True)
 
     @cached_property
     def _bodies(self) -> Bodies:
@@ -305,8 +305,7 @@ class Design:
     @cached_property
     def _reactions(self) -> TrialReactions:
         found, press = self._wrenches, self.press
-        force, moment = (dict(enumerate(vectors)) for vectors in (found.force, found.moment))
-        shaken = shaking(press, self.motion, force, moment, apply(asked(self.start.loads), press, self.motion))
+        shaken = shaking(press, self.motion, found.force, found.moment, apply(asked(self.start.loads), press, self.motion))
         names = press.bearings
         return TrialReactions(found.torque[0], shaken[0], NamedArrays(names, found.force), NamedArrays(names, found.moment), shaken[1])
 

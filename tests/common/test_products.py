@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pinpress.common.products import SERIAL_VECTOR, finite_if, product
+from pinpress.common.products import product
 
 SCRIPT = Path(__file__).parents[1] / "support" / "threads_woken.py"
 
@@ -39,18 +39,6 @@ def test_products_in_pieces(shape, complex_rows, complex_columns):
     if m and k:
         np.testing.assert_allclose(product(rows[0], columns), rows[0] @ columns, rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(product(rows, columns[:, 0]), rows @ columns[:, 0], rtol=1e-12, atol=1e-12)
-
-
-@pytest.mark.parametrize("count", [3, SERIAL_VECTOR, SERIAL_VECTOR + 1])
-@pytest.mark.parametrize("wrong", [np.nan, np.inf, 1j * np.nan, -1j * np.inf])
-def test_one_number_that_is_not_finite_shows(count, wrong):
-    values = np.ones((1, count), complex)
-    assert np.isfinite(finite_if(values))
-    for place in (0, count - 1):
-        values[0, place] = wrong
-        assert not np.isfinite(finite_if(values))
-        values[0, place] = 1.0
-    assert np.isfinite(finite_if(values.real))
 
 
 @pytest.mark.exhaustive

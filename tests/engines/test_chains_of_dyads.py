@@ -163,11 +163,11 @@ def judged(press, motion, loads=()):
     for found, expected in ((motion.joint_position.T, newton.position), (motion.v.T, v), (motion.a.T, a)):
         assert np.abs(weight * (found - expected)).max() <= 1e-12 * max(1.0, np.abs(weight * expected).max())
     found = pp.inverse_dynamics(press, motion, loads)
-    conditions = AppliedConditions(found._conditions.loads, None, None, True)
-    general = engine.inverse_dynamics(ClosedStates(newton.position, v, a), conditions, range(len(press.bearings)))
+    conditions = AppliedConditions(found._conditions.loads, None, None)
+    general = engine.inverse_dynamics(ClosedStates(newton.position, v, a), conditions)
     assert np.abs(found._wrenches.force - general.force).max() <= 1e-12 * np.abs(general.force).max()
     scale = max(np.abs(general.moment).max(), np.abs(general.force).max() * press.size)
-    assert np.abs(np.array(found._wrenches.moment) - general.moment).max() <= 1e-12 * scale
+    assert np.abs(found._wrenches.moment - general.moment).max() <= 1e-12 * scale
     assert np.abs(found.driving_torque - general.torque[0]).max() <= 1e-12 * scale
     some = press.bearings[1::2]
     partly = pp.inverse_dynamics(press, motion, loads, bearings=some)

@@ -103,8 +103,8 @@ def test_points_energies_and_power_agree(press, states, both):
 
 
 def test_inverse_dynamics_agree(press, states, both):
-    conditions = AppliedConditions([], None, None, with_gear_torques=True)
-    (one, other) = (engine.inverse_dynamics(states, conditions, range(len(press.bearings))) for engine in both)
+    conditions = AppliedConditions([], None, None)
+    (one, other) = (engine.inverse_dynamics(states, conditions) for engine in both)
     np.testing.assert_allclose(one.torque, other.torque, rtol=0, atol=1e-8 * np.abs(other.torque).max())
     np.testing.assert_allclose(one.force, other.force, rtol=0, atol=1e-8 * np.abs(other.force).max())
 

@@ -79,10 +79,10 @@ class PinocchioEngine:
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
-    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
         from . import inverse_dynamics  # slow to import, and not needed to load
 
-        return inverse_dynamics.inverse_dynamics(self.spatial, states, conditions, wanted)
+        return inverse_dynamics.inverse_dynamics(self.spatial, states, conditions, bearings)
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
         from . import inverse_dynamics  # slow to import, and not needed to load

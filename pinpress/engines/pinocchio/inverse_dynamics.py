@@ -35,12 +35,10 @@ Wrench = tuple[int, Array, Array, Array]
 """Joint, point in its frame [m], force and couple in world axes [N, N m]."""
 
 
-def inverse_dynamics(spatial: SpatialModel, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+def inverse_dynamics(spatial: SpatialModel, states: ClosedStates, conditions: AppliedConditions, bearings: bool) -> Wrenches:
     """Driving torque and the wrenches of joints and loops; see `Engine.inverse_dynamics`."""
     n, count, law = states.v.shape[1], spatial.model.nv, conditions.law
-    result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), count + len(spatial.loops), n, len(wanted))
-    # the driving torque does not depend on how idle forces are shared
-    shared = bool(wanted or (conditions.with_gear_torques and spatial.couplings))
+    result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), count + len(spatial.loops), n, bearings)
     equations = spatial.equations()
     turning = None if law is None else _loop_turning(spatial, equations, states.position, states.v)
     speeds = None if law is None or turning is None else law.moving(np.concatenate([states.v, turning[0]]))
@@ -49,11 +47,11 @@ def inverse_dynamics(spatial: SpatialModel, states: ClosedStates, conditions: Ap
         state = _State(spatial, equations, states.position[:, i], states.v[:, i].copy(), states.a[:, i].copy(), applied)
         efforts, couples = np.zeros(count), np.zeros((len(spatial.loops), 3))
         if law is None or turning is None or speeds is None:
-            multipliers = state.multipliers(efforts, couples, conditions.compliance, shared)
+            multipliers = state.multipliers(efforts, couples, conditions.compliance, shared=bearings)
         else:
             multipliers, efforts, couples, lost = state.with_friction(law, speeds[:, i], turning[1][:, i], conditions.compliance)
             result.friction[:, i] = lost
-        state.fill(result, i, multipliers, efforts, couples, wanted)
+        state.fill(result, i, multipliers, efforts, couples, bearings)
     return result
 
 
@@ -112,7 +110,8 @@ class _State:
             efforts: (nv,) friction efforts of the joints [N m or N].
             couples: (nl, 3) friction moments of the loops, world axes [N m].
             compliance: (bearings,) as in `AppliedConditions`.
-            shared: whether to share idle forces as `engines.forces` says; else the multipliers are those of least norm.
+            shared: whether to share idle forces as `engines.forces` says, on which the driving torque does not depend; else the multipliers
+                are those of least norm.
         """
         found, idle = self.passive.multipliers(self._needed(efforts, couples)), self.passive.idle
         if not (shared and idle.shape[1]):
@@ -162,7 +161,7 @@ class _State:
             forces[rack.shaft] += rack.by_torque * efforts * directions[rack.slide]
         return np.asarray(np.cross(forces, directions))
 
-    def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array, wanted: Sequence[int]) -> None:
+    def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array, bearings: bool) -> None:
         """Write the wrenches of this configuration into the result, as its state i."""
         spatial, count = self.spatial, len(self.effort)
         forces, moments, torques = _parts(spatial, self.rows, multipliers)
@@ -170,17 +169,16 @@ class _State:
         driving = self._needed(efforts, couples) - self.rows.columns.T @ multipliers
         result.torque[:, i] = driving[list(spatial.drivers)]
         result.coupling[:, i] = torques
-        joints, loops = [j for j in wanted if j < count], [k - count for k in wanted if k >= count]
-        result.force[len(joints) :, i], result.moment[len(joints) :, i] = forces[loops], moments[loops]
-        if not joints:
+        if not bearings:
             return
+        result.force[count:, i], result.moment[count:, i] = forces, moments
         on2 = [(loop.joint2, loop.point2, forces[k], moments[k]) for k, loop in enumerate(spatial.loops)]
         on1 = [(loop.joint1, loop.point1, -forces[k], -moments[k]) for k, loop in enumerate(spatial.loops)]
         pin.rnea(spatial.model, self.equations.data, self.rows.q, self.v, self.a, self._external(on2 + on1 + self.applied))
-        for place, j in enumerate(joints):
+        for j in range(count):
             wrench = self.wrenches[j + 1]
-            result.force[place, i] = self.rotations[j + 1] @ wrench.linear
-            result.moment[place, i] = self.rotations[j + 1] @ wrench.angular
+            result.force[j, i] = self.rotations[j + 1] @ wrench.linear
+            result.moment[j, i] = self.rotations[j + 1] @ wrench.angular
 
     def _needed(self, efforts: Array, couples: Array) -> Array:
         """Efforts (nv,) that loops, couplings and drives have to supply: those of the open tree less friction."""

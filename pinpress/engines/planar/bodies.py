@@ -215,12 +215,6 @@ def work_of_tree(bodies: Bodies, second: ComplexArray) -> ComplexArray:
     return product(bodies.reduced, second)
 
 
-def forces_of_joints(bodies: Bodies, second: ComplexArray, joints: Sequence[int]) -> ComplexArray:
-    """The sums of `forces_of_tree` of these joints alone, (joints, n) [N]."""
-    joints = list(joints)
-    return product(bodies.subtree_forces[joints], second)
-
-
 def share_forces(plane: Plane, compliance: Array | None) -> Array:
     """How bearings share forces along the normal, which all loops can carry; see `_shares`."""
     return _shares(plane, list(range(len(plane.loop_heights))), compliance)

@@ -16,7 +16,6 @@ A lever supplies the effort of its rotor across itself. Along it any force is le
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,9 +23,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...common.products import SERIAL_COMPLEX, finite_if
+from ...common.products import SERIAL_COMPLEX
 from ...common.quantities import Array, ComplexArray
-from ..forces import AppliedForce, SomeVectors, Wrenches, nothing
+from ..forces import AppliedForce, Wrenches
 from . import out_of_plane
 from .bodies import Bodies
 from .chain import Chain, ChainStates, Closed, Equation, all_functions, rate_of
@@ -99,17 +98,6 @@ class ChainBodies:
         """Number of bearings."""
         return len(self.chain.rows) + len(self.carriers)
 
-    def asked(self, wanted: Sequence[int]) -> Asked:
-        """What is asked of the ``wanted`` bearings."""
-        turned = tuple(bearing for bearing in self.turned if bearing in wanted)
-        places = tuple(turned.index(bearing) if bearing in turned else None for bearing in wanted)
-        return Asked(wanted, turned, places, not set(self.chain.plane.prismatic).isdisjoint(wanted))
-
-    @cached_property
-    def all_bearings(self) -> Asked:
-        """What is asked of all bearings."""
-        return self.asked(range(self.bearing_count))
-
     @cached_property
     def backwards(self) -> tuple[int, ...]:
         """Places of all equations, the last one first."""
@@ -159,47 +147,25 @@ def _moved_by(equation: Equation) -> set[int]:
     return {row for row, _ in equation.known} | {rotor for rotor, *_ in equation.turned}
 
 
-def chain_forces(
-    fixed: ChainBodies, states: ChainStates, loads: Sequence[AppliedForce], wanted: Sequence[int], with_gear_torques: bool
-) -> Wrenches:
-    """Driving torque and the wrenches of the ``wanted`` bearings, without friction and stiffnesses; see `AppliedConditions` for
-    ``with_gear_torques``."""
+def chain_forces(fixed: ChainBodies, states: ChainStates, loads: Sequence[AppliedForce], bearings: bool) -> Wrenches:
+    """Driving torque and, with ``bearings``, their wrenches, without friction and stiffnesses."""
     chain, closure, n = fixed.chain, states.closure, len(states.closure.angle)
-    asked = fixed.all_bearings if len(wanted) == fixed.bearing_count else fixed.asked(wanted)
-    tilted = bool(wanted) and out_of_plane.is_loaded(fixed.bodies, loads)
-    shared = bool(chain.levers) and (bool(wanted) or (with_gear_torques and bool(chain.gears)))
+    tilted = bearings and out_of_plane.is_loaded(fixed.bodies, loads)
+    count = fixed.bearing_count if bearings else 0
     found = Found(
         np.empty(n),
         np.empty((len(chain.plane.offsets), n)),
-        np.empty((3, len(wanted), n)).transpose(1, 2, 0),
-        np.zeros((3, len(wanted) if tilted else len(asked.turned), n)).transpose(1, 2, 0),
+        np.empty((3, count, n)).transpose(1, 2, 0),
+        np.zeros((3, count, n)).transpose(1, 2, 0),
     )
-    finite = True
     for s, closed in closure.pieces():
         if s.stop - s.start == n:
-            finite = _fill(fixed, closed, states.speed, states.acceleration, loads, asked, shared, tilted, found)
+            _fill(fixed, closed, states.speed, states.acceleration, loads, bearings, tilted, found)
             continue
         speed, acceleration = (of[s] if isinstance(of, np.ndarray) else of for of in (states.speed, states.acceleration))
         acting = [load.part(s) for load in loads]
-        finite &= _fill(fixed, closed, speed, acceleration, acting, asked, shared, tilted, found.part(s))
-    moment = found.moment if tilted else SomeVectors(found.moment, asked.places)
-    return Wrenches(found.torque[None], found.coupling, nothing(fixed.bearing_count, n), found.force, moment, finite)
-
-
-class Asked(NamedTuple):
-    """What is asked of the bearings.
-
-    Attributes:
-        bearings: rising indices of those whose wrenches are wanted.
-        turned: of these the joints that transmit moments about the normal.
-        places: of these moments by bearing, see `SomeVectors`.
-        guided: whether there are guides among them.
-    """
-
-    bearings: Sequence[int]
-    turned: tuple[int, ...]
-    places: tuple[int | None, ...]
-    guided: bool
+        _fill(fixed, closed, speed, acceleration, acting, bearings, tilted, found.part(s))
+    return Wrenches(found.torque[None], found.coupling, np.zeros((fixed.bearing_count, n)), found.force, found.moment)
 
 
 class Found(NamedTuple):
@@ -208,8 +174,8 @@ class Found(NamedTuple):
     Attributes:
         torque: (n,) of the driver [N m], force of one that slides [N].
         coupling: (couplings, n) torques on their followers [N m].
-        force: (wanted, n, 3) forces [N].
-        moment: (turned, n, 3) moments, or (wanted, n, 3) where something acts out of the plane, zero so far [N m].
+        force: (bearings, n, 3) forces [N]; (0, n, 3) where they are left out.
+        moment: (bearings, n, 3) moments, zero so far [N m]; (0, n, 3) as above.
     """
 
     torque: Array
@@ -228,12 +194,11 @@ def _fill(
     speed: Array | float,
     acceleration: Array | float,
     loads: Sequence[AppliedForce],
-    asked: Asked,
-    shared: bool,
+    bearings: bool,
     tilted: bool,
     found: Found,
-) -> bool:
-    """Fill in a piece of the motion; returns whether sums show that it is finite, see `finite_if`.
+) -> None:
+    """Fill in a piece of the motion.
 
     Args:
         fixed: inertial constants.
@@ -241,8 +206,7 @@ def _fill(
         speed: of the driver.
         acceleration: of the driver.
         loads: forces on links.
-        asked: what is asked of the bearings.
-        shared: whether idle forces are shared.
+        bearings: whether forces and moments of the bearings are found.
         tilted: whether something acts out of the plane.
         found: what is to be filled in.
     """
@@ -257,35 +221,21 @@ def _fill(
     _ask_driver(chain, closed, work, torque)
     if chain.gears:
         _through_gears(chain, closed, work, torque, found.coupling)
-    if shared:
-        open_tree = _share(fixed, closed, open_tree, found.coupling)
-    total = 0.0
-    if asked.bearings:
-        bearings = open_tree.bearings if asked is fixed.all_bearings else open_tree.bearings.take(asked.bearings, axis=0)
-        _put_forces(plane, bearings, found.force)
-        total = finite_if(bearings)
-        moments = moments_of_guides(plane, fixed.guided, closed, speed, acceleration, open_tree.forces, loads) if asked.guided else {}
+    if bearings:
+        if chain.levers:
+            open_tree = _share(fixed, closed, open_tree, found.coupling)
+        _put_forces(plane, open_tree.bearings, found.force)
+        moments = moments_of_guides(plane, fixed.guided, closed, speed, acceleration, open_tree.forces, loads)
         if chain.turns:
             moments[plane.driver] = torque
         if chain.gears:
             _add_geared(fixed, found.coupling, moments)
-        values = np.empty((len(asked.turned), len(torque)))
-        for row, joint in zip(values, asked.turned, strict=True):
-            row[:] = moments[joint]
-        total += finite_if(values)
+        for joint in fixed.turned:
+            put_normal(plane, moments[joint], found.moment[joint])
         if tilted:
-            for row, joint in zip(values, asked.turned, strict=True):
-                put_normal(plane, row, found.moment[asked.bearings.index(joint)])
-            _add_out_of_plane(fixed, closed, second, open_tree, loads, asked.bearings, found)
-            total += np.add.reduce(found.force, axis=None) + np.add.reduce(found.moment, axis=None)
-        else:
-            put_normal(plane, values, found.moment)
-    if plane.driver not in asked.turned:
-        total += finite_if(torque)
+            _add_out_of_plane(fixed, closed, second, open_tree, loads, found)
     if chain.gears:
         torques(plane, found.coupling)
-        total += np.add.reduce(found.coupling, axis=None)
-    return math.isfinite(total)
 
 
 def _second_derivatives(chain: Chain, closed: Closed, speed: Array | float, acceleration: Array | float) -> ComplexArray:
@@ -335,7 +285,6 @@ def _add_out_of_plane(
     second: ComplexArray,
     open_tree: OpenTree,
     loads: Sequence[AppliedForce],
-    wanted: Sequence[int],
     found: Found,
 ) -> None:
     """Add what acts out of the plane to forces and moments; arguments as of `_fill`, ``second`` as of `_open_tree`."""
@@ -346,7 +295,7 @@ def _add_out_of_plane(
 
     axial = out_of_plane.forces(fixed.bodies, loads, None, second.shape[1])
     in_order = second.take(chain.order, axis=0)
-    out_of_plane.add(fixed.bodies, basis, np.conjugate(in_order, in_order), pins, loads, axial, wanted, found.force, found.moment)
+    out_of_plane.add(fixed.bodies, basis, np.conjugate(in_order, in_order), pins, loads, axial, found.force, found.moment)
 
 
 def _take_load(plane: Plane, chain: Chain, load: AppliedForce, open_tree: OpenTree) -> None:

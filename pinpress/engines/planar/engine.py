@@ -114,10 +114,10 @@ class PlanarEngine:
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
-    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
         if not isinstance(states, ChainStates):
             states = self._closed(states)
-        return self._forces(self.bodies, states, conditions, wanted, self._on_chain)
+        return self._forces(self.bodies, states, conditions, bearings, self._on_chain)
 
     def _on_chain(self, chain: Chain) -> ChainBodies:
         """Inertial constants of a chain of dyads, kept for the chain that was asked for last."""

@@ -23,7 +23,7 @@ from ...common.quantities import Array, ComplexArray
 from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
 from . import out_of_plane, statics
-from .bodies import Bodies, OpenTree, forces_of_joints, forces_of_tree, work_of_tree
+from .bodies import Bodies, OpenTree, forces_of_tree, work_of_tree
 from .chain import Chain, ChainStates
 from .chain_forces import ChainBodies, chain_forces
 from .kinematics import basis_acceleration, basis_at, gaps, known_basis, known_jacobian
@@ -33,7 +33,7 @@ OnChain = Callable[[Chain], ChainBodies]
 
 
 def inverse_dynamics(
-    bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int], on_chain: OnChain | None = None
+    bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, bearings: bool, on_chain: OnChain | None = None
 ) -> Wrenches:
     """Driving torque and the wrenches of joints and loops; raises as `Engine.inverse_dynamics`.
 
@@ -41,7 +41,7 @@ def inverse_dynamics(
         bodies: inertial constants of the linkage.
         states: closed states with their basis.
         conditions: loads, friction and compliances.
-        wanted: rising indices of the bearings whose wrenches are wanted.
+        bearings: whether forces and moments of the bearings are found.
         on_chain: inertial constants of a chain of dyads, where the states are of one.
     """
     if (
@@ -50,26 +50,24 @@ def inverse_dynamics(
         and conditions.law is None
         and (conditions.compliance is None or (not bodies.plane.redundant and not out_of_plane.is_loaded(bodies, conditions.loads)))
     ):
-        return chain_forces(on_chain(states.closure.chain), states, conditions.loads, wanted, conditions.with_gear_torques)
-    return _by_blocks(bodies, states, conditions, wanted)
+        return chain_forces(on_chain(states.closure.chain), states, conditions.loads, bearings)
+    return _by_blocks(bodies, states, conditions, bearings)
 
 
-def _by_blocks(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+def _by_blocks(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, bearings: bool) -> Wrenches:
     """`inverse_dynamics`, in pieces, from the states alone."""
     plane, law, n = bodies.plane, conditions.law, states.v.shape[1]
-    result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_heights), n, len(wanted))
-    some = len(wanted) < len(result.friction)
-    only_some = some and law is None and _some_suffice(plane, wanted, conditions.with_gear_torques)
+    result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_heights), n, bearings)
     speeds = None if law is None else law.moving(_bearing_speeds(plane, states.v))
     angle = states.closure.angle if isinstance(states, ChainStates) else states.position[plane.driver]
     for start in range(0, n, plane.piece):
         s = slice(start, start + plane.piece)
         piece, acting, filled = (states, conditions, result) if n <= plane.piece else (states.part(s), conditions.part(s), result.part(s))
         friction = None if law is None or speeds is None else FrictionState(law, speeds[:, s], angle[s])
-        if only_some and not (wanted and out_of_plane.is_loaded(bodies, acting.loads)):
-            _fill_with_some_bearings(bodies, piece, acting.loads, wanted, filled)
+        if bearings or friction is not None:
+            _fill(bodies, piece, acting, friction, bearings, filled)
         else:
-            _fill_with_all_bearings(bodies, piece, acting, friction, wanted, filled)
+            _fill_torques(bodies, piece, acting.loads, filled)
     return result
 
 
@@ -125,12 +123,12 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
     return basis
 
 
-def _fill_with_all_bearings(
+def _fill(
     bodies: Bodies,
     states: ClosedStates,
     conditions: AppliedConditions,
     friction: FrictionState | None,
-    wanted: Sequence[int],
+    bearings: bool,
     result: Wrenches,
 ) -> None:
     """Fill in the result of a piece of the motion, by way of all bearing forces."""
@@ -145,19 +143,30 @@ def _fill_with_all_bearings(
         result.friction[:] = -friction_efforts * friction.speeds
         joint_efforts -= _resisted(plane, friction_efforts)
     count, coupling_multipliers = len(plane.parents), result.coupling
-    bearings = np.empty((count + len(plane.loop_heights), n), complex)
-    statics.balance(system, joint_efforts, coupling_multipliers, bearings)
+    forces = np.empty((count + len(plane.loop_heights), n), complex)
+    statics.balance(system, joint_efforts, coupling_multipliers, forces)
     result.torque[0] = joint_efforts[plane.driver]
-    if wanted:
-        put_in_plane(plane, bearings if len(wanted) == len(bearings) else bearings[list(wanted)], result.force)
-        places = {bearing: place for place, bearing in enumerate(wanted)}
-        pins, torque = bearings[count:], joint_efforts[plane.driver]
+    if bearings:
+        put_in_plane(plane, forces, result.force)
+        pins, torque = forces[count:], joint_efforts[plane.driver]
         for bearing, moment in _moments_about_normal(bodies, open_tree, pins, torque, coupling_multipliers, friction_efforts).items():
-            if bearing in places:
-                put_normal(plane, moment, result.moment[places[bearing]])
+            put_normal(plane, moment, result.moment[bearing])
         if not flat:
-            out_of_plane.add(bodies, lambda: basis, open_tree.second, pins, loads, axial, wanted, result.force, result.moment)
+            out_of_plane.add(bodies, lambda: basis, open_tree.second, pins, loads, axial, result.force, result.moment)
     statics.torques(plane, coupling_multipliers)
+
+
+def _fill_torques(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce], result: Wrenches) -> None:
+    """Fill in the torques of a piece of the motion without friction; they need no forces of the joints."""
+    plane, basis = bodies.plane, known_basis(states)
+    second = basis_acceleration(plane, basis, states.v, states.a)
+    second[0] = 1.0
+    joint_efforts = _efforts(bodies, basis, work_of_tree(bodies, second), loads)
+    rows, factors = known_jacobian(plane, states)
+    pins = np.empty((len(plane.loop_heights), basis.shape[1]), complex)
+    statics.transmit(plane, rows, factors, joint_efforts, pins, result.coupling)
+    result.torque[0] = joint_efforts[plane.driver]
+    statics.torques(plane, result.coupling)
 
 
 def _solve_open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
@@ -289,37 +298,6 @@ def _resisted(plane: Plane, friction_efforts: Array) -> Array:
     return np.asarray(friction_efforts[:count] + plane.sense[:, None] * (plane.incidence @ friction_efforts[count:]))
 
 
-def _some_suffice(plane: Plane, wanted: Sequence[int], with_gear_torques: bool) -> bool:
-    """Whether the ``wanted`` bearings, and where asked for the torques of gear pairs, can be computed without the other bearings, where
-    there is no friction and nothing acts out of the plane.
-
-    A guide is not among these bearings, because its moment comes from all bodies that hang on it. Redundant forces are shared among all
-    bearings and gear pairs; the driving torque does not depend on how.
-    """
-    if any(j in plane.prismatic for j in wanted):
-        return False
-    return not plane.redundant or not (wanted or (with_gear_torques and len(plane.offsets)))
-
-
-def _fill_with_some_bearings(
-    bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce], wanted: Sequence[int], result: Wrenches
-) -> None:
-    """Fill in the result where `_some_suffice` all that is wanted. Arguments as of `inverse_dynamics`."""
-    plane, basis = bodies.plane, known_basis(states)
-    second = basis_acceleration(plane, basis, states.v, states.a)
-    second[0] = 1.0
-    joint_efforts = _efforts(bodies, basis, work_of_tree(bodies, second), loads)
-    rows, factors = known_jacobian(plane, states)
-    pins = np.empty((len(plane.loop_heights), basis.shape[1]), complex)
-    statics.transmit(plane, rows, factors, joint_efforts, pins, result.coupling)
-    result.torque[0] = joint_efforts[plane.driver]
-    if wanted:
-        put_in_plane(plane, _wanted_forces(bodies, second, loads, pins, wanted), result.force)
-        for place, moment in _wanted_moments(bodies, wanted, result).items():
-            put_normal(plane, moment, result.moment[place])
-    statics.torques(plane, result.coupling)
-
-
 def _efforts(bodies: Bodies, basis: ComplexArray, work: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
     """Efforts (nv, n) that the joints would have to transmit with all loops open.
 
@@ -346,34 +324,3 @@ def _efforts(bodies: Bodies, basis: ComplexArray, work: ComplexArray, loads: Seq
     for row, joint, rotor in plane.guides:
         efforts[joint] = (basis[rotor].conj() * work[row - 1]).real if rotor else work[row - 1].real
     return efforts
-
-
-def _wanted_forces(
-    bodies: Bodies, second: ComplexArray, loads: Sequence[AppliedForce], pins: ComplexArray, wanted: Sequence[int]
-) -> ComplexArray:
-    """Complex forces (wanted, n) of the wanted bearings [N]."""
-    plane = bodies.plane
-    count = len(plane.parents)
-    joints = [j for j in wanted if j < count]
-    forces = np.empty((len(wanted), pins.shape[1]), complex)
-    forces[len(joints) :] = pins[[k - count for k in wanted if k >= count]]
-    if joints:
-        subtree_force = forces_of_joints(bodies, second, joints)
-        for load in loads:
-            if load.joint:
-                carrying = [place for place, j in enumerate(joints) if j in plane.carriers(load.joint - 1)]
-                subtree_force[carrying] -= to_complex(plane, load.force)
-        np.add(statics.carried(bodies.minus_incidence[joints], pins), subtree_force, out=forces[: len(joints)])
-    return forces
-
-
-def _wanted_moments(bodies: Bodies, wanted: Sequence[int], result: Wrenches) -> dict[int, Array]:
-    """Moments (n,) about the normal that are not zero, by place among the wanted bearings; ``result.coupling`` holds multipliers."""
-    plane, moments = bodies.plane, {}
-    meshed = plane.coupled.T @ result.coupling if any(j in bodies.geared for j in wanted) else result.coupling
-    for place, j in enumerate(wanted):
-        if j == plane.driver and plane.sense[j]:
-            moments[place] = plane.sense[j] * result.torque[0]
-        if j in bodies.geared:
-            moments[place] = moments.get(place, 0.0) + plane.sense[j] * meshed[j]
-    return moments

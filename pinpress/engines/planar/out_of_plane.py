@@ -57,11 +57,10 @@ def add(
     pins: ComplexArray,
     loads: Sequence[AppliedForce],
     axial: Array | None,
-    wanted: Sequence[int],
     force: Array,
     moment: Array,
 ) -> None:
-    """Add the axial forces and tilting moments of the wanted bearings to their forces and moments in the plane.
+    """Add the axial forces and tilting moments of all bearings to their forces and moments in the plane.
 
     Args:
         bodies: inertial constants of the linkage.
@@ -70,20 +69,18 @@ def add(
         pins: (loops, n) complex forces of the loops in the plane [N].
         loads: forces on links.
         axial: what `forces` returned [N].
-        wanted: indices of the wanted bearings.
-        force: (wanted, n, 3) forces of these bearings, to be added to [N].
-        moment: (wanted, n, 3) their moments, to be added to [N m].
+        force: (bearings, n, 3) forces of the bearings, to be added to [N].
+        moment: (bearings, n, 3) their moments, to be added to [N m].
     """
     plane = bodies.plane
-    kept = slice(None) if len(wanted) == len(plane.parents) + len(plane.loop_heights) else list(wanted)
     moments = _tilting_moments(bodies, second, pins, loads)
     if axial is not None:
         moments += _moments_of_axial_forces(bodies, basis(), loads, axial)
-    tilting = product(bodies.moment_sharing[kept].astype(complex), moments)
+    tilting = product(bodies.moment_sharing.astype(complex), moments)
     for i, (along, first, other) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
         # most presses stand in a coordinate plane: axes without a component there cost nothing
         if along and axial is not None:
-            force[..., i] += along * axial[kept]
+            force[..., i] += along * axial
         if first:
             moment[..., i] += first * tilting.real
         if other:

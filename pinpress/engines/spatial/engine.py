@@ -105,12 +105,12 @@ class SpatialEngine:
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
-    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
         if states.v.shape[1] == 1:  # a single state takes Pinocchio half the time
-            return self.one_by_one.inverse_dynamics(states, conditions, wanted)
+            return self.one_by_one.inverse_dynamics(states, conditions, bearings)
         from . import inverse_dynamics  # not needed to load
 
-        return inverse_dynamics.inverse_dynamics(self.loops, states, conditions, wanted)
+        return inverse_dynamics.inverse_dynamics(self.loops, states, conditions, bearings)
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
         from . import inverse_dynamics  # not needed to load

@@ -23,12 +23,10 @@ from .equations import Equations, Loops, equations, loop_turning
 from .sharing import Shared, share
 
 
-def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedConditions, bearings: bool) -> Wrenches:
     """Driving torque and the wrenches of joints and loops; see `Engine.inverse_dynamics`."""
     spatial, n, law = loops.spatial, states.v.shape[1], conditions.law
-    result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), spatial.model.nv + len(spatial.loops), n, len(wanted))
-    # the driving torque does not depend on how idle forces are shared
-    shared = bool(wanted or (conditions.with_gear_torques and spatial.couplings))
+    result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), spatial.model.nv + len(spatial.loops), n, bearings)
     pieces = [slice(start, start + loops.piece) for start in range(0, n, loops.piece)]
     fastest = None if law is None or len(pieces) == 1 else law.moving(_speeds(loops, states, pieces))
     for some in pieces:
@@ -36,12 +34,12 @@ def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedCond
         balance = _Balance(loops, part, [load.part(some) for load in conditions.loads], conditions.compliance)
         if law is None:
             friction = balance.no_friction()
-            multipliers = balance.multipliers(friction, shared)
+            multipliers = balance.multipliers(friction, shared=bearings)
         else:
             speeds = law.moving(balance.speeds()) if fastest is None else fastest[:, some]
             multipliers, friction, lost = balance.with_friction(law, speeds)
             result.friction[:, some] = lost
-        balance.fill(result.part(some), multipliers, friction, wanted)
+        balance.fill(result.part(some), multipliers, friction, bearings)
     return result
 
 
@@ -216,7 +214,8 @@ class _Balance:
 
         Args:
             friction: of the bearings.
-            shared: whether to share idle forces as `engines.forces` says; else the multipliers are those of least norm.
+            shared: whether to share idle forces as `engines.forces` says, on which the driving torque does not depend; else the multipliers
+                are those of least norm.
         """
         found = self.passive.multipliers(self._needed(friction))
         if not shared:
@@ -276,19 +275,16 @@ class _Balance:
 
     # -------------------------------------------------------------------------------------------------------------------- result
 
-    def fill(self, result: Wrenches, multipliers: Array, friction: _Friction, wanted: Sequence[int]) -> None:
+    def fill(self, result: Wrenches, multipliers: Array, friction: _Friction, bearings: bool) -> None:
         """Write the wrenches of these states into the result."""
-        loops, spatial, count = self.loops, self.loops.spatial, self.count
+        loops, spatial = self.loops, self.loops.spatial
         driving = list(spatial.drivers)
         result.torque[:] = self._needed(friction)[driving] - np.einsum("rdn,rn->dn", self.found.driving, multipliers)
-        held = len(spatial.loops)
         units = np.array([spatial.follower_unit(k) for k in range(len(spatial.couplings))])
         result.coupling[:] = units[:, None] * multipliers[loops.rows - len(units) :]
-        if not len(wanted):
-            return
-        kept = slice(None) if len(wanted) == count + held else list(wanted)
-        result.force[:] = self._forces(multipliers)[kept].transpose(0, 2, 1)
-        result.moment[:] = self._moments(multipliers, friction)[kept].transpose(0, 2, 1)
+        if bearings:
+            result.force[:] = self._forces(multipliers).transpose(0, 2, 1)
+            result.moment[:] = self._moments(multipliers, friction).transpose(0, 2, 1)
 
 
 def _speeds(loops: Loops, states: ClosedStates, pieces: Sequence[slice]) -> Array:

@@ -101,7 +101,7 @@ def test_a_long_chain():
     def moved(engine):
         closed = engine.close(angles, guess, with_margins=True)
         states = ClosedStates(closed.position, 3.0 * closed.first, 9.0 * closed.second - 2.0 * closed.first, solved=closed.solved)
-        forces = engine.inverse_dynamics(states, AppliedConditions([], None, None, False), range(len(press.bearings)))
+        forces = engine.inverse_dynamics(states, AppliedConditions([], None, None))
         return closed, states, forces
 
     engine, judge = in_space(press), press.engine("pinocchio")
@@ -129,8 +129,7 @@ def test_idle_forces_of_a_chain(stiff, every):
     states = ClosedStates(closed.position, 3.0 * closed.first, 9.0 * closed.second)
     loads = [AppliedForce(joint, rng.normal(size=3), 10.0 * rng.normal(size=(2, 3))) for joint in (1, 9, 20, 33)]
     ours, theirs = (
-        each.inverse_dynamics(states, AppliedConditions(loads, None, compliance, False), range(count))
-        for each in (engine, press.engine("pinocchio"))
+        each.inverse_dynamics(states, AppliedConditions(loads, None, compliance)) for each in (engine, press.engine("pinocchio"))
     )
     assert np.abs(theirs.force[:, :, 1]).max() > 1.0  # across the plane
     np.testing.assert_allclose(ours.force[:, :, 1], theirs.force[:, :, 1], rtol=0, atol=1e-12)
