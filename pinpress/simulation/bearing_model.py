@@ -6,14 +6,13 @@ angle the radial force of every bearing is the length of a vector that is affine
     N = A w' + B w^2 + G + sum F L + sum e S
 
 with the efforts e = -(c s + mu r |N| sign s) of friction, where s is the speed of the bearing (in a preloaded guide with the preload where
-|N| is smaller). The vectors A, B (inertia), G (weight), L (loads) and S (friction) are kept as polynomials too. By virtual work friction is
-the torque sum e ds/dw on the crank, so that w' and all e follow together: they are found in turn until they no longer change, as in
-`FrictionLaw.efforts`.
+|N| is smaller). The vectors A, B (inertia), G (weight), L (loads) and S (friction) are kept as polynomials, panel by panel, too. By virtual
+work friction is the torque sum e ds/dw on the crank, so that w' and all e follow together: they are found in turn until they no longer
+change, as in `FrictionLaw.efforts`.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,17 +21,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import PinpressError
-from ..common.numerics import NODES, gauss_rule
+from ..common.numerics import NODES
 from ..common.quantities import Array
 from ..engines.engine import ClosedStates
 from ..engines.forces import MOST_ITERATIONS, AppliedForce, FrictionLaw
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage
 from .failures import failure
-from .reduced_model import ReducedModel, resolved_panels, roots
+from .panels import Panels, last_terms, resolve
+from .reduced_model import ReducedModel
 
-BY_ACCELERATION, BY_SQUARED_SPEED, BY_WEIGHT, BY_LOADS = 0, 1, 2, 3  # parts of the radial vectors: A, B, G and the first L
 POWERS = np.arange(NODES)
+BY_ACCELERATION, BY_SQUARED_SPEED, BY_WEIGHT, BY_LOADS = 0, 1, 2, 3  # parts of the radial vectors: A, B, G and the first L
 SETTLED = 1e-9  # relative step of Newton's method that ends it: the next would be about its square
 STILL = 1e-11  # share of a bearing's largest speed that is rounding
 NOTHING = 1e-13  # share of the largest vector of a part below which a component is rounding throughout
@@ -43,42 +43,31 @@ UnitForce = Callable[[Motion], Sequence[AppliedForce]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BearingModel:
+class BearingModel(Panels):
     """Speeds of the bearings with friction, and the vectors of their radial forces, over the crank angle.
 
     Attributes:
-        law: the friction of the K bearings that have some.
-        reduced: reduced model of the same linkage.
         borders: (p + 1,) of the panels, rising [rad].
         coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel. Rows are the speeds of the K bearings by that of the crank,
             then C components of A, of B, of G, of every L and of every S.
+        period: that of the reduced model.
+        law: the friction of the K bearings that have some.
+        reduced: reduced model of the same linkage.
         owners: (K, C) 1 where a component belongs to a bearing, else 0.
     """
 
     law: FrictionLaw
     reduced: ReducedModel
-    borders: Array
-    coefficients: Array
     owners: Array
-
-    @property
-    def period(self) -> float | None:
-        return self.reduced.period
 
     @cached_property
     def reversals(self) -> tuple[Array, ...]:
         """Crank angles in the model's range at which each bearing turns back, so that its friction is not smooth [rad]."""
-        return tuple(roots(self, row, 0.0) for row in range(len(self.law.arm)) if self.coefficients[:, row].any())
+        return tuple(self.roots(row) for row in range(len(self.law.arm)) if self.coefficients[:, row].any())
 
-    def at(self, angle: Array) -> BearingStates:
+    def states(self, angle: Array) -> BearingStates:
         """The bearings at crank angles (n,)."""
-        local = self.reduced.local(angle)
-        panel = np.clip(self.borders.searchsorted(local, side="right") - 1, 0, len(self.borders) - 2)
-        rows = np.empty((self.coefficients.shape[1], len(angle)))
-        for k in np.unique(panel).tolist():
-            mine = panel == k
-            half = 0.5 * (self.borders[k + 1] - self.borders[k])
-            rows[:, mine] = self.coefficients[k] @ np.vander((local[mine] - self.borders[k]) / half - 1.0, NODES, increasing=True).T
+        rows, _ = self.at(self.reduced.local(angle), derivative=False)
         count, components = self.owners.shape
         vectors = rows[count:].reshape(-1, components, len(angle))
         return BearingStates(self, angle, self._moving(rows[:count].T).T, vectors[:-count], vectors[-count:])
@@ -99,9 +88,8 @@ class BearingModel:
         """
         law, (count, components) = self.law, self.owners.shape
         local = float(self.reduced.local(np.array([angle]))[0])
-        k = min(max(bisect_right(self._edges, local) - 1, 0), len(self._edges) - 2)
-        low, high = self._edges[k], self._edges[k + 1]
-        rows = self.coefficients[k] @ (2 * (local - low) / (high - low) - 1.0) ** POWERS
+        panel, _, x = self.panel_of(local)
+        rows = self.coefficients[panel] @ x**POWERS
         moving, vectors = self._moving(rows[:count]), rows[count:].reshape(-1, components)
         lever, accelerated = np.abs(moving), vectors[BY_ACCELERATION] / inertia
         free = accelerated * net + vectors[BY_SQUARED_SPEED] * speed**2 + vectors[BY_WEIGHT]
@@ -136,10 +124,6 @@ class BearingModel:
     @cached_property
     def _rest(self) -> Array:
         return np.asarray(STILL * np.abs(self.coefficients[:, : len(self.law.arm), 0]).max(axis=0))
-
-    @cached_property
-    def _edges(self) -> list[float]:
-        return list(map(float, self.borders))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -223,7 +207,7 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
     with_friction = np.flatnonzero((law.arm > 0) | (law.viscous > 0))
     some = FrictionLaw(law.arm[with_friction], law.viscous[with_friction], law.preload[with_friction], law.turns[with_friction], law.size)
     count, sampling = len(with_friction), _Sampling(press, with_friction, unit_forces)
-    sampled = resolved_panels(sampling.rows, sampling.missed, reduced.borders)
+    sampled, _ = resolve(sampling.rows, reduced.borders, sampling.missed)
     coefficients = sampled.coefficients
     speeds = np.abs(coefficients[:, :count]).max(axis=2) / np.where(some.turns, 1.0, press.size)
     fastest = speeds.max(axis=1).clip(min=1.0 if press.driver_coordinates[0].turns else 1.0 / press.size)  # near a lock without bounds
@@ -236,7 +220,7 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
     owners = np.zeros((count, int(kept.sum())))
     owners[np.nonzero(kept)[0], np.arange(owners.shape[1])] = 1.0
     rows = np.concatenate([coefficients[:, :count], vectors[:, :, kept].reshape(len(coefficients), -1, NODES)], axis=1)
-    return BearingModel(some, reduced, sampled.borders, rows, owners)
+    return BearingModel(sampled.borders, rows, reduced.period, some, reduced, owners)
 
 
 class _Sampling:
@@ -291,13 +275,12 @@ class _Sampling:
         return np.concatenate([speed, rubbing.reshape(-1, len(angles))])
 
     def missed(self, values: Array) -> Array:
-        """(p,) what polynomials through values (rows, p, q) on p panels miss, as a share of the speeds and of each part."""
-        count, panels = len(self.with_friction), values.shape[1]
-        tail = np.abs(values @ gauss_rule().legendre[-2:].T).max(axis=2)
-        speeds = np.abs(values[:count]).max(axis=2)
+        """(p,) what polynomials through values (q, rows, p) on p panels miss, as a share of the speeds and of each part."""
+        count, panels = len(self.with_friction), values.shape[2]
+        tail, sizes = last_terms(values), np.abs(values).max(axis=0)
         least = np.where(self.turns, 1.0, self.press.size) * (1.0 if self.press.driver_coordinates[0].turns else 1.0 / self.press.size)
-        found = (tail[:count] / np.maximum(speeds, least[:, None])).max(axis=0)
+        found = (tail[:count] / np.maximum(sizes[:count], least[:, None])).max(axis=0)
         # a part is measured by the largest of its vectors on the panel: near a lock they have no bounds, elsewhere some are rounding
-        size = np.abs(values[count:]).max(axis=2).reshape(-1, 3 * count, panels).max(axis=1)
+        size = sizes[count:].reshape(-1, 3 * count, panels).max(axis=1)
         parts = tail[count:].reshape(-1, 3 * count, panels).max(axis=1) / np.where(size > 0, size, 1.0)
         return np.asarray(np.maximum(found, parts.max(axis=0)))

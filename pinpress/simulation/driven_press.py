@@ -38,7 +38,6 @@ from .reduced_model import (
     build_reduced_model,
     places_of,
     reduced_model_of,
-    roots,
 )
 
 if TYPE_CHECKING:
@@ -260,7 +259,7 @@ class DrivenPress:
             row, borders = COORDINATES + force.row, force.borders()
             found += [places_of(self.model, row, border) for border in borders]
             if borders:
-                found.append(roots(self.model, row, 0.0, slope=True))
+                found.append(self.model.roots(row, slope=True))
         return read_only(tuple(found))
 
     @cached_property

@@ -5,7 +5,6 @@ reduced model of `reduced_model`; all joints are those of Pinocchio's constraint
 """
 
 import math
-from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
@@ -13,7 +12,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from ..common.errors import PinpressError, SingularityError
-from ..common.numerics import horner
 from ..common.quantities import Array
 from ..common.results import Record
 from ..kinematics.motion import motion_through_change_points
@@ -92,46 +90,30 @@ class CrankState(NamedTuple):
 
 
 class ReducedDynamics:
-    """The crank alone, by a reduced model, whose one position is the crank angle. It computes with Python's own numbers, because NumPy
-    takes longer for one state."""
+    """The crank alone, by a reduced model, whose one position is the crank angle."""
 
     size, crank, alone = 1, 0, True
 
     def __init__(self, table: ReducedModel) -> None:
         self.table = table
-        self.borders = table.borders.tolist()
-        self.gains = table.gains[[INERTIA, *range(COORDINATES, len(table.gains))]].tolist() if table.gains.any() else None
-        falling = table.coefficients[:, :, ::-1].tolist()  # powers of x
-        # of V' the value alone is needed, of V nothing
-        self.rows = [(panel[WEIGHT], [panel[INERTIA], *panel[COORDINATES:]]) for panel in falling]
+        self.gains = table.gains.tolist() if table.gains.any() else None
+        self.first, self.last = float(table.borders[0]), float(table.borders[-1])
 
     def at(self, position: Array, speed: Array) -> CrankState:
         angle, rate = float(position[0]), float(speed[0])
-        borders, period = self.borders, self.table.period
-        local, loose, turns = angle, 0.0, 0.0
+        period, local, loose, turns = self.table.period, angle, 0.0, 0.0
         if period is not None:
-            turns = (angle - borders[0]) // period
+            turns = (angle - self.first) // period
             local, loose = angle - turns * period, LOOSE
-        if not borders[0] - loose <= local <= borders[-1] + loose:
+        if not self.first - loose <= local <= self.last + loose:
             count = self.table.coefficients.shape[1] - COORDINATES  # NaN makes an integrator that looks ahead try a shorter step
             return CrankState(angle, rate, [(math.nan, math.nan)] * count, math.nan, math.nan, math.nan, [math.nan] * count)
-        panel = min(max(bisect_right(borders, local) - 1, 0), len(borders) - 2)
-        half = 0.5 * (borders[panel + 1] - borders[panel])
-        x = (local - borders[panel]) / half - 1.0
-        weights, rows = self.rows[panel]
-        weight, values, slopes = horner(weights, x), [], []
-        for row in rows:
-            value = slope = 0.0
-            for coefficient in row:
-                slope = slope * x + value
-                value = value * x + coefficient
-            values.append(value)
-            slopes.append(slope / half)
+        values, slopes = self.table.one(local)
         if self.gains is not None:
             values = [value + turns * gain for value, gain in zip(values, self.gains, strict=True)]
-        levers = slopes[1:]
-        coordinates = [(value, lever * rate) for value, lever in zip(values[1:], levers, strict=True)]
-        return CrankState(angle, rate, coordinates, values[0], slopes[0], weight, levers)
+        levers = slopes[COORDINATES:]
+        coordinates = [(value, lever * rate) for value, lever in zip(values[COORDINATES:], levers, strict=True)]
+        return CrankState(angle, rate, coordinates, values[INERTIA], slopes[INERTIA], values[WEIGHT], levers)
 
     def accelerations(self, instant: CrankState, torque: float, forces: Sequence[float], inertia: float) -> float:
         total = instant.inertia + inertia

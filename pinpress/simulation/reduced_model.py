@@ -4,8 +4,7 @@
 
 with the reduced inertia I(angle), the potential energy V(angle) of the weights, the inertia J of flywheel and drive on the crank, and
 forces F along coordinates c(angle): the slide's position, the length of a spring. All are smooth functions of the crank angle. They are
-sampled at the nodes of Gauss's quadrature and kept as polynomials, panel by panel; a panel on which a polynomial does not resolve them to
-rounding is halved.
+kept as polynomials, panel by panel (see `panels`), which resolve them to rounding.
 Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
 """
 
@@ -15,23 +14,19 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ..common.errors import SimulationError
-from ..common.numerics import NODES, gauss_rule, polynomial_root
 from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import MOST_TURNS, periods_until_back
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from .failures import failure
+from .panels import Panels, last_terms, resolve
 
 PANELS = 16  # panels a turn to begin with
-RESOLVED = 1e-11  # largest last terms of a polynomial that resolves a function, as a share of the function
-# Last terms below this share are rounding, as near change points, if halving a panel does not reduce them by this factor.
-NOISE, GAIN = 1e-8, 10.0
 SLACK = 1e-9  # rounding by which an angle may lie outside the range of the model [rad]
 FLAT = 1e-13  # range of the potential energy that is rounding, as a share of its size
 HEIGHT = 1e-3  # the range of the potential energy, and its slope, count as at least this share of its size
@@ -39,7 +34,6 @@ PARTS = (
     1e-6  # and as at least this share of what lifting all links by the linkage's size takes: they may balance each other but for rounding
 )
 ALIKE, FAR, SAME = 36, 1000, 1e-9  # angles of a period that are compared with those so many periods away, and the share that is rounding
-NARROWEST = 1e-7  # narrowest panel: what it does not resolve lies at a lock [rad]
 INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a model
 
 Coordinate = Callable[[Motion], Array]
@@ -47,7 +41,7 @@ Coordinate = Callable[[Motion], Array]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ReducedModel:
+class ReducedModel(Panels):
     """Reduced inertia, potential energy and coordinates over the crank angle.
 
     Attributes:
@@ -60,9 +54,6 @@ class ReducedModel:
         coordinate: what the crank angle is: of a driver that slides it is a position [m], and the reduced inertia a mass [kg].
     """
 
-    borders: Array
-    coefficients: Array
-    period: float | None
     gains: Array
     evaluations: int
     coordinate: DriverCoordinate
@@ -89,11 +80,6 @@ class ReducedModel:
         inertia = np.append(self.coefficients[:, INERTIA, 0], self.at(self.borders[:-1])[0][INERTIA])
         return float(inertia.min()), float(angles[int(inertia.argmin())])
 
-    @cached_property
-    def _by_power(self) -> Array:
-        """(q, rows, p) coefficients, those of each power side by side."""
-        return np.ascontiguousarray(self.coefficients.transpose(2, 1, 0))
-
     def local(self, angle: Array) -> Array:
         """Crank angles moved by whole periods into the model's range.
 
@@ -111,22 +97,11 @@ class ReducedModel:
     def at(self, angle: Array, derivative: bool = True) -> tuple[Array, Array]:
         """Rows (rows, ...) at crank angles (...), and their derivatives by the crank angle, which are zero without ``derivative``."""
         local = self.local(angle)
-        panel = np.clip(self.borders.searchsorted(local, side="right") - 1, 0, len(self.borders) - 2)
-        half = 0.5 * (self.borders[panel + 1] - self.borders[panel])
-        x = (local - self.borders[panel]) / half - 1.0
-        picked = self._by_power.take(panel, axis=-1)  # (q, rows, ...)
-        value = picked[-1]
-        slope = np.zeros_like(value)
-        for coefficients in picked[-2::-1]:
-            if derivative:
-                slope *= x
-                slope += value
-            value *= x
-            value += coefficients
+        values, slopes = super().at(local, derivative)
         if self.gains.any():
             assert self.period is not None
-            value += np.multiply.outer(self.gains, np.round((angle - local) / self.period))
-        return value, slope / half
+            values += np.multiply.outer(self.gains, np.round((angle - local) / self.period))
+        return values, slopes
 
 
 def lock_reached(model: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
@@ -161,12 +136,11 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
     turns = (high - low) / (2 * np.pi) if branch.coordinate.turns else 1.0
     count = panels or max(2, math.ceil(PANELS * turns - 1e-9))
     weight = sum(inertia.mass for inertia in list(press.model.inertias)[1:]) * float(np.linalg.norm(press.model.gravity.linear))
-    missed, borders = None, np.linspace(low, high, count + 1)
-    if panels is None:
-        missed = _Sizes(len(coordinates), PARTS * weight * press.size).missed
-    sampled = resolved_panels(lambda angles: sample_rows(press, angles, coordinates), missed, borders)
+    measured = _Sizes(len(coordinates), PARTS * weight * press.size).missed
+    missed = measured if panels is None else lambda values: np.zeros(values.shape[2])
+    sampled, points = resolve(lambda angles: sample_rows(press, angles, coordinates), np.linspace(low, high, count + 1), missed)
     gains = np.zeros(COORDINATES + len(coordinates)) if period is None else _gains(press, coordinates, low, period)
-    return ReducedModel(sampled.borders, _centred(sampled.coefficients), period, gains, sampled.points, branch.coordinate)
+    return ReducedModel(sampled.borders, _centred(sampled.coefficients), period, gains, points, branch.coordinate)
 
 
 def _gains(press: Linkage, coordinates: Sequence[Coordinate], start: float, period: float) -> Array:
@@ -189,48 +163,6 @@ def _gains(press: Linkage, coordinates: Sequence[Coordinate], start: float, peri
     return gains
 
 
-class ResolvedPanels(NamedTuple):
-    """Rows of functions of the crank angle as polynomials.
-
-    Attributes:
-        borders: (p + 1,) of the panels, rising [rad].
-        coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel.
-        points: number of crank angles at which the functions were computed.
-    """
-
-    borders: Array
-    coefficients: Array
-    points: int
-
-
-def resolved_panels(sample: Callable[[Array], Array], missed: Callable[[Array], Array] | None, borders: Array) -> ResolvedPanels:
-    """Sample functions over panels, and halve these until polynomials resolve the functions.
-
-    Args:
-        sample: returns the rows (rows, n) at crank angles (n,).
-        missed: returns (p,) what polynomials through values (rows, p, q) miss on each panel, as a share; None: no panel is halved.
-        borders: of the panels to begin with, rising [rad].
-    """
-    points, rule = 0, gauss_rule()
-    starts, ends, coarser = borders[:-1], borders[1:], np.full(len(borders) - 1, np.inf)
-    done: list[tuple[Array, Array]] = []
-    while len(starts):
-        half = 0.5 * (ends - starts)
-        angles = (starts + half)[:, None] + half[:, None] * rule.nodes
-        values = sample(angles.ravel()).reshape(-1, *angles.shape)
-        points += angles.size
-        share = np.zeros(len(starts)) if missed is None else missed(values)
-        rounding = (share <= NOISE) & (share > coarser / GAIN)  # halving a panel that is nearly resolved divides this by thousands
-        settled = (share <= RESOLVED) | rounding | (half < NARROWEST)
-        done.append((starts[settled], np.moveaxis(values[:, settled], 0, 1) @ rule.legendre.T @ rule.powers.T))
-        low, middle, high = starts[~settled], (starts + half)[~settled], ends[~settled]
-        starts, ends = np.concatenate([low, middle]), np.concatenate([middle, high])
-        coarser = np.tile(share[~settled], 2)
-    order = np.argsort(np.concatenate([starts for starts, _ in done]))
-    found = np.append(np.concatenate([starts for starts, _ in done])[order], borders[-1])
-    return ResolvedPanels(found, np.concatenate([polynomials for _, polynomials in done])[order], points)
-
-
 class _Sizes:
     """Sizes of the rows of a reduced model over all panels so far, with which the polynomials' last terms are compared."""
 
@@ -239,16 +171,16 @@ class _Sizes:
         self.lowest, self.highest = np.inf, -np.inf
 
     def missed(self, values: Array) -> Array:
-        """(p,) what polynomials through values (rows, p, q) on p panels miss, as a share of the sizes of the rows."""
-        self.scale = np.maximum(self.scale, np.abs(values).max(axis=(1, 2)))
-        self.lowest = np.minimum(self.lowest, values[POTENTIAL].min())
-        self.highest = np.maximum(self.highest, values[POTENTIAL].max())
+        """(p,) what polynomials through values (q, rows, p) on p panels miss, as a share of the sizes of the rows."""
+        self.scale = np.maximum(self.scale, np.abs(values).max(axis=(0, 2)))
+        self.lowest = np.minimum(self.lowest, values[:, POTENTIAL].min())
+        self.highest = np.maximum(self.highest, values[:, POTENTIAL].max())
         # The potential energy of a balanced press is constant, and its slope the rounding of the links' parts.
         least = max(self.least, HEIGHT * float(max(abs(self.lowest), abs(self.highest))))
         self.scale[WEIGHT] = max(float(self.scale[WEIGHT]), least)
         self.scale[POTENTIAL] = max(float(self.highest - self.lowest), least)
-        tail = np.abs(values @ gauss_rule().legendre[-2:].T).max(axis=2)
-        local = np.abs(values[INERTIA]).max(axis=1)  # near a lock the inertia has no bounds
+        tail = last_terms(values)
+        local = np.abs(values[:, INERTIA]).max(axis=0)  # near a lock the inertia has no bounds
         sizes = np.where(self.scale > 0, self.scale, 1.0)
         return np.asarray(np.maximum((tail / sizes[:, None]).max(axis=0), tail[INERTIA] / np.where(local > 0, local, 1.0)))
 
@@ -287,45 +219,13 @@ def energies(press: Linkage, motion: Motion) -> tuple[Array, Array]:
     return press.engine().energies(motion.states(press))[:2]
 
 
-class PanelPolynomials(Protocol):
-    """Functions of the crank angle as polynomials, attributes as those of `ReducedModel`."""
-
-    @property
-    def borders(self) -> Array: ...
-    @property
-    def coefficients(self) -> Array: ...
-    @property
-    def period(self) -> float | None: ...
-
-
 def places_of(model: ReducedModel, row: int, level: float) -> Array:
     """Crank angles in the model's range at which a row passes through a level, in this period or in any other."""
     gain = float(model.gains[row])
     if not gain:
-        return roots(model, row, level)
+        return model.roots(row, level)
     coefficients = model.coefficients[:, row]
     reach = np.abs(coefficients[:, 1:]).sum(axis=1)
     ends = (level - (coefficients[:, 0] - reach).min()) / gain, (level - (coefficients[:, 0] + reach).max()) / gain
     periods = range(math.floor(min(ends)), math.ceil(max(ends)) + 1)
-    return np.concatenate([roots(model, row, level - count * gain) for count in periods])
-
-
-def roots(table: PanelPolynomials, row: int, level: float, slope: bool = False) -> Array:
-    """Crank angles in the model's range at which a row, or its ``slope``, passes through a level."""
-    coefficients = table.coefficients[:, row]
-    if slope:
-        coefficients = coefficients[:, 1:] * np.arange(1, coefficients.shape[1])
-    samples = np.linspace(-1.0, 1.0, 2 * NODES)
-    above = coefficients @ np.vander(samples, coefficients.shape[1], increasing=True).T >= level
-    panels, places = np.nonzero(above[:, 1:] != above[:, :-1])
-    found = []
-    for panel, place in zip(panels.tolist(), places.tolist(), strict=True):
-        polynomial = coefficients[panel].tolist()
-        polynomial[0] -= level
-        x = polynomial_root(polynomial, float(samples[place]), float(samples[place + 1]))
-        found.append(table.borders[panel] + 0.5 * (1 + x) * (table.borders[panel + 1] - table.borders[panel]))
-    # a root on a border between two panels may show in neither of them
-    ends = np.flatnonzero(above[:-1, -1] != above[1:, 0]) + 1
-    if table.period is not None and above[-1, -1] != above[0, 0]:
-        ends = np.append(ends, 0)
-    return np.concatenate([np.array(found), table.borders[ends]])
+    return np.concatenate([model.roots(row, level - count * gain) for count in periods])

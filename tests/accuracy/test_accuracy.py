@@ -130,7 +130,7 @@ def test_the_default_is_as_exact_as_any(measured):
 
 
 def test_each_tolerance_of_the_reduced_equation_holds(measured):
-    """Over the crank angle the panels of the table are joined for looser tolerances, and resolve a free run to rounding for the default."""
+    """Over the crank angle the panels of the table resolve a free run to rounding."""
     rows = measured.of(FREE_RUN, "reduced")
     assert len(rows) > 1
     for row in rows:

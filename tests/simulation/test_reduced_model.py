@@ -11,7 +11,6 @@ from pinpress.simulation.reduced_model import (
     POTENTIAL,
     build_reduced_model,
     reduced_model_of,
-    roots,
     sample_rows,
 )
 
@@ -32,7 +31,7 @@ def test_passages_of_a_level(name, share):
     table = reduced_model_of(shipped(name))
     energy = table.at(GRID)[0][POTENTIAL]
     level = energy.min() + share * np.ptp(energy)
-    np.testing.assert_allclose(np.sort(roots(table, POTENTIAL, level)), passages(energy, level), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(np.sort(table.roots(POTENTIAL, level)), passages(energy, level), rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125", "thin_wall"])
@@ -42,7 +41,7 @@ def test_turning_points(name):
     energy = table.at(GRID[:-1])[0][POTENTIAL]
     step = np.diff(np.append(energy, energy[0]))
     turns = GRID[:-1][np.signbit(step) != np.signbit(np.roll(step, 1))]
-    found = np.sort(roots(table, POTENTIAL, 0.0, slope=True))
+    found = np.sort(table.roots(POTENTIAL, slope=True))
     assert len(found) == len(turns) >= 2
     assert np.abs(np.exp(1j * found) - np.exp(1j * turns)).max() < 2 * GRID[1]
 

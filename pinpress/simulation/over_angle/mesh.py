@@ -154,7 +154,7 @@ def build_mesh(
         position_ends=at_ends[COORDINATES:],
         lever_ends=slopes_ends[COORDINATES:],
         forces=_panel_forces(driven, at_middle[COORDINATES:], slopes_middle[COORDINATES:] * direction > 0),
-        bearings=None if driven.bearing_model is None else driven.bearing_model.at(angle.ravel()),
+        bearings=None if driven.bearing_model is None else driven.bearing_model.states(angle.ravel()),
         periods=periods,
     )
 

@@ -14,6 +14,7 @@ from ...common.numerics import gauss_rule, horner, polynomial_root
 from ...common.products import product
 from ...common.quantities import Array
 from ...drives.protocol import Drive, corners_of
+from ..panels import last_terms
 from .collocation import FLOOR, LEAST, CollocationSolution
 from .forces import along_travel, along_travel_at_ends
 from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce
@@ -88,9 +89,7 @@ def _coarse(solution: CollocationSolution, upto: int, tolerance: float, which: I
     highest, taken = solution.ends[: upto + 1, which].max(axis=0), solution.durations[:upto, which].sum(axis=0) / solution.mesh.periods
 
     def missed(integrand: Array, whole: Array) -> NDArray[np.bool_]:
-        some = integrand[:, :upto, which]
-        tail = np.abs(product(gauss_rule().legendre[-2:], some.reshape(len(some), -1))).max(axis=0).reshape(some.shape[1:])
-        return np.asarray((tail > tolerance * whole).any(axis=1), dtype=np.bool_)
+        return np.asarray((last_terms(integrand[:, :upto, which]) > tolerance * whole).any(axis=1), dtype=np.bool_)
 
     return np.asarray(missed(solution.force * solution.mesh.measure[:, :, None], highest) | missed(solution.slowness, taken))
 

@@ -114,7 +114,7 @@ class AngleSegment:
             way, held = self.mesh.direction, self.driven.prescribed is not None
             columns = {row: force[:, None] for row, force in along.items()}
             resisting = np.full_like(inertia, np.inf) if held else inertia
-            bearings = self.driven.bearing_model.at(angle)
+            bearings = self.driven.bearing_model.states(angle)
             total += way * bearings.torque(way, way * speed[:, None], way * total[:, None], resisting[:, None], columns)[0][:, 0]
         if self.driven.prescribed is not None:
             return -total, np.zeros_like(total)

@@ -17,7 +17,7 @@ import numpy as np
 from ....common.quantities import Array
 from ....loads.process import ForceInterval
 from ...driven_press import DrivenPress, GeneralizedForce
-from ...reduced_model import COORDINATES, roots
+from ...reduced_model import COORDINATES
 from ..equations import CRANK_ANGLE, INSTANT, Event, MotionEvent, Segment, TimeSpan
 from .drive_train import TrainEvent, TrainMode
 
@@ -83,7 +83,7 @@ class LoadPhases:
     @cached_property
     def turnings(self) -> Array:
         """(k,) crank angles in a period at which the rigid slide turns; () where all loads act both ways."""
-        return np.array([]) if self._row is None else np.sort(roots(self.driven.model, COORDINATES + self._row, 0.0, slope=True))
+        return np.array([]) if self._row is None else np.sort(self.driven.model.roots(COORDINATES + self._row, slope=True))
 
     @cached_property
     def _row(self) -> int | None:
@@ -138,7 +138,7 @@ class LoadPhases:
         for each in self.borders:
             if each.path >= len(self.driven.coordinates):
                 continue
-            angles = roots(self.driven.model, COORDINATES + each.path, each.value)
+            angles = self.driven.model.roots(COORDINATES + each.path, each.value)
             found += [(self._ahead(angle, start), each) for angle in angles]
         found = sorted((one for one in found if ASIDE < one[0] < period - ASIDE), key=lambda one: one[0])
         ends = [*(at for at, _ in found[1:]), period] if found else []

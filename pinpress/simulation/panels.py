@@ -1,0 +1,145 @@
+"""Functions of the crank angle as polynomials, panel by panel.
+
+A function is sampled at the nodes of Gauss's quadrature. A panel is halved where the polynomial through these values does not resolve it.
+"""
+
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..common.numerics import NODES, bracketed_roots, gauss_rule, values_and_slopes
+from ..common.products import product
+from ..common.quantities import Array
+
+POWERS = np.arange(NODES)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Panels:
+    """Rows of functions as polynomials, panel by panel.
+
+    Attributes:
+        borders: (p + 1,) of the panels, rising [rad].
+        coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel.
+        period: after which the functions come back [rad]; None where they do not.
+    """
+
+    borders: Array
+    coefficients: Array
+    period: float | None
+
+    @cached_property
+    def _by_power(self) -> Array:
+        """(q, rows, p) coefficients, those of each power side by side."""
+        return np.ascontiguousarray(self.coefficients.transpose(2, 1, 0))
+
+    @cached_property
+    def _edges(self) -> list[float]:
+        return list(map(float, self.borders))
+
+    @cached_property
+    def _falling(self) -> list[list[list[float]]]:
+        """Coefficients of falling powers of x, by panels and rows."""
+        falling: list[list[list[float]]] = self.coefficients[:, :, ::-1].tolist()
+        return falling
+
+    def at(self, angle: Array, derivative: bool = True) -> tuple[Array, Array]:
+        """Rows (rows, ...) at angles (...) between the first and the last border, and their derivatives, zero without ``derivative``."""
+        panel = np.clip(self.borders.searchsorted(angle, side="right") - 1, 0, len(self.borders) - 2)
+        half = 0.5 * (self.borders[panel + 1] - self.borders[panel])
+        x = (angle - self.borders[panel]) / half - 1.0
+        picked = self._by_power.take(panel, axis=-1)  # (q, rows, ...)
+        value = picked[-1]
+        slope = np.zeros_like(value)
+        for coefficients in picked[-2::-1]:
+            if derivative:
+                slope *= x
+                slope += value
+            value *= x
+            value += coefficients
+        return value, slope / half
+
+    def panel_of(self, angle: float) -> tuple[int, float, float]:
+        """The panel of one angle between the first and the last border, half its width, and the place x from -1 to 1 on it."""
+        edges = self._edges
+        panel = min(max(bisect_right(edges, angle) - 1, 0), len(edges) - 2)
+        half = 0.5 * (edges[panel + 1] - edges[panel])
+        return panel, half, (angle - edges[panel]) / half - 1.0
+
+    def one(self, angle: float) -> tuple[list[float], list[float]]:
+        """Rows at one angle between the first and the last border, and their derivatives, by Python's own numbers: NumPy takes longer."""
+        panel, half, x = self.panel_of(angle)
+        values, slopes = [], []
+        for row in self._falling[panel]:
+            value = slope = 0.0
+            for coefficient in row:
+                slope = slope * x + value
+                value = value * x + coefficient
+            values.append(value)
+            slopes.append(slope / half)
+        return values, slopes
+
+    def roots(self, row: int, level: float = 0.0, slope: bool = False) -> Array:
+        """Angles at which a row, or its ``slope`` by x, passes through a level."""
+        coefficients = self.coefficients[:, row]
+        if slope:
+            coefficients = coefficients[:, 1:] * POWERS[1:]
+        samples = np.linspace(-1.0, 1.0, 2 * NODES)
+        above = coefficients @ np.vander(samples, coefficients.shape[1], increasing=True).T >= level
+        panels, left = np.nonzero(above[:, 1:] != above[:, :-1])
+        polynomials = coefficients[panels].T
+        polynomials[0] -= level
+        # a step of Newton's method this small is rounding
+        x = bracketed_roots(lambda at: values_and_slopes(polynomials, at), samples[left], samples[left + 1], absolute=1e-15)
+        inside = self.borders[panels] + 0.5 * (1 + x) * (self.borders[panels + 1] - self.borders[panels])
+        # a root on a border between two panels may show in neither of them
+        ends = np.flatnonzero(above[:-1, -1] != above[1:, 0]) + 1
+        if self.period is not None and above[-1, -1] != above[0, 0]:
+            ends = np.append(ends, 0)
+        return np.concatenate([inside, self.borders[ends]])
+
+
+def last_terms(values: Array) -> Array:
+    """The larger (...) of the last two Legendre terms of polynomials through values (q, ...) at the nodes: what they miss of a function."""
+    terms = product(gauss_rule().legendre[-2:], values.reshape(len(values), -1))
+    return np.asarray(np.abs(terms).max(axis=0).reshape(values.shape[1:]))
+
+
+def resolve(
+    sample: Callable[[Array], Array], borders: Array, missed: Callable[[Array], Array], share: float = 1e-11, narrowest: float = 1e-7
+) -> tuple[Panels, int]:
+    """Sample functions over panels, and halve these until polynomials resolve the functions.
+
+    Args:
+        sample: returns the rows (rows, n) at angles (n,).
+        borders: of the panels to begin with, rising.
+        missed: returns (p,) what polynomials through values (q, rows, p) miss on each panel, as a share.
+        share: that they may miss.
+        narrowest: half the width of panels that are not halved again: what these do not resolve lies at a lock.
+
+    Returns:
+        The panels, without a period, and the number of angles at which the functions were computed.
+    """
+    points, rule = 0, gauss_rule()
+    starts, ends, coarser = borders[:-1], borders[1:], np.full(len(borders) - 1, np.inf)
+    found: list[tuple[Array, Array]] = []
+    while len(starts):
+        half = 0.5 * (ends - starts)
+        angles = (starts + half)[:, None] + half[:, None] * rule.nodes
+        values = np.moveaxis(sample(angles.ravel()).reshape(-1, *angles.shape), 2, 0)
+        points += angles.size
+        left = missed(values)
+        # Halving a panel that is nearly resolved divides what is missed by thousands. What it does not even divide by 10 is rounding, as
+        # near change points.
+        rounding = (left <= 1e-8) & (left > coarser / 10.0)
+        good = (left <= share) | rounding | (half < narrowest)
+        found.append((starts[good], values[:, :, good]))
+        low, middle, high = starts[~good], (starts + half)[~good], ends[~good]
+        starts, ends, coarser = np.concatenate([low, middle]), np.concatenate([middle, high]), np.tile(left[~good], 2)
+    lower, resolved = np.concatenate([starts for starts, _ in found]), np.concatenate([values for _, values in found], axis=2)
+    order = np.argsort(lower)
+    polynomials = rule.polynomial(resolved[:, :, order].reshape(NODES, -1)).reshape(resolved.shape)
+    return Panels(np.append(lower[order], borders[-1]), np.ascontiguousarray(polynomials.transpose(2, 1, 0)), None), points
