@@ -107,32 +107,14 @@ def _replace(target: Path, found: os.stat_result | None, content: bytes) -> None
     """Write a file beside the target, and give it the target's mode, owner and name."""
     part = target.with_name(f".pinpress-{secrets.token_hex(8)}")
     try:
-        if not _nameless(part, found, content):
-            descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
-            with FileIO(descriptor, "w") as stream:
-                _fill(stream, found, content)
+        descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
+        with FileIO(descriptor, "w") as stream:
+            _fill(stream, found, content)
         os.replace(part, target)
     except BaseException:
         with suppress(OSError):
             part.unlink()
         raise
-
-
-def _nameless(part: Path, found: os.stat_result | None, content: bytes) -> bool:
-    """Write a file that gets its name only when it is complete, so that a kill leaves nothing. Returns whether the system can do so."""
-    if not hasattr(os, "O_TMPFILE"):
-        return False
-    try:
-        descriptor = os.open(part.parent, os.O_TMPFILE | os.O_WRONLY, 0o666)
-    except OSError:  # not on every file system
-        return False
-    with FileIO(descriptor, "w") as stream:
-        _fill(stream, found, content)
-        try:  # src_dir_fd makes it the system call that follows the link to the file
-            os.link(f"/proc/self/fd/{descriptor}", part, src_dir_fd=descriptor)
-        except OSError:  # /proc is not there
-            return False
-    return True
 
 
 def _fill(stream: FileIO, found: os.stat_result | None, content: bytes) -> None:

