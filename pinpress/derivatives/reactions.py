@@ -6,7 +6,7 @@ The tangent of a force balance is a force balance. For every body, forces F at a
     sum r x F + M = h    gives      sum r x F' + M' = h' - sum r' x F
 
 with ' for the derivative in a direction of the pivots. The unknown derivatives are balanced by the equations that balance the forces
-(`engines.planar.statics`), with right-hand sides in which the forces are known. Inertias do not change in the frames of their links.
+(`engines.planar.balance`), with right-hand sides in which the forces are known. Inertias do not change in the frames of their links.
 Complex numbers and signs are those of `engines.planar.inverse_dynamics`.
 
 A constant load does not depend on the geometry. A process load is a function of the slide's height and speed, which depend on it. Within
@@ -24,8 +24,7 @@ from ..common.products import product
 from ..common.quantities import Array, ComplexArray
 from ..dynamics.applied_loads import apply, asked
 from ..engines.forces import REST, AppliedForce
-from ..engines.planar import statics
-from ..engines.planar.bodies import Bodies
+from ..engines.planar.balance import Pose, Statics, balance, efforts_by_rows, without_work
 from ..engines.planar.model import Plane, to_complex
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
@@ -155,7 +154,8 @@ class Balanced(NamedTuple):
     Attributes:
         states: the closed configurations.
         rates: their joint rates and accelerations.
-        bodies: inertial constants of the linkage.
+        statics: constants of the balance of its forces.
+        pose: the closed configurations for this balance.
         mass: (nv,) of the bodies [kg].
         forces: (bearings, n) complex [N].
         sides: the bodies that every loop joins, -1 for the frame.
@@ -163,7 +163,8 @@ class Balanced(NamedTuple):
 
     states: States
     rates: Rates
-    bodies: Bodies
+    statics: Statics
+    pose: Pose
     mass: Array
     forces: ComplexArray
     sides: Sequence[tuple[int, int]]
@@ -196,7 +197,7 @@ def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) 
         by: what the direction adds to the rows of the plane.
         pushes: the loads on moving links.
     """
-    plane, basis, bodies = known.states.plane, known.states.basis, known.bodies
+    plane, basis, bodies = known.states.plane, known.states.basis, known.statics.bodies
     origins, centers = product(plane.origins, basis), product(plane.centers, basis)
     origins_slope = product(plane.origins, moved.basis) + product(by.origins, basis)
     centers_slope = product(plane.centers, moved.basis)
@@ -251,7 +252,7 @@ def _balance(
         subtree: (nv, n) complex forces, summed over all bodies that a joint carries.
         moment: (nv, n) moments on the bodies; overwritten.
     """
-    plane, basis, bodies = known.states.plane, known.states.basis, known.bodies
+    plane, basis, bodies = known.states.plane, known.states.basis, known.statics.bodies
     count = len(plane.parents)
     inner = [joint for joint in reversed(range(count)) if plane.parents[joint] >= 0]
     for joint in inner:
@@ -262,13 +263,11 @@ def _balance(
     for joint, slide, slide_slope in zip(plane.prismatic, slides, slides_slope, strict=True):
         joint_efforts[joint] = (slide.conj() * subtree[joint]).real + (slide_slope.conj() * known.forces[joint]).real
     coupling_multipliers = np.zeros((len(plane.offsets), basis.shape[1]))
-    rows, factors = known.states.rows, known.states.factors
-    bearings = np.empty((count + len(plane.loop_points), basis.shape[1]), complex)
+    tree = without_work(known.statics, subtree.conj())
+    torque = balance(known.statics, known.pose, tree, coupling_multipliers, efforts_by_rows(known.statics, joint_efforts))
     if plane.redundant:
-        statics.transmit(plane, rows, factors, joint_efforts, bearings[count:], coupling_multipliers)
-        return joint_efforts[plane.driver], None, None
-    equations = statics.build(plane, rows, factors, subtree, bodies.minus_incidence, basis, None)
-    statics.balance(equations, joint_efforts, coupling_multipliers, bearings)
+        return torque, None, None
+    bearings = np.array(tree.forces).conj()
     moments = np.zeros(bearings.shape)
     points = product(plane.loop_points, basis)
     for joint in plane.prismatic:
@@ -276,10 +275,10 @@ def _balance(
             plane.incidence[joint, k] * _moment(points[k] - origins[joint], bearings[count + k])
             for k in np.flatnonzero(plane.incidence[joint])
         )
-    moments[plane.driver] = plane.sense[plane.driver] * joint_efforts[plane.driver]
+    moments[plane.driver] = plane.sense[plane.driver] * torque
     for joint in bodies.geared:
         moments[joint] += plane.sense[joint] * (plane.coupled[:, joint] @ coupling_multipliers)
-    return joint_efforts[plane.driver], bearings, moments
+    return torque, bearings, moments
 
 
 def _moment(arm: ComplexArray, force: ComplexArray) -> Array:

@@ -25,7 +25,8 @@ from ..dynamics.applied_loads import apply, asked
 from ..dynamics.inverse_dynamics import shaking
 from ..engines.engine import ClosedStates
 from ..engines.forces import AppliedConditions, Wrenches
-from ..engines.planar.bodies import Bodies, build_bodies
+from ..engines.planar.balance import Statics, build_statics, pose_at
+from ..engines.planar.bodies import build_bodies
 from ..engines.planar.inverse_dynamics import inverse_dynamics
 from ..engines.planar.model import Plane, to_complex, to_world
 from ..kinematics.motion import Motion, of_states
@@ -296,11 +297,11 @@ class Design:
     def _wrenches(self) -> Wrenches:
         conditions = AppliedConditions(apply(asked(self.start.loads), self.press, self.motion), None, None)
         states = ClosedStates(self.position, self._rates.v, self._rates.a, self._states.basis)
-        return inverse_dynamics(self._bodies, states, conditions, bearings=True)
+        return inverse_dynamics(self._statics, states, conditions, bearings=True)
 
     @cached_property
-    def _bodies(self) -> Bodies:
-        return build_bodies(self.plane, self.start.press.model)
+    def _statics(self) -> Statics:
+        return build_statics(build_bodies(self.plane, self.start.press.model))
 
     @cached_property
     def _reactions(self) -> TrialReactions:
@@ -316,7 +317,7 @@ class Design:
         moment: Mapping[str, Array] | None = None
         if slope.forces is not None and slope.moments is not None:
             force = NamedArrays(names, _complex(found.force, h, to_world(self.plane, slope.forces)))
-            if self._bodies.in_one_plane:
+            if self._statics.bodies.in_one_plane:
                 moment = NamedArrays(names, _complex(found.moment, h, np.multiply.outer(slope.moments, self.plane.normal)))
         return TrialReactions(
             _complex(real.driving_torque, h, slope.torque),
@@ -324,7 +325,7 @@ class Design:
             force,
             moment,
             _complex(real.shaking_moment, h, np.multiply.outer(slope.shaking_moment, self.plane.normal))
-            if self._bodies.in_one_plane
+            if self._statics.bodies.in_one_plane
             else None,
         )
 
@@ -333,7 +334,8 @@ class Design:
         press = self.start.press
         mass = np.array([inertia.mass for inertia in press.model.inertias][1:])
         sides = [(loop.joint1 - 1, loop.joint2 - 1) for loop in press.loops]
-        return Balanced(self._states, self._rates, self._bodies, mass, to_complex(self.plane, self._wrenches.force), sides)
+        pose = pose_at(self._statics, self._states.basis, self.position)
+        return Balanced(self._states, self._rates, self._statics, pose, mass, to_complex(self.plane, self._wrenches.force), sides)
 
     def _pushes(self, place: int) -> Sequence[Push]:
         if not self.start.loads:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given
 from support import texts
 from support.exploring import examples
-from support.generators.random_linkages import Drawing, drawn, four_bar, linkages, servo
+from support.generators.random_linkages import Drawing, drawn, four_bar, linkages, random_friction, servo
 
 import pinpress as pp
 from pinpress.engines.engine import ClosedStates
@@ -286,6 +286,53 @@ def test_near_a_dead_centre_newtons_method_closes():
         pp.servo_cycle(press, angle=[0.0, 1.01 * branch.angles[-1]], speed=1.0)
 
 
+def driven_on_a_swing(slides=False):
+    """A swing on the frame carries a crank and a rocker, which a rod joins: they are closed on the swing, whose angle a strut from the
+    rocker to the frame determines only then. Or the driver is the rod of a cylinder on the swing, which a link joins to the rocker."""
+    drawing = Drawing("driven_on_a_swing")
+    drawing.joint("swing", "frame", "swing_link", 0j)
+    drawing.body("swing_link", 5.0, 0.4 + 0.1j)
+    at, pin, pivot = 0.4 + 0j, 0.5 + 0.05j, 1.0 + 0.1j
+    corner = 0.9 + 0.5j
+    drawing.joint("rocker", "swing_link", "rocker_link", pivot)
+    drawing.body("rocker_link", 2.0, corner)
+    if slides:
+        drawing.joint("drive", "swing_link", "driven", at, along=1.0 + 0.2j)
+    else:
+        drawing.joint("drive", "swing_link", "driven", at)
+    drawing.body("driven", 1.0, at + 0.02j)
+    drawing.joint("rod", "driven", "rod_link", pin)
+    drawing.body("rod_link", 1.0, 0.6 + 0.3j)
+    drawing.loop("pin", "rod_link", "rocker_link", corner)
+    drawing.joint("strut", "frame", "strut_link", 0.3 + 1.1j)
+    drawing.body("strut_link", 1.0, 0.6 + 1.0j)
+    drawing.loop("tie", "strut_link", "rocker_link", corner + 0.2j)
+    drawing.joint("way", "swing_link", "block", 0.2 + 0.3j, along=1j + 0.3)  # a follower on the swing
+    drawing.joint("lever", "rocker_link", "lever_link", pivot + 0.1j)
+    drawing.loop("last", "lever_link", "block", 0.2 + 0.3j)
+    drawing.body("block", 1.0, 0.25 + 0.3j)
+    drawing.body("lever_link", 1.0, 0.6 + 0.2j)
+    return drawing
+
+
+@pytest.mark.parametrize("slides", [False, True])
+def test_forces_of_what_is_closed_on_a_link_that_moves(slides):
+    """The blocks are closed one after the other, but their absolute angles follow only together; Pinocchio judges."""
+    press = texts.load(driven_on_a_swing(slides).urdf("drive"))
+    statics = press.engine("plane")._statics
+    assert len(statics.blocks) < len(statics.plane.blocks)
+    motion = pp.servo_cycle(press, angle=[-0.02, 0.0, 0.03], speed=[3.0, 2.0, -1.0], acceleration=[5.0, -4.0, 20.0])
+    loads = [pp.loads.PointForce("block", (30.0, 0.0, -80.0)), pp.loads.PointForce("rod_link", (-10.0, 5.0, 60.0), (0.1, 0.0, 0.05))]
+    scenes = {}, {"loads": loads}, {"loads": loads, "friction": random_friction(press, most=0.05)}
+    for scene in scenes:
+        found, other = (pp.inverse_dynamics(press, motion, engine=name, **scene) for name in ("plane", "pinocchio"))
+        largest = max(np.abs(force).max() for force in other.bearing_force.values())
+        np.testing.assert_allclose(found.driving_torque, other.driving_torque, rtol=0, atol=1e-10 * largest)
+        for name in press.bearings:
+            np.testing.assert_allclose(found.bearing_force[name], other.bearing_force[name], rtol=0, atol=1e-10 * largest)
+            np.testing.assert_allclose(found.bearing_moment[name], other.bearing_moment[name], rtol=0, atol=1e-10 * largest)
+
+
 def test_a_closed_form_that_is_not_that_of_the_branch_is_not_used(monkeypatch):
     """Another assembly, say: the nodes of the branch tell."""
     press = texts.load(four_bar(1.0, 0.2, 0.9, 0.5, 0.3).urdf("O"))
@@ -297,10 +344,10 @@ def test_a_closed_form_that_is_not_that_of_the_branch_is_not_used(monkeypatch):
 
 
 def mirrored(chain):
-    equation = chain.equations[0]
-    (one, a), (other, b) = equation.own
+    equation, functions = chain.equations[0], chain.functions
     dyad = equation.dyad
-    swapped = type(dyad).drawn(*((other, one, b, a) if dyad.one == one else (one, other, a, b)))
+    a, b = (chain.plane.gap_rows[equation.loop][functions.places[row]] for row in (dyad.one, dyad.other))
+    swapped = type(dyad).drawn(dyad.other, dyad.one, b, a)
     return replace(chain, equations=(equation._replace(dyad=swapped),))
 
 

@@ -29,9 +29,8 @@ import pinpress as pp
 from pinpress.dynamics import inverse_dynamics as reactions
 from pinpress.engines.forces import FrictionLaw
 from pinpress.engines.pinocchio import inverse_dynamics as spatial_dynamics
-from pinpress.engines.planar import bodies, chain_forces, out_of_plane, statics
+from pinpress.engines.planar import bodies, out_of_plane
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
-from pinpress.engines.planar.engine import PlanarEngine
 
 LEAST = "lexicographic_least_squares"
 
@@ -353,11 +352,7 @@ def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, six_bar, tu
 
 def test_torque_alone_needs_no_forces_from_link_to_link(monkeypatch, six_bar, turn):
     for bearings, walked in (((), False), (("A", "C"), True), (None, True)):
-        assert calls(monkeypatch, chain_forces, "moments_of_guides", six_bar, turn, bearings=bearings) == walked
-    rubbing = {"A": pp.loads.Friction(0.1, 0.1)}
-    assert calls(monkeypatch, plane_dynamics, "_solve_open_tree", six_bar, turn, bearings=(), friction=rubbing)
-    assert not calls(monkeypatch, plane_dynamics, "_solve_open_tree", *case("two_point"), bearings=())
-    assert not calls(monkeypatch, plane_dynamics, "_solve_open_tree", *case("symmetric"), bearings=())
+        assert calls(monkeypatch, plane_dynamics, "add_moments_of_guides", six_bar, turn, bearings=bearings) == walked
 
 
 def test_gear_torques_that_share_with_rods_are_computed_when_they_are_asked_for(monkeypatch, engine):
@@ -383,12 +378,12 @@ def test_what_is_not_redundant_shares_nothing(monkeypatch, six_bar, turn):
         assert calls(monkeypatch, bodies, LEAST, *stacked, [across], **stiff, bearings=bearings) == shared
         assert not calls(monkeypatch, bodies, LEAST, *stacked, **stiff, bearings=bearings)  # nothing acts along the normal
         assert not calls(monkeypatch, bodies, LEAST, *stacked, [across], bearings=bearings)  # that is the press's, made once
-    assert not calls(monkeypatch, chain_forces, "_share", six_bar, turn)
-    assert calls(monkeypatch, chain_forces, "_share", *case("three_rods"))
-    assert not calls(monkeypatch, chain_forces, "_share", *case("three_rods"), bearings=())
+    assert not calls(monkeypatch, plane_dynamics, "add_idle_forces", six_bar, turn)
+    assert calls(monkeypatch, plane_dynamics, "add_idle_forces", *case("three_rods"))
+    assert not calls(monkeypatch, plane_dynamics, "add_idle_forces", *case("three_rods"), bearings=())
     rubbing = {"friction": {"O": pp.loads.Friction(0.1, 0.1)}}
-    assert not calls(monkeypatch, statics, "_shares", six_bar, turn, friction={"A": pp.loads.Friction(0.1, 0.1)})
-    assert calls(monkeypatch, statics, "_shares", *case("three_rods"), **rubbing)
+    assert not calls(monkeypatch, plane_dynamics, "add_idle_forces", six_bar, turn, friction={"A": pp.loads.Friction(0.1, 0.1)})
+    assert calls(monkeypatch, plane_dynamics, "add_idle_forces", *case("three_rods"), **rubbing)
 
 
 def test_no_friction_is_no_iteration(monkeypatch, six_bar, turn, engine):
@@ -475,13 +470,8 @@ def test_components_of_all_states_are_next_to_each_other(six_bar, turn, engine):
         assert not vectors.flags.writeable
 
 
-def test_arms_that_do_not_turn_are_constants():
-    """The slide of the six-bar carries nothing that turns. On the slide of the toggle press hang links that do."""
+def test_a_guide_holds_the_moments_of_links_that_hang_on_its_slide():
     press = pp.build(Path(pp.__file__).parent / "pin_table" / "templates" / "toggle.yaml")
-    for linkage, turn in ((shipped("zxn2_3000b"), False), (press, True)):
-        engine = linkage.engine()
-        assert isinstance(engine, PlanarEngine)
-        assert engine.bodies.arms_turn == turn
     motion = pp.cycle(press, 7.0, points=20)
     plane, judge = (pp.inverse_dynamics(press, motion, engine=name) for name in ("plane", "pinocchio"))
     for name in press.bearings:

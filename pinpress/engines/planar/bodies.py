@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -35,16 +34,10 @@ class Bodies:
         axial_weight: (nv,) weights along the normal [N].
         inertia: (nv, nv) joint accelerations to the rate of every body's angular momentum about its centre of mass [kg m2].
         products: (nv,) products of inertia with the normal, I_1n + i I_2n, in the drawn pose [kg m2].
-        minus_incidence: (nv, nl) minus `Plane.incidence`: what loop forces add to the joint forces of the open tree.
         centers: (nv, nb) centres of mass.
         forces: (nv, nb) second derivative of the basis to the inertia force less weight, m (a - g), of every body. The first column is the
             weight: callers put 1 in the first row of the second derivative, which is zero.
         rotor_inertia: (nb - 1, nb) moments of inertia of the links with the rotors that turn them [kg m2].
-        on_guides: joints that prismatic joints carry, with these, tips first.
-        arms: rows over the basis, one group after the other: of the joints ``on_guides`` the centres of mass from the joint, then its
-            origin from that of its parent; ``guided`` loops from their joints.
-        arms_turn: whether these arms depend on the configuration.
-        guided: pairs of a prismatic joint and a loop whose force has a moment on the joint's link.
         geared: joints that turn and are coupled.
         in_one_plane: whether all masses move, and all weights act, in one plane.
     """
@@ -55,14 +48,9 @@ class Bodies:
     axial_weight: Array
     inertia: Array
     products: ComplexArray
-    minus_incidence: Array
     centers: ComplexArray
     forces: ComplexArray
     rotor_inertia: ComplexArray
-    on_guides: tuple[int, ...]
-    arms: ComplexArray
-    arms_turn: bool
-    guided: tuple[tuple[int, int], ...]
     geared: frozenset[int]
     in_one_plane: bool
 
@@ -76,11 +64,6 @@ class Bodies:
         """(nb - 1, nb) likewise to the work of these forces on every function of the basis but the first, conj(function) times force; the
         moments of inertia of the links stand with their rotors, as masses at the radius 1 round them would."""
         return np.asarray(self.centers.conj().T[1:] @ self.forces + self.rotor_inertia)
-
-    @cached_property
-    def open_tree(self) -> ComplexArray:
-        """The rows of ``reduced``, of ``subtree_forces``, and of ``forces`` of the bodies that are ``on_guides``."""
-        return np.concatenate([self.reduced, self.subtree_forces, self.forces[list(self.on_guides)]])
 
     @cached_property
     def force_sharing(self) -> Array:
@@ -130,18 +113,6 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     centers = plane.origins + plane.centers
     body_forces = centers * mass[:, None]
     body_forces[:, 0] = -mass * complex(*(plane.axes @ gravity))
-    guides = set(plane.prismatic)
-    on_guides = [j for j in reversed(range(count)) if not guides.isdisjoint(plane.carriers(j))]
-    parents = [plane.parents[j] if plane.parents[j] >= 0 else j for j in on_guides]  # of a joint on the frame the arm is not needed
-    guided = tuple((j, k) for j in plane.prismatic for k in plane.loops_of_joint[j])
-    joints, loops = [j for j, _ in guided], [k for _, k in guided]
-    at_end2 = np.array([float(plane.loops_of_joint[j][k] > 0) for j, k in guided])  # the end of the loop that the joint carries
-    groups = [
-        plane.centers[on_guides],
-        plane.origins[on_guides] - plane.origins[parents],
-        plane.loop_points[loops] + plane.gap_rows[loops] * at_end2[:, None] - plane.origins[joints],
-    ]
-    arms = np.concatenate(groups)
     heights = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
     inertia = plane.spin * tensors[:, 2, 2][:, None]
     return Bodies(
@@ -151,14 +122,9 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
         axial_weight=axial_weight,
         inertia=inertia,
         products=products,
-        minus_incidence=-plane.incidence,
         centers=centers,
         forces=body_forces,
         rotor_inertia=_inertia_of_rotors(plane, tensors[:, 2, 2]),
-        on_guides=tuple(on_guides),
-        arms=arms,
-        arms_turn=bool(abs(arms[:, 1:]).sum()),
-        guided=guided,
         geared=frozenset(j for gear in plane.coupling_rows for j in gear if plane.sense[j]),
         in_one_plane=bool(
             np.all(np.ptp(heights) <= ROUNDING * np.abs(plane.origins).max())
@@ -175,44 +141,6 @@ def _inertia_of_rotors(plane: Plane, about_normal: Array) -> ComplexArray:
         if rotor:
             rows[rotor - 1][rotor] = rows[rotor - 1].get(rotor, 0.0) + inertia
     return np.asarray(array_of(rows, 1 + len(rows)))
-
-
-class OpenTree(NamedTuple):
-    """Forces of the tree with all loops open, at n configurations.
-
-    Attributes:
-        second: (nb, n) second derivative of the basis by time, its first row 1.
-        subtree_force: (nv, n) inertia forces less weights and loads of all bodies that a joint carries: its force [N].
-        joint_efforts: (nv, n) efforts that the joints would have to transmit along or about their axes [N or N m].
-        turning: by prismatic joint the moment (n,) about the normal that it would have to transmit [N m].
-        guided: (pairs, n) points of the ``guided`` loops of `Bodies` from their joints [m]; (pairs, 1) where they do not turn.
-    """
-
-    second: ComplexArray
-    subtree_force: ComplexArray
-    joint_efforts: Array
-    turning: dict[int, Array]
-    guided: ComplexArray
-
-
-def forces_of_tree(bodies: Bodies, second: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Inertia forces less weights with all loops open.
-
-    Args:
-        bodies: inertial constants of the linkage.
-        second: (nb, n) second derivative of the basis, its first row 1.
-
-    Returns:
-        Their work (nb - 1, n) on every function of the basis but the first, see `Bodies.reduced`; (nv, n) the sums of those of all bodies
-        that a joint carries [N]; those (k, n) of the bodies that are ``on_guides`` [N].
-    """
-    count, found = len(bodies.mass), product(bodies.open_tree, second)
-    return found[:count], found[count : 2 * count], found[2 * count :]
-
-
-def work_of_tree(bodies: Bodies, second: ComplexArray) -> ComplexArray:
-    """The work of `forces_of_tree` alone."""
-    return product(bodies.reduced, second)
 
 
 def share_forces(plane: Plane, compliance: Array | None) -> Array:

@@ -12,7 +12,7 @@ that a dyad needs), their rates relative to each other, and gaps.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -25,7 +25,8 @@ from ...common.quantities import Array, ComplexArray
 from ..branch import SUBDIVISION, Branch, nodes_before, predict
 from ..engine import ClosedStates
 from . import kinematics
-from .dyads import ONE, ZERO, Along, Dyad, Guide, GuidedLink, I, Inverses, Lever, SwingingGuide, TwoGuides, TwoLinks, rotor_rate
+from .dyads import ONE, ZERO, Along, Dyad, Guide, GuidedLink, I, Lever, SwingingGuide, TwoGuides, TwoLinks, rotor_rate
+from .functions import Functions
 from .model import Plane
 
 CLEAR = 1e-3  # smallest margin of a dyad's equations, see `Closure.margins`: nearer to a dead centre Newton's method closes
@@ -42,17 +43,15 @@ class Equation(NamedTuple):
         loop: index of the loop.
         constant: what does not move [m]; None where it is zero.
         known: rows and coefficients of the functions of the driver and of earlier dyads.
-        own: coefficients of the dyad's functions, by rows.
-        turned: of every guide that a link known before turns the rows of its rotor and of its way, and the coefficient of the way.
         dyad: the dyad, or a lever.
+        unknown: rows of its unknowns.
     """
 
     loop: int
     constant: ComplexArray | None
     known: Known
-    own: Known
-    turned: tuple[tuple[int, int, ComplexArray], ...]
     dyad: Dyad
+    unknown: tuple[int, ...]
 
 
 class Gear(NamedTuple):
@@ -79,43 +78,25 @@ class Gear(NamedTuple):
 class Chain:
     """Constants of a chain of dyads.
 
-    Every joint has a *function*, as in the basis of `model.Plane`: the rotor of a revolute one, the way along a prismatic one times the
-    rotor of its guide. Their rows stand in the order of the joints, and a row of ones before those of every joint on the frame, so that the
-    forces of each tree follow from consecutive rows.
-
     Attributes:
         plane: the linkage.
-        rows: row of every joint's function.
-        ones: rows that are 1.
-        count: number of rows.
+        functions: rows of its functions.
         driver: row of the driver.
         gears: the shafts that are geared to the driver, each behind the one that turns it.
         equations: the loops in the order in which they are closed.
         needed: rows of the functions whose rates later dyads need.
-        order: (nb,) rows in the order of the basis of `Plane`.
-        guides: by row of a way that of the rotor of its guide, None where this does not turn.
         low: crank angle from which on the closed form serves [rad or m].
         high: crank angle to which it serves [rad or m].
     """
 
     plane: Plane
-    rows: tuple[int, ...]
-    ones: tuple[int, ...]
-    count: int
+    functions: Functions
     driver: int
     gears: tuple[Gear, ...]
     equations: tuple[Equation, ...]
     needed: tuple[int, ...]
-    order: tuple[int, ...]
-    guides: Mapping[int, int | None]
     low: float = -np.inf
     high: float = np.inf
-
-    @cached_property
-    def ones_at(self) -> slice | list[int]:
-        """Index of the rows of ones; a slice where they are equally far from each other, which NumPy fills at once."""
-        steps = {after - before for before, after in zip(self.ones, self.ones[1:], strict=False)}
-        return list(self.ones) if len(steps) > 1 else slice(self.ones[0], self.ones[-1] + 1, *steps)
 
     @cached_property
     def turns(self) -> bool:
@@ -134,15 +115,6 @@ class Chain:
         return min(most, max(SMALLEST_PIECE, IN_CACHE // max(1, len(self.equations))))
 
     @cached_property
-    def outer(self) -> tuple[int | None, ...]:
-        """Of every joint that turns the row of the rotor that turns its frame; None where none does, and of joints that slide."""
-        turning = {self.plane.rotors[j]: self.rows[j] for j in self.plane.revolute}
-        return tuple(
-            turning.get(self.plane.rotor(parent)) if sense else None
-            for parent, sense in zip(self.plane.parents, self.plane.sense, strict=True)
-        )
-
-    @cached_property
     def backwards(self) -> tuple[int, ...]:
         """The joints whose axes lie against the plane's normal."""
         return tuple(j for j, sense in enumerate(self.plane.sense) if sense < 0.0)
@@ -155,23 +127,21 @@ class Closed(NamedTuple):
         functions: (rows, n) functions; those that later dyads do not need, and ones, are filled in by `all_functions`.
         inward: (rows, n) minus their second derivatives; not those of the rows of ones.
         along: the same and more by rows, see `Along`.
-        inverses: of every dyad, see `dyads`.
     """
 
     functions: ComplexArray
     inward: ComplexArray
     along: Along
-    inverses: list[Inverses]
 
 
 def close(chain: Chain, angle: Array) -> Closed:
     """Close the chain at crank angles (n,), at which its dyads reach."""
-    functions, inward = np.empty((chain.count, len(angle)), complex), np.empty((chain.count, len(angle)), complex)
-    blank: list[Any] = [None] * chain.count
-    along = Along(list(functions), list(inward), dict.fromkeys(chain.needed, functions[0]), {}, blank, blank.copy())
+    functions, inward = np.empty((2, chain.functions.count, len(angle)), complex)
+    blank: list[Any] = [None] * chain.functions.count
+    rates = dict.fromkeys(chain.needed, functions[0])
+    along = Along(list(functions), list(inward), rates, blank, blank.copy(), blank.copy(), blank.copy())
     _drive(chain, angle, along)
-    inverses = []
-    for _, constant, ((row, by), *others), _, _, dyad in chain.equations:
+    for _, constant, ((row, by), *others), dyad, unknown in chain.equations:
         known, opening, bending = along.functions[row] * by, along.rates[row] * by, along.inward[row] * by
         for row, by in others:
             known += along.functions[row] * by
@@ -179,8 +149,9 @@ def close(chain: Chain, angle: Array) -> Closed:
             bending += along.inward[row] * by
         if constant is not None:
             known += constant
-        inverses.append(dyad.close(known, opening, bending, along))
-    return Closed(functions, inward, along, inverses)
+        for unknown_row, inverse in zip(unknown, dyad.close(known, opening, bending, along), strict=True):
+            along.inverses[unknown_row] = inverse
+    return Closed(functions, inward, along)
 
 
 def _drive(chain: Chain, angle: Array, along: Along) -> None:
@@ -212,8 +183,8 @@ def _drive(chain: Chain, angle: Array, along: Along) -> None:
 
 def all_functions(chain: Chain, closed: Closed) -> ComplexArray:
     """The functions (rows, n), also those that closing does not need."""
-    closed.functions[chain.ones_at] = 1.0
-    for way, rotor in chain.guides.items():
+    closed.functions[chain.functions.ones_at] = 1.0
+    for way, rotor in chain.functions.guides.items():
         if rotor is None:
             closed.functions[way] = closed.along.ways[way]
     return closed.functions
@@ -224,9 +195,9 @@ def rate_of(chain: Chain, closed: Closed, row: int) -> ComplexArray:
     along = closed.along
     if row in along.rates:
         return along.rates[row]
-    if row not in chain.guides:
+    if row not in chain.functions.guides:
         return rotor_rate(along.first[row], along.functions[row])
-    rotor, speed = chain.guides[row], along.first[row]
+    rotor, speed = chain.functions.guides[row], along.first[row]
     if rotor is None:
         return np.asarray(speed + 0j)
     return speed * along.functions[rotor] + along.ways[row] * rate_of(chain, closed, rotor)
@@ -265,19 +236,19 @@ class ChainClosure:
     @cached_property
     def basis(self) -> ComplexArray:
         """(nb, n) basis of `Plane`."""
-        found = np.empty((len(self.chain.order), len(self.angle)), complex)
+        found = np.empty((len(self.chain.functions.order), len(self.angle)), complex)
         for s, closed in self.pieces():
-            np.take(all_functions(self.chain, closed), self.chain.order, axis=0, out=found[:, s])
+            np.take(all_functions(self.chain, closed), self.chain.functions.order, axis=0, out=found[:, s])
         return read_only(found)
 
     @cached_property
     def influence(self) -> tuple[Array, Array]:
         """Influence coefficients (nv, n) of first and second order of all joints."""
         chain = self.chain
-        first, second = np.empty((2, len(chain.rows), len(self.angle)))
+        first, second = np.empty((2, len(chain.functions.rows), len(self.angle)))
         for s, closed in self.pieces():
             rates, bending = closed.along.first, closed.along.second
-            for j, (row, outer) in enumerate(zip(chain.rows, chain.outer, strict=True)):
+            for j, (row, outer) in enumerate(zip(chain.functions.rows, chain.functions.outer, strict=True)):
                 if outer is None:
                     first[j, s] = rates[row]
                     np.negative(bending[row], second[j, s])
@@ -293,15 +264,15 @@ class ChainClosure:
     def position(self) -> Array:
         """(nv, n) joint coordinates."""
         chain, plane = self.chain, self.chain.plane
-        position, geared = np.empty((len(chain.rows), len(self.angle))), {plane.driver, *(gear.joint for gear in chain.gears)}
+        position, geared = np.empty((len(chain.functions.rows), len(self.angle))), {plane.driver, *(gear.joint for gear in chain.gears)}
         position[list(geared)] = self.angle
         for s, closed in self.pieces():
             angles = {}
-            for j, row in enumerate(chain.rows):
-                if (plane.sense[j] and j not in geared) or row in chain.outer:
+            for j, row in enumerate(chain.functions.rows):
+                if (plane.sense[j] and j not in geared) or row in chain.functions.outer:
                     function = closed.functions[row]
                     angles[row] = np.arctan2(function.imag, function.real)
-            for j, (row, outer) in enumerate(zip(chain.rows, chain.outer, strict=True)):
+            for j, (row, outer) in enumerate(zip(chain.functions.rows, chain.functions.outer, strict=True)):
                 if j not in geared:
                     position[j, s] = closed.along.ways[row] if row not in angles else angles[row]
                     if outer is not None:
@@ -323,8 +294,8 @@ class ChainClosure:
     def way(self, joint: int) -> Array:
         """(n,) coordinate of a prismatic joint [m]."""
         if len(self.angle) <= self.chain.piece:
-            return self._whole.along.ways[self.chain.rows[joint]]
-        return np.concatenate([closed.along.ways[self.chain.rows[joint]] for _, closed in self.pieces()])
+            return self._whole.along.ways[self.chain.functions.rows[joint]]
+        return np.concatenate([closed.along.ways[self.chain.functions.rows[joint]] for _, closed in self.pieces()])
 
     @cached_property
     def gap(self) -> Array:
@@ -389,7 +360,7 @@ def chain_of(plane: Plane, branch: Branch) -> Chain | None:
         return None
     with np.errstate(all="ignore"):  # nodes that are beyond the reach of a dyad are left out
         tried = ChainClosure(chain, branch, angles)
-        size = np.where(np.arange(len(chain.order)) > len(plane.revolute), plane.size, 1.0)[:, None]
+        size = np.where(np.arange(len(chain.functions.order)) > len(plane.revolute), plane.size, 1.0)[:, None]
         errors = np.abs(tried.basis - judge.basis) / size
         good = (np.abs(judge.margins) >= CLEAR).all(axis=0) & (errors <= EQUAL).all(axis=0)
     if branch.period is not None:
@@ -404,12 +375,13 @@ def _built(plane: Plane, drawn: ComplexArray) -> Chain | None:
     """The chain of a linkage, given its basis (nb,) in a pose of its branch."""
     if plane.parents[plane.driver] >= 0 or not any(block.loops for block in plane.blocks):
         return None
-    rows, ones = _rows(plane)
+    functions = Functions(plane)
+    rows = functions.rows
     gears = _gears(plane, rows)
     if gears is None:
         return None
     places = {joint: place for place, joint in enumerate((*plane.revolute, *plane.prismatic), 1)}  # in the basis
-    build = _Builder(drawn, [0, *(rows[joint] for joint in places)], {way: rotor for way, _, rotor in plane.guides})
+    build = _Builder(drawn, functions.order, {way: rotor for way, _, rotor in plane.guides})
     known = {0, places[plane.driver], *(places[gear.joint] for gear in gears)}
     equations, needed = [], {rows[plane.driver]}
     for block in plane.blocks:
@@ -422,24 +394,9 @@ def _built(plane: Plane, drawn: ComplexArray) -> Chain | None:
         if equation is None:
             return None
         equations.append(equation)
-        needed |= {row for row, _ in equation.known} | {rotor for rotor, *_ in equation.turned}
+        needed |= {row for row, _ in equation.known} | {guide.rotor for guide in equation.dyad.guides if guide.rotor is not None}
         known |= set(own)
-    count = len(rows) + len(ones)
-    order = tuple(build.order)
-    guides = {order[way]: order[rotor] if rotor else None for way, rotor in build.rotors.items()}
-    driver = rows[plane.driver]
-    return Chain(plane, tuple(rows), tuple(ones), count, driver, gears, tuple(equations), tuple(sorted(needed)), order, guides)
-
-
-def _rows(plane: Plane) -> tuple[list[int], list[int]]:
-    """Rows of the functions of all joints, and of ones, see `Chain`."""
-    rows: list[int] = []
-    ones: list[int] = []
-    for parent in plane.parents:
-        if parent < 0:
-            ones.append(len(rows) + len(ones))
-        rows.append(len(rows) + len(ones))
-    return rows, ones
+    return Chain(plane, functions, rows[plane.driver], gears, tuple(equations), tuple(sorted(needed)))
 
 
 def _gears(plane: Plane, rows: Sequence[int]) -> tuple[Gear, ...] | None:
@@ -482,7 +439,7 @@ class _Builder(NamedTuple):
     """
 
     drawn: ComplexArray
-    order: list[int]
+    order: Sequence[int]
     rotors: dict[int, int]
 
     def equation(self, loop: int, entries: dict[int, complex], known: set[int], own: Sequence[int]) -> Equation | None:
@@ -494,10 +451,9 @@ class _Builder(NamedTuple):
         dyad = self._dyad(entries, own, sum((entries[place] * self.drawn[place] for place in entries if place in known), 0j))
         if dyad is None:
             return None
-        constant, known_part, own_part = entries.get(0), self._coefficients(entries, moving), self._coefficients(entries, own)
-        coefficients = dict(own_part)
-        turned = tuple((guide.rotor, guide.way, coefficients[guide.way]) for guide in dyad.guides if guide.rotor is not None)
-        return Equation(loop, None if constant is None else np.array(constant), known_part, own_part, turned, dyad)
+        constant, known_part = entries.get(0), self._coefficients(entries, moving)
+        unknown = (dyad.one,) if isinstance(dyad, Lever) else (dyad.one, dyad.other)
+        return Equation(loop, None if constant is None else np.array(constant), known_part, dyad, unknown)
 
     def _coefficients(self, entries: dict[int, complex], places: Sequence[int]) -> Known:
         return tuple((self.order[place], np.array(entries[place])) for place in places if place in entries)

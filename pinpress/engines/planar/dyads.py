@@ -50,6 +50,7 @@ class Along(NamedTuple):
         inward: (n,) minus their second derivatives.
         rates: (n,) their first derivatives, of functions that later dyads need.
         ways: (n,) travels along guides.
+        inverses: (n,) of the unknowns.
         first: (n,) rates of angles and ways.
         second: (n,) minus their second derivatives.
     """
@@ -57,7 +58,8 @@ class Along(NamedTuple):
     functions: list[ComplexArray]
     inward: list[ComplexArray]
     rates: dict[int, ComplexArray]
-    ways: dict[int, Array]
+    ways: list[Array]
+    inverses: list[ComplexArray]
     first: list[Array]
     second: list[Array]
 
@@ -83,14 +85,6 @@ class Dyad(Protocol):
             opening: (n,) its derivative.
             inward: (n,) minus its second derivative. All three may be overwritten.
             along: what is known of the chain.
-        """
-
-    def asked(self, along: Along, work: list[ComplexArray]) -> tuple[Array, ...]:
-        """Minus the efforts (n,) that the loop's force has to supply to the unknowns.
-
-        Args:
-            along: the closed chain.
-            work: (n,) conjugates of the work of all forces on every function, see `chain_forces`.
         """
 
 
@@ -150,10 +144,6 @@ class TwoLinks:
         _finished(self.one, inward * e1, bent1, along)
         _finished(self.other, np.multiply(inward, e2, inward), bent2, along)
         return e1, e2
-
-    def asked(self, along: Along, work: list[ComplexArray]) -> tuple[Array, Array]:
-        functions, one, other = along.functions, self.one, self.other
-        return (functions[one] * work[one]).imag, (functions[other] * work[other]).imag
 
 
 def _started(rotor: int, rate: ComplexArray, along: Along) -> ComplexArray:
@@ -229,11 +219,6 @@ class Guide(NamedTuple):
         else:
             inward += bending * along.functions[self.rotor]
 
-    def asked(self, along: Along, work: list[ComplexArray]) -> Array:
-        """Minus the effort (n,) along the guide."""
-        own = work[self.way]
-        return -(own if self.rotor is None else own * along.functions[self.rotor]).real
-
 
 @dataclass(frozen=True, eq=False)
 class GuidedLink:
@@ -305,9 +290,6 @@ class GuidedLink:
         guide.finish((inward * e2).real, along)
         return e1, e2
 
-    def asked(self, along: Along, work: list[ComplexArray]) -> tuple[Array, Array]:
-        return (along.functions[self.one] * work[self.one]).imag, self.guide.asked(along, work)
-
 
 @dataclass(frozen=True, eq=False)
 class SwingingGuide:
@@ -374,11 +356,6 @@ class SwingingGuide:
             along.rates[other] = speed * rotor + way * rotor_rate(turning, rotor)
         return e1, e2
 
-    def asked(self, along: Along, work: list[ComplexArray]) -> tuple[Array, Array]:
-        functions, one, other = along.functions, self.one, self.other
-        turning = (functions[one] * work[one]).imag + (functions[other] * work[other]).imag
-        return turning, -(functions[one] * work[other]).real
-
 
 @dataclass(frozen=True, eq=False)
 class TwoGuides:
@@ -416,9 +393,6 @@ class TwoGuides:
         self.second.finish((inward * e2).real, along)
         return e1, e2
 
-    def asked(self, along: Along, work: list[ComplexArray]) -> tuple[Array, Array]:
-        return self.first.asked(along, work), self.second.asked(along, work)
-
 
 @dataclass(frozen=True, eq=False)
 class Lever:
@@ -452,6 +426,3 @@ class Lever:
         inward -= known
         _finished(self.one, np.multiply(inward, e1, inward), bent, along)
         return (e1,)
-
-    def asked(self, along: Along, work: list[ComplexArray]) -> tuple[Array]:
-        return ((along.functions[self.one] * work[self.one]).imag,)

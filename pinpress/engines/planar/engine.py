@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -18,11 +18,13 @@ from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..pinocchio.model import SpatialModel
 from . import kinematics
 from .bodies import Bodies, build_bodies, energies, power_balance
-from .chain import Chain, ChainStates
+from .chain import ChainStates
 from .model import Plane, build_plane, to_world
 
 if TYPE_CHECKING:
-    from .chain_forces import ChainBodies
+    from types import ModuleType
+
+    from .balance import Statics
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -117,31 +119,22 @@ class PlanarEngine:
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
         if not isinstance(states, ChainStates):
             states = self._closed(states)
-        return self._forces(self.bodies, states, conditions, bearings, self._on_chain)
-
-    def _on_chain(self, chain: Chain) -> ChainBodies:
-        """Inertial constants of a chain of dyads, kept for the chain that was asked for last."""
-        known = self._chains.get("last")
-        if known is None or known.chain is not chain:
-            from .chain_forces import build_chain_bodies  # slow to import, and not needed to load
-
-            known = self._chains["last"] = read_only(build_chain_bodies(chain, self.bodies))
-        return known
+        return self._forces.inverse_dynamics(self._statics, states, conditions, bearings)
 
     @cached_property
-    def _chains(self) -> dict[str, ChainBodies]:
-        return {}
+    def _statics(self) -> Statics:
+        from .balance import build_statics  # slow to import, and not needed to load
 
-    @cached_property
-    def _forces(self) -> Callable[..., Wrenches]:
-        from .inverse_dynamics import inverse_dynamics  # slow to import, and not needed to load
+        return build_statics(self.bodies)
+
+    @property
+    def _forces(self) -> ModuleType:
+        from . import inverse_dynamics  # slow to import, and not needed to load
 
         return inverse_dynamics
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
-        from .inverse_dynamics import bearing_loads  # slow to import, and not needed to load
-
-        return bearing_loads(self.bodies, self._closed(states), loads, efforts, rates)
+        return self._forces.bearing_loads(self._statics, self._closed(states), loads, efforts, rates)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         # slow to import, and not needed to load
@@ -162,6 +155,4 @@ class PlanarEngine:
         """The states with their basis; raises AssemblyError where they leave the loops open."""
         if states.basis is not None:
             return states
-        from .inverse_dynamics import closed_basis  # slow to import, and not needed to load
-
-        return ClosedStates(states.position, states.v, states.a, closed_basis(self.plane, states.position), states.jacobian)
+        return ClosedStates(states.position, states.v, states.a, self._forces.closed_basis(self.plane, states.position))

@@ -1,97 +1,196 @@
-"""Inverse dynamics of a planar linkage at all crank angles at once.
+"""Inverse dynamics of a planar linkage at all crank angles at once: forces of the open tree, their balance, friction and moments.
 
-There are three steps: the efforts of the open tree's joints; the forces of loops and gear pairs (`statics`); the force and moment of every
-joint. A lever arm r and a force f, both complex, make the moment Im(conj(r) f) about the normal. Forces and moments out of the plane are
-computed in `out_of_plane`, and only where something acts there.
+Forces and moments out of the plane are computed in `out_of_plane`, and only where something acts there.
 
 Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
-
-The efforts follow from virtual work. Every point is a row of constants times the basis (see `model`), so that the inertia forces of all
-links do work on the basis functions: the sum of m conj(c) c'' over all centres of mass c is one small matrix of constants times the second
-derivative of the basis. A link's moment of inertia J adds J u'' for its rotor u: Im(conj(u) J u'') is J times the angular acceleration.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
-from . import out_of_plane, statics
-from .bodies import Bodies, OpenTree, forces_of_tree, work_of_tree
-from .chain import Chain, ChainStates
-from .chain_forces import ChainBodies, chain_forces
-from .kinematics import basis_acceleration, basis_at, gaps, known_basis, known_jacobian
-from .model import Plane, put_in_plane, put_normal, to_complex
+from . import out_of_plane
+from .balance import (
+    IdleForces,
+    OpenTree,
+    Pose,
+    Statics,
+    add_idle_forces,
+    balance,
+    direction_of,
+    efforts_by_rows,
+    idle_forces,
+    open_tree,
+    pose_at,
+    pose_of,
+)
+from .chain import Chain, ChainStates, Closed, all_functions, rate_of
+from .guide_moments import add_moments_of_guides
+from .kinematics import basis_acceleration, basis_at, gaps, known_basis
+from .model import Plane, put_normal
 
-OnChain = Callable[[Chain], ChainBodies]
+
+class Moving(NamedTuple):
+    """A linkage in motion, over a piece of it.
+
+    Attributes:
+        pose: the configurations.
+        second: (rows, n) conjugate second derivatives of the functions, 1 in the rows of ones.
+        basis: returns the basis (nb, n).
+    """
+
+    pose: Pose
+    second: ComplexArray
+    basis: Callable[[], ComplexArray]
 
 
-def inverse_dynamics(
-    bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, bearings: bool, on_chain: OnChain | None = None
-) -> Wrenches:
-    """Driving torque and the wrenches of joints and loops; raises as `Engine.inverse_dynamics`.
+def inverse_dynamics(statics: Statics, states: ClosedStates, conditions: AppliedConditions, bearings: bool) -> Wrenches:
+    """Driving torque, and with ``bearings`` the wrenches of joints and loops; raises as `Engine.inverse_dynamics`.
 
     Args:
-        bodies: inertial constants of the linkage.
+        statics: constants of the linkage.
         states: closed states with their basis.
         conditions: loads, friction and compliances.
-        bearings: whether forces and moments of the bearings are found.
-        on_chain: inertial constants of a chain of dyads, where the states are of one.
+        bearings: whether to find forces and moments of the bearings, too.
     """
-    if (
-        isinstance(states, ChainStates)
-        and on_chain is not None
-        and conditions.law is None
-        and (conditions.compliance is None or (not bodies.plane.redundant and not out_of_plane.is_loaded(bodies, conditions.loads)))
-    ):
-        return chain_forces(on_chain(states.closure.chain), states, conditions.loads, bearings)
-    return _by_blocks(bodies, states, conditions, bearings)
-
-
-def _by_blocks(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, bearings: bool) -> Wrenches:
-    """`inverse_dynamics`, in pieces, from the states alone."""
-    plane, law, n = bodies.plane, conditions.law, states.v.shape[1]
-    result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_heights), n, bearings)
+    plane, law = statics.plane, conditions.law
+    n = len(states.closure.angle) if isinstance(states, ChainStates) else states.v.shape[1]
+    # In memory the states are next to each other: components along one axis are filled in, and read, at once.
+    force, moment = (make((3, statics.bearing_count if bearings else 0, n)).transpose(1, 2, 0) for make in (np.empty, np.zeros))
+    result = Wrenches(np.empty((1, n)), np.zeros((len(plane.offsets), n)), np.zeros((statics.bearing_count, n)), force, moment)
     speeds = None if law is None else law.moving(_bearing_speeds(plane, states.v))
-    angle = states.closure.angle if isinstance(states, ChainStates) else states.position[plane.driver]
-    for start in range(0, n, plane.piece):
-        s = slice(start, start + plane.piece)
-        piece, acting, filled = (states, conditions, result) if n <= plane.piece else (states.part(s), conditions.part(s), result.part(s))
-        friction = None if law is None or speeds is None else FrictionState(law, speeds[:, s], angle[s])
-        if bearings or friction is not None:
-            _fill(bodies, piece, acting, friction, bearings, filled)
-        else:
-            _fill_torques(bodies, piece, acting.loads, filled)
+    for s, moving in _pieces(statics, states):
+        friction = None
+        if law is not None and speeds is not None:
+            angle = states.closure.angle if isinstance(states, ChainStates) else states.position[plane.driver]
+            friction = FrictionState(law, speeds[:, s], angle[s])
+        acting, filled = (conditions, result) if s.stop - s.start == n else (conditions.part(s), result.part(s))
+        _fill(statics, moving, acting, friction, bearings, filled)
     return result
 
 
-def _bearing_speeds(plane: Plane, rates: Array) -> Array:
-    """Speeds (bearings, n) of all bearings at joint rates (nv, n), those of loops about the normal."""
-    return np.concatenate([rates, plane.incidence.T @ (plane.sense[:, None] * rates)])
+def _pieces(statics: Statics, states: ClosedStates) -> Iterator[tuple[slice, Moving]]:
+    """The motion in pieces that stay in the cache."""
+    if isinstance(states, ChainStates):
+        chain = states.closure.chain
+        for s, closed in states.closure.pieces():
+            speed, acceleration = (of[s] if isinstance(of, np.ndarray) else of for of in (states.speed, states.acceleration))
+            yield s, _of_chain(statics, chain, closed, speed, acceleration)
+        return
+    n = states.v.shape[1]
+    for start in range(0, n, statics.piece):
+        s = slice(start, min(start + statics.piece, n))
+        yield s, _of_states(statics, states if s.stop - s.start == n else states.part(s))
 
 
-def bearing_loads(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
-    """See `Engine.bearing_loads`; the states have their basis."""
-    plane, basis, n = bodies.plane, known_basis(states), states.v.shape[1]
-    open_tree = _solve_open_tree(bodies, states, loads)
-    system = _statics(bodies, states, open_tree, None)
-    forces, coupling_multipliers = np.empty((len(efforts), n), complex), np.zeros((len(plane.offsets), n))
-    statics.balance(system, open_tree.joint_efforts - _resisted(plane, efforts), coupling_multipliers, forces)
-    slides = product(plane.directions, basis).conj()
-    _push_by_teeth(plane, slides, coupling_multipliers, forces)
-    radial = np.stack([forces.real, forces.imag, np.zeros(forces.shape)], axis=2)
-    axial = out_of_plane.forces(bodies, loads, None, n) if out_of_plane.is_loaded(bodies, loads) else None
-    for joint, direction in zip(plane.prismatic, slides, strict=True):
-        radial[joint, :, 0], radial[joint, :, 1] = (direction * forces[joint]).imag, 0.0
-        if axial is not None:
-            radial[joint, :, 2] = axial[joint]
-    return BearingLoads(_bearing_speeds(plane, rates), radial)
+def _of_chain(statics: Statics, chain: Chain, closed: Closed, speed: Array | float, acceleration: Array | float) -> Moving:
+    along = closed.along
+    pose = pose_of(statics, along.functions, along.ways, along.inverses)
+
+    def basis() -> ComplexArray:
+        return all_functions(chain, closed).take(chain.functions.order, axis=0)
+
+    return Moving(pose, _second_derivatives(chain, closed, speed, acceleration), basis)
+
+
+def _of_states(statics: Statics, states: ClosedStates) -> Moving:
+    plane, basis = statics.plane, known_basis(states)
+    second = basis_acceleration(plane, basis, states.v, states.a)
+    second[0] = 1.0
+    second = second.take(statics.functions.places, axis=0)
+    return Moving(pose_at(statics, basis, states.position), np.conjugate(second, second), lambda: basis)
+
+
+def _second_derivatives(chain: Chain, closed: Closed, speed: Array | float, acceleration: Array | float) -> ComplexArray:
+    """Conjugate second derivatives (rows, n) of the functions, 1 in the rows of ones."""
+    second: ComplexArray = np.multiply(closed.inward, np.asarray(-speed * speed, complex))  # NumPy takes longer for two types
+    if isinstance(acceleration, np.ndarray):
+        for row in chain.functions.rows:
+            second[row] += rate_of(chain, closed, row) * acceleration
+    second[chain.functions.ones_at] = 1.0
+    return np.conjugate(second, second)
+
+
+def _fill(
+    statics: Statics,
+    moving: Moving,
+    conditions: AppliedConditions,
+    friction: FrictionState | None,
+    bearings: bool,
+    result: Wrenches,
+) -> None:
+    """Fill in the result of a piece of the motion."""
+    plane, bodies, loads = statics.plane, statics.bodies, conditions.loads
+    pose, multipliers = moving.pose, result.coupling
+    tree = open_tree(statics, moving.second, loads)
+    needed = bearings or friction is not None
+    flat = not needed or not out_of_plane.is_loaded(bodies, loads)
+    axial = None if flat else out_of_plane.forces(bodies, loads, conditions.compliance, moving.second.shape[1])
+    balanced = Balanced(statics, pose, idle_forces(statics, pose) if needed else None, conditions.compliance)
+    friction_efforts = None
+    if friction is not None:
+        friction_efforts = _friction(balanced, friction, tree, axial)
+        result.friction[:] = -friction_efforts * friction.speeds
+    torque = balanced.torque(tree, multipliers, friction_efforts)
+    result.torque[0] = torque
+    if bearings:
+        forces = tree.array[statics.functions.count :]
+        _put_forces(plane, forces, result.force)
+        moments = _moments_about_normal(statics, multipliers, torque, friction_efforts)
+        add_moments_of_guides(plane, statics.guided, pose.functions, pose.ways, moving.second, tree.forces, loads, moments)
+        for bearing, values in moments.items():
+            put_normal(plane, values, result.moment[bearing])
+        if not flat:
+            pins = forces[len(plane.parents) :].conj()
+            second = moving.second.take(statics.functions.order, axis=0)
+            np.conjugate(second, second)
+            out_of_plane.add(bodies, moving.basis, second, pins, loads, axial, result.force, result.moment)
+    _turn_into_torques(plane, multipliers)
+
+
+class Balanced(NamedTuple):
+    """What balances forces at n configurations, also with friction.
+
+    Attributes:
+        statics: constants of the linkage.
+        pose: the configurations.
+        idle: their idle forces, which are shared; None where there are none, or no bearings are asked for.
+        compliance: (bearings,) as in `AppliedConditions`.
+    """
+
+    statics: Statics
+    pose: Pose
+    idle: IdleForces | None
+    compliance: Array | None
+
+    def torque(self, tree: OpenTree, multipliers: Array, bearing_efforts: Array | None) -> Array:
+        """Fill in the forces of the tree and the ``multipliers`` (couplings, n), and return the driving torque (n,).
+
+        Efforts (bearings, n) of friction supply a part of what the joints need.
+        """
+        efforts = None if bearing_efforts is None else efforts_by_rows(self.statics, -_resisted(self.statics.plane, bearing_efforts))
+        torque = balance(self.statics, self.pose, tree, multipliers, efforts)
+        if self.idle is not None:
+            add_idle_forces(self.idle, tree.array[self.statics.functions.count :], multipliers, self.compliance)
+        return torque
+
+    def pressing(self, tree: OpenTree, bearing_efforts: Array) -> ComplexArray:
+        """Conjugate forces (bearings, n) with these efforts of friction, those between teeth included; the tree is kept."""
+        count, plane = self.statics.functions.count, self.statics.plane
+        copied = OpenTree.of(tree.array.copy(), count)
+        multipliers = np.zeros((len(plane.offsets), tree.array.shape[1]))
+        self.torque(copied, multipliers, bearing_efforts)
+        forces = copied.array[count:]
+        for rack in plane.racks:  # as `engines.racks` says
+            push = plane.coupling_rows[rack.coupling][rack.slide] * multipliers[rack.coupling]
+            forces[rack.shaft] += push * direction_of(self.statics, self.pose, rack.slide).conj()
+        return forces
 
 
 class FrictionState(NamedTuple):
@@ -106,6 +205,49 @@ class FrictionState(NamedTuple):
     law: FrictionLaw
     speeds: Array
     angle: Array
+
+
+def _friction(balanced: Balanced, friction: FrictionState, tree: OpenTree, axial: Array | None) -> Array:
+    """Efforts (bearings, n) of friction: those of joints are along their axes, those of loops about the normal."""
+    plane = balanced.statics.plane
+    slides = {joint: direction_of(balanced.statics, balanced.pose, joint) for joint in plane.prismatic}
+
+    def radial(friction_efforts: Array) -> Array:
+        forces = balanced.pressing(tree, friction_efforts)
+        sizes = np.abs(forces)
+        for joint, direction in slides.items():
+            sizes[joint] = np.abs((direction * forces[joint]).imag)
+            if axial is not None:
+                sizes[joint] = np.hypot(sizes[joint], axial[joint])
+        return sizes
+
+    return friction.law.efforts(friction.speeds, radial, lambda state: plane.coordinate.at(float(friction.angle[state])))
+
+
+def bearing_loads(statics: Statics, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+    """See `Engine.bearing_loads`; the states have their basis."""
+    plane, bodies, n = statics.plane, statics.bodies, states.v.shape[1]
+    moving = _of_states(statics, states)
+    balanced = Balanced(statics, moving.pose, idle_forces(statics, moving.pose), None)
+    forces = balanced.pressing(open_tree(statics, moving.second, loads), efforts)
+    radial = np.stack([forces.real, -forces.imag, np.zeros(forces.shape)], axis=2)
+    axial = out_of_plane.forces(bodies, loads, None, n) if out_of_plane.is_loaded(bodies, loads) else None
+    for joint in plane.prismatic:
+        radial[joint, :, 0], radial[joint, :, 1] = -(direction_of(statics, moving.pose, joint) * forces[joint]).imag, 0.0
+        if axial is not None:
+            radial[joint, :, 2] = axial[joint]
+    return BearingLoads(_bearing_speeds(plane, rates), radial)
+
+
+def _bearing_speeds(plane: Plane, rates: Array) -> Array:
+    """Speeds (bearings, n) of all bearings at joint rates (nv, n), those of loops about the normal."""
+    return np.concatenate([rates, plane.incidence.T @ (plane.sense[:, None] * rates)])
+
+
+def _resisted(plane: Plane, friction_efforts: Array) -> Array:
+    """The part (nv, n) of the joints' efforts that friction efforts (bearings, n) supply."""
+    count = len(plane.parents)
+    return np.asarray(friction_efforts[:count] + plane.sense[:, None] * (plane.incidence @ friction_efforts[count:]))
 
 
 def closed_basis(plane: Plane, position: Array) -> ComplexArray:
@@ -123,204 +265,52 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
     return basis
 
 
-def _fill(
-    bodies: Bodies,
-    states: ClosedStates,
-    conditions: AppliedConditions,
-    friction: FrictionState | None,
-    bearings: bool,
-    result: Wrenches,
-) -> None:
-    """Fill in the result of a piece of the motion, by way of all bearing forces."""
-    plane, basis, n, loads = bodies.plane, known_basis(states), states.v.shape[1], conditions.loads
-    open_tree = _solve_open_tree(bodies, states, loads)
-    flat = not out_of_plane.is_loaded(bodies, loads)
-    axial = None if flat else out_of_plane.forces(bodies, loads, conditions.compliance, n)
-    system = _statics(bodies, states, open_tree, conditions.compliance)
-    friction_efforts, joint_efforts = None, open_tree.joint_efforts
-    if friction is not None:
-        friction_efforts = _friction(plane, system, friction, joint_efforts, basis, axial)
-        result.friction[:] = -friction_efforts * friction.speeds
-        joint_efforts -= _resisted(plane, friction_efforts)
-    count, coupling_multipliers = len(plane.parents), result.coupling
-    forces = np.empty((count + len(plane.loop_heights), n), complex)
-    statics.balance(system, joint_efforts, coupling_multipliers, forces)
-    result.torque[0] = joint_efforts[plane.driver]
-    if bearings:
-        put_in_plane(plane, forces, result.force)
-        pins, torque = forces[count:], joint_efforts[plane.driver]
-        for bearing, moment in _moments_about_normal(bodies, open_tree, pins, torque, coupling_multipliers, friction_efforts).items():
-            put_normal(plane, moment, result.moment[bearing])
-        if not flat:
-            out_of_plane.add(bodies, lambda: basis, open_tree.second, pins, loads, axial, result.force, result.moment)
-    statics.torques(plane, coupling_multipliers)
-
-
-def _fill_torques(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce], result: Wrenches) -> None:
-    """Fill in the torques of a piece of the motion without friction; they need no forces of the joints."""
-    plane, basis = bodies.plane, known_basis(states)
-    second = basis_acceleration(plane, basis, states.v, states.a)
-    second[0] = 1.0
-    joint_efforts = _efforts(bodies, basis, work_of_tree(bodies, second), loads)
-    rows, factors = known_jacobian(plane, states)
-    pins = np.empty((len(plane.loop_heights), basis.shape[1]), complex)
-    statics.transmit(plane, rows, factors, joint_efforts, pins, result.coupling)
-    result.torque[0] = joint_efforts[plane.driver]
-    statics.torques(plane, result.coupling)
-
-
-def _solve_open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
-    """Forces and efforts of the open tree."""
-    plane, basis = bodies.plane, known_basis(states)
-    second = basis_acceleration(plane, basis, states.v, states.a)
-    second[0] = 1.0
-    on_guides = 2 * len(bodies.on_guides)
-    work, subtree_force, own = forces_of_tree(bodies, second)
-    arms = product(bodies.arms, basis if bodies.arms_turn else basis[:, :1])
-    for load in loads:
-        if load.joint:
-            subtree_force[plane.carriers(load.joint - 1)] -= to_complex(plane, load.force)
-    efforts = _efforts(bodies, basis, work, loads)
-    turning = _turning(bodies, arms[:on_guides], own, subtree_force, states.a, basis, loads) if on_guides else {}
-    return OpenTree(second, subtree_force, efforts, turning, arms[on_guides:])
-
-
-def _turning(
-    bodies: Bodies,
-    arms: ComplexArray,
-    own: ComplexArray,
-    subtree_force: ComplexArray,
-    a: Array,
-    basis: ComplexArray,
-    loads: Sequence[AppliedForce],
-) -> dict[int, Array]:
-    """Moments (n,) about the normal that the prismatic joints would have to transmit, from the tips of the tree to them.
+def _moments_about_normal(statics: Statics, multipliers: Array, torque: Array, friction_efforts: Array | None) -> dict[int, Any]:
+    """Moments (n,) about the normal, by bearing, of all that transmit one but guides: the driver, geared joints, all with friction.
 
     Args:
-        bodies: inertial constants of the linkage.
-        arms: (2 k, n) of the k joints on guides the centres of mass from the joint, then its origin from that of its parent [m]; (2 k, 1)
-            where they do not turn.
-        own: (k, n) inertia forces less weights of their bodies [N].
-        subtree_force: (nv, n) as in `OpenTree`.
-        a: (nv, n) joint accelerations.
-        basis: (nb, n) of the states.
-        loads: forces on links.
-    """
-    plane, joints = bodies.plane, bodies.on_guides
-    moments = (arms[: len(joints)].conj() * own).imag
-    places = {joint: place for place, joint in enumerate(joints)}
-    for joint, place in places.items():
-        if plane.rotors[joint]:
-            moments[place] += (bodies.inertia[[joint]] @ a)[0]
-    for load in loads:
-        joint = load.joint - 1
-        if joint in places:
-            arm = complex(*(plane.frames[joint] @ load.point)[:2]) * basis[plane.rotor(joint)]
-            moments[places[joint]] -= (arm.conj() * to_complex(plane, load.force)).imag
-    for joint, place in places.items():
-        parent = places.get(plane.parents[joint])
-        if parent is not None:
-            moments[parent] += moments[place] + (arms[len(joints) + place].conj() * subtree_force[joint]).imag
-    return {joint: moments[places[joint]] for joint in plane.prismatic}
-
-
-def _statics(bodies: Bodies, states: ClosedStates, open_tree: OpenTree, compliance: Array | None) -> statics.Statics:
-    """The equations of loops and gear pairs; ``compliance`` as in `AppliedConditions`."""
-    plane, basis, (rows, factors) = bodies.plane, known_basis(states), known_jacobian(bodies.plane, states)
-    return statics.build(plane, rows, factors, open_tree.subtree_force, bodies.minus_incidence, basis, compliance)
-
-
-def _moments_about_normal(
-    bodies: Bodies, open_tree: OpenTree, pins: ComplexArray, torque: Array, coupling_multipliers: Array, friction_efforts: Array | None
-) -> dict[int, Array]:
-    """Moments (n,) about the normal, by bearing, of all that transmit one: guides, the driver, geared joints, all with friction.
-
-    Args:
-        bodies: inertial constants of the linkage.
-        open_tree: its forces with all loops open.
-        pins: (nl, n) complex forces of the loops [N].
+        statics: constants of the linkage.
+        multipliers: (nc, n) multipliers of the couplings.
         torque: (n,) driving torque [N m].
-        coupling_multipliers: (nc, n) multipliers of the couplings.
         friction_efforts: (bearings, n) efforts of friction, None for none.
     """
-    plane, moments = bodies.plane, open_tree.turning
-    for (j, k), arm in zip(bodies.guided, open_tree.guided, strict=True):
-        moments[j] -= plane.loops_of_joint[j][k] * (arm.conj() * pins[k]).imag
+    plane = statics.plane
+    moments: dict[int, Any] = {}
     if plane.sense[plane.driver]:  # the force of a driver that slides is part of its bearing force
         moments[plane.driver] = plane.sense[plane.driver] * torque
-    if bodies.geared:
-        meshed = plane.coupled.T @ coupling_multipliers
-        for j in bodies.geared:
-            moments[j] = moments.get(j, 0.0) + plane.sense[j] * meshed[j]
+    for coupling, coefficients in enumerate(plane.coupling_rows):
+        for joint, by in coefficients.items():
+            if plane.sense[joint]:
+                moments[joint] = moments.get(joint, 0.0) + plane.sense[joint] * by * multipliers[coupling]
     if friction_efforts is not None:
-        count = len(plane.parents)
-        of_loops = plane.incidence @ friction_efforts[count:]
-        for j in range(count):
-            by_friction = plane.sense[j] * friction_efforts[j] if plane.sense[j] else -of_loops[j]
-            moments[j] = moments.get(j, 0.0) + by_friction
-        moments |= dict(enumerate(friction_efforts[count:], count))
+        for bearing, effort in enumerate(friction_efforts):
+            if bearing >= len(plane.parents):
+                moments[bearing] = effort
+            elif plane.sense[bearing]:
+                moments[bearing] = moments.get(bearing, 0.0) + plane.sense[bearing] * effort
     return moments
 
 
-def _friction(
-    plane: Plane, system: statics.Statics, friction: FrictionState, joint_efforts: Array, basis: ComplexArray, axial: Array | None
-) -> Array:
-    """Efforts (bearings, n) of friction: those of joints are along their axes, those of loops about the normal."""
-    count = len(plane.parents)
-    bearings = np.empty((count + len(plane.loop_heights), joint_efforts.shape[1]), complex)
-    coupling_multipliers = np.zeros((len(plane.offsets), joint_efforts.shape[1]))
-    slides = product(plane.directions, basis).conj()
-
-    def radial(friction_efforts: Array) -> Array:
-        statics.balance(system, joint_efforts - _resisted(plane, friction_efforts), coupling_multipliers, bearings)
-        _push_by_teeth(plane, slides, coupling_multipliers, bearings)
-        sizes = np.abs(bearings)
-        for joint, direction in zip(plane.prismatic, slides, strict=True):
-            sizes[joint] = np.abs((direction * bearings[joint]).imag)
-            if axial is not None:
-                sizes[joint] = np.hypot(sizes[joint], axial[joint])
-        return sizes
-
-    return friction.law.efforts(friction.speeds, radial, lambda state: plane.coordinate.at(float(friction.angle[state])))
+def _turn_into_torques(plane: Plane, multipliers: Array) -> None:
+    """Turn multipliers of the couplings (nc, n) into torques on their followers."""
+    if len(multipliers):
+        multipliers *= np.array([gear[j] for gear, j in zip(plane.coupling_rows, plane.followers, strict=True)])[:, None]
 
 
-def _push_by_teeth(plane: Plane, slides: ComplexArray, coupling_multipliers: Array, bearings: ComplexArray) -> None:
-    """Add the forces between teeth to those of the shafts' bearings, as `engines.racks` says; ``slides``: (np, n) conjugate directions of
-    the prismatic joints."""
-    for rack in plane.racks:
-        push = plane.coupling_rows[rack.coupling][rack.slide] * coupling_multipliers[rack.coupling]
-        bearings[rack.shaft] += push * slides[plane.prismatic.index(rack.slide)].conj()
-
-
-def _resisted(plane: Plane, friction_efforts: Array) -> Array:
-    """The part (nv, n) of the joints' efforts that friction efforts (bearings, n) supply."""
-    count = len(plane.parents)
-    return np.asarray(friction_efforts[:count] + plane.sense[:, None] * (plane.incidence @ friction_efforts[count:]))
-
-
-def _efforts(bodies: Bodies, basis: ComplexArray, work: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
-    """Efforts (nv, n) that the joints would have to transmit with all loops open.
-
-    Args:
-        bodies: inertial constants of the linkage.
-        basis: (nb, n) of the states.
-        work: (nb - 1, n) of inertia and weights on every function of the basis but the first, see `Bodies.reduced`; that of loads is
-            subtracted here.
-        loads: forces on links.
-    """
-    plane, revolute = bodies.plane, len(bodies.plane.revolute)
-    for load in loads:
-        if load.joint:
-            joint, force = load.joint - 1, to_complex(plane, load.force)
-            point = plane.point(joint, complex(*(plane.frames[joint] @ load.point)[:2]))
-            for k in np.flatnonzero(point[1:]):
-                work[k] -= point[k + 1].conj() * force
-    turned = 1 + (len(work) if any(plane.guide_rotors) else revolute)
-    rotor_moments = (basis[1:turned].conj() * work[: turned - 1]).imag
-    for row, rotor in enumerate(plane.guide_rotors, revolute):
-        if rotor:
-            rotor_moments[rotor - 1] += rotor_moments[row]
-    efforts = np.asarray(plane.turn.T.dot(rotor_moments[:revolute]))
-    for row, joint, rotor in plane.guides:
-        efforts[joint] = (basis[rotor].conj() * work[row - 1]).real if rotor else work[row - 1].real
-    return efforts
+def _put_forces(plane: Plane, forces: ComplexArray, out: Array) -> None:
+    """Fill ``out`` (k, n, 3) with forces whose conjugates (k, n) are given."""
+    for i, first, second, _ in plane.world_components:
+        if not (first or second):
+            out[..., i] = 0.0
+        if first == 1.0:  # most presses stand in a coordinate plane
+            out[..., i] = forces.real
+        elif first:
+            np.multiply(forces.real, first, out=out[..., i])
+        if second and first:
+            out[..., i] -= second * forces.imag
+        elif second == 1.0:
+            np.negative(forces.imag, out=out[..., i])
+        elif second == -1.0:
+            out[..., i] = forces.imag
+        elif second:
+            np.multiply(forces.imag, -second, out=out[..., i])

@@ -122,11 +122,6 @@ def known_basis(states: ClosedStates) -> ComplexArray:
     return states.basis
 
 
-def known_jacobian(plane: Plane, states: ClosedStates) -> Jacobian:
-    """The loop equations at states that carry their basis."""
-    return jacobian_at(plane, known_basis(states)) if states.jacobian is None else states.jacobian
-
-
 def openings(plane: Plane, x: Array) -> Array:
     """Gaps (nl, 3) of the loops at joint coordinates (nv,), point 2 less point 1 in world axes [m]."""
     return to_world(plane, product(plane.gap_rows, basis_at(plane, x[:, None]))[:, 0])

@@ -224,18 +224,6 @@ def to_world(plane: Plane, vectors: ComplexArray) -> Array:
     return np.asarray(np.multiply.outer(vectors.real, plane.axes[0]) + np.multiply.outer(vectors.imag, plane.axes[1]))
 
 
-def put_in_plane(plane: Plane, vectors: ComplexArray, out: Array) -> None:
-    """Fill ``out`` (..., 3), zero so far, with complex vectors (...)."""
-    # Most presses stand in a coordinate plane: axes without a component there cost nothing.
-    for i, first, second, _ in plane.world_components:
-        if first:
-            np.multiply(vectors.real, first, out=out[..., i])
-        if second and first:
-            out[..., i] += second * vectors.imag
-        elif second:
-            np.multiply(vectors.imag, second, out=out[..., i])
-
-
 def put_normal(plane: Plane, values: Array, out: Array) -> None:
     """Fill ``out`` (..., 3), zero so far, with vectors along the normal whose lengths are ``values`` (...)."""
     for i, _, _, along in plane.world_components:

@@ -20,7 +20,6 @@ from ..forces import RANK, AppliedForce
 from .bodies import Bodies, share_forces
 from .kinematics import basis_at
 from .model import Plane, to_complex, to_world
-from .statics import carried
 
 
 def is_flat(plane: Plane, load: AppliedForce) -> bool:
@@ -92,7 +91,7 @@ def _tilting_moments(bodies: Bodies, second: ComplexArray, pins: ComplexArray, l
     Arguments as of `add`."""
     plane = bodies.plane
     tilt: ComplexArray = product(bodies.tilting, second)
-    tilt += 1j * carried(bodies.tilting_by_pins, pins)
+    tilt += 1j * (bodies.tilting_by_pins @ pins)
     for load in loads:
         if load.joint:
             joint, force = load.joint - 1, 1j * to_complex(plane, load.force)
