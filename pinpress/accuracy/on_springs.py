@@ -25,7 +25,7 @@ from ..simulation.elastic.assembly import sprung_press
 from ..simulation.elastic.description import Elastic, Stiffness
 from ..simulation.elastic.elastic_run import ElasticRun, ElasticSegment, bearing_forces
 from ..simulation.elastic.equations import CRANK_ANGLE, Event
-from ..simulation.elastic.press_on_springs import frequencies, reference_angle
+from ..simulation.elastic.sprung_press import BodyState
 from ..simulation.elastic.task import ElasticSolution
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state
@@ -139,7 +139,7 @@ def build_springs_scene(press: Linkage, speed: float, flywheel: float) -> Spring
     press.plane_or_refuse(f"{press.name} is not planar")
     found = dead_centres(press)
     load = build_blank(press, speed, flywheel)
-    lowest = frequencies(sprung_press(press, _on_springs(press, STIFFNESS)), reference_angle(press))[0]
+    lowest = sprung_press(press, _on_springs(press, STIFFNESS)).lowest_frequency
     stiffness = float(f"{STIFFNESS * (VIBRATIONS * speed / lowest) ** 2:.1e}")
     duration = float(np.sign(speed) * (found.bottom_angle - found.top_angle) % (2 * np.pi)) / abs(speed)
     words = (
@@ -206,7 +206,7 @@ def _by_exudyn(scene: SpringsScene, solution: ElasticSolution, judge: Judge) -> 
     for how in SETTINGS:
 
         def work(how: Any = how) -> End:
-            return end_of(solution, *peer.run(how))
+            return end_of(solution, peer.run(how))
 
         yield Contestant(SPRINGS, f"{NAME}, {how.solver}", how.words, how.number, work, judge.errors)
 
@@ -216,12 +216,12 @@ def _end(run: ElasticRun) -> End:
     return End(float(run.slide_position[-1]), force, run.stats.energy_error, run.stats.evaluations)
 
 
-def end_of(solution: ElasticSolution, coordinates: Array, rates: Array, evaluations: int | None = None) -> End:
-    """The end where all bodies have these coordinates and rates (1, 3 (bodies + 1))."""
+def end_of(solution: ElasticSolution, state: BodyState, evaluations: int | None = None) -> End:
+    """The end where the bodies are so."""
     equations, mesh = solution.equations, solution.panels.mesh
     last = np.array([len(equations.segments) - 1])
-    force = bearing_forces(solution, mesh.knots[-1:], last, coordinates, rates)
-    place = equations.paths[0].over(equations.sprung, coordinates, rates).value
+    force = bearing_forces(solution, mesh.knots[-1:], last, state)
+    place = equations.paths[0].over(equations.sprung, state).value
     return End(float(place[0]), force[:, 0], evaluations=evaluations)
 
 
@@ -265,9 +265,7 @@ class SciPy:
             time, state = float(found.t[-1]), found.y[:, -1]
             if not found.success or not np.isfinite(state).all():
                 raise SimulationError(f"SciPy's {integrator} finds no end of the run: {found.message}", time)
-        free, rates = equations.whole(np.array([time]), *np.split(state[None], 2, axis=1))
-        coordinates, all_rates = equations.sprung.all_coordinates(free), rates @ equations.sprung.carry.T
-        return end_of(self.solution, coordinates, all_rates, evaluations)
+        return end_of(self.solution, equations.state(np.array([time]), *np.split(state[None], 2, axis=1)), evaluations)
 
     @cached_property
     def _inverse(self) -> Array:
@@ -277,20 +275,19 @@ class SciPy:
         """Rates of a state; forces alone, without the derivatives that the collocation takes along."""
         equations, sprung = self.solution.equations, self.solution.equations.sprung
         size = equations.size
-        free, rates = equations.whole(np.array([time]), state[None, :size], state[None, size:])
-        coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
-        force = sprung.spring_forces(coordinates, all_rates, derivatives=False).force
+        bodies = equations.state(np.array([time]), state[None, :size], state[None, size:])
+        force = sprung.spring_forces(bodies, derivatives=False).force
         for law, interval in zip(equations.all_forces, equations.segments[segment], strict=True):
             if isinstance(interval, ForceInterval):
-                path = equations.paths[law.row].over(sprung, coordinates, all_rates)
+                path = equations.paths[law.row].over(sprung, bodies)
                 force = force + np.asarray(interval.force(path.value - law.datum, path.rate)) * path.gradient
         return np.concatenate([state[size:], self._inverse @ force[0, :size]])
 
     def _jacobian(self, segment: int, time: float, state: Array) -> Array:
         equations = self.solution.equations
         size, number = equations.size, np.array([segment])
-        _, stiffness, damping, _ = equations.forces(np.array([time]), state[None, :size], state[None, size:], number)
-        rows = -self._inverse @ np.concatenate([stiffness[0], damping[0]], axis=1)
+        at = equations.linearised(np.array([time]), state[None, :size], state[None, size:], np.zeros((1, size)), number)
+        rows = -self._inverse @ np.concatenate([at.stiffness[0], at.damping[0]], axis=1)
         return np.concatenate([np.concatenate([np.zeros((size, size)), np.eye(size)], axis=1), rows])
 
     def _reaches(self, event: Event) -> Callable[[float, Array], float]:
@@ -299,8 +296,7 @@ class SciPy:
         size = equations.size
 
         def reaches(time: float, state: Array) -> float:
-            free, rates = equations.whole(np.array([time]), state[None, :size], state[None, size:])
-            path = equations.paths[event.path].over(sprung, sprung.all_coordinates(free), rates @ sprung.carry.T)
+            path = equations.paths[event.path].over(sprung, equations.state(np.array([time]), state[None, :size], state[None, size:]))
             return float(path.value[0]) - event.value
 
         reaches.terminal = True  # type: ignore[attr-defined]

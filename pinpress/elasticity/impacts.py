@@ -21,10 +21,11 @@ from ..common.tables import Columns
 from ..drives.transmission import PrescribedSpeed
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load
+from ..simulation.elastic.acting.bearing_friction import bodies_of
 from ..simulation.elastic.contact import OpenPin
 from ..simulation.elastic.description import Elastic
 from ..simulation.elastic.elastic_run import ElasticRun, ElasticSegment, bearing_forces, journal_places, solution_states
-from ..simulation.elastic.sprung_press import SprungPress
+from ..simulation.elastic.plane import PlaneGeometry
 from ..simulation.simulate import simulate
 
 PLACES = 24  # on a panel, at which orbit, forces and wear are read
@@ -192,12 +193,12 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
     times, weights = _even(segment)
     at = segment.states(times)
     sprung = segment.solution.equations.sprung
-    if not isinstance(sprung, SprungPress):
+    if not isinstance(sprung.geometry, PlaneGeometry):
         raise PinpressError(f"{press.name} moves in space: wear is estimated for pins of planar presses alone")
-    rates = at.whole[1] @ sprung.carry.T
-    first, second = sprung.bodies_of(place)
+    first, second = bodies_of(sprung, place)
+    rates = at.bodies.rates
     sliding = np.abs(rates[:, 3 * second + 2] - rates[:, 3 * first + 2]) * r
-    forces = bearing_forces(segment.solution, at.times, at.segments, sprung.all_coordinates(at.whole[0]), rates)
+    forces = bearing_forces(segment.solution, at.times, at.segments, at.bodies)
     force = np.linalg.norm(forces[place], axis=1)
     volume = k / h * float(weights @ (force * sliding))
     return volume / (2 * np.pi * r * w) * 3600 / segment.end
@@ -208,16 +209,13 @@ def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) ->
     pin = _open_pin(segment, press, bearing)
     count, share = segment.steps, np.linspace(0.0, 1.0, PLACES + 1)
     at = solution_states(segment.solution, np.repeat(np.arange(count), len(share)), np.tile(share, count), None, segment.gain)
-    angle = segment.crank(*at.whole)[0]
+    angle = segment.crank(at)[0]
     gone = np.abs(angle - angle[0]) / (2 * np.pi)
     turns = int(np.floor(gone[-1] + 1e-9))
     if turns - settling < 1:
         raise PinpressError(f"the run of {segment.end:g} s has {turns} whole turns: give one with more than {settling}")
-    sprung = segment.solution.equations.sprung
-    assert isinstance(sprung, SprungPress)
-    coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
-    gap = journal_places(sprung, pin, coordinates)
-    force = np.linalg.norm(bearing_forces(segment.solution, at.times, at.segments, coordinates, rates)[pin.bearing], axis=1)
+    gap = journal_places(segment.solution.equations.sprung, pin, at.bodies)
+    force = np.linalg.norm(bearing_forces(segment.solution, at.times, at.segments, at.bodies)[pin.bearing], axis=1)
     turn = np.where(gone < turns + 1e-9, np.minimum(gone, turns - 1e-9), gone).astype(int)
     touching = np.abs(gap) > pin.clearance.radial
     rows = []

@@ -1,6 +1,6 @@
 """Shapes of natural vibrations of linkages in space, and where their energy is; see `vibration` for what they are.
 
-A shape is a set of rates of all coordinates of the bodies (`in_space.bodies`), small displacements beside the rigid pose. The matrix of a
+A shape is a set of rates of all coordinates of the bodies (`elastic.space`), small displacements beside the rigid pose. The matrix of a
 body changes with them by the derivatives of the matrix, which give the vector of its turn and its kinetic energy.
 """
 
@@ -9,59 +9,49 @@ from __future__ import annotations
 import numpy as np
 
 from ..common.quantities import Array
-from ..simulation.elastic.in_space.bodies import PressInSpace
+from ..simulation.elastic.space import SpaceGeometry, SpaceState
 
 
-def shapes_in_space(sprung: PressInSpace, coordinates: Array, moved: Array) -> Array:
+def shapes_in_space(geometry: SpaceGeometry, state: SpaceState, moved: Array) -> Array:
     """(n, m, links, 6) displacements of all moving links in world axes, as in `ElasticRun`.
 
     Args:
-        sprung: the press on its springs.
-        coordinates: (n, k) all coordinates of the rigid poses.
+        geometry: of the press on its springs.
+        state: the n rigid poses.
         moved: (n, m, k) shapes of m modes by all coordinates.
     """
-    press, changed = sprung.press, _changed_matrices(sprung, coordinates, moved)
+    press, changed = geometry.press, _changed_matrices(geometry, state, moved)
     n, m = moved.shape[:2]
-    matrices = sprung.turned(coordinates, np.zeros_like(coordinates)).matrix.reshape(n, 1, -1, 3, 3)[:, :, : sprung.count]
+    matrices = state.turned.matrix.reshape(n, 1, -1, 3, 3)[:, :, : geometry.count]
     spin = changed.reshape(n, m, -1, 3, 3) @ matrices.swapaxes(-1, -2)
     turn = np.stack([spin[..., 2, 1], spin[..., 0, 2], spin[..., 1, 0]], axis=-1)
-    straight = moved[:, :, : 6 * sprung.count].reshape(n, m, -1, 6)[..., :3]
+    straight = moved[:, :, : 6 * geometry.count].reshape(n, m, -1, 6)[..., :3]
     found = np.zeros((n, m, press.model.nv, 6))
-    for body, joint in enumerate(sprung.joints):
+    for body, joint in enumerate(geometry.joints):
         found[:, :, joint - 1] = np.concatenate([straight[:, :, body], turn[:, :, body]], axis=2)
     for joint in range(1, press.model.nv + 1):
-        if joint not in sprung.joints:  # a cross without mass moves with its carrier
-            body = sprung.joints.index(int(press.model.parents[joint]))
-            place = sprung.own_axes[body].T @ (press.model.jointPlacements[joint].translation - sprung.lever[body])
+        if joint not in geometry.joints:  # a cross without mass moves with its carrier
+            body = geometry.joints.index(int(press.model.parents[joint]))
+            place = geometry.own_axes[body].T @ (press.model.jointPlacements[joint].translation - geometry.lever[body])
             arm = (matrices[:, 0, body] @ place)[:, None]
             found[:, :, joint - 1] = np.concatenate([straight[:, :, body] + np.cross(turn[:, :, body], arm), turn[:, :, body]], axis=2)
     return found
 
 
-def strain_energy_in_space(sprung: PressInSpace, coordinates: Array, moved: Array) -> dict[str, Array]:
-    """Name of a part -> (n, m) twice its strain energy, of shapes as above; a bearing's turning is a part of its own."""
-    springs, found = sprung.springs, dict[str, Array]()
-    stored = springs.stiffness * (moved @ sprung.gradients(coordinates).swapaxes(1, 2)) ** 2
-    for spring, (bearing, place) in enumerate(zip(springs.bearing, springs.place, strict=True)):
-        name = sprung.press.bearings[bearing] + ("" if place else " turning")
-        found[name] = found.get(name, 0.0) + stored[:, :, spring]
-    return found
-
-
-def kinetic_energy_in_space(sprung: PressInSpace, coordinates: Array, moved: Array, flywheel: float) -> dict[str, Array]:
+def kinetic_energy_in_space(geometry: SpaceGeometry, state: SpaceState, moved: Array, flywheel: float) -> dict[str, Array]:
     """Name of a link, or "flywheel" -> (n, m) twice its kinetic energy, of shapes as above; ``flywheel``: its inertia [kg m2]."""
-    changed = _changed_matrices(sprung, coordinates, moved)
+    changed = _changed_matrices(geometry, state, moved)
     n, m = moved.shape[:2]
-    turning = (sprung._weighed(changed.reshape(n * m, -1, 9)).reshape(changed.shape) * changed).sum(axis=3)
-    straight = (moved[:, :, : 6 * sprung.count].reshape(n, m, -1, 6)[..., :3] ** 2).sum(axis=3) * sprung.mass_of
-    found = {sprung.press.link_of(joint): (turning + straight)[:, :, body] for body, joint in enumerate(sprung.joints)}
+    turning = (geometry.weighed(changed.reshape(n * m, -1, 9)).reshape(changed.shape) * changed).sum(axis=3)
+    straight = (moved[:, :, : 6 * geometry.count].reshape(n, m, -1, 6)[..., :3] ** 2).sum(axis=3) * geometry.mass_of
+    found = {geometry.press.link_of(joint): (turning + straight)[:, :, body] for body, joint in enumerate(geometry.joints)}
     return found | ({"flywheel": flywheel * moved[:, :, -1] ** 2} if flywheel else {})
 
 
-def _changed_matrices(sprung: PressInSpace, coordinates: Array, moved: Array) -> Array:
+def _changed_matrices(geometry: SpaceGeometry, state: SpaceState, moved: Array) -> Array:
     """(n, m, B, 9) how much the matrices of the bodies change."""
-    n, m, count = *moved.shape[:2], sprung.count
-    by = sprung.turned(coordinates, np.zeros_like(coordinates)).by[:, None, :count]
+    n, m, count = *moved.shape[:2], geometry.count
+    by = state.turned.by[:, None, :count]
     own = moved[:, :, : 6 * count].reshape(n, m, count, 6)[..., 3:]
     every = np.concatenate([own, np.broadcast_to(moved[:, :, None, -1:], (n, m, count, 1))], axis=3)
     return np.asarray((every[..., None, :] @ by)[..., 0, :])

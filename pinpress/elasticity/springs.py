@@ -22,8 +22,7 @@ from ..kinematics.motion import Motion, bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.contact import Clearance as Clearance
 from ..simulation.elastic.contact import hertz_stiffness as hertz_stiffness
-from ..simulation.elastic.description import FRAME as FRAME
-from ..simulation.elastic.description import STIFFEST, doubt_stiffness, refuse_joint_but_of_guide
+from ..simulation.elastic.description import FRAME, SHAFT, STIFFEST, doubt_stiffness, refuse_joint_but_of_guide
 from ..simulation.elastic.description import Elastic as Elastic
 from ..simulation.elastic.description import Rod as Rod
 from ..simulation.elastic.description import Stiffness as Stiffness
@@ -32,7 +31,6 @@ from ..simulation.elastic.flexible_link import read_flexible_link as read_flexib
 from ..simulation.elastic.preloaded_joint import PreloadedJoint as PreloadedJoint
 from ..simulation.elastic.preloaded_joint import closed_stiffness
 
-SHAFT = "shaft"  # name of this part
 MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them
 
 

@@ -27,13 +27,12 @@ from ..kinematics.motion import motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage, OfPress
 from ..simulation.elastic.assembly import press_on_springs
-from ..simulation.elastic.description import STIFFEST, Elastic, Rod
-from ..simulation.elastic.in_space.bodies import PressInSpace
+from ..simulation.elastic.description import FRAME, STIFFEST, Elastic, Rod
+from ..simulation.elastic.plane import PlaneGeometry
 from ..simulation.elastic.preloaded_joint import closed_stiffness
-from ..simulation.elastic.press_on_springs import reference_angle
-from ..simulation.elastic.sprung_press import SprungPress
-from .modes_in_space import kinetic_energy_in_space, shapes_in_space, strain_energy_in_space
-from .springs import FRAME, SHAFT
+from ..simulation.elastic.space import SpaceGeometry
+from ..simulation.elastic.sprung_press import BodyState, SprungPress, reference_angle
+from .modes_in_space import kinetic_energy_in_space, shapes_in_space
 
 MOUNTS = "mounts"  # name of what a frame stands on
 POINTS = 360  # crank angles of a turn
@@ -139,12 +138,11 @@ def natural_frequencies(
     if isinstance(elastic, Elastic) and elastic.clearances:
         raise PinpressError("a pin with clearance has no natural frequency, as it opens and closes: leave the clearances out")
     sprung, angles = press_on_springs(press, elastic), _angles(press, angle)
-    coordinates, _, _ = sprung.rigid_coordinates(motion_through_change_points(press, angles, 0.0))
-    still = np.zeros_like(coordinates)
-    forces = sprung.spring_forces(coordinates, still)
-    assert forces.stiffness is not None
-    assert forces.damping is not None
-    mass, kept = sprung.mass_at(coordinates).copy(), sprung.free - (flywheel is None)
+    geometry = sprung.geometry
+    coordinates, _, _ = geometry.rigid(motion_through_change_points(press, angles, 0.0))
+    state = geometry.state(coordinates, np.zeros_like(coordinates))
+    forces = sprung.spring_forces(state)
+    mass, kept = sprung.mass_at(state).copy(), sprung.free - (flywheel is None)
     wheel = 0.0 if flywheel is None else flywheel_inertia(flywheel)
     mass[..., -1, -1] += wheel
     inverse = np.linalg.inv(np.linalg.cholesky(mass[..., :kept, :kept]))
@@ -156,14 +154,13 @@ def natural_frequencies(
     free = np.zeros((len(angles), sprung.free, shapes.shape[2]))
     free[:, :kept] = shapes
     moved = np.swapaxes(sprung.carry @ free, 1, 2)
-    if isinstance(sprung, PressInSpace):
-        displaced, bending = shapes_in_space(sprung, coordinates, moved), moved[:, :, :0]
-        strain, kinetic = strain_energy_in_space(sprung, coordinates, moved), kinetic_energy_in_space(sprung, coordinates, moved, wheel)
-        energies = _shares(strain), _shares(kinetic)
+    if isinstance(geometry, SpaceGeometry):
+        displaced, bending = shapes_in_space(geometry, state, moved), moved[:, :, :0]
+        kinetic = kinetic_energy_in_space(geometry, state, moved, wheel)
     else:
         displaced = moved[:, :, : 3 * press.model.nv].reshape(*moved.shape[:2], -1, 3)
-        bending = moved[:, :, moved.shape[2] - sprung.shapes.shape[2] :]
-        energies = _strain_energy(sprung, elastic, coordinates, moved), _kinetic_energy(sprung, moved, wheel)
+        bending = moved[:, :, geometry.rigid_size :]
+        kinetic = _kinetic_energy(geometry, moved, wheel)
     return ElasticModes(
         _press=press,
         elastic=elastic,
@@ -172,8 +169,8 @@ def natural_frequencies(
         natural_frequency=read_only(frequency),
         damping_ratio=read_only(_damping_ratios(frequency, shapes, forces.damping[:, :kept, :kept])),
         shapes=read_only(displaced.copy()),
-        strain_energy=energies[0],
-        kinetic_energy=energies[1],
+        strain_energy=_shares(_strain_energy(sprung, elastic, state, moved)),
+        kinetic_energy=_shares(kinetic),
         _bottom=reference_angle(press),
         _bending=read_only(bending.copy()),
     )
@@ -212,45 +209,42 @@ def _damping_ratios(frequency: Array, shapes: Array, damping: Array) -> Array:
     return np.array([damped_modes(w, c).ratio for w, c in zip(frequency, modal, strict=True)])
 
 
-def _strain_energy(sprung: SprungPress, elastic: Elastic, coordinates: Array, moved: Array) -> FrozenMapping[str, Array]:
-    """Share (n, m) of the strain energy in each part, of displacements (n, m, 3 (bodies + 1)). A rod and its pin share by compliance."""
-    press, lines, found, size = sprung.press, sprung.lines, dict[str, Array](), moved.shape[:2]
-    extension = sprung.geometry(np.repeat(coordinates, size[1], axis=0), moved.reshape(-1, moved.shape[2])).opening  # linear in rates
-    stored = lines.stiffness * extension.reshape(*size, -1) ** 2
+def _strain_energy(sprung: SprungPress, elastic: Elastic, state: BodyState, moved: Array) -> dict[str, Array]:
+    """Name of a part -> (n, m) twice its strain energy, of displacements (n, m, k). A rod and its pin share by compliance; in space a
+    bearing's turning is a part of its own."""
+    press, geometry, springs, found = sprung.press, sprung.geometry, sprung.springs, dict[str, Array]()
+    stored = springs.stiffness * (moved @ geometry.gradient(geometry.strained(state)).swapaxes(1, 2)) ** 2
     rods = {(name, _body(press, rod)): rod for rod in elastic.stiffness.rods for name in rod.between}
-    for spring, (bearing, body) in enumerate(zip(lines.bearing, lines.first, strict=True)):
-        name = press.bearings[bearing] if bearing >= 0 else FRAME if sprung.base is None else MOUNTS
-        given = (
-            lines.stiffness[spring] if bearing < 0 else positive(name, closed_stiffness(elastic.stiffness.bearings[name]), "N/m", STIFFEST)
-        )
-        share, rod = lines.stiffness[spring] / given, rods.get((name, int(body)))
-        found[name] = found.get(name, 0.0) + share * stored[:, :, spring]
+    for spring, (bearing, body) in enumerate(zip(springs.bearing, geometry.lines.first, strict=True)):
+        name = press.bearings[bearing] if bearing >= 0 else FRAME if geometry.base is None else MOUNTS
+        part = name if springs.sign[spring] else f"{name} turning"
+        share, rod = 1.0, rods.get((name, int(body)))
+        if rod is not None:
+            share = springs.stiffness[spring] / positive(name, closed_stiffness(elastic.stiffness.bearings[name]), "N/m", STIFFEST)
+        found[part] = found.get(part, 0.0) + share * stored[:, :, spring]
         if rod is not None and share < 1.0:
             found[rod.name] = found.get(rod.name, 0.0) + (1.0 - share) * stored[:, :, spring]
-    twisted = sprung.turns.stiffness * sprung.turning_rates(moved) ** 2
-    for spring, bearing in enumerate(sprung.turns.bearing):
-        found[SHAFT if bearing < 0 else f"{press.bearings[bearing]} turning"] = twisted[:, :, spring]
-    for link in sprung.flexible:
-        found[link.name] = moved[:, :, link.columns] ** 2 @ link.stiffness
-    return _shares(found)
+    linear = sprung.linear.stiffness * sprung.linear_rates(moved) ** 2
+    for column, part in enumerate(sprung.linear.parts):
+        found[part] = found.get(part, 0.0) + linear[:, :, column]
+    return found
 
 
-def _kinetic_energy(sprung: SprungPress, moved: Array, flywheel: float) -> FrozenMapping[str, Array]:
-    """Share (n, m) of the kinetic energy in each body, of displacements (n, m, 3 (bodies + 1))."""
-    press = sprung.press
-    bodies = 3 * len(sprung.centers)
-    energy = (sprung.inertia * moved**2)[:, :, :bodies].reshape(*moved.shape[:2], -1, 3).sum(axis=3)
-    for link in sprung.flexible:
+def _kinetic_energy(geometry: PlaneGeometry, moved: Array, flywheel: float) -> dict[str, Array]:
+    """Name of a body, or "flywheel" -> (n, m) twice its kinetic energy, of displacements (n, m, k)."""
+    press = geometry.press
+    energy = (geometry.inertia * moved**2)[:, :, : geometry.rigid_size].reshape(*moved.shape[:2], -1, 3).sum(axis=3)
+    for link in geometry.flexible:
         energy[:, :, link.body] += link.mass * (moved[:, :, link.columns] ** 2).sum(axis=2)
     found = {press.link_of(body + 1): energy[:, :, body] for body in range(press.model.nv)}
-    if sprung.crown is not None:
-        found["crown"] = energy[:, :, sprung.crown]
-    if sprung.base is not None:
-        found[FRAME] = energy[:, :, sprung.base]
+    if geometry.crown is not None:
+        found["crown"] = energy[:, :, geometry.crown]
+    if geometry.base is not None:
+        found[FRAME] = energy[:, :, geometry.base]
     if flywheel:
-        body = sprung.rotor if sprung.rotor is not None else press.joints.index(press.driver)
+        body = geometry.rotor if geometry.rotor is not None else press.joints.index(press.driver)
         found["flywheel"] = flywheel * moved[:, :, 3 * body + 2] ** 2
-    return _shares(found)
+    return found
 
 
 def _shares(parts: Mapping[str, Array]) -> FrozenMapping[str, Array]:

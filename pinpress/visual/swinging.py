@@ -23,7 +23,7 @@ from ..kinematics.motion import Motion, Poses, motion_through_change_points, pos
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.assembly import sprung_press
 from ..simulation.elastic.flexible_link import FlexibleBody
-from ..simulation.elastic.sprung_press import SprungPress
+from ..simulation.elastic.plane import PlaneGeometry
 from . import swinging_frame
 from .deflected import IN_SPACE, SEEN, displaced
 from .pages import meshcat, packed, page, write
@@ -108,7 +108,7 @@ class _Swinging(NamedTuple):
     Attributes:
         press: the linkage.
         modes: its vibrations.
-        sprung: the press on its springs; None in space, where no links bend.
+        geometry: of the press on its springs; None in space, where no links bend.
         state: (keys,) angles of the modes at the key frames.
         motion: of the rigid press.
         at: its poses.
@@ -116,7 +116,7 @@ class _Swinging(NamedTuple):
 
     press: Linkage
     modes: ElasticModes
-    sprung: SprungPress | None
+    geometry: PlaneGeometry | None
     state: Any
     motion: Motion
     at: Poses
@@ -129,7 +129,7 @@ class _Swinging(NamedTuple):
         both = np.concatenate([weighed.reshape(len(shape), -1), bending], axis=1)
         same = np.where((both[1:] * both[:-1]).sum(axis=1) < 0, -1.0, 1.0)
         sign = np.cumprod(np.append(1.0, same))
-        bent = [np.abs(bending[:, _own(self.sprung, each)] @ each.shapes.T) for each in self.sprung.flexible] if self.sprung else []
+        bent = [np.abs(bending[:, _own(self.geometry, each)] @ each.shapes.T) for each in self.geometry.flexible] if self.geometry else []
         # all that a link does that turns about its centre of mass
         turned = TURNED * self.press.size * float(np.abs(shape[..., straight:]).max())
         largest = max(float(np.abs(shape[..., :straight]).max()), turned, *(float(each.max(initial=0.0)) for each in bent))
@@ -137,25 +137,25 @@ class _Swinging(NamedTuple):
         factor = (SEEN * self.press.size / largest * swing * sign[self.state])[:, None]
         moved = factor[:, :, None] * shape[self.state]
         at = displaced(self.press, self.at, moved)
-        if self.sprung is None:
+        if self.geometry is None:
             return _ModeFilm(at, {})
-        angles = self.sprung.rigid_coordinates(self.motion)[0]
+        angles = self.geometry.rigid(self.motion)[0]
         lines = {}
-        for link in self.sprung.flexible:
+        for link in self.geometry.flexible:
             nodes = _line(link)
             if len(nodes) < 3:
                 continue
             turn = np.exp(1j * (angles[:, 3 * link.body + 2] + moved[:, link.body, 2]))[:, None]
-            places = link.places[nodes] + (factor * bending[self.state][:, _own(self.sprung, link)]) @ link.shapes[nodes].T
+            places = link.places[nodes] + (factor * bending[self.state][:, _own(self.geometry, link)]) @ link.shapes[nodes].T
             centre = at.points(link.body + 1, self.press.model.inertias[link.body + 1].lever)
-            lines[link.name] = centre[:, None, :] + to_world(self.sprung.plane, turn * places)
+            lines[link.name] = centre[:, None, :] + to_world(self.geometry.plane, turn * places)
         return _ModeFilm(at, lines)
 
 
 def _swinging(press: Linkage, modes: ElasticModes, state: Any) -> _Swinging:
-    sprung = None if modes.shapes.shape[-1] == IN_SPACE else sprung_press(press, modes.elastic)
+    geometry = None if modes.shapes.shape[-1] == IN_SPACE else sprung_press(press, modes.elastic).geometry
     motion = motion_through_change_points(press, modes.crank_angle[state], 0.0)
-    return _Swinging(press, modes, sprung, state, motion, poses(press, motion.joint_position))
+    return _Swinging(press, modes, geometry, state, motion, poses(press, motion.joint_position))
 
 
 def _joined(films: list[_ModeFilm]) -> tuple[Poses, dict[str, Array]]:
@@ -164,9 +164,9 @@ def _joined(films: list[_ModeFilm]) -> tuple[Poses, dict[str, Array]]:
     return Poses(rotation, position), {name: np.concatenate([film.lines[name] for film in films]) for name in films[0].lines}
 
 
-def _own(sprung: SprungPress, link: FlexibleBody) -> slice:
+def _own(geometry: PlaneGeometry, link: FlexibleBody) -> slice:
     """Coordinates of a flexible link's shapes among those of all flexible links."""
-    first = len(sprung.drawn) - sprung.shapes.shape[2]
+    first = geometry.rigid_size
     return slice(link.columns.start - first, link.columns.stop - first)
 
 

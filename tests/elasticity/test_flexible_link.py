@@ -13,8 +13,9 @@ from pinpress.elasticity import Elastic, FlexibleLink, Rod, Stiffness, flexible_
 from pinpress.elasticity.straight_beam import _beam_stiffness
 from pinpress.engines.planar.model import to_complex
 from pinpress.simulation.driven_press import driven_press
-from pinpress.simulation.elastic.assembly import DrawnBodies, pins_of, rigid_inertia, sprung_press
-from pinpress.simulation.elastic.load_paths import load_path
+from pinpress.simulation.elastic.assembly import pins_of, rigid_inertia, sprung_press
+from pinpress.simulation.elastic.paths import load_path
+from pinpress.simulation.elastic.plane import DrawnBodies
 from pinpress.visual.reports.elastic_motion import elastic_in_words
 
 JF75G, SIX_BAR = "jf75g_125_plain", "zxn2_3000b"
@@ -93,11 +94,12 @@ def slide_compliance(press, elastic, angles):
     """(n,) how far the slide yields under a static force of 1 N: each mode by its share over its squared frequency."""
     modes, sprung = natural_frequencies(press, elastic, angle=angles), sprung_press(press, elastic)
     driven = driven_press(press, pp.drives.PrescribedSpeed(1.0), None, [pp.loads.ConstantForce(1e5, 0.01)], None, None, {})
-    place, _, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=angles, speed=0.0))
+    place, _, _ = sprung.geometry.rigid(pp.servo_cycle(press, angle=angles, speed=0.0))
     count = modes.natural_frequency.shape[1]
     full = np.zeros((len(angles) * count, place.shape[1]))
     full[:, : 3 * press.model.nv] = modes.shapes.reshape(len(full), -1)
-    slide = load_path(sprung, driven.coordinates[0]).over(sprung, np.repeat(place, count, axis=0), full).rate.reshape(-1, count)
+    moved = sprung.geometry.state(np.repeat(place, count, axis=0), full)
+    slide = load_path(sprung, driven.coordinates[0]).over(sprung, moved).rate.reshape(-1, count)
     return (slide**2 / modes.natural_frequency**2).sum(axis=1)
 
 
@@ -141,7 +143,7 @@ def test_a_link_of_three_pins_bends_under_load():
     loads = [[pp.loads.PointForce("slide", tuple(force * press.slide_direction))] for force in (1e6, 0.0)]
     pushed, idle = (pp.inverse_dynamics(press, motion, loads=each) for each in loads)
     drawn, found = DrawnBodies(press), 0.0
-    turned = np.exp(1j * sprung_press(press, Elastic(stiffness_of(press))).rigid_coordinates(motion)[0][:, 3 * body + 2])
+    turned = np.exp(1j * sprung_press(press, Elastic(stiffness_of(press))).geometry.rigid(motion)[0][:, 3 * body + 2])
     for name, arm in arms.items():
         force = to_complex(drawn.plane, pushed.bearing_force[name] - idle.bearing_force[name]) / 1e6
         own, length = force / (turned * arm / abs(arm)), abs(arm)
@@ -158,20 +160,20 @@ def test_derivatives():
     beam = flexible_beam(press, "coupler", ("B", "C"), area=0.03, second_moment=1e-4, modes=3)
     stiffness = stiffness_of(press, rods=[Rod("rod", ("E", "F"), 9e8), Rod("rocker", ("D", "C"), 9e8)], frame=4e9)
     sprung = sprung_press(press, Elastic(stiffness, crown_mass=5000.0, damping_ratio=0.1, flexible_links=[beam]))
-    place, _, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=[0.3, 2.0], speed=1.0))
+    place, _, _ = sprung.geometry.rigid(pp.servo_cycle(press, angle=[0.3, 2.0], speed=1.0))
     free = sprung.free_coordinates(place) + 1e-3 * rng.normal(size=(2, sprung.free))
     state = free, rng.normal(size=free.shape), rng.normal(size=free.shape)
 
     def forces(y, v, a):
-        return -sprung.spring_forces(sprung.all_coordinates(y), v @ sprung.carry.T, False).force
+        return -sprung.spring_forces(sprung.state(y, v), False).force
 
     def inertia(y, v, a):
-        return sprung.varying_inertia(sprung.all_coordinates(y), v @ sprung.carry.T, a @ sprung.carry.T)
+        return sprung.varying_inertia(sprung.state(y, v), a)
 
     def kinetic(y, v):
-        return sprung.kinetic_energy(sprung.all_coordinates(y), v @ sprung.carry.T) - 0.5 * np.einsum("nf,fg,ng->n", v, sprung.mass, v)
+        return sprung.geometry.kinetic_energy(sprung.state(y, v)) - 0.5 * np.einsum("nf,fg,ng->n", v, sprung.mass, v)
 
-    at, given = sprung.spring_forces(sprung.all_coordinates(free), state[1] @ sprung.carry.T), inertia(*state)
+    at, given = sprung.spring_forces(sprung.state(free, state[1])), inertia(*state)
     steps = 1e-6 * np.eye(sprung.free)
     for which, found, law in (
         (0, at.stiffness, forces),

@@ -11,8 +11,8 @@ from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.elastic.acting.phases import LoadPhases
 from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
-from pinpress.simulation.elastic.load_paths import load_path
 from pinpress.simulation.elastic.marching import march
+from pinpress.simulation.elastic.paths import load_path
 from pinpress.simulation.elastic.task import Task
 
 LENGTH, HIGH, THICK, COLUMNS, ROWS = 0.3, 0.04, 0.1, 10, 2  # of the rod, and its elements
@@ -65,19 +65,17 @@ def test_half_a_stroke():
     driven = driven_press(press, pp.drives.PrescribedSpeed(speed), None, [], None, None)
     paths = tuple(load_path(sprung, coordinate) for coordinate in driven.coordinates)
     equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, speed), segments=((),))
-    whole = [each[0] for each in sprung.rigid_coordinates(pp.servo_cycle(press, angle=[start], speed=speed))]
+    whole = [each[0] for each in sprung.geometry.rigid(pp.servo_cycle(press, angle=[start], speed=speed))]
     y, v = sprung.free_coordinates(whole[0][None])[0, :-1], sprung.free_rates(whole[1][None])[0, :-1]
     task = Task(equations, LoadPhases(driven, 1), lambda times: (times, times, times), 2 * until, speed, np.zeros(2 * len(y)), 1e-10)
     ended = march(task, start, np.concatenate([y, v]), until).panels.states[-1:]
-    free, rates = equations.whole(np.array([until]), *np.split(ended, 2, axis=1))
-    coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
-    geometry = sprung.geometry(coordinates, all_rates)
-    pulls = sprung.lines.stiffness * geometry.extension[0] + sprung.lines.damping * geometry.opening[0]
+    state = equations.state(np.array([until]), *np.split(ended, 2, axis=1))
+    pulls = -sprung.pulls(sprung.geometry.strained(state))[0]
     theirs = exudyn_pulls(sprung, whole, link, each_way, until)
     np.testing.assert_allclose(
         theirs, pulls, rtol=0, atol=3e-9 * np.abs(pulls).max()
     )  # the terms of Coriolis are 2e-8, centrifugal ones 4e-5
-    assert np.abs(coordinates[0, sprung.flexible[0].columns]).max() > 1e-5  # it bends
+    assert np.abs(state.coordinates[0, sprung.geometry.flexible[0].columns]).max() > 1e-5  # it bends
 
 
 def exudyn_pulls(sprung, whole, link, each_way, until):
@@ -87,11 +85,11 @@ def exudyn_pulls(sprung, whole, link, each_way, until):
 
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
-    ground, bent, press = mbs.AddObject(items.ObjectGround()), sprung.flexible[0], sprung.press
+    ground, bent, press = mbs.AddObject(items.ObjectGround()), sprung.geometry.flexible[0], sprung.press
     bodies, angles = {}, {}
     for j in range(press.model.nv):
-        centre, place, rates = sprung.centers[j], whole[0][3 * j : 3 * j + 3], whole[1][3 * j : 3 * j + 3]
-        weight = [*sprung.weight[3 * j : 3 * j + 2].tolist(), 0.0]
+        centre, place, rates = sprung.geometry.centers[j], whole[0][3 * j : 3 * j + 3], whole[1][3 * j : 3 * j + 3]
+        weight = [*sprung.geometry.weight[3 * j : 3 * j + 2].tolist(), 0.0]
         at = np.array([centre.real + place[0], centre.imag + place[1], 0.0])
         if j == bent.body:
             model = FEM.FEMinterface()
@@ -117,13 +115,13 @@ def exudyn_pulls(sprung, whole, link, each_way, until):
             )
             bodies[j] = made["oFFRFreducedOrder"]
             continue
-        turning = 1e14 if j == press.driver_indices[0] else sprung.inertia[3 * j + 2]  # it holds the crank's speed
+        turning = 1e14 if j == press.driver_indices[0] else sprung.geometry.inertia[3 * j + 2]  # it holds the crank's speed
         node = mbs.AddNode(
             items.NodeRigidBody2D(
                 referenceCoordinates=[centre.real, centre.imag, 0.0], initialCoordinates=place.tolist(), initialVelocities=rates.tolist()
             )
         )
-        bodies[j] = mbs.AddObject(items.ObjectRigidBody2D(mass=sprung.inertia[3 * j], inertia=turning, nodeNumber=node))
+        bodies[j] = mbs.AddObject(items.ObjectRigidBody2D(mass=sprung.geometry.inertia[3 * j], inertia=turning, nodeNumber=node))
         own = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=bodies[j], localPosition=[0.0, 0.0, 0.0]))
         mbs.AddLoad(items.LoadForceVector(markerNumber=own, loadVector=weight))
         angles[j] = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=2))
@@ -136,14 +134,14 @@ def exudyn_pulls(sprung, whole, link, each_way, until):
             return mbs.AddMarker(items.MarkerSuperElementPosition(bodyNumber=bodies[body], meshNodeNumbers=[node], weightingFactors=[1.0]))
         return mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=bodies[body], localPosition=[arm.real, arm.imag, 0.0]))
 
-    lines, turns, springs = sprung.lines, sprung.turns, []
+    lines, own, turns, springs = sprung.geometry.lines, sprung.springs, sprung.linear, []
     for k, along in enumerate(lines.direction):
-        stiff, damp = ([value * abs(along.real), value * abs(along.imag), 0.0] for value in (lines.stiffness[k], lines.damping[k]))
+        stiff, damp = ([value * abs(along.real), value * abs(along.imag), 0.0] for value in (own.stiffness[k], own.damping[k]))
         sides = ((lines.first[k], lines.arm1[k]), (lines.second[k], lines.arm2[k]))
-        ends = [marker(int(body), complex(arm), int(lines.bearing[k])) for body, arm in sides]
+        ends = [marker(int(body), complex(arm), int(own.bearing[k])) for body, arm in sides]
         springs.append(mbs.AddObject(items.ObjectConnectorCartesianSpringDamper(markerNumbers=ends, stiffness=stiff, damping=damp)))
     fixed = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
-    for k, body in enumerate(turns.second):
+    for k, body in enumerate(int(row.argmax()) // 3 for row in turns.rows[turns.shared > 0]):  # without the shapes of the rod
         given = {"stiffness": float(turns.stiffness[k]), "damping": float(turns.damping[k])}
         mbs.AddObject(items.ObjectConnectorCoordinateSpringDamper(markerNumbers=[fixed, angles[int(body)]], **given))
     mbs.Assemble()

@@ -10,7 +10,7 @@ import pinpress as pp
 from pinpress.elasticity import Clearance, Elastic, Rod, Stiffness, natural_frequencies
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.elastic.assembly import sprung_press
-from pinpress.simulation.elastic.load_paths import load_path
+from pinpress.simulation.elastic.paths import load_path
 
 ANGLES = np.array([0.1, 1.3, 2.2, 3.6, 5.1])
 
@@ -37,11 +37,11 @@ def test_all_modes_together_yield_as_castigliano_says(name, rods):
     sprung = sprung_press(press, elastic)
     driven = driven_press(press, pp.drives.PrescribedSpeed(1.0), None, [pp.loads.ConstantForce(1e5, 0.01)], None, None, {})
     path = load_path(sprung, driven.coordinates[0])
-    place, _, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=ANGLES, speed=0.0))
+    place, _, _ = sprung.geometry.rigid(pp.servo_cycle(press, angle=ANGLES, speed=0.0))
     count = modes.natural_frequency.shape[1]
     full = np.zeros((len(ANGLES) * count, place.shape[1]))
     full[:, : 3 * press.model.nv] = modes.shapes.reshape(len(full), -1)
-    slide = path.over(sprung, np.repeat(place, count, axis=0), full).rate.reshape(-1, count)
+    slide = path.over(sprung, sprung.geometry.state(np.repeat(place, count, axis=0), full)).rate.reshape(-1, count)
     expected = pp.elasticity.compliance(press, stiffness, angle=ANGLES).compliance
     np.testing.assert_allclose((slide**2 / modes.natural_frequency**2).sum(axis=1), expected, rtol=1e-9)
 
@@ -79,8 +79,8 @@ def test_dampers_of_their_own_couple_modes():
     elastic = Elastic(stiffness_of(press), dampers={"P4": 6e6})
     modes = natural_frequencies(press, elastic, angle=[0.7])
     sprung = sprung_press(press, elastic)
-    place, _, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=[0.7], speed=0.0))
-    forces = sprung.spring_forces(place, 0 * place)
+    place, _, _ = sprung.geometry.rigid(pp.servo_cycle(press, angle=[0.7], speed=0.0))
+    forces = sprung.spring_forces(sprung.geometry.state(place, 0 * place))
     n, mass = sprung.free - 1, sprung.mass[:-1, :-1]
     by_place, by_rate = (np.linalg.solve(mass, each[0, :-1, :-1]) for each in (forces.stiffness, forces.damping))
     values = np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [-by_place, -by_rate]]))

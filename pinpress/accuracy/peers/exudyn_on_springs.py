@@ -13,10 +13,9 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 
 from ...common.errors import PinpressError
-from ...common.quantities import Array
 from ...loads.process import Blanking
-from ...simulation.elastic.load_paths import PointPath
-from ...simulation.elastic.sprung_press import SprungPress
+from ...simulation.elastic.paths import PointPath
+from ...simulation.elastic.plane import PlaneGeometry, PlaneState
 from ...simulation.elastic.task import ElasticSolution
 from .exudyn_press import solve
 
@@ -70,17 +69,18 @@ class ExudynOnSprings:
     def __post_init__(self) -> None:
         sprung, path = self.solution.equations.sprung, self.solution.equations.paths[:1]
         press = sprung.press
-        if not isinstance(sprung, SprungPress):
+        geometry = sprung.geometry
+        if not isinstance(geometry, PlaneGeometry):
             raise PinpressError(f"{press.name} moves in space, and only planar presses on springs are compared in it")
-        if press.couplings or sprung.crown is not None or sprung.rotor is not None or sprung.open_pins:
+        if press.couplings or geometry.crown is not None or geometry.rotor is not None or sprung.open_pins:
             raise PinpressError(f"{press.name} has gear pairs, a crown, a shaft or clearance, which are not compared in it")
         if press.model.parents[press.driver_indices[0] + 1] != 0:
             raise PinpressError(f"it is compared with cranks on the frame, and that of {press.name} is not")
-        if self.blank is not None and not (isinstance(path[0], PointPath) and abs(path[0].direction - 1j) < 1e-9):
+        if self.blank is not None and not (isinstance(path[0], PointPath) and np.abs(path[0].direction - (0.0, 1.0)).max() < 1e-9):
             raise PinpressError(f"it is compared with slides on upright guides, and that of {press.name} is not")
 
-    def run(self, how: Setting) -> tuple[Array, Array]:
-        """Coordinates and rates (1, 3 (bodies + 1)) of all bodies at the end.
+    def run(self, how: Setting) -> PlaneState:
+        """All bodies at the end.
 
         Raises:
             SimulationError: Exudyn finds no solution.
@@ -89,7 +89,7 @@ class ExudynOnSprings:
         solve(mbs, self._settings(how), exudyn.DynamicSolverType.GeneralizedAlpha if how.steps else exudyn.DynamicSolverType.DOPRI5)
         at = mbs.systemData.GetODE2Coordinates(), mbs.systemData.GetODE2Coordinates_t()
         coordinates, rates = (np.concatenate([np.array(each), np.zeros(3)])[None] for each in at)
-        return coordinates, rates
+        return self._geometry.state(coordinates, rates)
 
     def _settings(self, how: Setting) -> Any:
         made = exudyn.SimulationSettings()
@@ -109,20 +109,20 @@ class ExudynOnSprings:
     def built(self) -> Any:
         """The system of bodies, assembled, in its first state."""
         equations, panels = self.solution.equations, self.solution.panels
-        sprung = self._sprung
-        free, rates = equations.whole(panels.mesh.knots[:1], *np.split(panels.states[:1], 2, axis=1))
-        places, speeds = sprung.all_coordinates(free)[0].reshape(-1, 3), (rates @ sprung.carry.T)[0].reshape(-1, 3)
+        geometry = self._geometry
+        state = equations.state(panels.mesh.knots[:1], *np.split(panels.states[:1], 2, axis=1))
+        places, speeds = state.coordinates[0].reshape(-1, 3), state.rates[0].reshape(-1, 3)
         mbs = exudyn.SystemContainer().AddSystem()
-        frame, driver, bodies, nodes = sprung.press.model.nv, sprung.press.driver_indices[0], [], []
+        frame, driver, bodies, nodes = geometry.press.model.nv, geometry.press.driver_indices[0], [], []
         for j in range(frame):
-            mass, _, about = sprung.inertia[3 * j : 3 * j + 3].tolist()
-            centre = [sprung.centers[j].real, sprung.centers[j].imag, 0.0]
+            mass, _, about = geometry.inertia[3 * j : 3 * j + 3].tolist()
+            centre = [geometry.centers[j].real, geometry.centers[j].imag, 0.0]
             start = {"initialCoordinates": places[j].tolist(), "initialVelocities": speeds[j].tolist()}
             nodes.append(mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=centre, **start)))
             turning = HELD if j == driver else about
             bodies.append(mbs.AddObject(items.ObjectRigidBody2D(mass=mass, inertia=turning, nodeNumber=nodes[j])))
             own = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=bodies[j], localPosition=[0.0, 0.0, 0.0]))
-            mbs.AddLoad(items.LoadForceVector(markerNumber=own, loadVector=[*sprung.weight[3 * j : 3 * j + 2].tolist(), 0.0]))
+            mbs.AddLoad(items.LoadForceVector(markerNumber=own, loadVector=[*geometry.weight[3 * j : 3 * j + 2].tolist(), 0.0]))
         bodies.append(mbs.AddObject(items.ObjectGround()))
         self._add_springs(mbs, bodies, nodes)
         if self.blank is not None:
@@ -131,21 +131,21 @@ class ExudynOnSprings:
         return mbs
 
     @property
-    def _sprung(self) -> SprungPress:
-        sprung = self.solution.equations.sprung
-        assert isinstance(sprung, SprungPress)
-        return sprung
+    def _geometry(self) -> PlaneGeometry:
+        geometry = self.solution.equations.sprung.geometry
+        assert isinstance(geometry, PlaneGeometry)
+        return geometry
 
     def _add_springs(self, mbs: Any, bodies: list[Any], nodes: list[Any]) -> None:
-        lines, turns = self._sprung.lines, self._sprung.turns
+        lines, springs, turns = self._geometry.lines, self.solution.equations.sprung.springs, self.solution.equations.sprung.linear
         for k in range(len(lines.first)):
             along = lines.direction[k]
-            stiff, damp = ([value * abs(along.real), value * abs(along.imag), 0.0] for value in (lines.stiffness[k], lines.damping[k]))
+            stiff, damp = ([value * abs(along.real), value * abs(along.imag), 0.0] for value in (springs.stiffness[k], springs.damping[k]))
             ends = [_marker(mbs, bodies[lines.first[k]], lines.arm1[k]), _marker(mbs, bodies[lines.second[k]], lines.arm2[k])]
             mbs.AddObject(items.ObjectConnectorCartesianSpringDamper(markerNumbers=ends, stiffness=stiff, damping=damp))
         still = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
-        for k in range(len(turns.first)):
-            angle = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[turns.second[k]], coordinate=2))
+        for k, row in enumerate(turns.rows):
+            angle = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[int(row.argmax()) // 3], coordinate=2))
             law = {"stiffness": float(turns.stiffness[k]), "damping": float(turns.damping[k])}
             mbs.AddObject(items.ObjectConnectorCoordinateSpringDamper(markerNumbers=[still, angle], **law))
 
@@ -155,9 +155,9 @@ class ExudynOnSprings:
         equations, through = self.solution.equations, False
         (interval,), path = self.blank.intervals(downwards=True), equations.paths[0]
         assert isinstance(path, PointPath)
-        drawn = self._sprung.centers[path.body] + path.arm
+        drawn = self._geometry.centers[path.body] + path.arm
         slide = _marker(mbs, bodies[path.body], path.arm)
-        zero = path.offset - equations.all_forces[0].datum
+        zero = path.offset + drawn.imag - equations.all_forces[0].datum
 
         def push(mbs: Any, t: float, item: int, apart: Any, opening: Any, *more: Any) -> list[float]:
             height = zero + apart[1]

@@ -1,5 +1,7 @@
 """A planar linkage taken apart into bodies on springs: `sprung_press`.
 
+A bearing is two springs across each other, a guide a spring across its axis and one against turning.
+
 A rod yields along the line of its two pins, in series with them: the pins at its ends are softer along that line, by half of the rod's
 compliance each. Where another rod ends at a pin too, all of it is at the other pin. An arm of a link with more bearings yields at its end.
 """
@@ -16,26 +18,23 @@ import pinocchio as pin
 from ...common import plausibility
 from ...common.arguments import positive
 from ...common.errors import PinpressError, UnknownNameError, shown
-from ...common.quantities import Array, ComplexArray
-from ...engines.planar.engine import PlanarEngine
-from ...engines.planar.kinematics import basis_at
+from ...common.quantities import Array
 from ...engines.planar.model import Plane, to_complex
 from ...linkage.linkage import Linkage
 from .acting.frame_on_mounts import on_mounts
+from .assembly_in_space import press_in_space
 from .contact import Clearance, OpenPin
-from .description import FRAME, STIFFEST, Elastic, Rod, by_bearing, dampers_by_bearing, doubt_stiffness
+from .description import FRAME, SHAFT, STIFFEST, Elastic, Rod, by_bearing, dampers_by_bearing, doubt_stiffness
 from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
-from .in_space.assembly import press_in_space
-from .in_space.bodies import PressInSpace
+from .plane import DrawnBodies, Lines, PlaneGeometry
 from .preloaded_joint import JointSpring, PreloadedJoint, closed_stiffness
-from .press_on_springs import frequencies, reference_angle
-from .sprung_press import LineSprings, SprungPress, TurningSprings
+from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
 
 LIGHTEST = 1e-9  # share of the heaviest link's mass below which a link counts as one without mass
 MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them
 
 
-def press_on_springs(press: Linkage, elastic: Elastic) -> SprungPress | PressInSpace:
+def press_on_springs(press: Linkage, elastic: Elastic) -> SprungPress:
     """A press on its springs and dampers, planar or in space.
 
     Raises:
@@ -67,55 +66,16 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     bodies = _bodies(press, drawn, elastic)
     stiff = _with_springs(drawn, bodies, elastic)
     bending = _with_flexible_links(drawn, stiff, elastic) if len(elastic.flexible_links) else stiff
-    closed = _with_dampers(drawn, bending, elastic)
+    closed = bending.with_dampers(elastic.damping_ratio, dampers_by_bearing(press, elastic.dampers))
     if elastic.mounted_frame is not None:
         return on_mounts(closed, elastic.mounted_frame, elastic.mounts)
     return _with_clearances(drawn, closed, elastic) if elastic.clearances else closed
 
 
-class DrawnBodies:
-    """A planar press in its drawn pose, all joints at zero.
-
-    Attributes:
-        press: the linkage.
-        plane: its constants.
-        origins: (links,) origins of the joints.
-        centers: (links,) centres of mass.
-        directions: by the joint of each guide.
-    """
-
-    def __init__(self, press: Linkage) -> None:
-        self.press = press
-        engine = press.engine("plane")
-        assert isinstance(engine, PlanarEngine)
-        self.plane: Plane = engine.plane
-        basis = basis_at(self.plane, np.zeros((press.model.nv, 1)))
-        self.origins: ComplexArray = (self.plane.origins @ basis)[:, 0]
-        self.centers: ComplexArray = ((self.plane.origins + self.plane.centers) @ basis)[:, 0]
-        self.directions = dict(zip(self.plane.prismatic, (self.plane.directions @ basis)[:, 0], strict=True))
-
-    def point(self, joint: int, point: Array) -> complex:
-        """A point of a link, in the frame of its joint (-1: the world), in the axes of the plane [m]."""
-        if joint < 0:
-            return complex(to_complex(self.plane, point))
-        return complex(self.origins[joint] + complex(*(self.plane.frames[joint] @ point)[:2]))
-
-    def bearing(self, number: int) -> tuple[int, complex, int, complex]:
-        """Link (-1: the frame) and point of both sides of a bearing: parent and child, or link1 and link2."""
-        count = self.press.model.nv
-        if number < count:
-            return self.plane.parents[number], complex(self.origins[number]), number, complex(self.origins[number])
-        loop = self.press.loops[number - count]
-        if loop.type == "fixed":
-            raise PinpressError(f"loop {shown(loop.name)} of {self.press.name} is welded: elastic motion takes bearings that turn")
-        one, two = loop.joint1 - 1, loop.joint2 - 1
-        return one, self.point(one, loop.point1), two, self.point(two, loop.point2)
-
-
 # ---------------------------------------------------------------------------------------------------------------------------------- bodies
 
 
-def _bodies(press: Linkage, drawn: DrawnBodies, elastic: Elastic) -> SprungPress:
+def _bodies(press: Linkage, drawn: DrawnBodies, elastic: Elastic) -> PlaneGeometry:
     """The bodies, with no springs yet."""
     model, plane, count = press.model, drawn.plane, press.model.nv
     mass = np.array([model.inertias[j + 1].mass for j in range(count)])
@@ -135,25 +95,22 @@ def _bodies(press: Linkage, drawn: DrawnBodies, elastic: Elastic) -> SprungPress
     weight[: 3 * count : 3], weight[1 : 3 * count : 3] = mass * gravity.real, mass * gravity.imag
     if crown is not None:
         inertia[3 * crown : 3 * crown + 2] = positive("Elastic: crown_mass", elastic.crown_mass, "kg")
-    carry, rest = _conditions(press, drawn, bodies, crown, rotor)
-    return SprungPress(
+    return PlaneGeometry(
         press=press,
         centers=np.concatenate([drawn.centers, np.zeros(bodies - count + 1)]),
         inertia=inertia,
         weight=weight,
-        lines=_columns(LineSprings, []),
-        turns=_columns(TurningSprings, []),
-        carry=carry,
-        drawn=rest,
+        lines=_columns(Lines, []),
         shapes=np.zeros((2, 0, 0), dtype=complex),
         crown=crown,
         rotor=rotor,
     )
 
 
-def _conditions(press: Linkage, drawn: DrawnBodies, bodies: int, crown: int | None, rotor: int | None) -> tuple[Array, Array]:
+def _conditions(geometry: PlaneGeometry) -> tuple[Array, Array]:
     """``carry`` and ``drawn`` of `SprungPress`: the crank's angle and the gear pairs are conditions on the links' angles."""
-    plane, count, size = drawn.plane, press.model.nv, 3 * bodies + 3
+    press, plane, size, crown, rotor = geometry.press, geometry.plane, geometry.rigid_size, geometry.crown, geometry.rotor
+    count = press.model.nv
     turns = [axis.turns for axis in press.axes]
     if not all(turns[c.follower] and turns[c.leader] for c in press.couplings):
         raise PinpressError(f"a gear pair of {press.name} slides: elastic motion takes gears that turn")
@@ -218,8 +175,9 @@ class _Softer(NamedTuple):
         return 1 / positive(f"stiffness of rod {shown(self.name)}", closed_stiffness(self.stiffness), "N/m", STIFFEST) / self.ends
 
 
-def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> SprungPress:
+def _with_springs(drawn: DrawnBodies, bare: PlaneGeometry, elastic: Elastic) -> SprungPress:
     press, stiffness, frame = drawn.press, elastic.stiffness, len(bare.centers) - 1
+    carry, rest = _conditions(bare)
     words = {
         "holds_none": "no guide and holds no moment in the plane",
         "yields": ": in an elastic motion every bearing yields, and every guide also against turning",
@@ -233,7 +191,8 @@ def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> Sp
     for place, rod in softer.items():
         if isinstance(rod.stiffness, PreloadedJoint):
             joints.append(JointSpring(rod.name, place, rod.stiffness, rod.ends, radial[place]))
-    rows: list[tuple[int, int, complex, complex, complex, float, float, float, float, int, float]] = []
+    lines: list[tuple[int, int, complex, complex, complex, float]] = []
+    springs: list[tuple[float, float, float, int, float]] = []
 
     def body(link: int) -> int:
         """A link, or what carries the bearings on the frame."""
@@ -243,7 +202,8 @@ def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> Sp
         first: int, one: complex, second: int, two: complex, along: complex, turns: bool, value: float, number: int, sign: float
     ) -> None:
         arms = one - bare.centers[first], two - bare.centers[second]
-        rows.append((first, second, *arms, along, float(turns), value, 0.0, 0.0, number, sign))
+        lines.append((first, second, *arms, along, float(turns)))
+        springs.append((value, 0.0, 0.0, number, sign))
 
     for place in range(len(press.bearings)):
         link1, one, link2, two = drawn.bearing(place)
@@ -272,16 +232,31 @@ def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> Sp
             -1,
             1.0,
         )
-    turns = [(body(drawn.plane.parents[j]), j, turning[j], 0.0, j) for j in guides]
+    turns = [(f"{press.bearings[j]} turning", body(drawn.plane.parents[j]), j, turning[j]) for j in guides]
     if bare.rotor is not None:
-        turns.append((bare.rotor, drawn.plane.driver, positive("stiffness of the shaft", stiffness.shaft, "N m/rad", STIFFEST), 0.0, -1))
-    return replace(
-        bare,
-        lines=_columns(LineSprings, rows),
-        turns=_columns(TurningSprings, turns),
+        shaft = positive("stiffness of the shaft", stiffness.shaft, "N m/rad", STIFFEST)
+        turns.append((SHAFT, bare.rotor, drawn.plane.driver, shaft))
+    geometry = replace(bare, lines=_columns(Lines, lines), shapes=np.zeros((2, len(lines), 0), dtype=complex))
+    return SprungPress(
+        press=press,
+        geometry=geometry,
+        springs=_columns(Springs, springs),
+        linear=_against_turning(turns, len(rest)),
+        carry=carry,
+        drawn=rest,
+        reference=reference_pose(press, geometry),
+        alike=tuple(range(len(press.bearings))),
         joints=tuple(joints),
-        shapes=np.zeros((2, len(rows), 0), dtype=complex),
     )
+
+
+def _against_turning(turns: Sequence[tuple[str, int, int, float]], size: int) -> LinearSprings:
+    """Springs against the turning of one body against another, of parts, both bodies, and stiffnesses."""
+    rows = np.zeros((len(turns), size))
+    for row, (_, first, second, _) in zip(rows, turns, strict=True):
+        row[3 * first + 2], row[3 * second + 2] = -1.0, 1.0
+    stiffness = np.array([value for *_, value in turns], dtype=float)
+    return LinearSprings(rows, stiffness, np.zeros(len(turns)), np.ones(len(turns)), tuple(part for part, *_ in turns))
 
 
 def _columns(kind: Any, rows: Sequence[tuple[Any, ...]]) -> Any:
@@ -289,7 +264,7 @@ def _columns(kind: Any, rows: Sequence[tuple[Any, ...]]) -> Any:
     columns = zip(*rows, strict=True) if rows else ((),) * len(kind._fields)
     whole, points = ("first", "second", "bearing"), ("arm1", "arm2", "direction")
     types = (np.intp if name in whole else complex if name in points else float for name in kind._fields)
-    return kind(*(np.array(column, dtype=each) for each, column in zip(types, columns, strict=True)))
+    return kind(*(np.array(column, dtype=dtype) for dtype, column in zip(types, columns, strict=True)))
 
 
 def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
@@ -383,49 +358,52 @@ def pins_of(drawn: DrawnBodies, link: str) -> tuple[int, dict[str, complex]]:
 
 def _with_flexible_links(drawn: DrawnBodies, rigid: SprungPress, elastic: Elastic) -> SprungPress:
     """The press whose flexible links have coordinates of their own, after those of all bodies."""
-    press, first, found = drawn.press, len(rigid.drawn), list[FlexibleBody]()
+    press, size, geometry, bodies = drawn.press, len(rigid.drawn), rigid.geometry, list[FlexibleBody]()
+    first = size
     for link in elastic.flexible_links:
         if not isinstance(link, FlexibleLink):
             raise PinpressError(f"flexible_links has {shown(link)}: give FlexibleLinks, as flexible_beam and read_flexible_link return")
         body, places = pins_of(drawn, link.link)
-        if any(other.body == body for other in found) or any(rod.link == link.link for rod in elastic.stiffness.rods):
+        if any(other.body == body for other in bodies) or any(rod.link == link.link for rod in elastic.stiffness.rods):
             raise PinpressError(f"link {shown(link.link)} of {press.name} yields twice: give it one FlexibleLink, and no Rod")
         pins = {press.bearings.index(name): (name, place) for name, place in places.items()}
-        found.append(flexible_body(link, body, first, pins, rigid_inertia(drawn, body)))
-        first = found[-1].columns.stop
-    size, more, lines = len(rigid.drawn), first - len(rigid.drawn), rigid.lines
+        bodies.append(flexible_body(link, body, first, pins, rigid_inertia(drawn, body)))
+        first = bodies[-1].columns.stop
+    more = first - size
     carry = np.zeros((first, rigid.free + more))
     carry[:size, : rigid.free - 1], carry[:size, -1] = rigid.carry[:, :-1], rigid.carry[:, -1]
     carry[size:, rigid.free - 1 : -1] = np.eye(more)
-    shapes = np.zeros((2, len(lines.first), more), dtype=complex)
-    for bent in found:
+    shapes = np.zeros((2, len(geometry.lines.first), more), dtype=complex)
+    for bent in bodies:
         columns = slice(bent.columns.start - size, bent.columns.stop - size)
-        for spring, bearing in enumerate(lines.bearing):
-            for side, bodies in enumerate((lines.first, lines.second)):
-                if bodies[spring] == bent.body:
+        for spring, bearing in enumerate(rigid.springs.bearing):
+            for side, ends in enumerate((geometry.lines.first, geometry.lines.second)):
+                if ends[spring] == bent.body:
                     shapes[side, spring, columns] = bent.at_bearing[int(bearing)]
+    linear, nothing = rigid.linear, np.zeros(more)
     return replace(
         rigid,
-        inertia=np.concatenate([rigid.inertia, *(np.full(len(bent.stiffness), bent.mass) for bent in found)]),
-        weight=np.append(rigid.weight, np.zeros(more)),
-        drawn=np.append(rigid.drawn, np.zeros(more)),
+        geometry=replace(
+            geometry,
+            inertia=np.concatenate([geometry.inertia, *(np.full(len(bent.stiffness), bent.mass) for bent in bodies)]),
+            weight=np.append(geometry.weight, nothing),
+            flexible=tuple(bodies),
+            shapes=shapes,
+        ),
+        linear=LinearSprings(
+            np.vstack([np.pad(linear.rows, ((0, 0), (0, more))), np.eye(more, first, size)]),
+            np.concatenate([linear.stiffness, *(bent.stiffness for bent in bodies)]),
+            np.concatenate([linear.damping, *(bent.damping for bent in bodies)]),
+            np.append(linear.shared, nothing),
+            (*linear.parts, *(bent.name for bent in bodies for _ in bent.stiffness)),
+        ),
+        drawn=np.append(rigid.drawn, nothing),
+        reference=np.pad(rigid.reference, ((0, 0), (0, more))),
         carry=carry,
-        flexible=tuple(found),
-        shapes=shapes,
     )
 
 
-# --------------------------------------------------------------------------------------------------------------------------------- dampers
-
-
-def _with_dampers(drawn: DrawnBodies, sprung: SprungPress, elastic: Elastic) -> SprungPress:
-    """Dampers in proportion to the springs, or as given."""
-    factor = 2 * elastic.damping_ratio / float(frequencies(sprung, reference_angle(sprung.press))[0]) if elastic.damping_ratio else 0.0
-    damping, press = factor * sprung.lines.stiffness, drawn.press
-    for place, damper in dampers_by_bearing(press, elastic.dampers).items():
-        damping[sprung.lines.bearing == place] = damper
-    lines, turns = sprung.lines._replace(damping=damping), sprung.turns._replace(damping=factor * sprung.turns.stiffness)
-    return replace(sprung, lines=lines, turns=turns)
+# ------------------------------------------------------------------------------------------------------------------------------ clearances
 
 
 def _with_clearances(drawn: DrawnBodies, closed: SprungPress, elastic: Elastic) -> SprungPress:
@@ -439,14 +417,15 @@ def _with_clearances(drawn: DrawnBodies, closed: SprungPress, elastic: Elastic) 
         if not isinstance(clearance, Clearance):
             raise PinpressError(f"clearance of {shown(name)} is {shown(clearance)}: give a Clearance(radial)")
         place = press.bearings.index(name)
-        own = np.flatnonzero(closed.lines.bearing == place)
-        if place in drawn.directions or closed.lines.turning[own].any():
+        lines, springs = closed.geometry.lines, closed.springs
+        own = np.flatnonzero(springs.bearing == place)
+        if place in drawn.directions or lines.turning[own].any():
             raise PinpressError(f"clearance of {shown(name)}: it is a guide, or a rod yields there; give clearance to other pins")
-        if any(place in bent.at_bearing for bent in closed.flexible):
+        if any(place in bent.at_bearing for bent in closed.geometry.flexible):
             raise PinpressError(f"clearance of {shown(name)}: a flexible link is joined there; give clearance to other pins")
-        k, lines = int(own[0]), closed.lines
+        k = int(own[0])
         bodies, arms = (int(lines.first[k]), int(lines.second[k])), (complex(lines.arm1[k]), complex(lines.arm2[k]))
-        found.append(OpenPin(place, bodies, arms, clearance, float(lines.stiffness[k]), float(lines.damping[k])))
-    kept = ~np.isin(closed.lines.bearing, [open_pin.bearing for open_pin in found])
-    lines = LineSprings._make(column[kept] for column in closed.lines)
-    return replace(closed, lines=lines, open_pins=tuple(found), closed=closed, shapes=closed.shapes[:, kept])
+        found.append(OpenPin(place, bodies, arms, clearance, float(springs.stiffness[k]), float(springs.damping[k])))
+    kept = ~np.isin(closed.springs.bearing, [open_pin.bearing for open_pin in found])
+    springs = Springs._make(column[kept] for column in closed.springs)
+    return replace(closed, geometry=closed.geometry.with_lines(kept), springs=springs, open_pins=tuple(found), closed=closed)

@@ -22,7 +22,7 @@ from .flexible_link import FlexibleLink
 from .preloaded_joint import STIFFEST as STIFFEST
 from .preloaded_joint import PreloadedJoint, closed_stiffness
 
-FRAME = "frame"  # name of this part
+FRAME, SHAFT = "frame", "shaft"  # names of these parts
 MOST_DAMPING = 2.0  # largest damping ratio
 
 
@@ -172,7 +172,7 @@ def by_bearing(
         raise PinpressError(f"{what} is {shown(given)}: give a mapping, name of a bearing: stiffness")
     found = {}
     for name, value in given.items():
-        place = _number_of(press, name)
+        place = number_of(press, name)
         if place not in needed:
             raise PinpressError(f"{what} names {shown(name)}, which is {holds_none}: leave it out")
         refuse_joint_but_of_guide(press, place, value, unit)
@@ -207,14 +207,15 @@ def dampers_by_bearing(press: Linkage, dampers: Mapping[str, float]) -> dict[int
     """Dampers by the numbers of their bearings [N s/m]; raises PinpressError where a name or a number is not suitable."""
     found = {}
     for name, value in dampers.items():
-        place = _number_of(press, name)
+        place = number_of(press, name)
         found[place] = number(f"damper of {shown(name)}", value, "N s/m")
         if found[place] < 0:
             raise PinpressError(f"damper of {shown(name)} is {found[place]:g}: give a number that is not negative [N s/m]")
     return found
 
 
-def _number_of(press: Linkage, bearing: str) -> int:
+def number_of(press: Linkage, bearing: str) -> int:
+    """Number of a bearing; raises UnknownNameError where the linkage has no such bearing."""
     if bearing not in press.bearings:
         raise UnknownNameError("bearing", bearing, press.bearings)
     return press.bearings.index(bearing)

@@ -24,10 +24,9 @@ from ..solvers import SimulationProblem
 from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 from .contact import OpenPin
 from .description import Elastic
-from .load_paths import NEAREST
 from .panels import Indices
-from .press_on_springs import PressOnSprings
-from .sprung_press import SprungPress
+from .paths import NEAREST
+from .sprung_press import BodyState, SprungPress
 from .task import ElasticSolution
 
 FINE = 24  # parts of a panel at whose ends extremes are looked for, and of the two parts about one of them
@@ -185,12 +184,11 @@ class ElasticSegment:
 
     @property
     def travelled(self) -> float:
-        ends = self.states(np.array([0.0, self.end]))
-        return abs(float(np.diff(self.crank(*ends.whole)[0])[0]))
+        return abs(float(np.diff(self.crank(self.states(np.array([0.0, self.end])))[0])[0]))
 
     @property
     def fastest(self) -> float:
-        return float(np.abs(self.crank(*self.states(self.borders).whole)[1]).max())
+        return float(np.abs(self.crank(self.states(self.borders))[1]).max())
 
     def states(self, times: Array) -> SolutionStates:
         """States at times (n,) of the segment."""
@@ -203,28 +201,28 @@ class ElasticSegment:
         share = (own - mesh.start[panel]) / mesh.length[panel]
         return solution_states(self.solution, panel, share, turns, self.gain)
 
-    def crank(self, free: Array, rates: Array) -> tuple[Array, Array]:
-        """Angle and speed (n,) of the crank, of free coordinates and rates (n, f)."""
-        sprung = self.solution.equations.sprung
-        return sprung.crank(sprung.all_coordinates(free), sprung.all_rates(rates))
+    def crank(self, at: SolutionStates) -> tuple[Array, Array]:
+        """Angle and speed (n,) of the crank."""
+        geometry = self.solution.equations.sprung.geometry
+        return geometry.crank(at.bodies.coordinates), geometry.crank(at.bodies.rates)
 
     def at(self, times: Array, complete: bool = True) -> Sample:
         return self.sample(self.states(times))
 
     def sample(self, at: SolutionStates) -> Sample:
         """What a trajectory gives at states."""
-        angle, speed = self.crank(*at.whole)
-        _, acceleration = self.crank(at.whole[0], at.whole_acceleration)
-        driving = self.solution.equations.driving(at.times, at.y, at.v, at.a, at.segments)
+        (angle, speed), equations = self.crank(at), self.solution.equations
+        acceleration = equations.sprung.geometry.crank(equations.sprung.all_rates(at.whole_acceleration))
+        driving = equations.driving(at.times, at.y, at.v, at.a, at.segments, at.bodies)
         angle = angle + self._whole_periods
-        states = self.solution.equations.drive_states(at.v)
+        states = equations.drive_states(at.v)
         driven = driving.torque, driving.motor, driving.speed, states
         return Sample(angle[None], speed[None], acceleration[None], *driven, self.integrals(at))
 
     @cached_property
     def _whole_periods(self) -> float:
         """Angle (of whole periods) by which the crank angles of the solution differ from those of the segment [rad]."""
-        own = float(self.crank(*self.states(np.zeros(1)).whole)[0][0])
+        own = float(self.crank(self.states(np.zeros(1)))[0][0])
         return float(np.round((self.angle - own) / (2 * np.pi)) * 2 * np.pi)
 
     @cached_property
@@ -261,8 +259,8 @@ class SolutionStates:
         y: (n, size) unknown coordinates, without the periods before.
         v: (n, size) their rates.
         a: (n, size) their accelerations.
-        whole: free coordinates and rates (n, f), with what the periods before have gained.
-        whole_acceleration: (n, f).
+        bodies: with what the periods before have gained.
+        whole_acceleration: (n, f) of the free coordinates.
     """
 
     panel: Indices
@@ -273,7 +271,7 @@ class SolutionStates:
     y: Array
     v: Array
     a: Array
-    whole: tuple[Array, Array]
+    bodies: BodyState
     whole_acceleration: Array
 
 
@@ -289,24 +287,23 @@ def solution_states(solution: ElasticSolution, panel: Indices, share: Array, tur
         held = () if equations.crank is None else (equations.crank.speed * period,)
         free = free + passed[:, None] * np.concatenate([gain[equations.own : y.shape[1]], held])
     accelerations = a[:, equations.own :] if equations.crank is None else np.column_stack([a, np.zeros(len(a))])
-    return SolutionStates(panel, share, passed, times, mesh.segment[panel], y, v, a, (free, rates), accelerations)
+    return SolutionStates(panel, share, passed, times, mesh.segment[panel], y, v, a, equations.sprung.state(free, rates), accelerations)
 
 
 def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     """(4, n) rates of the `INTEGRALS`."""
     equations, sprung = solution.equations, solution.equations.sprung
-    driven, (free, rates) = equations.driven, at.whole
-    coordinates, all_rates = sprung.all_coordinates(free), sprung.all_rates(rates)
-    driving, nothing = equations.driving(at.times, at.y, at.v, at.a, at.segments), np.zeros(len(free))
-    found = np.zeros((len(INTEGRALS), len(free)))
+    driven, nothing = equations.driven, np.zeros(len(at.times))
+    driving = equations.driving(at.times, at.y, at.v, at.a, at.segments, at.bodies)
+    found = np.zeros((len(INTEGRALS), len(at.times)))
     found[DRIVE_WORK], found[MOTOR_SQUARED] = driving.torque * driving.speed, driving.motor**2
-    found[LOST] = sprung.lost_power(coordinates, all_rates) + driving.lost
+    found[LOST] = sprung.lost_power(at.bodies) + driving.lost
     if equations.friction is not None:
-        found[LOST] += equations.friction.lost_power(coordinates, all_rates)
-    powers = [force * rate for force, rate in equations.load_forces(at.times, at.segments, coordinates, all_rates)]
+        found[LOST] += equations.friction.lost_power(at.bodies)
+    powers = [force * rate for force, rate in equations.load_forces(at.times, at.segments, at.bodies)]
     loads = len(driven.forces)
     found[LOAD_WORK], found[LOST] = -sum(powers[:loads], nothing), found[LOST] - sum(powers[loads:], nothing)
-    for each in sprung.joint_motions(coordinates, all_rates):  # what the springs of their members take is not lost
+    for each in sprung.joint_motions(at.bodies):  # what the springs of their members take is not lost
         found[LOST] += each.joint.spring_force(each.extension) * each.rate
     return found
 
@@ -328,8 +325,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     sample = segment.sample(at)
     motion = motion_through_change_points(press, sample.position[0], sample.speed[0], sample.acceleration[0], times)
     confirm_torques(problem.driven.drive, times, sample.position[0], sample.drive_speed, sample.drive_torque)
-    coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
-    forces = bearing_forces(solution, at.times, at.segments, coordinates, rates)
+    forces = bearing_forces(solution, at.times, at.segments, at.bodies)
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
     stats = Stats(
@@ -349,12 +345,12 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
         **integrals,
         problem=problem,
         trajectory=trajectory,
-        displacement=read_only(sprung.displacement(coordinates, motion)),
+        displacement=read_only(sprung.geometry.displacement(at.bodies.coordinates, motion)),
         bearing_force=NamedArrays(press.bearings, forces),
-        joint_load=FrozenMapping(_joint_loads(solution, at.times, at.segments, coordinates, rates)),
+        joint_load=FrozenMapping(_joint_loads(solution, at.times, at.segments, at.bodies)),
         shaking_force=read_only(_shaking_force(solution, at.whole_acceleration)),
         floor_force=_floor_force(solution, at.whole_acceleration),
-        frame_motion=_frame_motion(solution, coordinates),
+        frame_motion=_frame_motion(solution, at.bodies.coordinates),
         decay_per_stroke=solution.decay if solution.periodic else None,
         elastic=elastic,
         _on_springs=_slide(solution, at),
@@ -362,70 +358,65 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     )
 
 
-def bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> Array:
+def bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, state: BodyState) -> Array:
     """Forces (bearings, n, 3) in world axes, parent on child, or link1 on link2 [N]."""
     sprung = solution.equations.sprung
-    found, friction = sprung.bearing_forces(coordinates, rates), solution.equations.friction
+    found, friction = sprung.bearing_forces(state), solution.equations.friction
     if friction is not None:
-        assert isinstance(sprung, SprungPress)
-        for number, along in friction.along_guides(coordinates, rates).items():
-            found[number] += to_world(sprung.plane, along)
+        for number, along in friction.along_guides(state).items():
+            found[number] += along
     if not sprung.open_pins and not sprung.open_joints:
         return found
-    contacts = _contact_forces(solution, times, segments, coordinates, rates)
+    contacts = _contact_forces(solution, times, segments, state)
     for pin, force in zip(sprung.open_pins, contacts, strict=False):
-        assert isinstance(sprung, SprungPress)
-        gap = journal_places(sprung, pin, coordinates)
-        found[pin.bearing] = to_world(sprung.plane, -force * gap / np.maximum(np.abs(gap), NEAREST))
-    for each, force in zip(sprung.joint_motions(coordinates, rates), _joint_forces(sprung, contacts), strict=True):
+        gap = journal_places(sprung, pin, state)
+        found[pin.bearing] = to_world(sprung.geometry.plane, -force * gap / np.maximum(np.abs(gap), NEAREST))
+    for each, force in zip(sprung.joint_motions(state), _joint_forces(sprung, contacts), strict=True):
         if each.joint.bearing >= 0:
             found[each.joint.bearing] += force[:, None] * each.along
     return found
 
 
-def _contact_forces(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> list[Array]:
+def _contact_forces(solution: ElasticSolution, times: Array, segments: Indices, state: BodyState) -> list[Array]:
     """Forces (n,) of all contacts along their paths [N]."""
-    found = solution.equations.load_forces(times, segments, coordinates, rates)
+    found = solution.equations.load_forces(times, segments, state)
     return [force for force, _ in found[len(solution.equations.driven.forces) :]]
 
 
-def _joint_forces(sprung: PressOnSprings, contacts: Sequence[Array]) -> list[Array]:
+def _joint_forces(sprung: SprungPress, contacts: Sequence[Array]) -> list[Array]:
     """Of each preloaded joint the force (n,) of both members along its extension, of the forces (n,) of all contacts [N]."""
     members = contacts[len(sprung.open_pins) :]
     return [loaded + relieved for loaded, relieved in zip(members[::2], members[1::2], strict=True)]
 
 
-def _joint_loads(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> dict[str, Array]:
+def _joint_loads(solution: ElasticSolution, times: Array, segments: Indices, state: BodyState) -> dict[str, Array]:
     """Load (n,) of each part with a preloaded joint, the mean where it yields at two bearings [N]."""
     sprung, found = solution.equations.sprung, dict[str, list[Array]]()
     if not sprung.open_joints:
         return {}
-    contacts = _contact_forces(solution, times, segments, coordinates, rates)
-    for each, force in zip(sprung.joint_motions(coordinates, rates), _joint_forces(sprung, contacts), strict=True):
+    contacts = _contact_forces(solution, times, segments, state)
+    for each, force in zip(sprung.joint_motions(state), _joint_forces(sprung, contacts), strict=True):
         found.setdefault(each.joint.name, []).append(each.pull - force)
     return {name: np.mean(pulls, axis=0) for name, pulls in found.items()}
 
 
-def journal_places(sprung: SprungPress, pin: OpenPin, coordinates: Array) -> ComplexArray:
+def journal_places(sprung: SprungPress, pin: OpenPin, state: BodyState) -> ComplexArray:
     """Centre (n,) of the second side of a pin from that of its first side, in the axes of the plane [m]."""
-    turned = np.exp(1j * coordinates[:, 2::3])
-    place = sprung.centers + coordinates[:, ::3] + 1j * coordinates[:, 1::3]
-    one, two = (place[:, body] + turned[:, body] * arm for body, arm in zip(pin.bodies, pin.arms, strict=True))
+    one, two = (sprung.geometry.point(state, body, arm).place @ (1.0, 1j) for body, arm in zip(pin.bodies, pin.arms, strict=True))
     return np.asarray(two - one)
 
 
 def _shaking_force(solution: ElasticSolution, accelerations: Array) -> Array:
     """Force (n, 3) on the frame: all weights and forces from outside less the inertia forces of all bodies [N]."""
     model, sprung, found = solution.equations.driven.press.model, solution.equations.sprung, _force_of_all(solution, accelerations)
-    if isinstance(sprung, SprungPress) and sprung.base is not None:
-        found = found - sprung.weight_less_inertia(accelerations, sprung.base)
+    if sprung.geometry.base is not None:
+        found = found - sprung.weight_less_inertia(accelerations, sprung.geometry.base)
     return np.asarray(found + model.inertias[0].mass * model.gravity.linear)
 
 
 def _floor_force(solution: ElasticSolution, accelerations: Array) -> Array | None:
     """Force (n, 3) of the mounts on the floor [N]; None where the frame is fixed."""
-    sprung = solution.equations.sprung
-    if not isinstance(sprung, SprungPress) or sprung.base is None:
+    if solution.equations.sprung.geometry.base is None:
         return None
     return read_only(_force_of_all(solution, accelerations))
 
@@ -438,18 +429,14 @@ def _force_of_all(solution: ElasticSolution, accelerations: Array) -> Array:
 
 def _frame_motion(solution: ElasticSolution, coordinates: Array) -> Array | None:
     """Displacement of the frame's centre of mass along the axes of the plane, and its turn (n, 3); None where the frame is fixed."""
-    sprung = solution.equations.sprung
-    if not isinstance(sprung, SprungPress) or sprung.base is None:
-        return None
-    return read_only(coordinates[:, 3 * sprung.base : 3 * sprung.base + 3].copy())
+    base = solution.equations.sprung.geometry.base
+    return None if base is None else read_only(coordinates[:, 3 * base : 3 * base + 3].copy())
 
 
 def _slide(solution: ElasticSolution, at: SolutionStates) -> Array:
     """Position, velocity and acceleration (n, 3) of the slide on its springs."""
     sprung = solution.equations.sprung
-    free, rates = at.whole
-    coordinates, all_rates = sprung.all_coordinates(free), sprung.all_rates(rates)
-    path = solution.equations.paths[0].over(sprung, coordinates, all_rates)
+    path, rates = solution.equations.paths[0].over(sprung, at.bodies), sprung.free_rates(at.bodies.rates)
     bent = np.einsum("nf,nfg,ng->n", rates, path.bend, rates)
     acceleration = np.einsum("nf,nf->n", path.gradient, at.whole_acceleration) + bent
     return read_only(np.stack([path.value, path.rate, acceleration], axis=1))
@@ -461,14 +448,11 @@ def _energy_error(segment: ElasticSegment) -> float:
     equations, sprung = solution.equations, solution.equations.sprung
     count = len(panels.mesh.start)
     at = solution_states(solution, np.append(np.arange(count), count - 1), np.append(np.zeros(count), 1.0), None, segment.gain)
-    free, rates = at.whole
-    coordinates, all_rates = sprung.all_coordinates(free), sprung.all_rates(rates)
-    kinetic = (
-        sprung.kinetic_energy(coordinates, all_rates) + equations.driven.inertia * equations.shaft_speed(at.times, at.y, at.v) ** 2 / 2
-    )
+    shaft = equations.shaft_speed(at.times, at.y, at.v)
+    kinetic = sprung.geometry.kinetic_energy(at.bodies) + equations.driven.inertia * shaft**2 / 2
     _, works = segment._powers
     gained = works[:, DRIVE_WORK] - works[:, LOAD_WORK] - works[:, LOST]
-    energy = kinetic + sprung.stored_energy(coordinates)
+    energy = kinetic + sprung.stored_energy(at.bodies)
     size = max(float(kinetic.max()), float(np.abs(works[:, [DRIVE_WORK, LOAD_WORK, LOST]]).max()), 1e-300)
     return float(np.abs(energy - energy[0] - gained).max() / size)
 
@@ -480,16 +464,14 @@ def _extremes(segment: ElasticSegment) -> Extremes:
     def all_values(panel: Indices, share: Array) -> Array:
         """Slide position, pull on the slide, and size of each bearing's force, (2 + bearings, n)."""
         at = solution_states(solution, panel, share, None, segment.gain)
-        free, rates = at.whole
-        sprung = solution.equations.sprung
-        forces = bearing_forces(solution, at.times, at.segments, sprung.all_coordinates(free), sprung.all_rates(rates))
+        forces = bearing_forces(solution, at.times, at.segments, at.bodies)
         return np.stack([-_slide(solution, at)[:, 0], _pull_on_slide(solution, forces), *np.linalg.norm(forces, axis=2)])
 
     found = _largest(all_values, len(solution.panels.mesh.start))
     deep = solution_states(solution, np.array([found[0][1]]), np.array([found[0][2]]), None, segment.gain)
     return Extremes(
         deepest=-found[0][0],
-        deepest_angle=float(segment.crank(*deep.whole)[0][0]),
+        deepest_angle=float(segment.crank(deep)[0][0]),
         reverse_force=max(0.0, found[1][0]),
         peaks=FrozenMapping({name: value for name, (value, _, _) in zip(names, found[2:], strict=True)}),
         events=_events(segment),

@@ -19,9 +19,9 @@ from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
 from .acting.bearing_friction import BearingFriction
 from .acting.drive_train import DriveTrain, TrainEvent, TrainMode
-from .panels import Indices, VaryingInertia
-from .press_on_springs import LoadPath, PathMotion, PressOnSprings
-from .sprung_press import SprungPress
+from .panels import Indices, Linearised
+from .paths import LoadPath, PathMotion
+from .sprung_press import BodyState, SpringForces, SprungPress, VaryingInertia, some_of
 
 SLOW = 1e-3  # [m/s] speed below which the slope of a law by the speed is found with steps for this speed
 STEP = 1e-6  # share of a load's extent, or of the size of a speed, by which its slope is found
@@ -98,7 +98,7 @@ class ElasticEquations:
         lost: laws of contacts whose bodies are not apart yet, but part too fast to push each other, by the numbers of their forces.
     """
 
-    sprung: PressOnSprings
+    sprung: SprungPress
     driven: DrivenPress
     paths: tuple[LoadPath, ...]
     crank: HeldCrank | None
@@ -135,7 +135,7 @@ class ElasticEquations:
     def unsprung(self) -> Sequence[int]:
         """Coordinates of a frame on its mounts: it begins where it stands under its weight, whatever shakes it."""
         last = self.own + self.sprung.free - 1
-        return range(last - 3, last) if isinstance(self.sprung, SprungPress) and self.sprung.base is not None else ()
+        return range(last - 3, last) if self.sprung.geometry.base is not None else ()
 
     @cached_property
     def mass(self) -> Array:
@@ -154,31 +154,6 @@ class ElasticEquations:
         assert self.train is not None
         return self.modes[segment] if self.modes else self.train.engaged
 
-    def varying_inertia(self, time: Array, y: Array, v: Array, a: Array) -> VaryingInertia | None:
-        found = self._varying_of_bodies(time, y, v, a)
-        if found is None:
-            return None
-        (force, *derivatives, by_time), own, n = found, self.own, self.size - self.own
-        if self.crank is not None:
-            by_time = by_time + found.by_place[:, :, -1] * self.crank.speed
-        behind = (0, 0), (own, 0)  # the drive train's coordinates have constant inertia
-        by_place, by_rate, by_acceleration = (np.pad(each[:, :n, :n], (*behind, (own, 0))) for each in derivatives)
-        return VaryingInertia(np.pad(force[:, :n], behind), by_place, by_rate, by_acceleration, np.pad(by_time[:, :n], behind))
-
-    def _varying_of_bodies(self, time: Array, y: Array, v: Array, a: Array) -> VaryingInertia | None:
-        """Inertia forces of the bodies' free coordinates that the mass matrix leaves out, those of a held crank too."""
-        if self.sprung.has_constant_mass:
-            return None
-        (free, rates), own = self.whole(time, y, v), self.own
-        accelerations = np.pad(a[:, own:], ((0, 0), (0, self.sprung.free - self.size + own)))  # a held crank has none
-        carried = self.sprung.all_rates(rates), self.sprung.all_rates(accelerations)
-        return self.sprung.varying_inertia(self.sprung.all_coordinates(free), *carried)
-
-    def inertia_forces(self, time: Array, y: Array, v: Array, a: Array) -> Array:
-        """All inertia forces (n, size)."""
-        varying = self.varying_inertia(time, y, v, a)
-        return np.asarray(a @ self.mass if varying is None else a @ self.mass + varying.force)
-
     def whole(self, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
         """Free coordinates and rates (n, f) of the bodies, that of the crank last, of the unknown ones (n, size)."""
         if self.crank is None:
@@ -186,15 +161,37 @@ class ElasticEquations:
         angle, speed = self.crank.angle + self.crank.speed * time, np.full(len(time), self.crank.speed)
         return np.column_stack([y, angle]), np.column_stack([v, speed])
 
-    def forces(self, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array, Array]:
-        force, stiffness, damping = self._all_forces(time, y, v, segments)
-        n = self.size
-        return force[:, :n], stiffness[:, :n, :n], damping[:, :n, :n], self._by_time(time, y, v, segments, stiffness)
+    def state(self, time: Array, y: Array, v: Array) -> Any:
+        """The bodies at unknown coordinates and rates (n, size)."""
+        return self.sprung.state(*self.whole(time, y, v))
 
-    def _by_time(self, time: Array, y: Array, v: Array, segments: Indices, stiffness: Array) -> Array:
+    def linearised(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Linearised:
+        state, n, own = self.state(time, y, v), self.size, self.own
+        forces = self._forces(time, y, v, segments, self.body_forces(time, segments, state))
+        by_time = self._by_time(time, y, v, segments, state, forces)
+        left, mass = forces.force[:, :n] - a @ self.mass, self.mass
+        stiffness, damping = forces.stiffness[:, :n, :n], forces.damping[:, :n, :n]
+        varying = self._varying_inertia(state, a)
+        if varying is not None:
+            bodies, whole = n - own, ((0, 0), (own, 0), (own, 0))  # the drive train's coordinates have constant inertia
+            by_place, by_rate, by_acceleration = (np.pad(matrix[:, :bodies, :bodies], whole) for matrix in varying[1:])
+            left = left - np.pad(varying.force[:, :bodies], whole[:2])
+            stiffness, damping, mass = stiffness + by_place, damping + by_rate, mass + by_acceleration
+            if self.crank is not None:
+                by_time = by_time - varying.by_place[:, :bodies, -1] * self.crank.speed
+        return Linearised(left, stiffness, damping, mass, by_time)
+
+    def _varying_inertia(self, state: BodyState, a: Array) -> VaryingInertia | None:
+        """Inertia forces of the bodies' free coordinates that the mass matrix leaves out, those of a held crank too."""
+        if self.sprung.geometry.constant_mass:
+            return None
+        held = np.zeros((len(a), self.sprung.free - self.size + self.own))  # a held crank has no acceleration
+        return self.sprung.varying_inertia(state, np.concatenate([a[:, self.own :], held], axis=1))
+
+    def _by_time(self, time: Array, y: Array, v: Array, segments: Indices, state: BodyState, forces: SpringForces) -> Array:
         """Derivative (n, size) of the forces by time."""
         if self.crank is not None:
-            return np.asarray(-stiffness[:, : self.size, -1] * self.crank.speed)
+            return np.asarray(-forces.stiffness[:, : self.size, -1] * self.crank.speed)
         assert self.train is not None
         found = np.zeros_like(y)
         if self.train.timed:
@@ -204,33 +201,23 @@ class ElasticEquations:
                 found[there] += (after - before) / (2 * INSTANT)
         for number, law in enumerate(self.driven.forces):
             if law.time is not None:
-                found += self._slope_in_time(law, number, time, y, v, segments)
+                path = self.paths[law.row].over(self.sprung, state)
+                before, after = (self._law_values(law, number, segments, time + step, path)[0] for step in (-INSTANT, INSTANT))
+                found[:, self.own :] += (after - before)[:, None] / (2 * INSTANT) * path.gradient
         return found
 
-    def _slope_in_time(self, law: GeneralizedForce, number: int, time: Array, y: Array, v: Array, segments: Indices) -> Array:
-        """Derivative (n, size) of a force in time by time."""
-        free, rates = self.whole(time, y, v)
-        path = self.paths[law.row].over(self.sprung, self.sprung.all_coordinates(free), self.sprung.all_rates(rates))
-        before, after = (self._law_values(law, number, segments, time + step, path)[0] for step in (-INSTANT, INSTANT))
-        gradient = np.zeros_like(y)
-        gradient[:, self.own :] = path.gradient
-        return np.asarray((after - before)[:, None] / (2 * INSTANT) * gradient)
-
-    def _all_forces(self, time: Array, y: Array, v: Array, segments: Indices, held: bool = True) -> tuple[Array, Array, Array]:
-        """Forces on all unknown coordinates, and on that of a held crank, and minus their derivatives by coordinates and rates; where not
-        ``held``, those that act on sides that hold each other, too."""
-        force, stiffness, damping = self.whole_forces(time, y, v, segments)
+    def _forces(self, time: Array, y: Array, v: Array, segments: Indices, bodies: SpringForces, held: bool = True) -> SpringForces:
+        """Forces on all unknown coordinates, and on that of a held crank, of those of the bodies; where not ``held``, those that act on
+        sides that hold each other, too."""
         if self.train is None:
-            return force, stiffness, damping
-        if own := self.own:
-            bodies = force, stiffness, damping
-            force, stiffness, damping = np.zeros_like(y), *(np.zeros((*y.shape, y.shape[1])) for _ in range(2))
-            force[:, own:], stiffness[:, own:, own:], damping[:, own:, own:] = bodies
+            return bodies
+        front = (self.own, 0)
+        force, stiffness, damping = (np.pad(part, ((0, 0), *(front,) * (part.ndim - 1))) for part in bodies)
         for mode, there in self._by_mode(segments):
             parts = (force[there], stiffness[there], damping[there])
             self.train.add(mode, time[there], y[there], v[there], parts, held=held)
             force[there], stiffness[there], damping[there] = parts
-        return force, stiffness, damping
+        return SpringForces(force, stiffness, damping)
 
     def _by_mode(self, segments: Indices) -> list[tuple[TrainMode, Any]]:
         """The modes of the drive train at n states in segments, and which of the states are in each."""
@@ -241,54 +228,40 @@ class ElasticEquations:
             found.setdefault(self.mode(segment), []).append(segment)
         return [(mode, np.flatnonzero(np.isin(segments, some))) for mode, some in found.items()]
 
-    def whole_forces(self, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array]:
-        """Forces (n, f) on all free coordinates of the bodies, the crank's last, and minus their derivatives by these coordinates and
-        rates; without those of the drive train."""
-        free, rates = self.whole(time, y, v)
-        coordinates, all_rates = self.sprung.all_coordinates(free), self.sprung.all_rates(rates)
-        force, stiffness, damping = self.sprung.spring_forces(coordinates, all_rates)
-        assert stiffness is not None
-        assert damping is not None
+    def body_forces(self, time: Array, segments: Indices, state: BodyState, derivatives: bool = True) -> SpringForces:
+        """Forces on all free coordinates of the bodies, the crank's last; without those of the drive train."""
+        parts = [self.sprung.spring_forces(state, derivatives)]
         if self.friction is not None:
-            self.friction.add(coordinates, all_rates, force, stiffness, damping)
-        seen: dict[tuple[int, tuple[int, ...]], tuple[Indices, PathMotion]] = {}  # members of a joint have one path
+            parts.append(self.friction.forces(state, derivatives))
+        force, stiffness, damping = (None if part[0] is None else sum(part[1:], part[0]) for part in zip(*parts, strict=True))
+        seen: dict[tuple[int, tuple[int, ...]], tuple[Indices, BodyState, PathMotion]] = {}  # members of a joint have one path
         for number, law in enumerate(self.all_forces):
             on = tuple(int(segment) for segment in np.unique(segments) if self.segments[segment][number] is not None)
             if not on:
                 continue
             if (law.row, on) not in seen:
                 some = np.flatnonzero(np.isin(segments, on))
-                seen[law.row, on] = some, self.paths[law.row].over(self.sprung, coordinates[some], all_rates[some])
-            some, path = seen[law.row, on]
+                there = state if len(some) == len(segments) else some_of(state, some)
+                seen[law.row, on] = some, there, self.paths[law.row].over(self.sprung, there)
+            some, there, path = seen[law.row, on]
             values, by_place, by_rate = self._law_values(law, number, segments[some], time[some], path)
             force[some] += values[:, None] * path.gradient
+            if not derivatives:
+                continue
             outer = path.gradient[:, :, None] * path.gradient[:, None, :]
             stiffness[some] -= by_place[:, None, None] * outer + values[:, None, None] * path.bend
             if by_rate.any():
-                turned = np.matmul(path.bend, rates[some, :, None]).transpose(0, 2, 1)
+                rates = self.sprung.free_rates(there.rates)
+                turned = np.matmul(path.bend, rates[:, :, None]).transpose(0, 2, 1)
                 stiffness[some] -= by_rate[:, None, None] * path.gradient[:, :, None] * turned
                 damping[some] -= by_rate[:, None, None] * outer
-        return force, stiffness, damping
+        return SpringForces(force, stiffness, damping)
 
-    def _force_on_crank(self, time: Array, y: Array, v: Array, segments: Indices) -> Array:
-        """Force (n,) of `whole_forces` on the crank alone, without derivatives."""
-        if self.friction is not None:
-            return np.asarray(self.whole_forces(time, y, v, segments)[0][:, -1])
-        free, rates = self.whole(time, y, v)
-        coordinates, all_rates = self.sprung.all_coordinates(free), self.sprung.all_rates(rates)
-        force = self.sprung.spring_forces(coordinates, all_rates, derivatives=False).force[:, -1]
-        for number, law in enumerate(self.all_forces):
-            some = np.flatnonzero(np.array([segment[number] is not None for segment in self.segments])[segments])
-            if len(some):
-                path = self.paths[law.row].over(self.sprung, coordinates[some], all_rates[some])
-                force[some] += self._law_values(law, number, segments[some], time[some], path)[0] * path.gradient[:, -1]
-        return force
-
-    def load_forces(self, time: Array, segments: Indices, coordinates: Array, rates: Array) -> list[tuple[Array, Array]]:
+    def load_forces(self, time: Array, segments: Indices, state: BodyState) -> list[tuple[Array, Array]]:
         """Of each load its force along its path (n,) [N], and the rate of the path (n,) [m/s]."""
         found = []
         for number, law in enumerate(self.all_forces):
-            path = self.paths[law.row].over(self.sprung, coordinates, rates)
+            path = self.paths[law.row].over(self.sprung, state)
             found.append((self._law_values(law, number, segments, time, path)[0], path.rate))
         return found
 
@@ -323,8 +296,7 @@ class ElasticEquations:
             gradient = np.zeros(2 * self.size)
             gradient[self.size - 1] = 1.0
             return float(y[-1] - value), gradient, 0.0
-        free, rates = self.whole(np.array([time]), y[None], v[None])
-        at = self.paths[path].over(self.sprung, self.sprung.all_coordinates(free), self.sprung.all_rates(rates))
+        at = self.paths[path].over(self.sprung, self.state(np.array([time]), y[None], v[None]))
         gradient = np.concatenate([self._of_unknowns(at.gradient[0]), np.zeros(self.size)])
         return float(at.value[0] - value), gradient, self._with_the_crank(at.gradient[0])
 
@@ -341,7 +313,7 @@ class ElasticEquations:
         by time."""
         law = self.all_forces[number]
         free, rates = self.whole(np.array([time]), y[None], v[None])
-        path = self.paths[law.row].over(self.sprung, self.sprung.all_coordinates(free), self.sprung.all_rates(rates))
+        path = self.paths[law.row].over(self.sprung, self.sprung.state(free, rates))
         interval, place = self.lost.get(number, self.segments[knot - 1][number]), path.value - law.datum
         if interval is None:  # lost before, in a motion of several segments
             interval = next((each for each in law.rising if each.lower < place[0] <= each.upper), law.rising[0])
@@ -375,7 +347,8 @@ class ElasticEquations:
     def _held_torque(self, event: TrainEvent, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array]:
         """Likewise, and its derivatives (n, size) by coordinates and rates."""
         assert self.train is not None
-        force, stiffness, damping = self._all_forces(time, y, v, segments)
+        bodies = self.body_forces(time, segments, self.state(time, y, v))
+        force, stiffness, damping = self._forces(time, y, v, segments, bodies)
         inverse = np.linalg.inv(self.mass)
         acceleration = [force @ inverse, -np.matmul(inverse, stiffness), -np.matmul(inverse, damping)]
         if event.side == "clutch":
@@ -383,7 +356,7 @@ class ElasticEquations:
             slopes = self.train.torque_slopes(self.mode(0), time, y, v)
             taken = [inertia * acceleration[0][:, -1], inertia * acceleration[1][:, -1], inertia * acceleration[2][:, -1]]
             return torque - taken[0], slopes.by_place - taken[1], slopes.by_rate - taken[2]
-        force, stiffness, damping = self._all_forces(time, y, v, segments, held=False)
+        force, stiffness, damping = self._forces(time, y, v, segments, bodies, held=False)
         row = self.whole_mass[-1]
         return (
             acceleration[0] @ row - force[:, -1],
@@ -395,11 +368,11 @@ class ElasticEquations:
         """(n,) speed of the shaft with flywheel and drive [rad/s]."""
         return self.whole(time, y, v)[1][:, -1] if self.train is None else self.train.shaft_speed(v)
 
-    def driving(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Driving:
+    def driving(self, time: Array, y: Array, v: Array, a: Array, segments: Indices, state: BodyState) -> Driving:
         """What turns the crank, at n states."""
         if self.train is None:
-            varying = self._varying_of_bodies(time, y, v, a)
-            torque = np.asarray(a @ self.whole_mass[-1, :-1] - self._force_on_crank(time, y, v, segments))
+            varying = self._varying_inertia(state, a)
+            torque = np.asarray(a @ self.whole_mass[-1, :-1] - self.body_forces(time, segments, state, derivatives=False).force[:, -1])
             torque = torque if varying is None else torque + varying.force[:, -1]
             assert self.crank is not None
             return Driving(torque, torque, np.full(len(time), self.crank.speed), np.zeros(len(time)))

@@ -22,7 +22,7 @@ from .acting.phases import LoadPhases, Phase
 from .contact import HertzContact
 from .equations import CRANK_ANGLE, INSTANT, ElasticEquations, Event, MotionEvent, Release, Segment
 from .panels import Border, Mesh, PanelSolution, radau, solve
-from .sprung_press import LineSprings, SprungPress
+from .sprung_press import Springs, SprungPress
 from .task import ASIDE, BESIDE, FIRST, LOOKS, MOST_STEPS, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
 
 WINDOW = 6  # panels that are solved at a time on the way from a known state
@@ -139,9 +139,8 @@ class _March:
     def _paths_now(self) -> tuple[Array, Array]:
         """Values and rates (paths,) of all paths."""
         equations, size = self.task.equations, len(self.state) // 2
-        free, rates = equations.whole(np.array([self.time]), self.state[None, :size], self.state[None, size:])
-        coordinates, all_rates = equations.sprung.all_coordinates(free), equations.sprung.all_rates(rates)
-        found = [path.over(equations.sprung, coordinates, all_rates) for path in equations.paths]
+        state = equations.state(np.array([self.time]), self.state[None, :size], self.state[None, size:])
+        found = [path.over(equations.sprung, state) for path in equations.paths]
         return np.array([each.value[0] for each in found]), np.array([each.rate[0] for each in found])
 
     def step(self, until: float) -> None:
@@ -470,8 +469,7 @@ def resting(task: Task, start: float) -> Array:
     closed = replace(equations, sprung=sprung.closed, segments=((*loads, *(None for _ in contacts)),))
     y = _balanced(closed, y, v, a, by_crank, task.tolerance)
     if sprung.open_pins:
-        assert isinstance(sprung, SprungPress)
-        aside = replace(sprung.closed, lines=_pressed_aside(sprung, closed, y, v))
+        aside = replace(sprung.closed, springs=_pressed_aside(sprung, closed, y, v))
         y = _balanced(replace(closed, sprung=aside), y, v, a, by_crank, task.tolerance)
     touching: Segment = tuple(contact.rising[0] for contact in contacts)
     for _ in range(MOST_STEPS):
@@ -484,12 +482,10 @@ def resting(task: Task, start: float) -> Array:
 
 def _members_touching(equations: ElasticEquations, contacts: Sequence[GeneralizedForce], y: Array, v: Array) -> Segment:
     """The laws of all contacts of pins, and of the members of preloaded joints that touch at a state (1, size); None of the others."""
-    sprung, pins = equations.sprung, len(equations.sprung.open_pins)
-    free, rates = equations.whole(np.zeros(1), y, v)
-    coordinates, all_rates = sprung.all_coordinates(free), sprung.all_rates(rates)
+    sprung, pins, state = equations.sprung, len(equations.sprung.open_pins), equations.state(np.zeros(1), y, v)
     found: list[ForceInterval | None] = [contact.rising[0] for contact in contacts]
     for number, contact in enumerate(contacts[pins:], pins):
-        place, law = float(equations.paths[contact.row].over(sprung, coordinates, all_rates).value[0]), contact.rising[0]
+        place, law = float(equations.paths[contact.row].over(sprung, state).value[0]), contact.rising[0]
         found[number] = law if law.lower < place <= law.upper else None
     return tuple(found)
 
@@ -499,15 +495,12 @@ def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, by_cran
     train, which has no springs, and of a frame on its mounts, which stands at its place, are found with them."""
     still = [*range(equations.own), *equations.unsprung]
     for _ in range(MOST_STEPS):
-        force, stiffness, _, _ = equations.forces(np.zeros(1), y, v, np.zeros(1, dtype=int))
-        mass = equations.mass
-        if (varying := equations.varying_inertia(np.zeros(1), y, v, a)) is not None:
-            force, stiffness, mass = force - varying.force, stiffness + varying.by_place, mass + varying.by_acceleration[0]
-        matrix = stiffness[0]
+        found = equations.linearised(np.zeros(1), y, v, a, np.zeros(1, dtype=int))
+        matrix = found.stiffness[0]
         matrix[:, still] = equations.mass[:, still]
         if equations.crank is None:
-            matrix[:, -1] = mass @ by_crank
-        step = np.linalg.solve(matrix, force[0] - a[0] @ equations.mass)
+            matrix[:, -1] = (found.mass if found.mass.ndim == 2 else found.mass[0]) @ by_crank
+        step = np.linalg.solve(matrix, found.left[0])
         if equations.crank is None:
             a, step[-1] = a + step[-1] * by_crank, 0.0
         a[0, still] += step[still]
@@ -518,17 +511,14 @@ def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, by_cran
     raise failure("cannot go on", 0.0, message="the springs do not carry the links at the start")
 
 
-def _pressed_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: Array) -> LineSprings:
+def _pressed_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: Array) -> Springs:
     """The springs of the closed press, slack where journals with clearance lie beside their bearings' centres, as the forces press them."""
-    assert isinstance(closed.sprung, SprungPress)
-    lines = closed.sprung.lines
-    free, _ = closed.whole(np.zeros(1), y, v)
-    coordinates = closed.sprung.all_coordinates(free)
-    extension, rest = closed.sprung.geometry(coordinates, np.zeros_like(coordinates)).extension[0], lines.rest.copy()
+    geometry, springs = closed.sprung.geometry, closed.sprung.springs
+    extension, rest = geometry.strained(closed.state(np.zeros(1), y, v)).extension[0], springs.rest.copy()
     for pin in sprung.open_pins:
-        own = lines.bearing == pin.bearing
+        own = springs.bearing == pin.bearing
         rest[own] = extension[own] * (pin.clearance.radial / max(float(np.linalg.norm(extension[own])), 1e-300))
-    return lines._replace(rest=rest)
+    return springs._replace(rest=rest)
 
 
 def telling_steps(phases: LoadPhases, places: Array) -> NDArray[np.bool_]:

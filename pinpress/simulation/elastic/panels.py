@@ -71,37 +71,29 @@ def _integral(stages: int) -> Array:
     return 0.5 * np.array([legendre.legint(row, lbnd=-1) for row in np.eye(stages)]).T
 
 
-class VaryingInertia(NamedTuple):
-    """Inertia forces R that a constant mass matrix leaves out, at n states.
+class Linearised(NamedTuple):
+    """Equations of motion at n states, and their derivatives.
 
     Attributes:
-        force: (n, f) R, beside M y''.
-        by_place: (n, f, f) its derivatives by y.
-        by_rate: (n, f, f) by y'.
-        by_acceleration: (n, f, f) by y''.
-        by_time: (n, f) by the time itself.
+        left: (n, f) F - M y'' - R, which is 0 for a motion.
+        stiffness: (n, f, f) minus its derivatives by y.
+        damping: (n, f, f) by y'.
+        mass: (f, f) or (n, f, f) by y''.
+        by_time: (n, f) its derivative by the time itself.
     """
 
-    force: Array
-    by_place: Array
-    by_rate: Array
-    by_acceleration: Array
+    left: Array
+    stiffness: Array
+    damping: Array
+    mass: Array
     by_time: Array
 
 
 class EquationsOfMotion(Protocol):
     """Equations of motion."""
 
-    @property
-    def mass(self) -> Array:
-        """(f, f) mass matrix, constant."""
-
-    def varying_inertia(self, time: Array, y: Array, v: Array, a: Array) -> VaryingInertia | None:
-        """Inertia forces beside those of the mass matrix at n states and accelerations, (n, f) each; None where there are none."""
-
-    def forces(self, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array, Array]:
-        """Force F (n, f), minus its derivatives by y and by v, (n, f, f) each, and its derivative by time (n, f), at n states in the given
-        segments of the motion."""
+    def linearised(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Linearised:
+        """The equations at n states and accelerations, (n, f) each, in the given segments of the motion."""
 
     def event(self, knot: int, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
         """What is zero at a knot whose time is free, its gradient (2 f,) by state and rate, and its derivative by the time itself."""
@@ -344,17 +336,11 @@ class _Step:
         count = self.panels * self.stages
         segments = np.repeat(mesh.segment, self.stages)
         y, v = self.y.reshape(count, -1), self.v.reshape(count, -1)
-        force, stiffness, damping, by_time = equations.forces(times, y, v, segments)
-        varying = equations.varying_inertia(times, y, v, a.reshape(count, -1))
+        linear = equations.linearised(times, y, v, a.reshape(count, -1), segments)
         shape = self.panels, self.stages, self.size
-        self.mass = equations.mass
-        if varying is not None:
-            force, by_time = force - varying.force, by_time - varying.by_time
-            stiffness, damping = stiffness + varying.by_place, damping + varying.by_rate
-            self.mass = self.mass + varying.by_acceleration.reshape(*shape, -1).swapaxes(0, 1)  # stages first, as it is added
-        self.left = force.reshape(shape) - a @ equations.mass
-        self.stiffness, self.damping = stiffness.reshape(*shape, -1), damping.reshape(*shape, -1)
-        self.by_time = by_time.reshape(shape)
+        self.left, self.by_time = linear.left.reshape(shape), linear.by_time.reshape(shape)
+        self.stiffness, self.damping = linear.stiffness.reshape(*shape, -1), linear.damping.reshape(*shape, -1)
+        self.mass = linear.mass if linear.mass.ndim == 2 else linear.mass.reshape(*shape, -1).swapaxes(0, 1)  # stages first, as it is added
 
     def solved(self, timed: bool) -> tuple[Array, Array, Array]:
         """Changes of the accelerations (p, s f): alone; by the first state (p, s f, 2 f); by start and length (p, s f, 2)."""

@@ -161,10 +161,8 @@ def _slow_decay(equations: ElasticEquations, panels: PanelSolution) -> float:
     mesh, size = panels.mesh, equations.size
     panel, share = np.repeat(np.arange(len(mesh.start)), LOOKS), np.tile((np.arange(LOOKS) + 0.5) / LOOKS, len(mesh.start))
     y, v, a = panels.within(panel, share)
-    times, mass = mesh.start[panel] + share * mesh.length[panel], equations.mass
-    _, stiffness, damping, _ = equations.forces(times, y, v, mesh.segment[panel])
-    if (varying := equations.varying_inertia(times, y, v, a)) is not None:
-        stiffness, damping, mass = stiffness + varying.by_place, damping + varying.by_rate, mass + varying.by_acceleration
+    times = mesh.start[panel] + share * mesh.length[panel]
+    _, stiffness, damping, mass, _ = equations.linearised(times, y, v, a, mesh.segment[panel])
     matrix = np.zeros((len(y), 2 * size, 2 * size))
     matrix[:, :size, size:] = np.eye(size)
     matrix[:, size:, :size], matrix[:, size:, size:] = -np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)

@@ -108,6 +108,7 @@ class JointSpring:
         joint: stiffnesses of both members, and their preload.
         ends: number of bearings, this one among them, each of which has the same share of the joint's elongation.
         series: stiffness of the spring in series; infinite: there is none [N/m].
+        number: which of the bearing's springs it is.
     """
 
     name: str
@@ -115,6 +116,7 @@ class JointSpring:
     joint: PreloadedJoint
     ends: int = 1
     series: float = math.inf
+    number: int = 0
 
     def _in_series(self, stiffness: float) -> float:
         return 1 / (1 / (self.ends * stiffness) + 1 / self.series)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
-from ...kinematics.motion import Motion, motion_through_change_points
+from ...kinematics.motion import motion_through_change_points
 from ...linkage.linkage import Linkage
 from ..driven_press import DrivenPress, GeneralizedForce, JointPosition
 from ..failures import failure
@@ -23,10 +23,10 @@ from .assembly import press_on_springs
 from .description import Elastic
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
-from .load_paths import LengthPath, from_frame, joint_path, load_path, refuse_on_flexible_links
 from .marching import march, resting
+from .paths import LengthPath, LinePath, from_frame, load_path, refuse_on_flexible_links
 from .period import periodic, periodic_near
-from .press_on_springs import PressOnSprings
+from .plane import PlaneGeometry
 from .sprung_press import SprungPress
 from .task import ElasticSolution, Task, largest_deflection
 
@@ -79,7 +79,7 @@ def elastic_steady_state(
         raise failure("unstable stroke", decay=solution.decay)
     segment = _from_angle(solution, task, start, angle)
     first = segment.states(np.zeros(1))
-    problem = SimulationProblem(driven, "elastic", np.array([angle]), segment.crank(*first.whole)[1], segment.end, tolerance)
+    problem = SimulationProblem(driven, "elastic", np.array([angle]), segment.crank(first)[1], segment.end, tolerance)
     return elastic_run(problem, segment, elastic, state_count(points, abs(task.speed) * task.period / (2 * np.pi)), began)
 
 
@@ -145,7 +145,7 @@ def _task(
     angle: float,
     tolerance: float,
     steady: bool,
-    sprung: PressOnSprings | None = None,
+    sprung: SprungPress | None = None,
 ) -> tuple[Task, float]:
     """What is to be found for a crank at a constant speed, and the crank angle at which the solution begins: for a steady state one at
     which the rigid press turns; ``sprung``: the press on its springs where it is known."""
@@ -157,7 +157,7 @@ def _task(
             "a press with clearance has no steady state: its journals strike differently in each turn; let it run with simulate, and look"
             " at the peaks of its turns"
         )
-    if (driven.clutch is not None or driven.brake is not None) and not sprung.has_constant_mass:
+    if (driven.clutch is not None or driven.brake is not None) and not sprung.geometry.constant_mass:
         raise PinpressError(
             "clutch and brake are for presses in a plane whose links do not bend: what holds them takes no inertia that depends on the pose"
             " yet; leave them out, or the flexible links"
@@ -165,29 +165,28 @@ def _task(
     phases = LoadPhases(driven, 1 if speed > 0 else -1, _contacts(driven, sprung))
     turning = float(phases.turnings[0]) if len(phases.turnings) else angle
     from_turning = _task_from(turning, sprung, phases, speed)
-    fixed = sprung.fixed if isinstance(sprung, SprungPress) else None
-    compared = from_turning if fixed is None else _task_from(turning, fixed, phases, speed)
+    compared = from_turning if sprung.fixed is None else _task_from(turning, sprung.fixed, phases, speed)
     deflection = largest_deflection(compared, turning)
     _refuse_soft(driven.press, deflection)
-    error = max(tolerance * deflection, (ROUNDING if isinstance(sprung, SprungPress) else ROUNDING_IN_SPACE) * driven.press.size)
+    error = max(tolerance * deflection, (ROUNDING if isinstance(sprung.geometry, PlaneGeometry) else ROUNDING_IN_SPACE) * driven.press.size)
     task, start = (from_turning, turning) if steady else (_task_from(angle, sprung, phases, speed), angle)
     return task._replace(tolerance=error), start
 
 
-def _task_from(start: float, sprung: PressOnSprings, phases: LoadPhases, speed: float) -> Task:
+def _task_from(start: float, sprung: SprungPress, phases: LoadPhases, speed: float) -> Task:
     """The task from a crank angle on, without a tolerance."""
     press, driven = sprung.press, phases.driven
     if press.period_turns is None:
         raise PinpressError(f"the crank of {press.name} does not turn fully: an elastic motion is that of a crank that does")
     paths = tuple(load_path(sprung, coordinate) for coordinate in driven.coordinates)
     refuse_on_flexible_links(sprung, paths)
-    if isinstance(sprung, SprungPress) and sprung.base is not None:
+    if sprung.geometry.base is not None:
         paths = from_frame(sprung, paths, isinstance(driven.coordinates[0], JointPosition))
-    paths += tuple(LengthPath(pin.bodies, pin.arms, 0.0, -1.0) for pin in sprung.open_pins)
-    paths += tuple(joint_path(sprung, joint) for joint in sprung.open_joints)
+    paths += tuple(LengthPath(pin.bodies, pin.arms, sign=-1.0) for pin in sprung.open_pins)
+    paths += tuple(LinePath(sprung.geometry.alone(joint.spring)) for joint in sprung.open_joints)
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:
-        found = _rigid_states(sprung, motion_through_change_points(press, start + speed * times, speed))
+        found = sprung.rigid(motion_through_change_points(press, start + speed * times, speed))
         return found[0][:, :-1], found[1][:, :-1], found[2][:, :-1]
 
     period = 2 * np.pi * press.period_turns / abs(speed)
@@ -197,7 +196,7 @@ def _task_from(start: float, sprung: PressOnSprings, phases: LoadPhases, speed: 
     return Task(equations, phases, rigid, period, speed, gain, 0.0)
 
 
-def _contacts(driven: DrivenPress, sprung: PressOnSprings) -> tuple[GeneralizedForce, ...]:
+def _contacts(driven: DrivenPress, sprung: SprungPress) -> tuple[GeneralizedForce, ...]:
     """The contacts of pins with clearance and of members of preloaded joints, on paths after those of the loads."""
     found, first = [], len(driven.coordinates)
     for row, pin in enumerate(sprung.open_pins, first):
@@ -229,7 +228,7 @@ def _free(task: Task, period: Trajectory | None, displacement: float) -> Task:
         else:
             sample = period.at(times)
             angle, speed, acceleration = sample.position[0], sample.speed[0], sample.acceleration[0]
-        found = _rigid_states(equations.sprung, motion_through_change_points(equations.sprung.press, angle, speed, acceleration))
+        found = equations.sprung.rigid(motion_through_change_points(equations.sprung.press, angle, speed, acceleration))
         y, v, a = (np.pad(each, ((0, 0), (train.count, 0))) for each in found)
         if period is not None and train.scale:
             states = sample.drive_states
@@ -242,12 +241,6 @@ def _free(task: Task, period: Trajectory | None, displacement: float) -> Task:
     gain = _gain(*rigid(np.array([0.0, until]))[0])
     equations = replace(equations, crank=None, train=train, direction=1 if speed > 0 else -1)
     return task._replace(equations=equations, rigid=rigid, period=until, speed=speed, gain=gain)
-
-
-def _rigid_states(sprung: PressOnSprings, motion: Motion) -> tuple[Array, Array, Array]:
-    """Free coordinates, rates and accelerations (n, f) of the rigid press."""
-    found = sprung.rigid_coordinates(motion)
-    return sprung.free_coordinates(found[0]), sprung.free_rates(found[1]), sprung.free_rates(found[2])
 
 
 def _gain(first: Array, last: Array) -> Array:

@@ -97,10 +97,10 @@ def largest_deflection(task: Task, start: float) -> float:
     plan = plan._replace(segments=tuple(segment[: len(segment) - len(contacts)] + contacts for segment in plan.segments))
     equations = replace(task.equations, segments=plan.segments, sprung=sprung.closed or sprung)
     segments = np.repeat(np.arange(len(plan.segments)), SAMPLES)
-    force, _, _, _ = equations.forces(times, y, v, segments)
     bare = replace(equations, segments=tuple((None,) * len(segment) for segment in plan.segments))
-    _, stiffness, _, _ = bare.forces(times, y, v, segments)
-    return float(np.abs(np.linalg.solve(stiffness, (force - equations.inertia_forces(times, y, v, a))[..., None])).max())
+    size, stiffness = equations.size, bare.body_forces(times, segments, bare.state(times, y, v)).stiffness
+    left = equations.linearised(times, y, v, a, segments).left
+    return float(np.abs(np.linalg.solve(stiffness[:, :size, :size], left[..., None])).max())
 
 
 def even_mesh(knots: Array, counts: Indices) -> Mesh:
@@ -114,7 +114,6 @@ def places_on(equations: ElasticEquations, panels: PanelSolution, panel: Indices
     """Values and rates (n, paths) of all paths, and crank angles (n,), at shares (n,) of panels (n,)."""
     y, v, _ = panels.within(panel, share)
     times = panels.mesh.start[panel] + share * panels.mesh.length[panel]
-    free, rates = equations.whole(times, y, v)
-    coordinates, all_rates = equations.sprung.all_coordinates(free), equations.sprung.all_rates(rates)
-    found = [path.over(equations.sprung, coordinates, all_rates) for path in equations.paths]
-    return np.stack([each.value for each in found], axis=1), np.stack([each.rate for each in found], axis=1), free[:, -1]
+    state, angle = equations.state(times, y, v), equations.whole(times, y, v)[0][:, -1]
+    found = [path.over(equations.sprung, state) for path in equations.paths]
+    return np.stack([each.value for each in found], axis=1), np.stack([each.rate for each in found], axis=1), angle

@@ -27,8 +27,8 @@ from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.elastic.acting.phases import LoadPhases
 from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
-from pinpress.simulation.elastic.load_paths import load_path
 from pinpress.simulation.elastic.marching import march
+from pinpress.simulation.elastic.paths import load_path
 from pinpress.simulation.elastic.task import ElasticSolution, Task
 
 CASES = (("jf75g_125_plain", 300.0, 2e9), ("zxn2_3000b", 70.0, 2e9), ("jf75g_125_plain", 300.0, 1e11))
@@ -51,7 +51,7 @@ class Release:
         self.equations = ElasticEquations(sprung, driven, paths, HeldCrank(self.start, self.speed), segments=((),))
         self.phases = LoadPhases(driven, 1)
         motion = pp.servo_cycle(press, angle=[self.start], speed=self.speed)
-        place, rates = (each[0][None] for each in sprung.rigid_coordinates(motion)[:2])
+        place, rates = (each[0][None] for each in sprung.geometry.rigid(motion)[:2])
         self.state = np.concatenate([sprung.free_coordinates(place)[0, :-1], sprung.free_rates(rates)[0, :-1]])
 
     def solution(self, tolerance: float) -> ElasticSolution:
@@ -60,9 +60,7 @@ class Release:
 
     def collocation(self, tolerance: float) -> Array:
         found = self.solution(tolerance)
-        free, rates = found.equations.whole(np.array([self.until]), *np.split(found.panels.states[-1:], 2, axis=1))
-        sprung = found.equations.sprung
-        return end_of(found, sprung.all_coordinates(free), rates @ sprung.carry.T).force
+        return end_of(found, found.equations.state(np.array([self.until]), *np.split(found.panels.states[-1:], 2, axis=1))).force
 
 
 def _no_rigid_motion(times: Array) -> tuple[Array, Array, Array]:
@@ -87,7 +85,7 @@ def contest(name: str, rpm: float, stiffness: float, repeats: int) -> None:
         implicit = [Setting("generalised alpha", steps=steps) for steps in (5000, 20000, 80000)]
         explicit = [Setting("DOPRI5", tolerance=tolerance) for tolerance in (1e-4, 1e-6, 1e-8)]
         entries += [
-            (f"Exudyn {how.solver} {how.words}", lambda how=how: end_of(finest, *peer.run(how)).force) for how in (*implicit, *explicit)
+            (f"Exudyn {how.solver} {how.words}", lambda how=how: end_of(finest, peer.run(how)).force) for how in (*implicit, *explicit)
         ]
     except ModuleNotFoundError:
         print("  Exudyn is not installed: pip install pinpress[peers]")

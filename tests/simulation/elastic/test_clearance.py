@@ -75,7 +75,7 @@ def test_energy_of_a_turn_with_clearance(clearance):
     solution = found.trajectory.segments[0].solution
     states = found.trajectory.segments[0].states(found.time)
     sprung = solution.equations.sprung
-    gap = np.abs(journal_places(sprung, sprung.open_pins[0], sprung.all_coordinates(states.whole[0])))
+    gap = np.abs(journal_places(sprung, sprung.open_pins[0], states.bodies))
     force = np.linalg.norm(found.bearing_force["P4"], axis=1)
     assert gap.max() > clearance.radial
     assert gap.min() < clearance.radial  # it flies
@@ -163,7 +163,7 @@ def test_clearance_of_a_pin_on_the_crank():
     times = [mesh.knots[knot] for knot, event in (events or {}).items() if isinstance(event, Event)]
     assert times
     states = segment.states(np.array(times))
-    gap = np.abs(journal_places(sprung, sprung.open_pins[0], sprung.all_coordinates(states.whole[0])))
+    gap = np.abs(journal_places(sprung, sprung.open_pins[0], states.bodies))
     np.testing.assert_allclose(gap, 1e-4, rtol=0, atol=1e-11)
 
 

@@ -91,13 +91,11 @@ def test_derivatives_of_friction(kind):
     sprung = sprung.opening() if kind == "gibs" else sprung
     given = FRICTION | {"slide_guide": pp.loads.Friction(0.08, viscous=500.0, preload=2e5 if kind == "preload" else 0.0)}
     friction = bearing_friction(sprung, pp.loads.link.law(given, press), 100.0)
-    free = sprung.free_coordinates(sprung.rigid_coordinates(pp.servo_cycle(press, angle=[0.3, 2.0, 4.0], speed=1.0))[0])
+    free = sprung.free_coordinates(sprung.geometry.rigid(pp.servo_cycle(press, angle=[0.3, 2.0, 4.0], speed=1.0))[0])
     free, rates = free + 1e-3 * rng.normal(size=free.shape), 0.1 * rng.normal(size=free.shape)
 
     def forces(free, rates):
-        zeros = np.zeros(free.shape), np.zeros((*free.shape, free.shape[1])), np.zeros((*free.shape, free.shape[1]))
-        friction.add(sprung.all_coordinates(free), rates @ sprung.carry.T, *zeros)
-        return zeros
+        return friction.forces(sprung.state(free, rates))
 
     _, stiffness, damping = forces(free, rates)
     for given, by_rate in ((stiffness, False), (damping, True)):

@@ -16,9 +16,8 @@ import pinpress as pp
 from pinpress.elasticity import vibration
 from pinpress.kinematics.motion import poses
 from pinpress.pin_table.templates import template
-from pinpress.simulation.elastic import simulate_elastic
-from pinpress.simulation.elastic.in_space import bodies, turning
-from pinpress.simulation.elastic.in_space.assembly import press_in_space
+from pinpress.simulation.elastic import simulate_elastic, space, turning
+from pinpress.simulation.elastic.assembly_in_space import press_in_space
 
 SPEED = 100 * pp.RPM
 PINS = ("O", "B_cross", "B", "slide_guide")  # of the template, with its crank O, rod and slide
@@ -150,8 +149,8 @@ def test_turns_and_their_derivatives_far_from_small():
 
 def test_vectors_of_turns_are_those_of_rotations():
     vectors = np.random.default_rng(1).normal(size=(50, 3)) * np.geomspace(1e-9, 1.0, 50)[:, None]
-    np.testing.assert_allclose(bodies._turn_of(Rotation.from_rotvec(vectors).as_matrix()), vectors, rtol=1e-7, atol=1e-15)
-    np.testing.assert_array_equal(bodies._turn_of(np.eye(3)[None]), np.zeros((1, 3)))
+    np.testing.assert_allclose(space._turn_of(Rotation.from_rotvec(vectors).as_matrix()), vectors, rtol=1e-7, atol=1e-15)
+    np.testing.assert_array_equal(space._turn_of(np.eye(3)[None]), np.zeros((1, 3)))
 
 
 @pytest.mark.exhaustive
@@ -186,14 +185,14 @@ def test_derivatives_in_space():
     """Of springs, dampers and inertia forces, by central differences, where links are displaced and turned far more than they are."""
     press = rssp()
     sprung, random = in_space(press, springs(press, 1e9)), np.random.default_rng(3)
-    place, rates, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=[0.4, 2.0], speed=3.0))
+    place, rates, _ = sprung.geometry.rigid(pp.servo_cycle(press, angle=[0.4, 2.0], speed=3.0))
     y = sprung.free_coordinates(place) + 1e-2 * random.normal(size=(2, sprung.free))
     v = sprung.free_rates(rates) + random.normal(size=y.shape)
     a = random.normal(size=y.shape)
 
     def forces(y, v, a):
-        whole = sprung.all_coordinates(y), v @ sprung.carry.T
-        inertia, own = sprung.varying_inertia(*whole, a @ sprung.carry.T), sprung.spring_forces(*whole)
+        state = sprung.state(y, v)
+        inertia, own = sprung.varying_inertia(state, a), sprung.spring_forces(state)
         return [own.force, inertia.force], [
             (-own.stiffness, inertia.by_place),
             (-own.damping, inertia.by_rate),
@@ -240,12 +239,13 @@ def test_rotor_on_its_bearing_whirls_as_its_closed_form_says():
     rotor = press.with_inertias(inertias)
     stiffness = pp.elasticity.Stiffness(dict.fromkeys(rotor.bearings, 2e9), moments=dict.fromkeys(rotor.joints, tilting))
     sprung = in_space(rotor, pp.elasticity.Elastic(stiffness, damping_ratio=0.0))
-    own = sprung.springs.bearing == 0
-    sprung = replace(sprung, springs=sprung.springs._make(column[own] for column in sprung.springs))
-    place, rates, accelerations = sprung.rigid_coordinates(pp.servo_cycle(rotor, angle=[0.3], speed=spin))
-    place, rates = place.copy(), rates.copy()
-    inertia, springs_of = sprung.varying_inertia(place, rates, 0 * accelerations), sprung.spring_forces(place, rates)
-    tilts = slice(6 * sprung.crank_body + 3, 6 * sprung.crank_body + 5)
+    own, lines = sprung.springs.bearing == 0, sprung.geometry.lines
+    geometry = replace(sprung.geometry, lines=lines._make(column[own] for column in lines))
+    sprung = replace(sprung, geometry=geometry, springs=sprung.springs._make(column[own] for column in sprung.springs))
+    place, rates, _ = sprung.geometry.rigid(pp.servo_cycle(rotor, angle=[0.3], speed=spin))
+    state = geometry.state(place, rates)
+    inertia, springs_of = sprung.varying_inertia(state, np.zeros((1, sprung.free))), sprung.spring_forces(state)
+    tilts = slice(6 * geometry.crank_body + 3, 6 * geometry.crank_body + 5)
     mass, gyroscopic = inertia.by_acceleration[0, tilts, tilts], inertia.by_rate[0, tilts, tilts]
     stiff = springs_of.stiffness[0, tilts, tilts] + inertia.by_place[0, tilts, tilts]
     first_order = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(mass, stiff), -np.linalg.solve(mass, gyroscopic)]])

@@ -36,11 +36,10 @@ def test_press_in_space_beside_exudyn():
     segment: Any = run.trajectory.segments[0]
     solution = segment.solution
     sprung, states = solution.equations.sprung, solution.panels.states[[0, -1]]
-    coordinates, rates = sprung.all_coordinates(states[:, : sprung.free]), states[:, sprung.free :] @ sprung.carry.T
-    turned = sprung.turned(coordinates, rates, derivatives=False)
-    places, speeds = sprung.places(coordinates), sprung.places(rates)
-    matrices, changes = (each.reshape(2, -1, 3, 3) for each in (turned.matrix, turned.rate))
-    start = [(places[0, b], matrices[0, b], speeds[0, b], changes[0, b] @ matrices[0, b].T) for b in range(sprung.count)]
+    geometry, state = sprung.geometry, sprung.state(*np.split(states, 2, axis=1), derivatives=False)
+    places, speeds = geometry.places(state.coordinates), geometry.places(state.rates)
+    matrices, changes = (each.reshape(2, -1, 3, 3) for each in (state.turned.matrix, state.turned.rate))
+    start = [(places[0, b], matrices[0, b], speeds[0, b], changes[0, b] @ matrices[0, b].T) for b in range(geometry.count)]
     theirs = exudyn_ends(sprung, start)
     for body, (place, matrix) in enumerate(theirs):
         np.testing.assert_allclose(place, places[1, body], rtol=0, atol=1e-12)
@@ -58,14 +57,14 @@ def exudyn_ends(sprung, start):
     mbs = exudyn.SystemContainer().AddSystem()
     inertias, bodies = sprung.press.model.inertias, []
     for body, (place, matrix, speed, spin) in enumerate(start):
-        axes = sprung.own_axes[body]
+        axes = sprung.geometry.own_axes[body]
         made = mbs.CreateRigidBody(
-            inertia=RigidBodyInertia(sprung.mass_of[body], axes.T @ inertias[sprung.joints[body]].inertia @ axes),
+            inertia=RigidBodyInertia(sprung.geometry.mass_of[body], axes.T @ inertias[sprung.geometry.joints[body]].inertia @ axes),
             referencePosition=place.tolist(),
             referenceRotationMatrix=matrix,
             initialVelocity=speed.tolist(),
             initialAngularVelocity=[spin[2, 1], spin[0, 2], spin[1, 0]],
-            gravity=sprung.gravity.tolist(),
+            gravity=sprung.geometry.gravity.tolist(),
             nodeType=exudyn.NodeType.RotationRotationVector,
             returnDict=True,
         )
@@ -75,19 +74,19 @@ def exudyn_ends(sprung, start):
     def marker(body, place):
         return mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=bodies[body], localPosition=place.tolist()))
 
-    springs = sprung.springs
+    springs, lines = sprung.springs, sprung.geometry.lines
     for bearing in np.unique(springs.bearing):
         own = np.flatnonzero(springs.bearing == bearing)
-        straight, twisting = own[springs.place[own] > 0], own[springs.place[own] == 0]
+        straight, twisting = own[lines.place[own] > 0], own[lines.place[own] == 0]
         k = straight[0]
-        ends = [marker(springs.first[k], springs.arm1[k]), marker(springs.second[k], springs.arm2[k])]
-        along = np.abs(springs.direction[straight]).sum(axis=0)  # bearings pull along the world's axes
+        ends = [marker(lines.first[k], lines.arm1[k]), marker(lines.second[k], lines.arm2[k])]
+        along = np.abs(lines.direction[straight]).sum(axis=0)  # bearings pull along the world's axes
         stiff, damp = (springs.stiffness[k] * along).tolist(), (springs.damping[k] * along).tolist()
         mbs.AddObject(items.ObjectConnectorCartesianSpringDamper(markerNumbers=ends, stiffness=stiff, damping=damp))
         if len(twisting):
-            law = by_cosines([(springs.direction[i], springs.arm2[i], springs.stiffness[i], springs.damping[i]) for i in twisting])
+            law = by_cosines([(lines.direction[i], lines.arm2[i], springs.stiffness[i], springs.damping[i]) for i in twisting])
             mbs.AddObject(items.ObjectConnectorRigidBodySpringDamper(markerNumbers=ends, springForceTorqueUserFunction=law))
-    crank = marker(sprung.crank_body, np.zeros(3))  # whose third axis is its own
+    crank = marker(sprung.geometry.crank_body, np.zeros(3))  # whose third axis is its own
     mbs.AddLoad(items.LoadTorqueVector(markerNumber=crank, loadVector=[0.0, 0.0, TORQUE], bodyFixed=True))
     mbs.Assemble()
     settings = exudyn.SimulationSettings()

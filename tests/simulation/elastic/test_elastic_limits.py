@@ -13,8 +13,8 @@ from pinpress.simulation.elastic import period
 from pinpress.simulation.elastic.acting.phases import LoadPhases
 from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
-from pinpress.simulation.elastic.load_paths import load_path
 from pinpress.simulation.elastic.marching import march
+from pinpress.simulation.elastic.paths import load_path
 from pinpress.simulation.elastic.task import Task
 
 SPEED = 300 * pp.RPM
@@ -105,13 +105,12 @@ def test_exudyn_rings_alike(how, bound):
     driven = driven_press(press, pp.drives.PrescribedSpeed(SPEED), None, [], None, None)
     paths = tuple(load_path(sprung, coordinate) for coordinate in driven.coordinates)
     equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, SPEED), segments=((),))
-    place, rates, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=[start], speed=SPEED))
+    place, rates, _ = sprung.geometry.rigid(pp.servo_cycle(press, angle=[start], speed=SPEED))
     state = np.concatenate([sprung.free_coordinates(place)[0, :-1], sprung.free_rates(rates)[0, :-1]])
     task = Task(equations, LoadPhases(driven, 1), None, 2 * until, SPEED, np.zeros(len(state)), 1e-10)
     found = march(task, start, state, until)
-    free, rates = equations.whole(np.array([until]), *np.split(found.panels.states[-1:], 2, axis=1))
-    own = end_of(found, sprung.all_coordinates(free), rates @ sprung.carry.T)
-    other = end_of(found, *ExudynOnSprings(found, until).run(Setting("", **how)))
+    own = end_of(found, equations.state(np.array([until]), *np.split(found.panels.states[-1:], 2, axis=1)))
+    other = end_of(found, ExudynOnSprings(found, until).run(Setting("", **how)))
     largest = np.abs(own.force).max()
     assert largest > 1e4
     np.testing.assert_allclose(other.force, own.force, rtol=0, atol=bound * largest)

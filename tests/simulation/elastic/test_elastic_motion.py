@@ -10,7 +10,6 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.simulation.elastic import panels
 from pinpress.simulation.elastic.assembly import sprung_press
-from pinpress.simulation.elastic.press_on_springs import frequencies
 
 JF75G, SIX_BAR = ("jf75g_125_plain", 300.0), ("zxn2_3000b", 70.0)
 BLANKING = {"jf75g_125_plain": pp.loads.Blanking(1.25e6, 0.010, 0.005), "zxn2_3000b": pp.loads.Blanking(2e6, 0.010, 0.006)}
@@ -66,7 +65,7 @@ def test_blanking_against_another_program(name, rpm, depth, angle, events, peaks
 def test_decay_is_that_of_the_lowest_vibration():
     """Between the strokes the lowest vibration decays as exp(-zeta w T); its frequency changes a little along the turn."""
     press = shipped(JF75G[0])
-    lowest = frequencies(sprung_press(press, pp.elasticity.Elastic(springs(press))), pp.dead_centres(press).bottom_angle)[0]
+    lowest = sprung_press(press, pp.elasticity.Elastic(springs(press))).lowest_frequency
     assert lowest / (2 * np.pi) == pytest.approx(86.814, abs=1e-3)
     assert stroke(*JF75G, loaded=False).decay_per_stroke == pytest.approx(np.exp(-0.02 * lowest * 0.2), rel=0.01)
 
@@ -142,19 +141,15 @@ def test_derivatives_of_the_forces():
     press, rng = shipped(SIX_BAR[0]), np.random.default_rng(1)
     stiffness = replace(springs(press), frame=4e9, shaft=3e7)
     sprung = sprung_press(press, pp.elasticity.Elastic(stiffness, crown_mass=5000.0, damping_ratio=0.1))
-    place, _, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=[0.3, 2.0, 4.0], speed=1.0))
+    place, _, _ = sprung.geometry.rigid(pp.servo_cycle(press, angle=[0.3, 2.0, 4.0], speed=1.0))
     free = sprung.free_coordinates(place) + 1e-3 * rng.normal(size=(3, sprung.free))
     rates = rng.normal(size=free.shape)
-    at = sprung.spring_forces(sprung.all_coordinates(free), rates @ sprung.carry.T)
+    at = sprung.spring_forces(sprung.state(free, rates))
     for given, by_rate in ((at.stiffness, False), (at.damping, True)):
         for k in range(sprung.free):
             step = 1e-6 * np.eye(sprung.free)[k]
             ends = [
-                sprung.spring_forces(
-                    sprung.all_coordinates(free + (0 if by_rate else s) * step),
-                    (rates + (s if by_rate else 0) * step) @ sprung.carry.T,
-                    False,
-                ).force
+                sprung.spring_forces(sprung.state(free + (0 if by_rate else s) * step, rates + (s if by_rate else 0) * step), False).force
                 for s in (1, -1)
             ]
             np.testing.assert_allclose(given[:, :, k], (ends[1] - ends[0]) / 2e-6, rtol=0, atol=1e-7 * np.abs(given).max())

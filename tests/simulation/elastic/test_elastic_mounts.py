@@ -61,15 +61,15 @@ def test_all_turn_with_the_frame(name):
     """When everything turns about the origin, the crank's angle and the gears stand, and no bearing opens."""
     press = shipped(name)
     sprung: Any = sprung_press(press, mounted(1e6, 1e3, 1e9, press))
-    coordinates = sprung.rigid_coordinates(pp.cycle(press, 1.0, points=5))[0]
-    bodies = 3 * len(sprung.centers) - 3  # but for the ground
-    place = sprung.centers[:-1] + coordinates[:, 0:bodies:3] + 1j * coordinates[:, 1:bodies:3]
+    coordinates = sprung.geometry.rigid(pp.cycle(press, 1.0, points=5))[0]
+    bodies = 3 * len(sprung.geometry.centers) - 3  # but for the ground
+    place = sprung.geometry.centers[:-1] + coordinates[:, 0:bodies:3] + 1j * coordinates[:, 1:bodies:3]
     rates = np.zeros_like(coordinates)
     rates[:, 0:bodies:3], rates[:, 1:bodies:3], rates[:, 2:bodies:3] = (1j * place).real, (1j * place).imag, 1.0
     free = sprung.free_rates(rates)
     np.testing.assert_allclose(free @ sprung.carry.T, rates, atol=1e-12)
     np.testing.assert_allclose(free[:, -1], 0.0, atol=1e-12)
-    opening = sprung.geometry(coordinates, rates).opening[:, sprung.lines.bearing >= 0]
+    opening = sprung.geometry.strained(sprung.geometry.state(coordinates, rates)).opening[:, sprung.springs.bearing >= 0]
     np.testing.assert_allclose(opening, 0.0, atol=1e-12)
 
 

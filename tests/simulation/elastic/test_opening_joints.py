@@ -103,7 +103,7 @@ def test_against_dop853(part):
     segment = run.trajectory.segments[0]
     solution = segment.solution
     sprung, slide = sprung_press(press, elastic), solution.equations.paths[0]
-    rows = [int(np.flatnonzero(sprung.lines.bearing == each.bearing)[0]) for each in sprung.joints]
+    rows = [int(np.flatnonzero(sprung.springs.bearing == each.bearing)[0]) for each in sprung.joints]
     series = 1e8 if part == "rod" else math.inf
     bottom = pp.dead_centres(press).bottom_position
 
@@ -113,23 +113,24 @@ def test_against_dop853(part):
         far = 1e9 * abs(x) + 1.0
         return brentq(lambda load: float(joint.elongation(load)) / ends + load / series - x, -far, far, xtol=1e-9, rtol=1e-15)
 
-    opened = [each.opened(row, float(sprung.lines.damping[row])) for each, row in zip(sprung.joints, rows, strict=True)]
+    opened = [each.opened(row, float(sprung.springs.damping[row])) for each, row in zip(sprung.joints, rows, strict=True)]
 
     def rates(time, state, cutting):
         size = len(state) // 2
         free, speeds = np.append(state[:size], begin + 2.0 * time), np.append(state[size:], 2.0)
-        coordinates, all_rates = sprung.all_coordinates(free[None]), speeds[None] @ sprung.carry.T
-        force = sprung.spring_forces(coordinates, all_rates, derivatives=False).force[0]
-        at = sprung.geometry(coordinates, all_rates)
+        bodies = sprung.state(free[None], speeds[None])
+        force = sprung.spring_forces(bodies, derivatives=False).force[0]
+        at = sprung.geometry.strained(bodies)
+        gradients = sprung.to_free(sprung.geometry.gradient(at))[0]
         for row, each in zip(rows, opened, strict=True):
-            x, v, gradient = float(at.extension[0, row]), float(at.opening[0, row]), sprung._gradient(at)[0, row]
-            closed = -(sprung.lines.stiffness[row] * x + sprung.lines.damping[row] * v)
+            x, v, gradient = float(at.extension[0, row]), float(at.opening[0, row]), gradients[row]
+            closed = -(sprung.springs.stiffness[row] * x + sprung.springs.damping[row] * v)
             pushes = each.members[1] * (each.reach[1] - x) - each.dampers[1] * v if x < each.reach[1] else 0.0
             pulls = each.members[0] * (each.reach[0] + x) + each.dampers[0] * v if x > -each.reach[0] else 0.0
             alone = -pull_of(x) - float(each.spring_force(np.array([x]))[0])  # what always holds, by the series
             force = force + (alone - each.damping * v + max(pushes, 0.0) - max(pulls, 0.0) - closed) * gradient
         if cutting:
-            path = slide.over(sprung, coordinates, all_rates)
+            path = slide.over(sprung, bodies)
             height = float(path.value[0]) - bottom
             force = force + 3e4 * math.sin(0.5 * math.pi * (0.02 - height) / 0.01) * path.gradient[0]
         return np.concatenate([state[size:], np.linalg.solve(sprung.mass[:size, :size], force[:size])])

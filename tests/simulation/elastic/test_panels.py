@@ -11,40 +11,29 @@ MASS, SPRING, LENGTH, GRAVITY = 2.0, 300.0, 0.5, 9.81
 class CartesianPendulum:
     """A mass on a spring from the origin, by its place (x, z)."""
 
-    mass = MASS * np.eye(2)
-
-    def varying_inertia(self, time, y, v, a):
-        return None
-
-    def forces(self, time, y, v, segments):
+    def linearised(self, time, y, v, a, segments):
         r = np.linalg.norm(y, axis=1)[:, None]
         along = y / r
         outer = along[:, :, None] * along[:, None, :]
         stretch = (r - LENGTH) / r
         stiffness = SPRING * (outer + stretch[..., None] * (np.eye(2) - outer))
-        return -SPRING * stretch * y - (0, MASS * GRAVITY), stiffness, np.zeros_like(stiffness), np.zeros_like(y)
+        force = -SPRING * stretch * y - (0, MASS * GRAVITY)
+        return panels.Linearised(force - MASS * a, stiffness, np.zeros_like(stiffness), MASS * np.eye(2), np.zeros_like(y))
 
 
 class PolarPendulum:
     """The same by its distance r and its angle p from the vertical: m r'' - m r p'^2 = .., m r^2 p'' + 2 m r r' p' = .."""
 
-    mass = np.diag([MASS, MASS * LENGTH**2])
-
-    def varying_inertia(self, time, y, v, a):
-        (r, _), (dr, dp), (_, ddp) = y.T, v.T, a.T
-        force, zero = np.stack([-r * dp**2, (r**2 - LENGTH**2) * ddp + 2 * r * dr * dp], axis=1), np.zeros_like(r)
-        place = np.array([[-(dp**2), zero], [2 * r * ddp + 2 * dr * dp, zero]])
-        rate = np.array([[zero, -2 * r * dp], [2 * r * dp, 2 * r * dr]])
-        acceleration = np.array([[zero, zero], [zero, r**2 - LENGTH**2]])
-        by_place, by_rate, by_acceleration = (MASS * np.moveaxis(each, 2, 0) for each in (place, rate, acceleration))
-        return panels.VaryingInertia(MASS * force, by_place, by_rate, by_acceleration, np.zeros_like(y))
-
-    def forces(self, time, y, v, segments):
-        r, p = y.T
+    def linearised(self, time, y, v, a, segments):
+        (r, p), (dr, dp), (ddr, ddp) = y.T, v.T, a.T
         weight, zero = MASS * GRAVITY, np.zeros_like(r)
+        inertia = MASS * np.stack([ddr - r * dp**2, r**2 * ddp + 2 * r * dr * dp], axis=1)
         force = np.stack([-SPRING * (r - LENGTH) + weight * np.cos(p), -weight * r * np.sin(p)], axis=1)
-        stiffness = np.array([[SPRING + zero, weight * np.sin(p)], [weight * np.sin(p), weight * r * np.cos(p)]])
-        return force, np.moveaxis(stiffness, 2, 0), np.zeros((len(r), 2, 2)), np.zeros_like(y)
+        of_force = np.array([[SPRING + zero, weight * np.sin(p)], [weight * np.sin(p), weight * r * np.cos(p)]])
+        place = of_force + MASS * np.array([[-(dp**2), zero], [2 * r * ddp + 2 * dr * dp, zero]])
+        rate = MASS * np.array([[zero, -2 * r * dp], [2 * r * dp, 2 * r * dr]])
+        mass = MASS * np.array([[1 + zero, zero], [zero, r**2]])
+        return panels.Linearised(force - inertia, *(np.moveaxis(each, 2, 0) for each in (place, rate, mass)), np.zeros_like(y))
 
 
 def followed(equations, state, until, count):

@@ -19,10 +19,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ....common.errors import PinpressError, shown
-from ....common.quantities import Array, ComplexArray
+from ....common.quantities import Array
 from ....engines.forces import FrictionLaw
-from ..press_on_springs import PressOnSprings
-from ..sprung_press import LineGeometry, LineSprings, SprungPress
+from ..plane import LineStrains, PlaneGeometry
+from ..sprung_press import BodyState, SpringForces, SprungPress
 
 CREEPS = 1e-3  # share of the crank's speed at which friction has not yet its whole size
 LEAST = 1e-300  # force that has a direction [N]
@@ -32,16 +32,16 @@ class FrictionStates(NamedTuple):
     """Friction of K bearings at n states.
 
     Attributes:
-        geometry: of the springs.
-        sliding: of the guides, along their axes.
+        strains: of the springs' lines.
+        sliding: of lines along the axes of the guides.
         pulls: (n, S) of the springs [N].
         pressing: (n, K) forces with which the bearings press [N].
         speed: (n, K) at which their sides turn or slide against each other.
         efforts: (n, K) of friction, against it [N m, of a guide N].
     """
 
-    geometry: LineGeometry
-    sliding: LineGeometry
+    strains: LineStrains
+    sliding: LineStrains
     pulls: Array
     pressing: Array
     speed: Array
@@ -54,7 +54,8 @@ class BearingFriction:
 
     Attributes:
         sprung: the press.
-        slides: the same press with springs along the axes of its guides with friction, in place of all others.
+        slides: its bodies with lines along the axes of its guides with friction.
+        guides: numbers of these guides.
         arm: (K,) friction by the force of the bearing, pins first [m, of a guide -].
         viscous: (K,) friction by speed.
         slow: (K,) speeds below which a bearing creeps.
@@ -64,7 +65,8 @@ class BearingFriction:
     """
 
     sprung: SprungPress
-    slides: SprungPress
+    slides: PlaneGeometry
+    guides: tuple[int, ...]
     arm: Array
     viscous: Array
     slow: Array
@@ -77,67 +79,70 @@ class BearingFriction:
         """(pins, f) free rates to the turning speeds of the pins."""
         return self.angles @ self.sprung.carry
 
-    def at(self, coordinates: Array, rates: Array) -> FrictionStates:
-        """At all coordinates and rates (n, 3 (bodies + 1))."""
-        lines = self.sprung.lines
-        geometry, sliding = self.sprung.geometry(coordinates, rates), self.slides.geometry(coordinates, rates)
-        pulls = -(lines.stiffness * geometry.extension + lines.damping * geometry.opening)
-        for joint, (extension, _) in self.sprung.joint_motion(geometry):
-            pulls[:, joint.spring] += joint.spring_force(extension)
+    def at(self, state: BodyState) -> FrictionStates:
+        """At n states."""
+        sprung = self.sprung
+        strains, sliding = sprung.geometry.strained(state), self.slides.strained(state)  # type: ignore[arg-type]
+        pulls = sprung.pulls(strains)
+        for joint in sprung.open_joints:
+            pulls[:, joint.spring] += joint.spring_force(strains.extension[:, joint.spring])
         pressing = np.maximum(np.sqrt((pulls * pulls) @ self.owners), self.preload)
-        speed = np.concatenate([rates @ self.angles.T, sliding.opening], axis=1)
+        speed = np.concatenate([state.rates @ self.angles.T, sliding.opening], axis=1)
         efforts = -(self.arm * pressing * np.tanh(speed / self.slow) + self.viscous * speed)
-        return FrictionStates(geometry, sliding, pulls, pressing, speed, efforts)
+        return FrictionStates(strains, sliding, pulls, pressing, speed, efforts)
 
-    def lost_power(self, coordinates: Array, rates: Array) -> Array:
+    def lost_power(self, state: BodyState) -> Array:
         """(n,) [W]."""
-        found = self.at(coordinates, rates)
+        found = self.at(state)
         return -np.asarray((found.efforts * found.speed).sum(axis=1))
 
-    def along_guides(self, coordinates: Array, rates: Array) -> dict[int, ComplexArray]:
-        """Friction (n,) of the guides on the links that slide in them, in the axes of the plane, by the numbers of the guides [N]."""
-        found, pins = self.at(coordinates, rates), len(self.angles)
-        forces = found.efforts[:, pins:] * found.sliding.against.conj()
-        return {int(number): forces[:, k] for k, number in enumerate(self.slides.lines.bearing)}
+    def along_guides(self, state: BodyState) -> dict[int, Array]:
+        """Friction (n, 3) of the guides on the links that slide in them, in world axes, by the numbers of the guides [N]."""
+        found, pins = self.at(state), len(self.angles)
+        along = self.slides.along(found.sliding)
+        return {number: found.efforts[:, pins + k, None] * along[:, k] for k, number in enumerate(self.guides)}
 
-    def add(self, coordinates: Array, rates: Array, force: Array, stiffness: Array, damping: Array) -> None:
-        """Add its forces to those on the free coordinates (n, f), and minus their derivatives (n, f, f)."""
-        found, lines, sprung, slides = self.at(coordinates, rates), self.sprung.lines, self.sprung, self.slides
-        pins, count = len(self.angles), len(coordinates)
-        gradient = np.concatenate([np.broadcast_to(self._turning, (count, *self._turning.shape)), slides._gradient(found.sliding)], axis=1)
+    def forces(self, state: BodyState, derivatives: bool = True) -> SpringForces:
+        """Forces on the free coordinates."""
+        found, springs, sprung, slides = self.at(state), self.sprung.springs, self.sprung, self.slides
+        pins, count = len(self.angles), len(state.rates)
+        turning = np.broadcast_to(self._turning, (count, *self._turning.shape))
+        gradient = np.concatenate([turning, sprung.to_free(slides.gradient(found.sliding))], axis=1)
+        force = np.matmul(found.efforts[:, None, :], gradient)[:, 0]
+        if not derivatives:
+            return SpringForces(force, None, None)
         turned = np.zeros_like(gradient)  # derivatives of the speeds by the coordinates
-        turned[:, pins:] = slides._gradient_rate(found.sliding, rates)
-        force += np.matmul(found.efforts[:, None, :], gradient)[:, 0]
-        opening = sprung._gradient(found.geometry)
-        held = np.tile(lines.stiffness, (count, 1))
-        for joint, (extension, _) in sprung.joint_motion(found.geometry):
-            held[:, joint.spring] += joint.spring_slope(extension)
-        by_place = held[:, :, None] * opening + lines.damping[:, None] * sprung._gradient_rate(found.geometry, rates)
+        turned[:, pins:] = sprung.to_free(slides.gradient_rate(found.sliding))
+        geometry = sprung.geometry
+        opening = sprung.to_free(geometry.gradient(found.strains))
+        held = np.tile(springs.stiffness, (count, 1))
+        for joint in sprung.open_joints:
+            held[:, joint.spring] += joint.spring_slope(found.strains.extension[:, joint.spring])
+        by_place = held[:, :, None] * opening + springs.damping[:, None] * sprung.to_free(geometry.gradient_rate(found.strains))
         share = np.tanh(found.speed / self.slow)
         steep = self.arm * found.pressing * (1 - share * share) / self.slow + self.viscous
         moving = (found.pressing > self.preload)[:, None, :]  # not held by the preload
         along = -(found.pulls[:, :, None] * self.owners) / np.maximum(found.pressing, LEAST)[:, None, :] * moving  # (n, S, K)
         pressed = (self.arm * share)[:, None, :] * along
         effort_by_place = np.matmul(pressed.transpose(0, 2, 1), by_place) + steep[:, :, None] * turned
-        effort_by_rate = np.matmul(pressed.transpose(0, 2, 1), lines.damping[:, None] * opening) + steep[:, :, None] * gradient
-        across = gradient.transpose(0, 2, 1)
-        stiffness += np.matmul(across, effort_by_place) - slides._bend(found.sliding, found.efforts[:, pins:])
-        damping += np.matmul(across, effort_by_rate)
+        effort_by_rate = np.matmul(pressed.transpose(0, 2, 1), springs.damping[:, None] * opening) + steep[:, :, None] * gradient
+        across, bend = gradient.transpose(0, 2, 1), sprung.to_free_twice(slides.bend(found.sliding, found.efforts[:, pins:]))
+        return SpringForces(force, np.matmul(across, effort_by_place) - bend, np.matmul(across, effort_by_rate))
 
 
-def bearing_friction(sprung: PressOnSprings, law: FrictionLaw, speed: float) -> BearingFriction:
+def bearing_friction(sprung: SprungPress, law: FrictionLaw, speed: float) -> BearingFriction:
     """Friction of the bearings of a press that runs at about a speed of its crank [rad/s].
 
     Raises:
         PinpressError: the press moves in space, a pin with friction has clearance, or a guide has a preload beside a `PreloadedJoint`.
     """
     press, some = sprung.press, np.flatnonzero((law.arm > 0) | (law.viscous > 0))
-    if not isinstance(sprung, SprungPress):
+    if not isinstance(sprung.geometry, PlaneGeometry):
         raise PinpressError(f"{press.name} moves in space: on its springs it has no friction; leave it out")
     for pin in sprung.open_pins:
         if pin.bearing in some:
             raise PinpressError(f"{shown(press.bearings[pin.bearing])} has clearance: give it no friction, or no clearance")
-    lines, directions = sprung.lines, _guides(sprung)
+    geometry, directions = sprung.geometry, _guides(sprung)
     gibs = {joint.bearing: 2 * joint.joint.preload for joint in sprung.joints if joint.bearing in some and joint.bearing in directions}
     for number in gibs:
         if law.preload[number]:
@@ -148,24 +153,31 @@ def bearing_friction(sprung: PressOnSprings, law: FrictionLaw, speed: float) -> 
     guides = [int(number) for number in some if number in directions]
     angles = np.zeros((len(pins), len(sprung.drawn)))
     for row, number in enumerate(pins):
-        first, second = sprung.bodies_of(number)
+        first, second = bodies_of(sprung, number)
         angles[row, 3 * first + 2], angles[row, 3 * second + 2] = -1.0, 1.0
-    rows = [int(np.flatnonzero(lines.bearing == number)[0]) for number in guides]
-    along = LineSprings._make(column[rows] for column in lines)
-    nothing = np.zeros(len(rows))
-    along = along._replace(direction=np.array([directions[number] for number in guides], dtype=complex), stiffness=nothing, damping=nothing)
-    shapes, order = sprung.shapes[:, rows], pins + guides
+    slides = geometry.with_lines([_first_line(sprung, number) for number in guides])
+    directed = slides.lines._replace(direction=np.array([directions[number] for number in guides], dtype=complex))
+    order = pins + guides
     slow = CREEPS * abs(speed) * np.where(np.arange(len(order)) < len(pins), 1.0, press.size)
-    owners = (lines.bearing[:, None] == np.array(order)).astype(float)
+    owners = (sprung.springs.bearing[:, None] == np.array(order)).astype(float)
     preload = np.array([gibs.get(number, law.preload[number]) for number in order])
-    slides = replace(sprung, lines=along, shapes=shapes)
-    return BearingFriction(sprung, slides, law.arm[order], law.viscous[order], slow, angles, owners, preload)
+    slides = replace(slides, lines=directed)
+    return BearingFriction(sprung, slides, tuple(guides), law.arm[order], law.viscous[order], slow, angles, owners, preload)
+
+
+def bodies_of(sprung: SprungPress, bearing: int) -> tuple[int, int]:
+    """The bodies that a bearing of a planar press joins, the acting one first."""
+    whole = sprung.closed or sprung
+    line = _first_line(whole, bearing)
+    bodies = int(whole.geometry.lines.first[line]), int(whole.geometry.lines.second[line])
+    return bodies if whole.springs.sign[line] > 0 else bodies[::-1]
 
 
 def _guides(sprung: SprungPress) -> dict[int, complex]:
     """Directions of the guides' axes in the drawn pose, by the numbers of their bearings."""
-    lines = sprung.lines
-    number = sprung.press.model.nv
-    guides = [j for j in range(number) if not sprung.press.axes[j].turns]
-    across: ComplexArray = lines.direction
-    return {j: complex(-1j * across[np.flatnonzero(lines.bearing == j)[0]]) for j in guides}
+    guides = [j for j in range(sprung.press.model.nv) if not sprung.press.axes[j].turns]
+    return {j: complex(-1j * sprung.geometry.lines.direction[_first_line(sprung, j)]) for j in guides}
+
+
+def _first_line(sprung: SprungPress, bearing: int) -> int:
+    return int(np.flatnonzero(sprung.springs.bearing == bearing)[0])

@@ -19,7 +19,8 @@ from ....common.quantities import Array
 from ....engines.planar.model import to_complex, to_world
 from ....kinematics.motion import cycle
 from ....loads.mounts import Frame, Mount
-from ..sprung_press import LineSprings, SprungPress
+from ..plane import Lines, PlaneGeometry
+from ..sprung_press import Springs, SprungPress
 
 POSES = 180  # of a turn over which the weights' places are averaged
 ASKEW = 1e-9  # share of a mount's stiffness that couples the axes of the plane, and counts as none
@@ -31,31 +32,32 @@ def on_mounts(sprung: SprungPress, frame: Frame, mounts: Sequence[Mount]) -> Spr
     Raises:
         PinpressError: a mount has a loss factor, the plane lies askew to the mounts' axes, or nothing holds the frame.
     """
-    press, place = sprung.press, len(sprung.centers) - 1
+    press, geometry = sprung.press, sprung.geometry
+    place = len(geometry.centers) - 1
     own = pin.Inertia(frame.mass, np.asarray(frame.centre, dtype=float), frame.tensor) + press.model.inertias[0]
     if not own.mass > 0:
         raise PinpressError("Elastic: the frame on its mounts has no mass: give that of the real one [kg]")
-    center, normal = complex(to_complex(sprung.plane, own.lever)), sprung.plane.normal
-    gravity = complex(to_complex(sprung.plane, press.model.gravity.linear))
-    inertia, weight = np.concatenate([sprung.inertia, np.zeros(3)]), np.concatenate([sprung.weight, np.zeros(3)])
+    center, normal = complex(to_complex(geometry.plane, own.lever)), geometry.plane.normal
+    gravity = complex(to_complex(geometry.plane, press.model.gravity.linear))
+    inertia, weight = np.concatenate([geometry.inertia, np.zeros(3)]), np.concatenate([geometry.weight, np.zeros(3)])
     inertia[3 * place : 3 * place + 3] = own.mass, own.mass, float(normal @ own.inertia @ normal)
     weight[3 * place : 3 * place + 2] = own.mass * gravity.real, own.mass * gravity.imag
-    centers = np.append(sprung.centers, 0.0)
+    centers = np.append(geometry.centers, 0.0)
     centers[place] = center
-    lines = sprung.lines
+    lines = geometry.lines
     arm1, arm2 = lines.arm1 - np.where(lines.first == place, center, 0.0), lines.arm2 - np.where(lines.second == place, center, 0.0)
-    rows = _mount_rows(sprung, mounts, center, _static_load(sprung, center, own.mass))
-    lines = LineSprings._make(np.concatenate(both) for both in zip(lines._replace(arm1=arm1, arm2=arm2), rows, strict=True))
+    of_mounts, springs = _mounts(sprung, mounts, center, _static_load(sprung, center, own.mass))
+    lines = Lines._make(np.concatenate(both) for both in zip(lines._replace(arm1=arm1, arm2=arm2), of_mounts, strict=True))
+    shapes = np.zeros((2, len(lines.first), 0), dtype=complex)
+    behind = (0, 0), (0, 3)
     return replace(
         sprung,
-        centers=centers,
-        inertia=inertia,
-        weight=weight,
-        lines=lines,
+        geometry=replace(geometry, centers=centers, inertia=inertia, weight=weight, lines=lines, shapes=shapes, base=place),
+        springs=Springs._make(np.concatenate(both) for both in zip(sprung.springs, springs, strict=True)),
+        linear=sprung.linear._replace(rows=np.pad(sprung.linear.rows, behind)),
         carry=_carried(sprung, place),
         drawn=np.concatenate([sprung.drawn, np.zeros(3)]),
-        shapes=np.zeros((2, len(lines.first), 0), dtype=complex),
-        base=place,
+        reference=np.pad(sprung.reference, behind),
         fixed=sprung,
     )
 
@@ -65,8 +67,10 @@ def _carried(sprung: SprungPress, place: int) -> Array:
 
     Angles on which conditions lie count from the frame: where all links and the frame turn together, so do they.
     """
-    press, plane, free = sprung.press, sprung.plane, sprung.free
-    tied = {3 * coupling.follower + 2 for coupling in press.couplings} | ({3 * plane.driver + 2} if sprung.rotor is None else set())
+    press, plane, free = sprung.press, sprung.geometry.plane, sprung.free
+    tied = {3 * coupling.follower + 2 for coupling in press.couplings} | (
+        {3 * plane.driver + 2} if sprung.geometry.rotor is None else set()
+    )
     kept = [row for row in range(3 * press.model.nv) if row not in tied]
     turning = [column for column, row in enumerate(kept) if row % 3 == 2]
     carry = np.zeros((len(sprung.drawn) + 3, free + 3))
@@ -79,17 +83,19 @@ def _carried(sprung: SprungPress, place: int) -> Array:
 
 def _static_load(sprung: SprungPress, center: complex, mass: float) -> Array:
     """Weight (3,) of frame and links on the frame about its centre of mass, the mean over a period [N, N m]."""
-    motion = cycle(sprung.press, 1.0, points=POSES * (sprung.press.period_turns or 1))
-    moved, rigid = sprung.rigid_coordinates(motion)[0].mean(axis=0), slice(0, 3 * len(sprung.centers), 3)
-    places = sprung.centers + moved[rigid] + 1j * moved[1 : 3 * len(sprung.centers) : 3]
-    weights = sprung.weight[rigid] + 1j * sprung.weight[1 : 3 * len(sprung.centers) : 3]
-    whole = weights.sum() + mass * complex(to_complex(sprung.plane, sprung.press.model.gravity.linear))
+    geometry = sprung.geometry
+    motion, bodies = cycle(sprung.press, 1.0, points=POSES * (sprung.press.period_turns or 1)), slice(0, geometry.rigid_size, 3)
+    moved = geometry.rigid(motion)[0].mean(axis=0)
+    places = geometry.centers + moved[bodies] + 1j * moved[1 : geometry.rigid_size : 3]
+    weights = geometry.weight[bodies] + 1j * geometry.weight[1 : geometry.rigid_size : 3]
+    whole = weights.sum() + mass * complex(to_complex(geometry.plane, sprung.press.model.gravity.linear))
     return np.array([whole.real, whole.imag, ((places - center).conj() * weights).imag.sum()])
 
 
-def _mount_rows(sprung: SprungPress, mounts: Sequence[Mount], center: complex, load: Array) -> LineSprings:
-    """The springs of the mounts, each along both axes of the plane, strained so that they carry a load (3,) of the frame."""
-    place, axes = len(sprung.centers) - 1, [to_world(sprung.plane, np.array([each])).reshape(3) for each in (1.0 + 0j, 1j)]
+def _mounts(sprung: SprungPress, mounts: Sequence[Mount], center: complex, load: Array) -> tuple[Lines, Springs]:
+    """Lines and springs of the mounts, each along both axes of the plane, strained so that they carry a load (3,) of the frame."""
+    geometry: PlaneGeometry = sprung.geometry
+    axes = [to_world(geometry.plane, np.array([along])).reshape(3) for along in (1.0 + 0j, 1j)]
     columns: list[tuple[float, ...]] = []
     for number, mount in enumerate(mounts, 1):
         if mount.loss_factor:
@@ -106,7 +112,7 @@ def _mount_rows(sprung: SprungPress, mounts: Sequence[Mount], center: complex, l
             own = (float(axis @ (np.array(values) * axis)) for values in (mount.stiffness, mount.damping, mount.static))
             columns.append(tuple(own))
     stiffness, damping, static = np.array(columns).T
-    points = np.repeat([complex(to_complex(sprung.plane, np.array(mount.point))) for mount in mounts], 2)
+    points = np.repeat([complex(to_complex(geometry.plane, np.array(mount.point))) for mount in mounts], 2)
     directions = np.tile([1.0 + 0j, 1j], len(mounts))
     arms = points - center
     rows = np.stack([directions.real, directions.imag, (directions.conj() * 1j * arms).real], axis=1)
@@ -116,6 +122,7 @@ def _mount_rows(sprung: SprungPress, mounts: Sequence[Mount], center: complex, l
             raise PinpressError("the mounts do not hold the frame in its plane: give them stiffness along both axes, at two places")
     strain = -static * (rows @ np.linalg.solve(rows.T @ (static[:, None] * rows), load))
     count, nothing = len(points), np.zeros(len(points))
-    bodies = np.full(count, place + 1), np.full(count, place)
+    bodies = np.full(count, len(geometry.centers)), np.full(count, len(geometry.centers) - 1)
     rest = np.divide(strain, stiffness, out=nothing.copy(), where=stiffness > 0)
-    return LineSprings(*bodies, points, arms, directions, nothing, stiffness, damping, rest, np.full(count, -1), np.ones(count))
+    lines = Lines(*bodies, points, arms, directions, nothing)
+    return lines, Springs(stiffness, damping, rest, np.full(count, -1), np.ones(count))

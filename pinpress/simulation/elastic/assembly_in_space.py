@@ -11,17 +11,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ....common.errors import PinpressError, shown
-from ....common.quantities import Array
-from ....linkage.linkage import Linkage
-from ..description import Elastic, by_bearing, dampers_by_bearing
-from ..preloaded_joint import JointSpring, PreloadedJoint
-from ..press_on_springs import frequencies, reference_angle
-from .bodies import PressInSpace, SpringsInSpace
+from ...common.errors import PinpressError, shown
+from ...common.quantities import Array
+from ...linkage.linkage import Linkage
+from .description import Elastic, by_bearing, dampers_by_bearing
+from .preloaded_joint import JointSpring, PreloadedJoint
+from .space import LinesInSpace, SpaceGeometry
+from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
 from .turning import nominal_turns
 
 LIGHTEST = 1e-9  # share of the heaviest link's mass below which a link counts as one without mass
@@ -55,7 +55,7 @@ class _Joint(NamedTuple):
     axes2: Array
 
 
-def press_in_space(press: Linkage, elastic: Elastic) -> PressInSpace:
+def press_in_space(press: Linkage, elastic: Elastic) -> SprungPress:
     """A linkage in space on its springs and dampers.
 
     Raises:
@@ -70,7 +70,7 @@ def press_in_space(press: Linkage, elastic: Elastic) -> PressInSpace:
     joints = _joints(press, _light(press))
     stiff = _with_springs(_bodies(press, _light(press)), joints, elastic)
     _refuse_loose(stiff)
-    return _with_dampers(stiff, elastic)
+    return stiff.with_dampers(elastic.damping_ratio, dampers_by_bearing(press, elastic.dampers))
 
 
 def _refuse_unsuitable(press: Linkage, elastic: Elastic) -> None:
@@ -105,7 +105,7 @@ def _light(press: Linkage) -> set[int]:
     return {j for j, mass in enumerate(masses, 1) if not mass > LIGHTEST * masses.max()}
 
 
-def _bodies(press: Linkage, light: set[int]) -> PressInSpace:
+def _bodies(press: Linkage, light: set[int]) -> SpaceGeometry:
     """The bodies, with no springs yet."""
     model, driver = press.model, press.driver_indices[0] + 1
     joints = tuple(j for j in range(1, model.njoints) if j not in light)
@@ -118,9 +118,8 @@ def _bodies(press: Linkage, light: set[int]) -> PressInSpace:
         if not np.linalg.eigvalsh(inertia)[0] > 0:
             raise _massless(press, joint)
         shape.append(0.5 * np.trace(inertia) * np.eye(3) - inertia)
-    empty, nothing = np.zeros((0, 3)), np.zeros(0)
-    none = np.zeros(0, dtype=np.intp)
-    return PressInSpace(
+    empty, nothing, none = np.zeros((0, 3)), np.zeros(0), np.zeros(0, dtype=np.intp)
+    return SpaceGeometry(
         press=press,
         joints=joints,
         crank_body=joints.index(driver),
@@ -130,9 +129,7 @@ def _bodies(press: Linkage, light: set[int]) -> PressInSpace:
         shape=np.array(shape),
         gravity=np.array(model.gravity.linear),
         nominal=nominal_turns(press, (*joints, 0), np.concatenate([own_axes, np.eye(3)[None]])),
-        springs=SpringsInSpace(none, none, empty, nothing, empty, empty, nothing, nothing, nothing, none),
-        joined=(),
-        alike=(),
+        lines=LinesInSpace(none, none, empty, nothing, empty, empty, nothing),
     )
 
 
@@ -206,7 +203,7 @@ def _tree_joint(press: Linkage, light: set[int], joint: int) -> _Joint:
 # --------------------------------------------------------------------------------------------------------------------------------- springs
 
 
-def _with_springs(bare: PressInSpace, joints: Sequence[_Joint], elastic: Elastic) -> PressInSpace:
+def _with_springs(bare: SpaceGeometry, joints: Sequence[_Joint], elastic: Elastic) -> SprungPress:
     press, frame, stiffness = bare.press, bare.count, elastic.stiffness
     every = [member for each in joints for member in each.members]
     held = [member for each in joints if each.kind != "ball" for member in each.members]
@@ -217,9 +214,9 @@ def _with_springs(bare: PressInSpace, joints: Sequence[_Joint], elastic: Elastic
     body_of = {0: frame, **{joint: body for body, joint in enumerate(bare.joints)}}
     axes = np.concatenate([bare.own_axes, np.eye(3)[None]])
     centres = np.concatenate([bare.lever, np.zeros((1, 3))])
-    rows: list[tuple[int, int, Array, float, Array, Array, float, float, float, int]] = []
-    joined, alike = [(frame, frame)] * len(press.bearings), list(range(len(press.bearings)))
-    preloaded = []
+    lines: list[tuple[int, int, Array, float, Array, Array, float]] = []
+    springs: list[tuple[float, float, float, int, float]] = []
+    alike, preloaded = list(range(len(press.bearings))), []
     for each in joints:
         first, second, name = body_of[each.first], body_of[each.second], each.members[-1]
         arm1, arm2 = axes[first].T @ (each.point1 - centres[first]), axes[second].T @ (each.point2 - centres[second])
@@ -228,36 +225,41 @@ def _with_springs(bare: PressInSpace, joints: Sequence[_Joint], elastic: Elastic
         k = 1 / sum(1 / straight[member] for member in each.members)
         joint = stiffness.bearings[press.bearings[name]]
         if isinstance(joint, PreloadedJoint):  # of a guide; each of its two directions is nearest to another axis of what carries it
-            for number, direction in enumerate(each.axes1.T[1:], len(rows)):
-                preloaded.append((JointSpring(f"{press.bearings[name]} {'xyz'[np.abs(direction).argmax()]}", name, joint), number))
+            for number, direction in enumerate(each.axes1.T[1:]):
+                part = f"{press.bearings[name]} {'xyz'[np.abs(direction).argmax()]}"
+                preloaded.append(JointSpring(part, name, joint, number=number))
         for direction in axes1.T[1:] if each.kind == "guide" else np.eye(3):
-            rows.append((first, second, direction, turning * (each.kind == "guide"), arm1, arm2, 1.0, k, 0.0, name))
+            lines.append((first, second, direction, turning * (each.kind == "guide"), arm1, arm2, 1.0))
+            springs.append((k, 0.0, 0.0, name, 1.0))
         if each.kind != "ball":
             k = 1 / sum(1 / twisting[member] for member in each.members)
             for one, other in {"pin": ((0, 1), (0, 2)), "universal": ((0, 0),)}.get(each.kind, _NEXT):
-                rows.append((first, second, axes1[:, one], turning, np.zeros(3), axes2[:, other], 0.0, k, 0.0, name))
+                lines.append((first, second, axes1[:, one], turning, np.zeros(3), axes2[:, other], 0.0))
+                springs.append((k, 0.0, 0.0, name, 0.0))
         for member in each.members:
-            joined[member], alike[member] = (first, second), name
-    types = (np.intp, np.intp, float, float, float, float, float, float, float, np.intp)
-    columns = (np.array(column, dtype=kind) for column, kind in zip(zip(*rows, strict=True), types, strict=True))
-    return replace(bare, springs=SpringsInSpace(*columns), joined=tuple(joined), alike=tuple(alike), preloaded=tuple(preloaded))
+            alike[member] = name
+    geometry = replace(bare, lines=LinesInSpace(*_columns(lines, (np.intp, np.intp, float, float, float, float, float))))
+    return SprungPress(
+        press=press,
+        geometry=geometry,
+        springs=Springs(*_columns(springs, (float, float, float, np.intp, float))),
+        linear=LinearSprings(np.zeros((0, bare.size)), np.zeros(0), np.zeros(0), np.zeros(0), ()),
+        carry=bare.carry,
+        drawn=np.zeros(bare.size),
+        reference=reference_pose(press, geometry),
+        alike=tuple(alike),
+        joints=tuple(preloaded),
+    )
 
 
-def _refuse_loose(sprung: PressInSpace) -> None:
+def _columns(rows: Sequence[tuple[Any, ...]], types: Sequence[type]) -> list[Array]:
+    return [np.array(column, dtype=kind) for column, kind in zip(zip(*rows, strict=True), types, strict=True)]
+
+
+def _refuse_loose(sprung: SprungPress) -> None:
     """Raise PinpressError where a body can move without a spring that holds it."""
-    found = frequencies(sprung, reference_angle(sprung.press))
-    if not found[0] > HELD * found[-1]:
+    if not sprung.frequencies[0] > HELD * sprung.frequencies[-1]:
         raise PinpressError(
             f"a link of {sprung.press.name} can move or spin without a spring that holds it, as a rod between two ball joints spins about"
             " its line: give one of its ends a universal joint"
         )
-
-
-def _with_dampers(sprung: PressInSpace, elastic: Elastic) -> PressInSpace:
-    """Dampers in proportion to the springs, or as given."""
-    press, springs = sprung.press, sprung.springs
-    factor = 2 * elastic.damping_ratio / float(frequencies(sprung, reference_angle(press))[0]) if elastic.damping_ratio else 0.0
-    damping = factor * springs.stiffness
-    for place, damper in dampers_by_bearing(press, elastic.dampers).items():
-        damping[(springs.bearing == sprung.alike[place]) & (springs.place > 0)] = damper
-    return replace(sprung, springs=springs._replace(damping=damping))

@@ -1,1 +1,0 @@
-"""Linkages in space on springs."""
