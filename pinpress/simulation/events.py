@@ -12,23 +12,19 @@ from typing import ClassVar
 from ..common.quantities import Array
 from ..drives.transmission import SwitchPoint
 from ..loads.process import ForceInterval
+from .coupling import HOLDING, OPEN, Side
 from .failures import failure
 from .hybrid_system import (
-    HOLDING,
-    OPEN,
-    SLIPPING,
-    CouplingMode,
     ForceMode,
     HybridSystem,
     Mode,
-    Side,
     Snapshot,
     force_mode,
-    sign_of,
 )
 from .trajectory import INTEGRALS
 
 SHAFT = -len(INTEGRALS) - 1  # place of the speed of a clutch's driving side in the vector
+SIDES: tuple[Side, ...] = ("clutch", "brake")
 
 
 class Event(ABC):
@@ -70,7 +66,12 @@ def ending_events(system: HybridSystem, mode: Mode, y: Array) -> tuple[Event, ..
     for k, (corner, side) in enumerate(zip(system.driven.corners, mode.sides, strict=True)):
         if corner or not with_crank:
             found.append(CornerPassed(k, corner, side))
-    found += [*_coupling_events(system, "clutch", mode.clutch), *_coupling_events(system, "brake", mode.brake)]
+    for side in SIDES:
+        switch = mode.coupling(side).next_switch(getattr(system.driven, side))
+        if switch is not None:
+            found.append(CouplingSwitched(side, switch, mode.coupling(side).way))
+        if side == "clutch" and system.driven.clutch is not None and mode.clutch.grip is not OPEN:
+            found.append(ClutchSlips() if mode.clutch.grip is HOLDING else ClutchGrips())
     if mode.way is not None:
         found.append(PressStarts(system.starting(mode, y, 1), system.starting(mode, y, -1)) if mode.rests else CrankStops())
     return tuple(found)
@@ -92,21 +93,6 @@ def _force_events(system: HybridSystem, k: int, place: ForceMode) -> list[Event]
         found.append(CoordinateTurns(k, force.row, place.rising))
     if place.interval is not None and place.interval.one_sided:
         found.append(ContactChanges(k, force.row, force.datum, place.interval, place.pushing))
-    return found
-
-
-def _coupling_events(system: HybridSystem, side: Side, mode: CouplingMode) -> list[Event]:
-    coupling, found = getattr(system.driven, side), list[Event]()
-    if coupling is None:
-        return found
-    is_open = mode.grip is OPEN
-    at = coupling.closes if is_open and not mode.spent else coupling.opens if not is_open else None
-    if at is not None:
-        found.append(CouplingSwitched(side, at, mode.way, closes=is_open))
-    if side == "clutch" and mode.grip is SLIPPING:
-        found.append(ClutchGrips())
-    elif side == "clutch" and mode.grip is HOLDING:
-        found.append(ClutchSlips())
     return found
 
 
@@ -232,27 +218,20 @@ class CouplingSwitched(Event):
         side: which of the two.
         when: its time or angle.
         way: +1 or -1, direction in which the crank has to pass that angle.
-        closes: whether it closes.
     """
 
     side: Side
     when: SwitchPoint
     way: int
-    closes: bool
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
         past = time - self.when.time if self.when.time is not None else (at.linkage.angle - (self.when.angle or 0.0)) * self.way
         return -past
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
-        at = system.at(y)
-        if not self.closes:
-            switched = CouplingMode(OPEN, spent=True)
-        else:
-            opens, relative = getattr(system.driven, self.side).opens, at.shaft_speed - at.linkage.speed
-            way = 1 if opens is None or opens.angle is None or opens.angle > at.linkage.angle else -1
-            holds = self.side == "clutch" and not relative
-            switched = CouplingMode(HOLDING if holds else SLIPPING, sign_of(relative), time, way=way)
+        at, coupling = system.at(y), getattr(system.driven, self.side)
+        relative = (at.shaft_speed if self.side == "clutch" else 0.0) - at.linkage.speed
+        switched = mode.coupling(self.side).switched(coupling, relative, time, at.linkage.angle)
         return system.going_on(mode.with_coupling(self.side, switched), time, y), y
 
 

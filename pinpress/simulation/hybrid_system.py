@@ -11,17 +11,16 @@ losses. The crank rests as long as it would not start in either direction. Every
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
 from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..common.quantities import Array
 from ..drives.protocol import corners_of
-from ..drives.transmission import Coupling
 from ..loads.caller_laws import LawError
 from ..loads.process import ForceInterval
+from .coupling import HOLDING, OPEN, SLIPPING, CouplingMode, Side, coupling_at_start, sign_of
 from .driven_press import DrivenPress, GeneralizedForce
 from .equations_of_motion import Dynamics
 from .failures import failure
@@ -50,42 +49,6 @@ class Snapshot(NamedTuple):
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- modes
-
-Side = Literal["clutch", "brake"]
-"""Which coupling: a field of `Mode` and of `DrivenPress`."""
-
-
-class Grip(Enum):
-    """The state of a clutch or brake."""
-
-    OPEN = "open"
-    SLIPPING = "slipping"
-    HOLDING = "holding"
-
-
-OPEN, SLIPPING, HOLDING = Grip
-
-
-class CouplingMode(NamedTuple):
-    """Mode of a clutch or brake.
-
-    Attributes:
-        grip: whether it is open, slips or holds.
-        sign: of a clutch's torque on the crank while it slips. A brake's torque is against the motion.
-        since: time at which it closed [s].
-        spent: whether it has opened for good.
-        way: +1 or -1, direction in which the crank has to pass the angle that switches it.
-    """
-
-    grip: Grip
-    sign: int = 0
-    since: float = -math.inf
-    spent: bool = False
-    way: int = 1
-
-    def capacity(self, coupling: Coupling, time: float) -> float:
-        """Torque that it can transmit [N m]."""
-        return coupling.torque * min(1.0, max(0.0, (time - self.since) / coupling.rise)) if coupling.rise else coupling.torque
 
 
 class ForceMode(NamedTuple):
@@ -127,8 +90,13 @@ class Mode(NamedTuple):
     def rests(self) -> bool:
         return self.way == 0
 
+    def coupling(self, side: Side) -> CouplingMode:
+        return self.clutch if side == "clutch" else self.brake
+
     def with_coupling(self, side: Side, mode: CouplingMode) -> "Mode":
-        return self._replace(clutch=mode) if side == "clutch" else self._replace(brake=mode)
+        if side == "clutch":
+            return self._replace(clutch=mode)
+        return self._replace(brake=mode._replace(grip=SLIPPING) if mode.grip is HOLDING else mode)
 
     def with_force(self, k: int, mode: ForceMode) -> "Mode":
         return self._replace(forces=(*self.forces[:k], mode, *self.forces[k + 1 :]))
@@ -152,30 +120,6 @@ def force_mode(force: GeneralizedForce, inside: float, rising: bool, value: floa
         value += JUST_INSIDE * (inside - value)
     pushing = interval is None or not interval.one_sided or interval.pushes(float(interval.force(value - force.datum, rate)))
     return ForceMode(low, high, rising, interval, pushing)
-
-
-def coupling_at_start(coupling: Coupling | None, angle: float, speed: float, relative: float, missing: Grip) -> CouplingMode:
-    """Mode of a coupling at the start.
-
-    Args:
-        coupling: the coupling; None where the press has none.
-        angle: of the crank [rad].
-        speed: of the crank [rad/s].
-        relative: speed of the coupling's other side less that of the crank [rad/s].
-        missing: grip of a coupling that the press does not have.
-    """
-    if coupling is None:
-        return CouplingMode(missing)
-    at = coupling.closes or coupling.opens
-    way = 1 if at is None or at.angle is None or at.angle > angle or (at.angle == angle and speed >= 0) else -1
-    if coupling.closes is not None:
-        return CouplingMode(OPEN, way=way)
-    return CouplingMode(SLIPPING, sign_of(relative), way=way) if relative else CouplingMode(HOLDING, way=way)
-
-
-def sign_of(value: float) -> int:
-    """+1 or -1; -1 of zero."""
-    return 1 if value > 0 else -1
 
 
 # ------------------------------------------------------------------------------------------------------------------------------ system
@@ -222,11 +166,10 @@ class HybridSystem:
             states = (*states, shaft)
         clutch = coupling_at_start(driven.clutch, angle, turning, shaft - turning, missing=HOLDING)
         brake = coupling_at_start(driven.brake, angle, turning, -turning, missing=OPEN)
-        if brake.grip is HOLDING:
-            brake = brake._replace(grip=SLIPPING)
         y = np.concatenate([position, speed, states, integrals])
         forces = tuple(None if force.time is not None else ForceMode(-math.inf, math.inf, True, None) for force in driven.forces)
-        return self.going_on(self.placed(self.past_corner(Mode(clutch, brake, forces), y), time, y), time, y), y
+        mode = Mode(clutch, CouplingMode(OPEN), forces).with_coupling("brake", brake)
+        return self.going_on(self.placed(self.past_corner(mode, y), time, y), time, y), y
 
     def at(self, y: Array) -> Snapshot:
         """The state of a vector."""
@@ -454,8 +397,8 @@ class HybridSystem:
 
     def clutch_slips(self, mode: Mode, time: float, y: Array) -> Mode:
         """The mode after a clutch that holds has let go. Raises as `placed`."""
-        sign = sign_of(self._clutch_torque(mode, *self._rising(mode, time, y)))
-        return self.going_on(mode._replace(clutch=mode.clutch._replace(grip=SLIPPING, sign=sign)), time, y)
+        clutch = mode.clutch.slipping(self._clutch_torque(mode, *self._rising(mode, time, y)))
+        return self.going_on(mode._replace(clutch=clutch), time, y)
 
     def _rising(self, mode: Mode, time: float, y: Array) -> tuple[float, Snapshot]:
         """Time and state at which to decide whether a clutch holds: a little later where its torque only begins to rise. The one that it

@@ -22,9 +22,10 @@ from ..common.frozen import read_only
 from ..common.integrators import RadauIIA, RungeKutta4, rounding, slopes
 from ..common.quantities import Array
 from ..loads.caller_laws import LawError
+from .coupling import OPEN
 from .events import BorderPassed, ContactChanges, CornerPassed, Event, ending_events, margins_of
 from .failures import failure
-from .hybrid_system import OPEN, HybridSystem, Mode
+from .hybrid_system import HybridSystem, Mode
 from .trajectory import INTEGRALS, Sample
 
 EXPLICIT, IMPLICIT, FIXED, BY_STIFFNESS = "explicit", "implicit", "fixed step", "by stiffness"

@@ -20,8 +20,8 @@ import numpy as np
 from ....common.quantities import Array
 from ....drives.protocol import Drive, corners_of
 from ....drives.transmission import Coupling, SwitchPoint
+from ...coupling import HOLDING, OPEN, SLIPPING, CouplingMode, Side, coupling_at_start, sign_of
 from ...driven_press import DrivenPress
-from ...hybrid_system import HOLDING, OPEN, SLIPPING, CouplingMode, Side, coupling_at_start, sign_of
 
 STEP = 1e-6  # share of a speed, angle or state by which slopes of the drive are found
 BESIDE = 1e-12  # share of a speed beside it at which a drive is asked on its own side
