@@ -346,7 +346,7 @@ def _reactions(
 
 def _refuse_change_points(press: Linkage, motion: Motion) -> None:
     """Raise SingularityError where a state of a run is at a change point: towards it the forces of rigid links grow without bounds."""
-    if len(press.drivers) > 1 or motion._is_chain_of(press):
+    if len(press.drivers) > 1:
         return
     branch = press.branch
     # A crank that turns fully meets none. Else a motion that stays clear of the locks meets none, and then none need be looked for, which
@@ -509,4 +509,4 @@ def on_frame_at(press: Linkage, motion: Motion, bearing: int) -> Iterator[tuple[
 
 def _acting_at(end: FrameEnd, motion: Motion) -> Array:
     """Where an end acts on the frame over a motion, (3,) or (n, 3) [m]."""
-    return end.point if end.along is None else end.point + motion._travel(end.bearing)[:, None] * end.along
+    return end.point if end.along is None else end.point + motion.joint_position[:, end.bearing, None] * end.along

@@ -6,7 +6,7 @@ import math
 import os
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import pinocchio as pin
@@ -31,31 +31,16 @@ from ..linkage.linkage import NAME_A_SLIDE, Linkage, SlideGuide
 from ..linkage.memo import per_linkage
 
 ENGINES = (PlanarEngine, SpatialEngine, PinocchioEngine)
-LATER = {  # what is computed when it is first read, by the names of `ChainStates`
-    "crank_speed": "speeds",
-    "crank_acceleration": "accelerations",
-    "joint_position": "position",
-    "v": "v",
-    "a": "a",
-    "closure_error": "gap",
-}
-TOO_FAST = 1e300  # rates of joints from which on their sums may be too large for floating point
 POINTS = 360  # states of a turn by default
 MOST_IN_TITLE = 3  # drivers whose ranges are written out in a title
 MOST_POINTS = 10**7  # most states of one period: half a gigabyte for every quantity of a six-bar press
 
 
-class _KeptFromClosing:
-    """What an engine kept when it closed the states of a motion, and the linkage that it closed. Copies and pickles start without it.
+class ClosedFor(NamedTuple):
+    """The linkage whose loops were closed in the states of a motion, and these states with what its engine kept of closing them."""
 
-    ``states``: of a chain of dyads, of which joint coordinates and rates are computed when they are first read.
-    """
-
-    def __init__(self, press: Linkage | None = None, *kept: Any, states: ChainStates | None = None) -> None:
-        self.press, self.kept, self.states = press, kept, states
-
-    def __reduce__(self) -> tuple[type[_KeptFromClosing], tuple[()]]:
-        return _KeptFromClosing, ()
+    press: Linkage
+    states: ClosedStates
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,8 +84,8 @@ class Motion(Tabular):
     _slots: tuple[Slot, ...]
     _guide: SlideGuide | None
     period_turns: int | None
-    # Not taken over by dataclasses.replace: a motion with other positions must not keep the basis of this one.
-    _closed_as: _KeptFromClosing | None = field(default=None, init=False)
+    # Not taken over by dataclasses.replace: a motion with other positions must not keep the closure of this one.
+    _closed_for: ClosedFor | None = field(default=None, init=False)
 
     @property
     def title(self) -> str:
@@ -120,29 +105,13 @@ class Motion(Tabular):
 
     def states(self, press: Linkage) -> ClosedStates:
         """The states as an engine takes them, with what it kept when it closed them for this very linkage."""
-        closed_as = self._closed_as
-        if closed_as is None or closed_as.press is not press:
-            return ClosedStates(self.joint_position.T, self.v.T, self.a.T)
-        return closed_as.states or ClosedStates(self.joint_position.T, self.v.T, self.a.T, *closed_as.kept)
-
-    def _is_chain_of(self, press: Linkage) -> bool:
-        """Whether the states are those of a chain of dyads of this very linkage, clear of dead centres of its dyads."""
-        return self._closed_as is not None and self._closed_as.states is not None and self._closed_as.press is press
-
-    if not TYPE_CHECKING:  # so that names without a meaning are found
-
-        def __getattr__(self, name: str) -> Any:
-            """What a chain of dyads has not computed yet."""
-            closed_as = vars(self).get("_closed_as")
-            if name not in LATER or closed_as is None or closed_as.states is None:
-                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
-            value = vars(self)[name] = getattr(closed_as.states, LATER[name]).T
-            return value
+        if self._closed_for is not None and self._closed_for.press is press:
+            return self._closed_for.states
+        return ClosedStates(self.joint_position.T, self.v.T, self.a.T)
 
     def __getstate__(self) -> dict[str, Any]:
-        for name in LATER:
-            getattr(self, name)
-        return vars(self)
+        """The state for copies and pickles, which do not know the linkage."""
+        return vars(self) | {"_closed_for": None}
 
     @property
     def time(self) -> Array:
@@ -157,13 +126,7 @@ class Motion(Tabular):
     @cached_property
     def slide_position(self) -> Array:
         guide, offset, sign = self._slide()
-        return read_only(sign * self._travel(guide) + offset)
-
-    def _travel(self, joint: int) -> Array:
-        """(n,) coordinate of a prismatic joint, for which those of the other joints need not be computed [m]."""
-        if "joint_position" in vars(self) or self._closed_as is None or self._closed_as.states is None:
-            return self.joint_position[:, joint]
-        return self._closed_as.states.closure.way(joint)
+        return read_only(sign * self.joint_position[:, guide] + offset)
 
     @property
     def shown_position(self) -> Array:
@@ -444,9 +407,7 @@ def moved(
         position = followed_from(press.engine(), press.spatial_model, press.closed, angles, press.name)
         v, a, gap, solved = chosen.rates(position, np.transpose(speeds), np.transpose(accelerations))
         _refuse_too_fast(press, a)
-    motion = of_states(press, position, v, a, gap, times)
-    object.__setattr__(motion, "_closed_as", _KeptFromClosing(press, None, None, solved))
-    return motion
+    return _closed_motion(press, _same_in_all_motions(press), ClosedStates(position, v, a, solved=solved), gap, times, None)
 
 
 class _Known(NamedTuple):
@@ -460,7 +421,6 @@ class _Known(NamedTuple):
         slide_rates: how fast the slide is.
         turns: `Linkage.turns_until_back` where the branch has a period, else None.
         chain: the chain of dyads that the linkage is; None where it is none.
-        fastest: largest influence coefficients of first and second order.
     """
 
     fixed: _SameInAllMotions
@@ -470,7 +430,6 @@ class _Known(NamedTuple):
     slide_rates: _SlideRates
     turns: int | None
     chain: Chain | None
-    fastest: tuple[float, float]
 
 
 @per_linkage
@@ -485,7 +444,6 @@ def _known(press: Linkage) -> _Known:
         slide_rates=_slide_rates(press),
         turns=turns,
         chain=_chain(press),
-        fastest=(float(np.abs(branch.coefficients[1]).max()), 2.0 * float(np.abs(branch.coefficients[2]).max())),
     )
 
 
@@ -510,17 +468,50 @@ def _along_branch(
     one period."""
     if isinstance(speeds, np.ndarray) and not np.any(accelerations) and np.all(speeds == speeds[0]):
         speeds, accelerations = float(speeds[0]), 0.0
+    turns = None if branch.period is None else press.turns_until_back if known.turns is None else known.turns
     chain = known.chain if branch is known.branch and engine is known.engine else None
-    if chain is not None and (one_period or _reaches(chain, known.branch, angles)) and _is_finite(known, speeds, accelerations):
-        return _of_chain(press, chain, known, angles if one_period else angles.copy(), speeds, accelerations, times)
+    if chain is not None and (one_period or _reaches(chain, known.branch, angles)):
+        with np.errstate(all="ignore"):  # what overflows is refused
+            position, v, a, gap = _on_chain(chain, known.branch, angles, speeds, accelerations)
+            _refuse_too_fast(press, a)
+        motion = _of_states(known.fixed, position, v, a, gap, times, turns)
+        # the caller may change his arrays later
+        speeds, accelerations = (read_only(rates.copy()) if isinstance(rates, np.ndarray) else rates for rates in (speeds, accelerations))
+        states = ChainStates(ChainClosure(chain, known.branch, motion.crank_angle), speeds, accelerations)
+        states.position, states.v, states.a = position, v, a
+        vars(motion)["_closed_for"] = ClosedFor(press, states)
+        return motion
     closure = closed(engine, known.spatial_model, branch, angles, known.fixed.linkage)
-    with np.errstate(all="ignore"):  # what overflows is refused
+    with np.errstate(all="ignore"):
         v, a = _rates(closure, speeds, accelerations)
         _refuse_too_fast(press, a)
-    turns = None if branch.period is None else press.turns_until_back if known.turns is None else known.turns
-    motion = _of_states(known.fixed, closure.position, v, a, closure.gap, times, turns)
-    object.__setattr__(motion, "_closed_as", _KeptFromClosing(press, closure.basis, closure.jacobian, closure.solved))
+    states = ClosedStates(closure.position, v, a, closure.basis, closure.jacobian, closure.solved)
+    return _closed_motion(press, known.fixed, states, closure.gap, times, turns)
+
+
+def _closed_motion(
+    press: Linkage, fixed: _SameInAllMotions, states: ClosedStates, gap: Array, times: Array | None, period_turns: int | None
+) -> Motion:
+    """The motion with these states, in which the loops of a linkage were closed; arguments as of `of_states`."""
+    motion = _of_states(fixed, states.position, states.v, states.a, gap, times, period_turns)
+    vars(motion)["_closed_for"] = ClosedFor(press, states)
     return motion
+
+
+def _on_chain(
+    chain: Chain, branch: Branch, angles: Array, speeds: Array | float, accelerations: Array | float
+) -> tuple[Array, Array, Array, Array]:
+    """Positions, rates and accelerations (nv, n) of all joints of a chain of dyads, and the largest gaps (n,), in pieces that stay in the
+    cache."""
+    n = len(angles)
+    position, v, a = np.empty((3, len(chain.plane.parents), n))
+    gap = np.empty(n)
+    for start in range(0, n, chain.piece):
+        some = slice(start, start + chain.piece)
+        speed, acceleration = (rates[some] if isinstance(rates, np.ndarray) else rates for rates in (speeds, accelerations))
+        part = ChainStates(ChainClosure(chain, branch, angles[some]), speed, acceleration)
+        position[:, some], v[:, some], a[:, some], gap[some] = part.position, part.v, part.a, part.gap
+    return position, v, a, read_only(gap)
 
 
 def _reaches(chain: Chain, branch: Branch, angles: Array) -> bool:
@@ -528,58 +519,6 @@ def _reaches(chain: Chain, branch: Branch, angles: Array) -> bool:
     far = MANY_PERIODS * (branch.period or 0.0)
     low, high = (chain.low, chain.high) if branch.period is None else (-far, far)
     return bool(low <= np.minimum.reduce(angles) and np.maximum.reduce(angles) <= high)
-
-
-def _is_finite(known: _Known, speeds: Array | float, accelerations: Array | float) -> bool:
-    """Whether the rates of a chain of dyads are clearly not too large for floating point."""
-    speed, acceleration = _largest(speeds), _largest(accelerations)
-    first, second = known.fastest
-    return first * (speed + acceleration) + second * (speed * speed) < TOO_FAST
-
-
-def _largest(rates: Array | float) -> float:
-    return float(np.abs(rates).max()) if isinstance(rates, np.ndarray) else abs(rates)
-
-
-def _of_chain(
-    press: Linkage,
-    chain: Chain,
-    known: _Known,
-    angles: Array,
-    speeds: Array | float,
-    accelerations: Array | float,
-    times: Array | None,
-) -> Motion:
-    """The motion of a chain of dyads, which is closed when something of it is read."""
-    fixed = known.fixed
-    angles.setflags(write=False)
-    closure = ChainClosure(chain, known.branch, angles)
-    states = ChainStates(closure, _kept(speeds), _kept(accelerations))
-    if times is not None:
-        times.setflags(write=False)
-    motion: Motion = object.__new__(Motion)
-    vars(motion).update(
-        linkage=fixed.linkage,
-        drivers=fixed.drivers,
-        driver_coordinates=fixed.driver_coordinates,
-        joints=fixed.joints,
-        crank_angle=closure.angle,
-        _time=times,
-        _slots=fixed.slots,
-        _guide=fixed.guide,
-        period_turns=known.turns,
-        _closed_as=_KeptFromClosing(press, states=states),
-    )
-    return motion
-
-
-def _kept(values: Array | float) -> Array | float:
-    """A read-only copy of these values (n,), or the one number."""
-    if isinstance(values, float):
-        return values
-    found = np.array(values)
-    found.setflags(write=False)
-    return found
 
 
 def _refuse_too_fast(press: Linkage, a: Array) -> None:
@@ -707,7 +646,7 @@ def refuse_other_joints(press: Linkage, motion: Motion) -> None:
 def refuse_motion_of_another(press: Linkage, motion: Motion) -> None:
     """Raise PinpressError where a motion is not of this linkage: of one with other joints or drivers, or of other lengths."""
     refuse_other_joints(press, motion)
-    if motion._closed_as is not None and motion._closed_as.press is press:
+    if motion._closed_for is not None and motion._closed_for.press is press:
         return
     open_by = press.engine().gaps(motion.joint_position.T)
     if not open_by.max() <= LOOSEST * press.size:

@@ -313,7 +313,7 @@ def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, 
         trajectory=trajectory,
         constraint_solution=_constraint_solution(problem, trajectory),
     )
-    object.__setattr__(run, "_closed_as", motion._closed_as)
+    vars(run)["_closed_for"] = motion._closed_for
     return run
 
 
