@@ -325,8 +325,7 @@ def _reactions(
     if 0 < len(kept) < len(names):
         forces, moments = forces[list(wanted)], moments[list(wanted)]
     wrenches.torque.setflags(write=False)  # before there are views of it
-    reactions: Reactions = object.__new__(Reactions)  # all arrays are read-only already: looking for them takes as long as a dyad
-    vars(reactions).update(
+    return Reactions(
         motion=motion,
         engine=engine,
         loads=given[0],
@@ -341,7 +340,6 @@ def _reactions(
         _press=press,
         _conditions=conditions,
     )
-    return reactions
 
 
 def _refuse_change_points(press: Linkage, motion: Motion) -> None:

@@ -472,15 +472,9 @@ def _along_branch(
     chain = known.chain if branch is known.branch and engine is known.engine else None
     if chain is not None and (one_period or _reaches(chain, known.branch, angles)):
         with np.errstate(all="ignore"):  # what overflows is refused
-            position, v, a, gap = _on_chain(chain, known.branch, angles, speeds, accelerations)
-            _refuse_too_fast(press, a)
-        motion = _of_states(known.fixed, position, v, a, gap, times, turns)
-        # the caller may change his arrays later
-        speeds, accelerations = (read_only(rates.copy()) if isinstance(rates, np.ndarray) else rates for rates in (speeds, accelerations))
-        states = ChainStates(ChainClosure(chain, known.branch, motion.crank_angle), speeds, accelerations)
-        states.position, states.v, states.a = position, v, a
-        vars(motion)["_closed_for"] = ClosedFor(press, states)
-        return motion
+            states, gap = _on_chain(chain, known.branch, angles, speeds, accelerations)
+            _refuse_too_fast(press, states.a)
+        return _closed_motion(press, known.fixed, states, gap, times, turns)
     closure = closed(engine, known.spatial_model, branch, angles, known.fixed.linkage)
     with np.errstate(all="ignore"):
         v, a = _rates(closure, speeds, accelerations)
@@ -500,18 +494,25 @@ def _closed_motion(
 
 def _on_chain(
     chain: Chain, branch: Branch, angles: Array, speeds: Array | float, accelerations: Array | float
-) -> tuple[Array, Array, Array, Array]:
-    """Positions, rates and accelerations (nv, n) of all joints of a chain of dyads, and the largest gaps (n,), in pieces that stay in the
-    cache."""
-    n = len(angles)
-    position, v, a = np.empty((3, len(chain.plane.parents), n))
+) -> tuple[ChainStates, Array]:
+    """States of a chain of dyads, and the largest gaps (n,), found in pieces that stay in the cache."""
+    closure = ChainClosure(chain, branch, read_only(angles.copy()))
+    n, states = len(angles), ChainStates(closure, _copied(speeds), _copied(accelerations))
+    if n <= chain.piece:
+        return states, states.gap
+    states.position, states.v, states.a = np.empty((3, len(chain.plane.parents), n))
     gap = np.empty(n)
     for start in range(0, n, chain.piece):
         some = slice(start, start + chain.piece)
         speed, acceleration = (rates[some] if isinstance(rates, np.ndarray) else rates for rates in (speeds, accelerations))
         part = ChainStates(ChainClosure(chain, branch, angles[some]), speed, acceleration)
-        position[:, some], v[:, some], a[:, some], gap[some] = part.position, part.v, part.a, part.gap
-    return position, v, a, read_only(gap)
+        states.position[:, some], states.v[:, some], states.a[:, some], gap[some] = part.position, part.v, part.a, part.gap
+    return states, read_only(gap)
+
+
+def _copied(rates: Array | float) -> Array | float:
+    """Rates that stay what they are where the caller changes his array later."""
+    return read_only(rates.copy()) if isinstance(rates, np.ndarray) else rates
 
 
 def _reaches(chain: Chain, branch: Branch, angles: Array) -> bool:
