@@ -78,7 +78,7 @@ def of_press(press: Linkage) -> Inputs:
 
 def _file_in_words(press: Linkage) -> str:
     """The file with the first digits of its contents' SHA-256, and whether the press was changed after it was read."""
-    shipped = Path(press.file).stem in loading.presses() and str(loading.located(Path(press.file).stem)) == press.file
+    shipped = Path(press.file).stem in loading.presses() and str(loading.locate(Path(press.file).stem)) == press.file
     place = f"{Path(press.file).name}, shipped with pinpress" if shipped else press.file
     changed = "" if is_as_read(press) else "; the press was changed after reading it"
     return f"{place}, SHA-256 of the URDF {hashlib.sha256(press.text).hexdigest()[:16]}{changed}"

@@ -30,7 +30,7 @@ from ..engines.racks import PlacedAxis, between_teeth
 from ..kinematics.motion import MOST_IN_TITLE, Motion, refuse_other_joints
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
-from ..linkage.mobility import own_axes
+from ..linkage.planarity import planarity
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
 from . import applied_loads
@@ -179,7 +179,7 @@ class Reactions(Tabular):
 
     @cached_property
     def indeterminate_axes(self) -> Array:
-        return read_only(own_axes(self._press))
+        return read_only(planarity(self._press).axes)
 
     @cached_property
     def _indeterminate(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

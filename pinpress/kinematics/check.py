@@ -21,8 +21,8 @@ from ..engines.pinocchio.kinematics import rank as rank_of
 from ..linkage import assembly_checks, mobility
 from ..linkage.assembly_checks import open_in_words
 from ..linkage.linkage import Linkage
-from ..linkage.loading import assembled, document_of, located, with_spins_held
-from ..linkage.urdf import element_checks, reader
+from ..linkage.loading import build_linkage, hold_spins, locate, read_document
+from ..linkage.urdf import element_checks
 from ..linkage.urdf.document import SEVERITIES, Document, Finding
 from .dyads import Dyad, least_transmission_angles
 from .main_data import MainData, main_data, main_lines
@@ -179,9 +179,9 @@ def check(
         UnknownNameError: no such driver or slide.
         PinpressError: the slide is not guided by the frame, or a driver is named twice.
     """
-    file = os.fspath(located(path))
+    file = os.fspath(locate(path))
     try:
-        document = document_of(file)
+        document = read_document(file)
     except UrdfError as error:
         if not os.path.exists(file):
             raise
@@ -198,7 +198,7 @@ def check_document(
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> CheckResult:
     """`check` of what was read from a file."""
-    findings = [*reader.errors(document), *document.remarks, *element_checks.remarks(document.robot)]
+    findings = [*element_checks.errors(document), *document.remarks, *element_checks.remarks(document.robot)]
     facts = None
     if all(finding.error is None for finding in findings):
         try:
@@ -213,14 +213,13 @@ def check_document(
 def _put_together(
     document: Document, driver: str | Sequence[str] | None, slide: str | None, allow_open: bool, gravity: Sequence[float]
 ) -> tuple[list[Finding], Facts]:
-    """Findings and facts of the linkage that the elements make; raises the errors of `assembled`."""
-    description = reader.describe(document)
-    press = with_spins_held(assembled(document, driver, slide, gravity))
+    """Findings and facts of the linkage that the elements make; raises the errors of `build_linkage`."""
+    press = hold_spins(build_linkage(document, driver, slide, gravity))
     errors = list(assembly_checks.errors(press))
-    remarks = assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press, document.robot, allow_open)
+    remarks = assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press, allow_open)
     findings = [*errors, *remarks]
     rank = rank_of(press.equations(press.as_drawn).columns) if errors else press.rank
-    between = [(loop.link1.link, loop.link2.link) for loop in description.loops]
+    between = [(loop.link1.link, loop.link2.link) for loop in document.description.loops]
     between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]
     closings = (
         Closing(
@@ -233,7 +232,7 @@ def _put_together(
         for k, each, joints in _in_order(press)
     )
     engine, data = None if errors else press.engine().name, main_data(press, moves=not errors)
-    return [*findings, *_no_slide(press, description), *_turned_back(press, data)], Facts(
+    return [*findings, *_no_slide(press), *_turned_back(press, data)], Facts(
         press.drivers,
         press.slide,
         press.joints,
@@ -242,15 +241,15 @@ def _put_together(
         press.held_spins,
         engine,
         Records(Closing, closings),
-        Records(Place, _places(press, description)),
+        Records(Place, _places(press)),
         data,
         Records(Dyad, []) if errors else _dyads(press),
     )
 
 
-def _places(press: Linkage, description: reader.Urdf) -> Iterator[Place]:
-    joints = {joint.name: joint for joint in description.joints}
-    loops = {loop.name: loop for loop in description.loops}
+def _places(press: Linkage) -> Iterator[Place]:
+    joints = {joint.name: joint for joint in press.document.description.joints}
+    loops = {loop.name: loop for loop in press.document.description.loops}
     for name in press.bearings_as_drawn:
         if name in loops:
             yield Place(name, loops[name].type, (loops[name].link1.link, loops[name].link2.link))
@@ -260,9 +259,9 @@ def _places(press: Linkage, description: reader.Urdf) -> Iterator[Place]:
         yield Place(name, "pin" if press.axes[press.joints.index(name)].turns else sliding, (joint.parent, joint.child))
 
 
-def _no_slide(press: Linkage, description: reader.Urdf) -> Iterator[Finding]:
+def _no_slide(press: Linkage) -> Iterator[Finding]:
     """A note of several links that the frame guides, none of which is taken for the slide."""
-    guided = [each.between[1] for each in _places(press, description) if each.type == "guide"]
+    guided = [each.between[1] for each in _places(press) if each.type == "guide"]
     if press.slide is not None or len(guided) < 2:
         return
     problem = f"the frame guides {', '.join(guided)}, and none is called slide: stroke and dead centres are of none"

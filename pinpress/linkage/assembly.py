@@ -51,7 +51,7 @@ class Assembly(NamedTuple):
     branch: Branch | None
 
 
-def assembled(spatial_model: SpatialModel) -> Assembly:
+def assemble(spatial_model: SpatialModel) -> Assembly:
     """The drawn pose of a linkage, closed by the fastest engine that can compute it."""
     start, spatial_engine = as_drawn(spatial_model), PinocchioEngine(spatial_model)
     for one_block in (False, True) if len(spatial_model.drivers) == 1 else ():

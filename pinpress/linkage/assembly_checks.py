@@ -22,9 +22,9 @@ from ..engines.pinocchio.model import Rows
 from ..engines.planar.model import PARALLEL
 from . import mobility
 from .linkage import LEVEL, Linkage
+from .planarity import planarity
 from .urdf import element_checks, units
-from .urdf.document import Element, Finding
-from .urdf.reader import describe
+from .urdf.document import Finding
 
 CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
@@ -106,29 +106,22 @@ def _short(number: float) -> str:
 
 def rounded(press: Linkage) -> str | None:
     """The remedy for axes that are nearly but not quite parallel; None where they are parallel, or far from it."""
-    off = _off(press)[0]
+    off = planarity(press).farthest_off
     if not PARALLEL < off < ROUNDED:
         return None
     return f"axes are up to {off:.2g} rad from parallel: write angles in full, 1.5707963267948966 for a quarter turn"
 
 
-def _off(press: Linkage) -> tuple[float, str, int | None]:
-    """The largest angle by which a joint or loop is off the plane [rad], with the element and line of that joint or loop."""
-    joints: list[tuple[float, str, int | None]]
-    joints = [
-        (off, press.document.called("joint", name), None) for off, name in zip(mobility.joints_off_plane(press), press.joints, strict=True)
-    ]
-    loops = [
-        (off, press.document.called("loop_joint", loop.name), loop.line)
-        for off, loop in zip(mobility.loops_off_plane(press), press.loops, strict=True)
-    ]
-    return max([*joints, *loops], key=lambda each: each[0])
-
-
 def _unseen(press: Linkage) -> Iterator[Finding]:
     """Errors of axes so nearly parallel that the rank of the equations does not show it, but the gaps do."""
-    off, element, line = _off(press)
+    plane, called = planarity(press), press.document.called
+    off = plane.farthest_off
     if PARALLEL < off < UNSEEN and press.loops and (remedy := rounded(press)):
+        if off in plane.joints_off:
+            element, line = called("joint", press.joints[plane.joints_off.index(off)]), None
+        else:
+            loop = press.loops[plane.loops_off.index(off)]
+            element, line = called("loop_joint", loop.name), loop.line
         problem = f"its axis is {off:.2g} rad from parallel to that of joint {press.driver!r}, or out of the plane across it"
         yield Finding.of(UrdfError(press.file, element, line, problem, remedy))
 
@@ -243,7 +236,7 @@ def _without_axis(press: Linkage) -> str | None:
 def _read_otherwise(press: Linkage, each: mobility.Constraint) -> str | None:
     """What to write where a loop that is drawn open would be closed if its points were read otherwise: with its links exchanged, or one of
     them in world axes."""
-    loop = next((loop for loop in describe(press.document).loops if loop.name == each.by.name), None)
+    loop = next((loop for loop in press.document.description.loops if loop.name == each.by.name), None)
     if loop is None or not isinstance(each.by, LoopJoint) or each.gap(press.drawn_gaps) <= CLOSED * press.size:
         return None
     places = drawn_placements(press.model)
@@ -313,33 +306,31 @@ def _joints(names: Sequence[str]) -> str:
     return f"joint {names[0]!r}" if len(names) == 1 else f"joints {', '.join(map(repr, names))}"
 
 
-def remarks(press: Linkage, robot: "Element", allow_open: bool) -> Iterator[Finding]:
-    """All warnings and notes about a linkage that closes, and errors of loops drawn too far open where these are not allowed; ``robot``:
-    root element of the linkage's URDF."""
+def remarks(press: Linkage, allow_open: bool) -> Iterator[Finding]:
+    """All warnings and notes about a linkage that closes, and errors of loops drawn too far open where these are not allowed."""
     refused = [] if allow_open else list(too_far_open(press))
     yield from refused
     said = {error.element for error in refused}
     yield from (found for found in _drawn_open(press, _open_beyond(press, OPEN)) if found.element not in said)
     yield from units_remarks(press)
-    yield from _slide_axis(press, robot)
-    yield from _stroke(press, robot)
+    yield from _slide_axis(press)
+    yield from _stroke(press)
     poses = press.closed[:, None]
     if len(press.drivers) == 1:
-        branch, found = _driver(press, robot)
+        branch, found = _driver(press)
         yield from found
         if branch is not None:
             poses = np.hstack([poses, predict(branch, np.linspace(branch.angles[0], branch.angles[-1], POSES))])
-            yield from _limits(press, branch, robot)
+            yield from _limits(press, branch)
     yield from _held_spins(press)
     yield from _gears_without_carrier(press)
     yield from _redundant(press, poses)
     yield from _engine(press)
 
 
-def _driver(press: Linkage, robot: Element) -> tuple[Branch | None, list[Finding]]:
+def _driver(press: Linkage) -> tuple[Branch | None, list[Finding]]:
     """The drawn assembly over the motion of the one driver, None where it cannot be followed, and what is said of that motion."""
-    line = next(joint.line for joint in robot.all("joint") if joint.get("name") == press.driver)
-    where = press.document.called("joint", press.driver), line
+    where = press.document.called("joint", press.driver), press.document.find("joint", press.driver).line
     try:
         return press.branch, list(_range_of_driver(press, press.branch, where))
     except PinpressError as error:
@@ -401,7 +392,7 @@ def severe(press: Linkage, centres: bool = True) -> Iterator[Finding]:
     yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else FAR_OPEN)))
     yield from units_remarks(press, centres)
     if "plane" in press.engines:  # of others the assembly is not followed yet, which takes long
-        yield from (finding for finding in _driver(press, press.document.robot)[1] if finding.severity == "warning")
+        yield from (finding for finding in _driver(press)[1] if finding.severity == "warning")
 
 
 def units_remarks(press: Linkage, centres: bool = True) -> Iterator[Finding]:
@@ -416,12 +407,12 @@ def _light_slide(press: Linkage, masses: list[float]) -> Iterator[Finding]:
     """The warning of a slide, moved by other links, that is far lighter than one of them; ``masses``: of all bodies but the frame [kg]."""
     heaviest, weight = int(np.argmax(masses)), masses[press.slide_guide.joint]
     if UNWEIGHED < weight < LIGHTEST_SLIDE * masses[heaviest]:
-        link = next(link for link in press.document.robot.all("link") if link.get("name") == press.slide)
+        link = press.document.find("link", press.slide)
         problem = f"the slide weighs {weight:.4g} kg, link {press.link_of(heaviest + 1)!r} {masses[heaviest]:.4g} kg"
         yield Finding("warning", str(link), link.line, problem, "write masses in kg, 1000 for a tonne")
 
 
-def _stroke(press: Linkage, robot: "Element") -> Iterator[Finding]:
+def _stroke(press: Linkage) -> Iterator[Finding]:
     """The warning of a slide that goes further than those of presses do."""
     if press.slide is None or len(press.drivers) > 1:
         return
@@ -433,17 +424,17 @@ def _stroke(press: Linkage, robot: "Element") -> Iterator[Finding]:
     angles = np.linspace(branch.angles[0], branch.angles[-1], SAMPLES)
     stroke = float(np.ptp(predict(branch, angles)[guide]))
     if stroke > LONGEST_STROKE:
-        joint = next(joint for joint in robot.all("joint") if joint.get("name") == press.joints[guide])
+        joint = press.document.find("joint", press.joints[guide])
         problem = f"slide {press.slide!r} goes {stroke:.3g} m to and fro"
         yield Finding("warning", str(joint), joint.line, problem, "write lengths in metres, 0.001 for a millimetre")
 
 
-def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
+def _slide_axis(press: Linkage) -> Iterator[Finding]:
     """The note of a slide whose axis points down, or of one that moves horizontally, whose axis says where its bottom dead centre is."""
     if press.slide is None:
         return
     name, axis = press.joints[press.slide_guide.joint], press.slide_direction
-    joint = next(joint for joint in robot.all("joint") if joint.get("name") == name)
+    joint = press.document.find("joint", name)
     if abs(axis @ press.up) <= LEVEL:
         x, y, z = np.round(axis, 3) + 0.0
         end = f"farthest {'left' if x > 0 else 'right'}" if x and not y else "at its far end against that axis"
@@ -483,13 +474,13 @@ def _moved_to_close(press: Linkage) -> str:
     return f"joint {press.joints[most]!r} by {_value(press, most, moves[most])}"
 
 
-def _limits(press: Linkage, branch: Branch, robot: "Element") -> Iterator[Finding]:
+def _limits(press: Linkage, branch: Branch) -> Iterator[Finding]:
     """Warnings of joints that leave their limits within a turn of the driver, or as far as it turns."""
     low, high = branch.angles[0], branch.angles[-1]
     turns = (high - low) / (2 * np.pi) if branch.coordinate.turns else 1.0
     angles = np.linspace(low, high, 1 + max(1, round(SAMPLES * turns)))
     positions = predict(branch, angles)
-    for name, (lower, upper, element) in element_checks.limits(robot).items():
+    for name, (lower, upper, element) in element_checks.limits(press.document.robot).items():
         joint = press.joints.index(name)
         if not lower <= 0.0 <= upper and not press.as_drawn[joint]:
             continue  # this is reported of the drawn pose
@@ -514,7 +505,7 @@ def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
         yield Finding("note", robot, None, problem, f"nothing is wrong; what bearings carry across the plane {shared}")
     if further:
         found = [*among, *(each for x in poses.T for each in mobility.redundancy(press, x).among)]
-        where = "in the plane" if mobility.lies_in_plane(press) else "in space"
+        where = "in the plane" if planarity(press).is_planar else "in space"
         problem = (
             f"{_equations(further)} redundant {where}, of {', '.join(each.title for each in mobility.constraints(press) if each in found)}"
         )
@@ -537,8 +528,8 @@ def _not_planar(press: Linkage) -> str:
     """Why the planar engine cannot compute it."""
     if len(press.drivers) > 1:
         return f"there are {len(press.drivers)} drivers"
-    joints, loops = mobility.joints_off_plane(press), mobility.loops_off_plane(press)
-    if (turning := mobility.turning_joint(press)) is None:
+    turning, _, joints, loops = planarity(press)
+    if turning is None:
         return "no joint turns"
     plane = f"the plane in which joint {press.joints[turning]!r} turns"
     if (off := max(joints)) > PARALLEL:

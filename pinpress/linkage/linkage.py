@@ -23,7 +23,7 @@ from ..engines.pinocchio.kinematics import rank
 from ..engines.pinocchio.model import Rows, SpatialModel, build_spatial_model, constraint_models
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
-from .assembly import Assembly, as_drawn, assembled, closed, followed, followed_beside, followed_from, refuse_far, through_change_points
+from .assembly import Assembly, as_drawn, assemble, closed, followed, followed_beside, followed_from, refuse_far, through_change_points
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .tool_point import ToolPoint, tool_point
 from .urdf.document import Document
@@ -306,7 +306,7 @@ class Linkage(Frozen):
     @property
     @per_linkage
     def _assembly(self) -> Assembly:
-        return assembled(self.spatial_model)
+        return assemble(self.spatial_model)
 
     @property
     @per_linkage

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,7 +18,8 @@ from ..engines.joints import Coupling, LoopJoint
 from . import assembly_checks, mobility
 from .formats import dialects
 from .linkage import Linkage
-from .urdf import element_checks, reader
+from .urdf import element_checks
+from .urdf.description import Description, Loop
 from .urdf.document import Document, check_command, read, refuse_errors
 
 MANY = 12  # names that a message lists
@@ -62,7 +63,7 @@ def load(
         PinpressWarning: a linkage that is hardly meant: a loop drawn open by more than a hundredth of the linkage's size; lengths, angles,
             masses or inertias that are hardly in SI units; attributes and elements that are not read. `check` says more.
     """
-    return _loaded(document_of(located(path)), driver, slide, gravity, allow_open)
+    return _load(read_document(locate(path)), driver, slide, gravity, allow_open)
 
 
 def load_document(document: Document, slide: str | None = None, gravity: Sequence[float] = (0.0, 0.0, -9.81), command: str = "") -> Linkage:
@@ -70,10 +71,10 @@ def load_document(document: Document, slide: str | None = None, gravity: Sequenc
 
     Warnings name no line of it, and its centres of mass are not looked at: who wrote the text knows them.
     """
-    return _loaded(document, None, slide, gravity, in_file=False, command=command)
+    return _load(document, None, slide, gravity, in_file=False, command=command)
 
 
-def _loaded(
+def _load(
     document: Document,
     driver: str | Sequence[str] | None,
     slide: str | None,
@@ -82,8 +83,8 @@ def _loaded(
     in_file: bool = True,
     command: str = "",
 ) -> Linkage:
-    refuse_errors(reader.errors(document), command or check_command(document.file))
-    press = with_spins_held(assembled(document, driver, slide, gravity))
+    refuse_errors(element_checks.errors(document), command or check_command(document.file))
+    press = hold_spins(build_linkage(document, driver, slide, gravity))
     command = command or check_command(press.file, () if driver is None else press.drivers, slide)
     check_drawn_pose(press, command)
     if not allow_open:
@@ -101,7 +102,7 @@ def check_drawn_pose(press: Linkage, command: str | None = None) -> None:
     refuse_errors(assembly_checks.errors(press), command or check_command(press.file))
 
 
-def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
+def locate(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
     """The path of a URDF file, given itself or the name of a shipped press; raises UrdfError where there is neither."""
     file = path_of("path", path)
     if file.lstrip().startswith("<"):
@@ -124,7 +125,7 @@ def shipped_table(name: str) -> Path | None:
     return _library() / f"{name}.yaml" if name in presses() else None
 
 
-def document_of(path: str | os.PathLike[str]) -> Document:
+def read_document(path: str | os.PathLike[str]) -> Document:
     """The URDF that a file is, or that says the same; raises UrdfError where there is none."""
     if path_of("path", path).endswith((".yaml", ".yml")):
         raise UrdfError(path_of("path", path), None, None, "this is a table of pins, not a URDF", "make a press of it by pp.build(path)")
@@ -144,25 +145,25 @@ def document_of(path: str | os.PathLike[str]) -> Document:
     raise UrdfError(found.file, str(root), root.line, "the root element is not <robot>, <sdf> or <mujoco>", remedy)
 
 
-def assembled(
+def build_linkage(
     document: Document,
     driver: str | Sequence[str] | None,
     slide: str | None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> Linkage:
     """The linkage of a URDF without problems, not yet closed; arguments and errors as of `load`."""
-    description = reader.describe(document)
-    drivers = _drivers(description, driver, document.called)
+    description = document.description
+    drivers = _drivers(document, driver)
     try:
-        model = pin.buildModelFromXML(description.text.decode())
+        model = pin.buildModelFromXML(document.text.decode())
     except (ValueError, RuntimeError) as error:  # nothing is known that passes the checks and ends here
-        raise UrdfError(description.file, None, None, f"Pinocchio cannot read it: {error}", "simplify the file") from error
+        raise UrdfError(document.file, None, None, f"Pinocchio cannot read it: {error}", "simplify the file") from error
     model.gravity.linear = numbers("gravity", gravity, (3,), unit="m/s2")
     if np.abs(model.gravity.linear).max() > LARGEST:
         raise PinpressError(f"gravity is {shown(gravity)}: give m/s2, {LARGEST:g} at most")
     places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
     for name in drivers:
-        _refuse_without_travel(description, document, model.joints[places[name] + 1], model)
+        _refuse_without_travel(document, model.joints[places[name] + 1], model)
     press = Linkage(
         name=description.name,
         document=document,
@@ -198,7 +199,7 @@ def _without_driver(press: Linkage) -> UrdfError:
     return UrdfError(press.file, press.document.called("robot", press.name), None, "no driver", remedy)
 
 
-def with_spins_held(press: Linkage) -> Linkage:
+def hold_spins(press: Linkage) -> Linkage:
     """The linkage with the idle spins of its rods held: those about the line of two ball joints, which no driver determines."""
     if press.determined or not assembly_checks.closes(press):
         return press
@@ -214,7 +215,7 @@ def _library() -> Path:
     return next(folder for folder in (here / "urdf", here.parent / "urdf") if folder.is_dir())
 
 
-def _refuse_without_travel(description: reader.Urdf, document: Document, joint: pin.JointModel, model: pin.Model) -> None:
+def _refuse_without_travel(document: Document, joint: pin.JointModel, model: pin.Model) -> None:
     """Raise UrdfError for a driver that slides and has no way to go from the drawn pose."""
     if not joint.shortname().startswith("JointModelP"):
         return
@@ -227,14 +228,12 @@ def _refuse_without_travel(description: reader.Urdf, document: Document, joint: 
     if lower == upper == 0.0:
         problem = "the <limit> of the driver, which slides, is 0 to 0 m, as programs write it that know no limits: it could not move"
     remedy = "write its travel from the drawn pose in m: lower, 0 or less, and upper, 0 or more"
-    raise UrdfError(description.file, document.called("joint", name), _line(description, name), problem, remedy)
+    raise UrdfError(document.file, document.called("joint", name), document.find("joint", name).line, problem, remedy)
 
 
-def _line(description: reader.Urdf, joint: str) -> int:
-    return next(j.line for j in description.joints if j.name == joint)
-
-
-def _drivers(description: reader.Urdf, driver: str | Sequence[str] | None, called: Callable[[str, str], str]) -> tuple[str, ...]:
+def _drivers(document: Document, driver: str | Sequence[str] | None) -> tuple[str, ...]:
+    """Names of the driver joints: those of the argument, else those of the file."""
+    description = document.description
     moving = [joint.name for joint in description.joints if joint.type != "fixed"]
     given: tuple[str, ...] = description.drivers
     if driver is not None:
@@ -246,11 +245,11 @@ def _drivers(description: reader.Urdf, driver: str | Sequence[str] | None, calle
         raise PinpressError(f"driver names a joint twice: {', '.join(given)}")
     if not given and not moving:
         remedy = "write joints that move, and name one that drives"
-        raise UrdfError(description.file, called("robot", description.name), None, "no driver", remedy)
+        raise UrdfError(document.file, document.called("robot", description.name), None, "no driver", remedy)
     return given
 
 
-def _loop_joint(model: pin.Model, loop: reader.Loop) -> LoopJoint:
+def _loop_joint(model: pin.Model, loop: Loop) -> LoopJoint:
     ends: list[tuple[int, Array, Array]] = []
     turned = pin.Quaternion.FromTwoVectors(np.array([1.0, 0.0, 0.0]), np.array(loop.axis)).matrix()  # the first axis to the loop's
     for end in (loop.link1, loop.link2):
@@ -260,7 +259,7 @@ def _loop_joint(model: pin.Model, loop: reader.Loop) -> LoopJoint:
     return LoopJoint(loop.name, loop.type, *ends[0], *ends[1], loop.line)
 
 
-def _slide(description: reader.Urdf, model: pin.Model, slide: str | None) -> str | None:
+def _slide(description: Description, model: pin.Model, slide: str | None) -> str | None:
     guided = {j.child: j.name for j in description.joints if j.type == "prismatic" and model.parents[model.getJointId(j.name)] == 0}
     if slide is not None:
         if not isinstance(slide, str):

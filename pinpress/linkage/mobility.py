@@ -10,16 +10,15 @@ import numpy as np
 import pinocchio as pin
 
 from ..common.quantities import Array
-from ..engines.joints import Coupling, LoopJoint, data_of, drawn_placements
+from ..engines.joints import Coupling, LoopJoint, data_of
 from ..engines.pinocchio.kinematics import PassiveJacobian, rank
 from ..engines.pinocchio.model import Rows
-from ..engines.planar.model import PARALLEL
 from .linkage import Linkage
+from .planarity import planarity
 
 TAKES_PART = 1e-6  # share of a unit null vector above which a joint or an equation takes part in it
 BALANCED = 1e-6  # distance of a centre of mass from the line that its link spins about, that is rounding [lengths of the linkage]
 NEARLY = 0.2  # the same, up to which a spin is named where it keeps a linkage from being loaded [lengths of the linkage]
-UPRIGHT = 1e-9  # difference of the normal from a world axis up to which a plane has the world's axes
 
 
 class Constraint(NamedTuple):
@@ -175,80 +174,21 @@ def _freedom(press: Linkage, columns: Array) -> tuple[int, int]:
 
 def redundancy(press: Linkage, x: Array) -> Redundancy:
     """The redundant equations at closed joint coordinates (nv,)."""
+    plane = planarity(press)
     if not press.engine().redundant(x):
-        return Redundancy(sum(1 + loop.held_rotations for loop in press.loops) if lies_in_plane(press) else 0, 0, ())
+        return Redundancy(sum(1 + loop.held_rotations for loop in press.loops) if plane.is_planar else 0, 0, ())
     rows = press.closed_rows if x is press.closed else press.equations(x)
     single = np.eye(len(rows.gaps))
     parts, owners = [], []
     for k, each in enumerate(constraints(press)):
         part = single[[*each.points, *each.turns]]
-        if each.points and lies_in_plane(press):
-            normal = _normal(press)
-            part = np.linalg.svd(normal[None])[2][1:] @ single[list(each.points)]
+        if each.points and plane.is_planar:
+            part = np.linalg.svd(plane.normal[None])[2][1:] @ single[list(each.points)]
             if len(each.turns) == 3:  # a weld holds a rotation in the plane too, a pin only those out of it
-                part = np.vstack([part, normal @ rows.held_directions[k] @ single[list(each.turns)]])
+                part = np.vstack([part, plane.normal @ rows.held_directions[k] @ single[list(each.turns)]])
         parts.append(part)
         owners += [each] * len(part)
     equations = np.vstack(parts) if parts else single
     idle = PassiveJacobian(equations @ rows.columns, press.spatial_model).idle
     taking = [each for each, share in zip(owners, np.linalg.norm(idle, axis=1), strict=True) if share > TAKES_PART]
     return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in constraints(press) if each in taking))
-
-
-def lies_in_plane(press: Linkage) -> bool:
-    """Whether the linkage is planar: the axes of all joints and loops are parallel to that of the `turning_joint`, and all guides
-    perpendicular to it."""
-    return all(off <= PARALLEL for off in [*joints_off_plane(press), *loops_off_plane(press)])
-
-
-def own_axes(press: Linkage) -> Array:
-    """(3, 3) unit vectors, as rows, that separate forces in the plane of motion from forces out of it.
-
-    For a planar linkage whose normal is no world axis they are the horizontal in the plane, the normal, and the upward direction in the
-    plane; else the world axes.
-    """
-    normal = _normal(press)
-    if np.abs(normal).max() >= 1 - UPRIGHT or not lies_in_plane(press):
-        return np.eye(3)
-    along = np.cross((0.0, 0.0, 1.0), normal)
-    along *= (1.0 if along[np.argmax(np.abs(along))] > 0 else -1.0) / np.linalg.norm(along)
-    upwards = np.cross(normal, along)
-    upwards *= 1.0 if upwards[2] > 0 else -1.0
-    return np.array([along, np.cross(upwards, along), upwards])
-
-
-def joints_off_plane(press: Linkage) -> list[float]:
-    """For every joint the angle between its axis and that of the `turning_joint`, or between its guide and the plane across it [rad]."""
-    normal, turned = _normal(press), _drawn_rotations(press)
-    angles = (_angle(turned[j + 1] @ axis.direction, normal) for j, axis in enumerate(press.axes))
-    return [angle if axis.turns else np.pi / 2 - angle for angle, axis in zip(angles, press.axes, strict=True)]
-
-
-def loops_off_plane(press: Linkage) -> list[float]:
-    """For every loop the larger of the angles between its axis at both ends and that of the `turning_joint` [rad]; 0 for one without an
-    axis."""
-    normal, turned = _normal(press), _drawn_rotations(press)
-    ends = [((loop.joint1, loop.rotation1), (loop.joint2, loop.rotation2)) if loop.type == "revolute" else () for loop in press.loops]
-    return [max((_angle(turned[joint] @ rotation[:, 0], normal) for joint, rotation in pair), default=0.0) for pair in ends]
-
-
-def _angle(direction: Array, other: Array) -> float:
-    """The angle between two lines [rad]."""
-    return float(np.arctan2(np.linalg.norm(np.cross(direction, other)), abs(direction @ other)))
-
-
-def turning_joint(press: Linkage) -> int | None:
-    """Index in v of the joint in whose plane a planar linkage moves: the first driver, or where that slides the first joint that turns;
-    None where no joint turns."""
-    driver = press.driver_indices[0]
-    return driver if press.axes[driver].turns else next((j for j, axis in enumerate(press.axes) if axis.turns), None)
-
-
-def _normal(press: Linkage) -> Array:
-    """(3,) axis of the `turning_joint`; of a linkage without any that of world y, across presses."""
-    joint = turning_joint(press)
-    return np.array([0.0, -1.0, 0.0]) if joint is None else np.asarray(_drawn_rotations(press)[joint + 1] @ press.axes[joint].direction)
-
-
-def _drawn_rotations(press: Linkage) -> list[Array]:
-    return [place.rotation.copy() for place in drawn_placements(press.model)]

@@ -25,8 +25,9 @@ from ..common.quantities import Array
 from ..engines.joints import Axis, LoopJoint, Slot, axes, slots
 from . import assembly_checks, loading
 from .linkage import Linkage
-from .urdf import reader
-from .urdf.document import Document, Element, Finding
+from .urdf import description, element_checks
+from .urdf.document import Document, Finding
+from .urdf.element import Element
 from .urdf.text import MOMENTS, Text, tag, written
 
 ACCEPTED = 1e-12  # relative difference from the linkage that is accepted of a text: a hundred times the rounding of turned frames
@@ -77,14 +78,14 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     """
     unwritten = f"{path_of('path', path)} (not written)"  # the file's name in errors
     template = press.document
-    before = loading.assembled(template, press.drivers, press.slide)
+    before = loading.build_linkage(template, press.drivers, press.slide)
     _check(press, before)
     text = edited(template, before, press)
-    reached = loading.assembled(_read(text, unwritten), None, press.slide)
+    reached = loading.build_linkage(_read(text, unwritten), None, press.slide)
     for what, gap in _gaps(press, reached).items():
         if not gap <= ACCEPTED:
             raise PinpressError(f"{unwritten}: a URDF cannot hold the changed {what} of {press.name}; leave it as in {press.file}")
-    _raise_first(assembly_checks.errors(loading.with_spins_held(reached)))
+    _raise_first(assembly_checks.errors(loading.hold_spins(reached)))
     return files.write(path, text)
 
 
@@ -107,7 +108,7 @@ def added_ballasts(press: Linkage) -> dict[int, AddedBallast]:
     """What was added to the masses of a linkage, as `balance` does, by the joint that carries the body: since it was read, and what its
     file says was added before."""
     try:
-        before = loading.assembled(press.document, press.drivers, press.slide)
+        before = loading.build_linkage(press.document, press.drivers, press.slide)
     except PinpressError:  # of a text that was exchanged
         return {}
     if list(before.model.names) != list(press.model.names):
@@ -166,7 +167,7 @@ def _ball(added: AddedBallast, link: pin.SE3) -> str:
 
 def is_as_read(press: Linkage) -> bool:
     """Whether a linkage is still the one that its URDF describes, perhaps drawn at another crank angle."""
-    before = loading.assembled(press.document, press.drivers, press.slide)
+    before = loading.build_linkage(press.document, press.drivers, press.slide)
     try:
         _check(press, before)
     except PinpressError:
@@ -177,7 +178,7 @@ def is_as_read(press: Linkage) -> bool:
 def _read(text: bytes, file: str) -> Document:
     """A text as the document of a file; raises the first error in its elements."""
     document = Document(file, text)
-    _raise_first(reader.errors(document))
+    _raise_first(element_checks.errors(document))
     return document
 
 
@@ -264,11 +265,11 @@ _FIRST = (1.0, 0.0, 0.0)  # axis of a loop's end about which the loop turns
 
 def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
     """The URDF's text with the numbers of ``now`` wherever they differ from those ``before``, of the linkage as the text loads."""
-    text, description = Text(document), reader.describe(document)
+    text, read = Text(document), document.description
     old_model, new_model, place_of = before.model, now.model, {name: j for j, name in enumerate(before.joints)}
     if now.name != before.name:
         text.set(text.robot, {"name": now.name})
-    joints = list(zip(description.joints, text.robot.all("joint"), strict=True))
+    joints = list(zip(read.joints, text.robot.all("joint"), strict=True))
     movable = list(zip(axes(old_model), axes(new_model), slots(new_model), strict=True))
     for joint, element in joints:
         j = place_of.get(joint.name, -1)
@@ -280,9 +281,9 @@ def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
         text.set(mimic, _changed({"multiplier": (was.multiplier, pair.multiplier), "offset": (was.offset, pair.offset)}))
         if pair.leader != was.leader:
             text.set(mimic, {"joint": now.joints[pair.leader]})
-    for k, (loop, element) in enumerate(zip(description.loops, text.robot.all("loop_joint"), strict=True)):
+    for k, (loop, element) in enumerate(zip(read.loops, text.robot.all("loop_joint"), strict=True)):
         _edit_loop(text, element, loop, (old_model, before.loops[k]), (new_model, now.loops[k]))
-    _edit_drivers(text, description.drivers, now.drivers)
+    _edit_drivers(text, read.drivers, now.drivers)
     bodies: dict[int, list[_Link]] = {}
     balls = _balls(document, old_model)
     for link, element in zip(now.links, text.robot.all("link"), strict=True):
@@ -310,7 +311,7 @@ def _placement(model: pin.Model, link: str) -> pin.SE3:
 # --------------------------------------------------------------------------------------------------------------- joints, loops and drivers
 
 
-def _origin(model: pin.Model, joint: reader.Joint, j: int) -> pin.SE3:
+def _origin(model: pin.Model, joint: description.Joint, j: int) -> pin.SE3:
     """Placement of a joint in the frame of its parent link; ``j``: its index in v, of a joint that moves."""
     place = _placement(model, joint.child) if joint.type == "fixed" else model.jointPlacements[j + 1]
     return _placement(model, joint.parent).inverse() * place
@@ -325,7 +326,7 @@ def _edit_joint(text: Text, element: Element, j: int, before: pin.Model, now: pi
 
 
 def _edit_loop(
-    text: Text, element: Element, loop: reader.Loop, before: tuple[pin.Model, LoopJoint], now: tuple[pin.Model, LoopJoint]
+    text: Text, element: Element, loop: description.Loop, before: tuple[pin.Model, LoopJoint], now: tuple[pin.Model, LoopJoint]
 ) -> None:
     (old_model, old), (new_model, new), axis = before, now, loop.axis
     if new.type != old.type:
@@ -337,7 +338,7 @@ def _edit_loop(
         text.set(element.all(end)[0], _changed_place(was, place))
 
 
-def _ends(model: pin.Model, loop: reader.Loop, bearing: LoopJoint, axis: tuple[float, float, float]) -> tuple[pin.SE3, pin.SE3]:
+def _ends(model: pin.Model, loop: description.Loop, bearing: LoopJoint, axis: tuple[float, float, float]) -> tuple[pin.SE3, pin.SE3]:
     """Placements of a loop's ends in the frames of their links; ``axis``: of the ends, about which the loop turns."""
     turned = pin.Quaternion.FromTwoVectors(np.array(_FIRST), np.array(axis)).matrix()  # as `load` turns it
     end1, end2 = pin.SE3(bearing.rotation1 @ turned.T, bearing.point1), pin.SE3(bearing.rotation2 @ turned.T, bearing.point2)

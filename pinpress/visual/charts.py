@@ -18,8 +18,8 @@ from ..dynamics.applied_loads import turning_points
 from ..dynamics.extremes import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion, loaded_bodies, poses
-from ..linkage import mobility
 from ..linkage.linkage import Linkage
+from ..linkage.planarity import UPRIGHT, planarity
 from ..simulation.run import Run
 
 BEYOND = 1.25  # height shown over the process, divided by the largest at which there is a force
@@ -283,8 +283,8 @@ def _locus(reactions: Reactions, name: str, turned: Array) -> Locus:
 def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, str], Array]:
     """Names and world directions (2, 3) of a polar diagram's axes; forces (n, 3) below ``least`` are rounding."""
     normals = press.engine().turning_axes()  # a planar press has one
-    if len(normals) == 1 and np.abs(normals).max() < 1 - mobility.UPRIGHT:
-        return ("h", "u"), mobility.own_axes(press)[[0, 2]]
+    if len(normals) == 1 and np.abs(normals).max() < 1 - UPRIGHT:
+        return ("h", "u"), planarity(press).axes[[0, 2]]
     across = _least_moved(force, least) if len(normals) > 1 else int(np.abs(normals[0]).argmax())
     first, second = (axis for axis in range(3) if axis != across)
     return (AXES[first], AXES[second]), np.eye(3)[[first, second]]

@@ -9,8 +9,8 @@ from support import mistakes
 
 import pinpress as pp
 from pinpress.common.errors import UrdfError
+from pinpress.linkage.loading import read_document
 from pinpress.linkage.urdf import element_checks
-from pinpress.linkage.urdf.document import parse
 
 RIGHT = mistakes.URDF.read_text(encoding="utf-8")
 JOINT = '<joint name="P" type="continuous">'
@@ -84,7 +84,7 @@ def test_robots_of_other_programs_are_read_in_silence():
     every = [path for path in files("example-robot-data") if path.suffix == ".urdf"]
     assert len(every) > 50
     for path in every:
-        assert list(element_checks.unknown(parse(path.locate()).robot)) == []
+        assert list(element_checks.unknown(read_document(path.locate()).robot)) == []
 
 
 LOOP = """<loop name="W" type="spherical"><predecessor link="rod"><origin xyz="0 0 -0.4"/></predecessor>

@@ -28,8 +28,10 @@ from support.generators.malformed_urdf import (
 
 import pinpress as pp
 from pinpress.common.errors import UrdfError
-from pinpress.linkage.urdf import reader
-from pinpress.linkage.urdf.document import parse
+from pinpress.linkage.loading import read_document
+from pinpress.linkage.urdf import description as urdf
+from pinpress.linkage.urdf.document import Document, check_command, refuse_errors
+from pinpress.linkage.urdf.element_checks import errors
 
 SHIPPED = Path(__file__).parents[2] / "urdf"
 
@@ -39,10 +41,17 @@ def file(tmp_path):
     return tmp_path / "press.urdf"
 
 
+def read(file: Path) -> Document:
+    """A URDF without errors; raises UrdfError for the first error in it."""
+    document = read_document(file)
+    refuse_errors(errors(document), check_command(document.file))
+    return document
+
+
 def first_problem(file: Path, text: str | bytes) -> UrdfError:
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(UrdfError) as caught:
-        reader.read(file)
+        read(file)
     assert caught.value.file == str(file)
     assert caught.value.remedy
     return caught.value
@@ -56,50 +65,50 @@ def listed(file: Path) -> list[str]:
 def urdf_errors(file: Path) -> list[pp.PinpressError]:
     """Errors of a file's elements, before they are put together."""
     try:
-        return [finding.error for finding in reader.errors(parse(file))]
+        return [finding.error for finding in errors(read_document(file))]
     except UrdfError as error:
         return [error]
 
 
 def test_valid_file(file):
     file.write_text(VALID)
-    assert reader.read(file) == reader.Urdf(
-        file=str(file),
-        text=VALID.encode(),
+    assert (read(file).file, read(file).text) == (str(file), VALID.encode())
+    assert read(file).description == urdf.Description(
         name="press",
         root="frame",
         links=("frame", "crank", "rod", "slide"),
         joints=(
-            reader.Joint("O", "continuous", "frame", "crank", None, LINE_O),
-            reader.Joint("P", "revolute", "crank", "rod", None, LINE_P),
-            reader.Joint("guide", "prismatic", "frame", "slide", None, GUIDE),
+            urdf.Joint("O", "continuous", "frame", "crank", (0, 0, 0), None, LINE_O),
+            urdf.Joint("P", "revolute", "crank", "rod", (0.1, 0, 0), None, LINE_P),
+            urdf.Joint("guide", "prismatic", "frame", "slide", (0, 0, -0.5), None, GUIDE),
         ),
         loops=(
-            reader.Loop(
+            urdf.Loop(
                 "W",
                 "spherical",
-                reader.LoopEnd("rod", (0.4, 0, 0), (0, 0, 0)),
-                reader.LoopEnd("slide", (0, 0, 0), (0, 0.5, 0)),
+                urdf.LoopEnd("rod", (0.4, 0, 0), (0, 0, 0)),
+                urdf.LoopEnd("slide", (0, 0, 0), (0, 0.5, 0)),
                 (1, 0, 0),
                 LINE_W,
             ),
         ),
         drivers=("O",),
+        bodies={link: link for link in ("frame", "crank", "rod", "slide")},
     )
 
 
 @pytest.mark.parametrize(
-    ("written", "read"),
+    ("written", "ratio"),
     [
         ('<mimic joint="O"/>', (1.0, 0.0)),
         ('<mimic joint="O" multiplier="-2.5"/>', (-2.5, 0.0)),
         ('<mimic joint="O" multiplier="1" offset="-1e-3"/>', (1.0, -0.001)),
     ],
 )
-def test_mimic(file, written, read):
+def test_mimic(file, written, ratio):
     file.write_text(in_joint("P", written))
-    assert reader.read(file).joints[1].mimic == reader.Mimic("O", read[0], read[1], 20)
-    assert [joint.mimic for joint in reader.read(file).joints[::2]] == [None, None]
+    assert read(file).description.joints[1].mimic == urdf.Mimic("O", *ratio, 20)
+    assert [joint.mimic for joint in read(file).description.joints[::2]] == [None, None]
 
 
 @pytest.mark.parametrize(
@@ -108,7 +117,7 @@ def test_mimic(file, written, read):
 )
 def test_loop_types(file, kind, written, axis):
     file.write_text(edited(('"spherical"', f'"{kind}"'), ("</loop_joint>", written + "</loop_joint>")))
-    (loop,) = reader.read(file).loops
+    (loop,) = read(file).description.loops
     assert (loop.type, loop.axis) == (kind, axis)
 
 
@@ -117,7 +126,7 @@ def test_loop_types(file, kind, written, axis):
     [("crank_slide", ["W"], "O"), ("zxn2_3000b", ["C", "F"], "A"), ("zxn2_3000b_balanced", ["C", "F"], "A")],
 )
 def test_shipped_files(name, loops, driver):
-    press = reader.read(SHIPPED / f"{name}.urdf")
+    press = read(SHIPPED / f"{name}.urdf").description
     assert press.name == name
     assert press.root == "frame"
     assert [loop.name for loop in press.loops] == loops
@@ -127,7 +136,7 @@ def test_shipped_files(name, loops, driver):
 def test_missing_file_and_directory(tmp_path):
     for path, problem in ((tmp_path / "none.urdf", "No such file"), (tmp_path, "directory"), ("a\0b", "null")):
         with pytest.raises(UrdfError, match=problem) as caught:
-            reader.read(path)
+            read(path)
         assert (caught.value.file, caught.value.element, caught.value.line) == (str(path), None, None)
 
 
@@ -135,7 +144,7 @@ def test_axis_remedy_is_accepted(file):
     error = first_problem(file, edited(('xyz="0 -1 0"', 'xyz="3e300 -4e300 0"')))
     assert 'xyz="0.6' in error.remedy
     file.write_text(edited(('xyz="0 -1 0"', error.remedy.removeprefix("write "))))
-    assert reader.read(file).name == "press"
+    assert read(file).description.name == "press"
 
 
 @pytest.mark.parametrize(
@@ -172,16 +181,16 @@ def test_axis_remedy_is_accepted(file):
 )
 def test_passes_and_pinocchio_reads_it_without_a_word(file, text, capfd):
     file.write_bytes(text.encode())
-    press = reader.read(file)
-    model = pinocchio.buildModelFromXML(press.text.decode())
-    assert all(model.existFrame(link, pinocchio.FrameType.BODY) for link in press.links)
-    assert set(model.names) - {"universe"} == {joint.name for joint in press.joints if joint.type != "fixed"}
+    document = read(file)
+    model = pinocchio.buildModelFromXML(document.text.decode())
+    assert all(model.existFrame(link, pinocchio.FrameType.BODY) for link in document.description.links)
+    assert set(model.names) - {"universe"} == {joint.name for joint in document.description.joints if joint.type != "fixed"}
     assert capfd.readouterr().err == ""
 
 
 def test_escaped_names_are_text(file):
     file.write_text(VALID.replace('"crank"', '"&lt;script&gt;"'))
-    assert reader.read(file).links[1] == "<script>"
+    assert read(file).description.links[1] == "<script>"
 
 
 @pytest.mark.parametrize(
@@ -202,19 +211,19 @@ def test_escaped_names_are_text(file):
 )
 def test_names_are_those_that_pinocchio_reads(file, name):
     file.write_bytes(VALID.replace('"rod"', f'"{name}"').encode())
-    press = reader.read(file)
-    assert pinocchio.buildModelFromXML(press.text.decode()).existFrame(press.links[2], pinocchio.FrameType.BODY)
+    document = read(file)
+    assert pinocchio.buildModelFromXML(document.text.decode()).existFrame(document.description.links[2], pinocchio.FrameType.BODY)
 
 
 def test_line_is_where_the_tag_starts(file):
     file.write_text(edited(('<link name="rod">', '<link\n  name="rod"\n>'), (' type="spherical"', ' type="spherical"\n\n ')))
-    assert reader.read(file).loops[0].line == LINE_W + 2
+    assert read(file).description.loops[0].line == LINE_W + 2
     assert first_problem(file, file.read_text().replace('"spherical"', '"ball"')).line == LINE_W + 2
 
 
 def test_driver_named_twice_is_one(file):
     file.write_text(added('<transmission><joint name="guide"/><joint name="O"/></transmission>'))
-    assert reader.read(file).drivers == ("O", "guide")
+    assert read(file).description.drivers == ("O", "guide")
 
 
 def test_read_raises_the_first_error_and_says_how_many_there_are(file):
@@ -242,9 +251,9 @@ def test_damaged_file_reads_or_raises_urdf_error(tmp_path, mutations, cut):
     errors = urdf_errors(file)
     if errors:
         with pytest.raises(UrdfError, match=re.escape(str(errors[0]))):
-            reader.read(file)
+            read(file)
     else:
-        pinocchio.buildModelFromXML(reader.read(file).text.decode())
+        pinocchio.buildModelFromXML(read(file).text.decode())
 
 
 def test_bearings_in_the_order_of_the_drawing():

@@ -18,7 +18,6 @@ from support.generators.spatial_linkages import bennett, four_bar
 
 import pinpress as pp
 from pinpress.balancing import Counterweight, with_counterweights
-from pinpress.linkage.urdf import reader
 
 EPS = np.finfo(float).eps
 LEVER = 3.0  # centre of mass [ulp of its largest component]: Pinocchio reads (m c) (1 / m), three roundings of up to an ulp each
@@ -478,7 +477,7 @@ def test_drivers_named_at_load(file, tmp_path, transmissions, drivers):
     again = written(press, tmp_path)
     assert again.drivers == drivers
     assert len(re.findall(rb'<joint name="\w"/>', again.text)) == 2
-    assert (again.text == press.text) == (reader.read(file).drivers == drivers)
+    assert (again.text == press.text) == (press.document.description.drivers == drivers)
     assert not re.findall(rb"<transmission[^>]*>\s*</transmission>", again.text)
     assert len(re.findall(rb"\n *\n", again.text)) == len(re.findall(rb"\n *\n", press.text))
 

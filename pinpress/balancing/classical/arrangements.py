@@ -23,7 +23,7 @@ from ...common.quantities import Array
 from ...kinematics.motion import poses
 from ...linkage import loading
 from ...linkage.linkage import Linkage
-from ...linkage.urdf import reader
+from ...linkage.urdf import element_checks
 from ...linkage.urdf.document import Document, check_command, refuse_errors
 from ...linkage.urdf.text import MOMENTS, tag
 from ..counterweights import combined, rigid_body, with_counterweights, with_die
@@ -305,8 +305,8 @@ def press_of(plan: PressPlan, comment: str) -> Linkage:
     text = f'<?xml version="1.0"?>\n<!--\n  {comment}\n-->\n{robot}\n'.encode()
     file = f"{plan.name}.urdf (not written)"  # the file's name in errors
     document = Document(file, text)
-    refuse_errors(reader.errors(document), check_command(file))
-    press = loading.assembled(document, None, plan.slide, plan.gravity)
+    refuse_errors(element_checks.errors(document), check_command(file))
+    press = loading.build_linkage(document, None, plan.slide, plan.gravity)
     loading.check_drawn_pose(press)
     return press
 

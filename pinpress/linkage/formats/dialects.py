@@ -15,8 +15,10 @@ import numpy as np
 import pinocchio as pin
 
 from ...common.quantities import Array
-from ..urdf.document import Document, Element, Finding, Origin, tree
-from ..urdf.element_checks import LOOP_TYPES, MOST, names
+from ..urdf.description import names
+from ..urdf.document import Document, Finding, Origin, tree
+from ..urdf.element import Element
+from ..urdf.element_checks import LOOP_TYPES, MOST
 from ..urdf.text import Text
 from .elements import (
     ALONE,

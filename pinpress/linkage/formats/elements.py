@@ -11,7 +11,8 @@ import pinocchio as pin
 
 from ...common.errors import UrdfError, shown, suggestion
 from ...common.quantities import Array
-from ..urdf.document import NUMBER, Element, Finding, Origin
+from ..urdf.document import Finding, Origin
+from ..urdf.element import NUMBER, Element
 
 ALONE = "write the linkage of the press alone"
 LARGEST = 1e12  # largest number that is computed with

@@ -18,8 +18,9 @@ import pinocchio as pin
 
 from ...common.errors import PinpressError, UrdfError, shown
 from ...common.quantities import Array
-from ..urdf.document import Document, Element, Finding, Origin, tree
+from ..urdf.document import Document, Finding, Origin, tree
 from ..urdf.document import read as read_text
+from ..urdf.element import Element
 from ..urdf.text import written
 from .elements import refuse, remark, unused
 from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule

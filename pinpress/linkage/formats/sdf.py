@@ -18,7 +18,8 @@ import pinocchio as pin
 
 from ...common.errors import suggestion
 from ...common.quantities import Array
-from ..urdf.document import NUMBER, Document, Element, Finding, Origin, tree
+from ..urdf.document import Document, Finding, Origin, tree
+from ..urdf.element import NUMBER, Element
 from ..urdf.element_checks import DEEPEST_JOINTS, MOST
 from .dialects import BALL, BUSHING, SPRING, ball_ends, bushing_axis, bushing_ends, bushing_remark, spring_remark
 from .elements import (

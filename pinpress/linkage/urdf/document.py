@@ -4,7 +4,6 @@ start from.
 
 from __future__ import annotations
 
-import math
 import os
 import re
 from collections.abc import Iterable, Mapping
@@ -16,6 +15,8 @@ from xml.parsers import expat
 from ...common import files
 from ...common.errors import PinpressError, UrdfError, shown
 from ...common.results import Record
+from .description import Description, describe
+from .element import Element
 
 SEVERITIES = ("error", "warning", "note")
 
@@ -27,70 +28,10 @@ MOST_ATTRIBUTES = 100  # most attributes of one element
 MOST_CHARACTERS = 1000  # most characters of a name or value
 DEEPEST_ELEMENTS = 200  # most levels of elements; Pinocchio's parser stops at 500
 
-_TEXTS = ("link", "joint", "filename", "name")  # attributes that hold no numbers; all others that are asked for hold one, but
-_COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4}
-# Pinocchio's parser takes neither "1_0" nor "nan" nor digits of other scripts, all of which Python's float() does.
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 START_TAG = re.compile(rb"<(?:[^\"'>]|\"[^\"]*\"|'[^']*')*>")
 _REFERENCE = re.compile(r"&(?:#x([0-9a-fA-F]+)|#([0-9]+)|(\w+));")
 _ENTITIES = {"lt": "<", "gt": ">", "amp": "&", "quot": '"', "apos": "'"}
 _ATTRIBUTE = re.compile(r"([^\s=\"']+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
-
-
-class Element:
-    """An XML element as Pinocchio's parser sees it: namespace prefixes are part of names.
-
-    Attributes:
-        tag: its name.
-        attributes: their texts by their names.
-        line: line in which its start tag begins.
-        parent: the element that contains it; None of the root.
-        children: the elements that it contains.
-        start: byte at which its start tag begins.
-        end: byte at which its end tag begins.
-        text: the characters directly in it, if `tree` was asked for them.
-        origin: its name in messages, if it was written from an element of another format; else None.
-    """
-
-    def __init__(self, tag: str, attributes: dict[str, str], line: int, parent: Element | None, start: int) -> None:
-        self.tag, self.attributes, self.line, self.parent, self.start = tag, attributes, line, parent, start
-        self.children: list[Element] = []
-        self.end = start
-        self.text = ""
-        self.origin: str | None = None
-
-    def get(self, name: str) -> str:
-        """The text of an attribute, empty where it is missing."""
-        return self.attributes.get(name, "")
-
-    def all(self, *tags: str) -> list[Element]:
-        """The children with these tags."""
-        return [child for child in self.children if child.tag in tags]
-
-    def numbers(self, name: str) -> tuple[float, ...]:
-        """The numbers of an attribute; none where it is missing or has a `fault`."""
-        return () if name not in self.attributes or self.fault(name) else tuple(map(float, self.get(name).split()))
-
-    def fault(self, name: str) -> str | None:
-        """Why an attribute does not hold as many numbers as it should, as Pinocchio's parser reads them; None if it does."""
-        if name in _TEXTS:
-            return None
-        count = _COUNTS.get(name, 1)
-        words = [word for word in self.get(name).split(" ") if word] if count > 1 else [self.get(name)]
-        for word in words:
-            if not NUMBER.fullmatch(word) or not math.isfinite(float(word)):
-                return f"{shown(word)} is not a finite number"
-        return None if len(words) == count else f"{len(words)} numbers, not {count}"
-
-    def __str__(self) -> str:
-        """``<link name="crank">``, or ``<mass> of <link name="crank">``; if it was written from another format, its ``origin``."""
-        if self.origin is not None:
-            return self.origin
-        shown = f'<{self.tag} name="{self.get("name")}">' if "name" in self.attributes else f"<{self.tag}>"
-        above = self.parent
-        while above is not None and above.parent is not None and above.parent.parent is not None:
-            above = above.parent
-        return shown if above is None or above.parent is None else f"{shown} of {above}"
 
 
 class Origin(NamedTuple):
@@ -162,6 +103,15 @@ class Document:
             _name_origins(root, self.origins, root.tag)
         return root
 
+    @cached_property
+    def description(self) -> Description:
+        """What the elements say, of a URDF without errors."""
+        return describe(self.robot)
+
+    def find(self, tag: str, name: str | None) -> Element:
+        """The first element under ``<robot>`` with this tag and name."""
+        return next(element for element in self.robot.all(tag) if element.get("name") == name)
+
     def called(self, tag: str, name: str) -> str:
         """Name in messages of the element under ``<robot>`` with this tag and name, or of ``<robot>`` itself."""
         if self.origins:
@@ -172,14 +122,6 @@ class Document:
 
     def __getstate__(self) -> dict[str, Any]:
         return {"file": self.file, "text": self.text, "origins": self.origins, "remarks": self.remarks, "estimated": self.estimated}
-
-
-def parse(path: str | os.PathLike[str]) -> Document:
-    """The document in a file; raises UrdfError where its root is not ``<robot>``, or it cannot be read."""
-    found = Document(files.path_of("path", path), read(path))
-    if found.robot.tag != "robot":
-        raise UrdfError(found.file, str(found.robot), found.robot.line, "the root element is not <robot>", "give a URDF file")
-    return found
 
 
 def read(path: str | os.PathLike[str]) -> bytes:

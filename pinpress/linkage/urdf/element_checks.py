@@ -5,14 +5,17 @@ Every check yields the elements at fault and goes on, so that all problems of a 
 another one having passed.
 """
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from ...common.errors import odd_character, shown, suggestion
-from .document import Element, Finding
+from ...common.errors import UrdfError, odd_character, shown, suggestion
+from .description import bodies_of, ends_of, names
+from .document import Document, Finding
+from .element import Element
 
 LOOP_TYPES = ("spherical", "revolute", "fixed")
 _JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
@@ -93,8 +96,23 @@ _OPEN_TO_ATTRIBUTES = ("dynamics", "calibration", "safety_controller", "mesh", "
 MOST = {"link": 1000, "joint": 1000, "loop_joint": 500, "transmission": 500, "material": 1000}
 DEEPEST_JOINTS = 500  # most joints from the root to a link: Pinocchio's parser calls itself for each, and ends the process after 2000
 
+MOST_ERRORS = 100  # most errors that are listed: each may compare a name with all others, which takes time
+
 Problem = tuple[Element, str, str]
 """The element at fault, the problem, and the remedy."""
+
+
+def errors(document: Document) -> list[Finding]:
+    """Errors in the elements of a URDF, before its links are assembled: all of them, or the first `MOST_ERRORS`.
+
+    Pinocchio drops much of what it cannot read and carries on: a misspelt ``<axis>`` becomes the x axis, a mass "2,5" no inertia at all.
+    Therefore everything that enters the mechanics is checked, so that Pinocchio then reads all of a file that passes.
+    """
+    robot = document.robot
+    found = list(size_problems(robot))
+    if not found:  # checking everything in a file that is too large would take long
+        found = list(itertools.islice(itertools.chain(problems(robot), link_problems(robot)), MOST_ERRORS))
+    return [Finding.of(UrdfError(document.file, str(element), element.line, *said)) for element, *said in found]
 
 
 def problems(robot: Element) -> Iterator[Problem]:
@@ -295,10 +313,6 @@ def _transmission_problems(robot: Element) -> Iterator[Problem]:
                 yield joint, f"joint {name!r} is fixed and cannot drive", "name a revolute, continuous or prismatic joint"
 
 
-def names(robot: Element, tag: str) -> list[str]:
-    return [name for element in robot.all(tag) if (name := element.get("name"))]
-
-
 def size_problems(robot: Element) -> Iterator[Problem]:
     """Elements of which a URDF has too many."""
     remedy = "write the linkage of the press alone"
@@ -331,12 +345,13 @@ def _too_deep(joints: list[Element]) -> Iterator[Element]:
 
 def link_problems(robot: Element) -> Iterator[Problem]:
     """All problems of the bodies of a URDF."""
-    yield from _tree_problems(robot)
-    yield from _inertia_problems(robot)
-    yield from _loop_problems(robot)
+    bodies = bodies_of(robot)
+    yield from _tree_problems(robot, bodies)
+    yield from _inertia_problems(robot, bodies)
+    yield from _loop_problems(robot, bodies)
 
 
-def _tree_problems(robot: Element) -> Iterator[Problem]:
+def _tree_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Problem]:
     links = names(robot, "link")
     if not links:
         yield robot, "has no <link>", "write the links and joints of the linkage"
@@ -346,8 +361,8 @@ def _tree_problems(robot: Element) -> Iterator[Problem]:
     for joint in robot.all("joint"):
         ends = list(_end_problems(joint, "parent", "child", links))
         yield from ends
-        _, child = _ends(joint)
-        unsound = unsound or bool(ends) or not all(_ends(joint))
+        parent, child = ends_of(joint, "parent", "child")
+        unsound = unsound or bool(ends) or not (parent and child)
         if not ends and child in carriers:
             remedy = "a link has one parent; write the second joint as a <loop_joint>"
             yield joint, f"its child {child!r} is already the child of joint {carriers[child]!r}", remedy
@@ -356,7 +371,7 @@ def _tree_problems(robot: Element) -> Iterator[Problem]:
         return  # it is not known what the joints connect
 
     elements = {link.get("name"): link for link in robot.all("link")}
-    roots, bodies = [link for link in links if link not in carriers], bodies_of(robot)
+    roots = [link for link in links if link not in carriers]
     lost = [link for link in links if link not in bodies]
     if not roots:
         yield robot, "has no root link: every link is some joint's child", "let one link, the frame, be no joint's child"
@@ -367,8 +382,7 @@ def _tree_problems(robot: Element) -> Iterator[Problem]:
         yield elements[lost[0]], f"a cycle of joints, not connected to the root: {', '.join(lost)}", remedy
 
 
-def _inertia_problems(robot: Element) -> Iterator[Problem]:
-    bodies = bodies_of(robot)
+def _inertia_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Problem]:
     frame = next(iter(bodies), None)
     heavy = {bodies.get(link.get("name")) for link in robot.all("link") if link.all("inertial")}
     connected = _connected(robot, bodies)
@@ -393,12 +407,12 @@ def _inertia_problems(robot: Element) -> Iterator[Problem]:
                     yield element, problem, "write the moments about the centre of mass [kg m2], products with the sign of -integral xy dm"
 
 
-def _connected(robot: Element, bodies: dict[str, str]) -> Counter[str]:
+def _connected(robot: Element, bodies: Mapping[str, str]) -> Counter[str]:
     """Number of bearings, joints and loops, of every body."""
     found: Counter[str] = Counter()
     for element in robot.all("joint", "loop_joint"):
         if element.get("type") != "fixed" or element.tag == "loop_joint":
-            ends = _ends(element, "link1", "link2") if element.tag == "loop_joint" else _ends(element)
+            ends = ends_of(element, "link1", "link2") if element.tag == "loop_joint" else ends_of(element, "parent", "child")
             found.update(bodies[link] for link in ends if link in bodies)
     return found
 
@@ -408,11 +422,11 @@ def _idealised(inertial: Element, body: str, connected: Counter[str]) -> bool:
     return connected[body] > 1 and not any(principal_moments(tensor) != (0.0, 0.0, 0.0) for tensor in inertial.all("inertia"))
 
 
-def _loop_problems(robot: Element) -> Iterator[Problem]:
-    links, bodies = names(robot, "link"), bodies_of(robot)
+def _loop_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Problem]:
+    links = names(robot, "link")
     for loop in robot.all("loop_joint"):
         yield from _end_problems(loop, "link1", "link2", links)
-        name1, name2 = _ends(loop, "link1", "link2")
+        name1, name2 = ends_of(loop, "link1", "link2")
         if name1 != name2 and name1 in bodies and bodies[name1] == bodies.get(name2):
             yield loop, f"{name1!r} and {name2!r} are welded together by fixed joints", "write links of the two bodies that it connects"
 
@@ -451,32 +465,9 @@ def _end_problems(element: Element, tag1: str, tag2: str, links: Sequence[str]) 
         name = end.get("link")
         if name and name not in links:
             yield end, f"no link {name!r}{suggestion(name, links)}", "name a <link> of this file"
-    name1, name2 = _ends(element, tag1, tag2)
+    name1, name2 = ends_of(element, tag1, tag2)
     if name1 and name1 == name2:
         yield element, f"{tag1} and {tag2} are the same link {name1!r}", "write the two links that it connects"
-
-
-def bodies_of(robot: Element) -> dict[str, str]:
-    """For each link that joints connect to the root, root first, the first link of its body: of those welded together by fixed joints."""
-    joints: dict[str, list[tuple[str, bool]]] = {}
-    for joint in robot.all("joint"):
-        parent, child = _ends(joint)
-        joints.setdefault(parent, []).append((child, joint.get("type") == "fixed"))
-    children = {child for carried in joints.values() for child, _ in carried}
-    reached = [link for link in names(robot, "link") if link not in children][:1]
-    bodies = {root: root for root in reached}
-    for parent in reached:  # grows as it goes
-        for child, fixed in joints.get(parent, ()):
-            if child not in bodies:
-                bodies[child] = bodies[parent] if fixed else child
-                reached.append(child)
-    return bodies
-
-
-def _ends(element: Element, tag1: str = "parent", tag2: str = "child") -> tuple[str, str]:
-    """Names of the links that a joint or loop connects, empty where missing."""
-    end1, end2 = element.all(tag1), element.all(tag2)
-    return end1[0].get("link") if end1 else "", end2[0].get("link") if end2 else ""
 
 
 def unknown(robot: Element) -> Iterator[Finding]:

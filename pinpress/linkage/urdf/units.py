@@ -6,12 +6,11 @@ part reaches them. Only numbers that enter the mechanics are looked at, of a URD
 
 import math
 from collections.abc import Iterator
-from functools import cached_property
 
-from .document import Document, Element, Finding
-from .element_checks import bodies_of, principal_moments
-
-Point = tuple[float, ...]
+from .description import Description
+from .document import Document, Finding
+from .element import Element
+from .element_checks import principal_moments
 
 LARGEST = 50.0  # length of a linkage above which it is hardly meant [m]
 DENSEST = 1e7  # that a link may be [kg/m3], hundreds of times as dense as any metal: a wrong unit makes millions
@@ -41,13 +40,13 @@ def remarks(document: Document, size: float, mass: float, centres: bool = True) 
     if heavy:
         yield _warning(robot, f"its links weigh {mass:.4g} kg, in a linkage of {size:.3g} m", "write masses in kg, 0.001 for a gram")
     yield from angles(robot)
-    links = _Links(robot, size)
+    description = document.description
     for link in robot.all("link"):
         for inertial in link.all("inertial"):
             if centres:
-                yield from _centre(links, link.get("name"), inertial)
+                yield from _centre(description, link.get("name"), inertial, size)
             if link.get("name") not in document.estimated:
-                yield from _inertia(links, link.get("name"), inertial, math.inf if heavy else DENSEST)
+                yield from _inertia(description, link.get("name"), inertial, size, math.inf if heavy else DENSEST)
 
 
 def length(robot: Element, size: float) -> Iterator[Finding]:
@@ -66,99 +65,46 @@ def angles(robot: Element) -> Iterator[Finding]:
                     yield _warning(element, problem, f"write radians, {math.radians(most):.17g} for {most:g} degrees")
 
 
-def _centre(links: "_Links", name: str, inertial: Element) -> Iterator[Finding]:
+def _centre(description: Description, name: str, inertial: Element, size: float) -> Iterator[Finding]:
     """The warning of a centre of mass far outside of a link's pins."""
     for origin in inertial.all("origin"):
         centre = origin.numbers("xyz")
         # The link's own origin is one of its pins, so that most links need no look at the others.
-        if name not in links.moving or math.hypot(*centre) <= OUTSIDE * SHORT * links.size:
+        if not description.moves(name) or math.hypot(*centre) <= OUTSIDE * SHORT * size:
             continue
-        away = min(math.dist(centre, pin) for pin in links.pins[name])
-        if away > (OUTSIDE_ON_FRAME * links.size if links.is_on_frame(name) else OUTSIDE * links.length(name)):
-            problem = f"the centre of mass is {away:.3g} m from the nearest pin of link {name!r}, in a linkage of {links.size:.3g} m"
+        away = min(math.dist(centre, pin) for pin in description.pins[name])
+        if away > (OUTSIDE_ON_FRAME * size if description.is_on_frame(name) else OUTSIDE * _length(description, name, size)):
+            problem = f"the centre of mass is {away:.3g} m from the nearest pin of link {name!r}, in a linkage of {size:.3g} m"
             yield _warning(origin, problem, "write it in metres, in the link's own frame")
 
 
-def _inertia(links: "_Links", name: str, inertial: Element, densest: float) -> Iterator[Finding]:
+def _inertia(description: Description, name: str, inertial: Element, size: float, densest: float) -> Iterator[Finding]:
     """Warnings of moments of inertia out of proportion to the link's pins and, where it turns, to its mass; ``densest``: [kg/m3]."""
     (mass,), inertia = inertial.all("mass")[0].numbers("value"), inertial.all("inertia")[0]
     trace = sum(inertia.numbers(name)[0] for name in ("ixx", "iyy", "izz"))
     if mass <= 0 or trace <= 0:
         return
-    turns = name in links.turning
+    turns = name in description.turning
     # No body of this mass and these moments fills more than a sphere does: radius^2 = 5/6 of their sum, the trace, by the mass.
     density = mass / (4 / 3 * math.pi * (5 / 6 * trace / mass) ** 1.5)
     suspect = turns and density > densest
-    if not suspect and math.sqrt(trace / mass) <= GYRATION * SHORT * links.size:
+    if not suspect and math.sqrt(trace / mass) <= GYRATION * SHORT * size:
         return  # without the principal moments, which take long
     largest = max(principal_moments(inertia))
     radius = math.sqrt(largest / mass)
     if suspect:
         least = f"with {mass:.6g} kg and moments of inertia up to {largest:.3g} kg m2 its density is at least"
         yield _warning(inertia, f"{least} {density:.0e} kg/m3", KG_M2)
-    sturdy = not turns or links.is_on_frame(name)
-    most = GYRATION_ON_FRAME * links.size if sturdy else GYRATION * links.length(name)
+    sturdy = not turns or description.is_on_frame(name)
+    most = GYRATION_ON_FRAME * size if sturdy else GYRATION * _length(description, name, size)
     if radius > most:
-        yield _warning(inertia, f"the radius of gyration is {radius:.3g} m, of a linkage of {links.size:.3g} m", KG_M2)
+        yield _warning(inertia, f"the radius of gyration is {radius:.3g} m, of a linkage of {size:.3g} m", KG_M2)
 
 
-class _Links:
-    """How the links of a URDF are held, as far as is asked.
-
-    Attributes:
-        robot: root element.
-        size: length of the linkage [m].
-    """
-
-    def __init__(self, robot: Element, size: float) -> None:
-        self.robot, self.size = robot, size
-
-    @cached_property
-    def pins(self) -> dict[str, list[Point]]:
-        """Places of each link's joints and loops in its own frame (3,) [m]."""
-        found: dict[str, list[Point]] = {link.get("name"): [(0.0, 0.0, 0.0)] for link in self.robot.all("link")}
-        for joint in self.robot.all("joint"):
-            place = next((origin.numbers("xyz") for origin in joint.all("origin")), ())
-            found[joint.all("parent")[0].get("link")].append(place or (0.0, 0.0, 0.0))
-        for loop in self.robot.all("loop_joint"):
-            for end in loop.all("link1", "link2"):
-                found[end.get("link")].append(end.numbers("xyz") or (0.0, 0.0, 0.0))
-        return found
-
-    def length(self, name: str) -> float:
-        """Largest distance of a link's pins, but not less than a part of the linkage's length [m]."""
-        pins = self.pins[name]
-        return max(SHORT * self.size, max(math.dist(one, other) for one in pins for other in pins))
-
-    @cached_property
-    def _carriers(self) -> dict[str, Element]:
-        """The joint that carries each link but the frame."""
-        return {joint.all("child")[0].get("link"): joint for joint in self.robot.all("joint")}
-
-    @cached_property
-    def _bodies(self) -> dict[str, str]:
-        return bodies_of(self.robot)
-
-    @cached_property
-    def moving(self) -> set[str]:
-        """Names of the links that are not welded to the frame."""
-        frame = next(iter(self._bodies))
-        return {name for name, body in self._bodies.items() if body != frame}
-
-    def is_on_frame(self, name: str) -> bool:
-        """Whether the joint that lets a link move stands on the frame."""
-        body = self._bodies[name]
-        return self._bodies[self._carriers[body].all("parent")[0].get("link")] == next(iter(self._bodies))
-
-    @cached_property
-    def turning(self) -> set[str]:
-        """Names of the links that a joint may turn."""
-        found: set[str] = set()
-        for link in self._bodies:  # the frame first, every link behind the one that carries it
-            joint = self._carriers.get(link)
-            if joint is not None and (joint.get("type") in ("revolute", "continuous") or joint.all("parent")[0].get("link") in found):
-                found.add(link)
-        return found
+def _length(description: Description, link: str, size: float) -> float:
+    """Largest distance of a link's pins, but not less than a part of the linkage's length [m]."""
+    pins = description.pins[link]
+    return max(SHORT * size, max(math.dist(one, other) for one in pins for other in pins))
 
 
 def _warning(element: Element, problem: str, remedy: str) -> Finding:

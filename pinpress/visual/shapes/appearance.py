@@ -17,7 +17,7 @@ from ...common.quantities import Array
 from ...engines.branch import predict
 from ...kinematics.motion import Motion, refuse_motion_of_another
 from ...linkage.linkage import Linkage
-from ...linkage.urdf.document import Element
+from ...linkage.urdf.element import Element
 from ...linkage.writing import is_ballast
 from .solids import Box, Cylinder, Part, Plate, Shape, Sphere, TriangleMesh, part, read_mesh
 from .stand_ins import ShaftFlywheel, made_up_parts

@@ -12,7 +12,6 @@ from ...common.errors import PinpressError
 from ...common.quantities import Array
 from ...engines.joints import drawn_placements
 from ...linkage.linkage import Linkage
-from ...linkage.urdf.reader import describe
 from ...linkage.writing import AddedBallast
 
 PARALLEL = 1e-6  # axes closer than this are drawn as parallel [rad]
@@ -248,7 +247,7 @@ def _without_stubs(layout: BearingLayout) -> BearingLayout:
 def _bearings(
     press: Linkage, places: Sequence[pin.SE3], travel: Array, owner: Callable[[str], str | None], joint: Mapping[str, int]
 ) -> list[PlacedBearing]:
-    description = describe(press.document)
+    description = press.document.description
     between = {j.name: (j.parent, j.child) for j in description.joints}
     between |= {loop.name: (loop.link1.link, loop.link2.link) for loop in description.loops}
 
