@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.arguments import number, typed, whole_number
-from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.errors import PinpressError, shown
 from ..common.frozen import read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
@@ -26,6 +26,7 @@ from ..simulation.elastic.contact import OpenPin
 from ..simulation.elastic.description import Elastic
 from ..simulation.elastic.elastic_run import ElasticRun, ElasticSegment, bearing_forces, journal_places, solution_states
 from ..simulation.elastic.plane import PlaneGeometry
+from ..simulation.elastic.yielding import bearing_number
 from ..simulation.simulate import simulate
 
 PLACES = 24  # on a panel, at which orbit, forces and wear are read
@@ -186,7 +187,7 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
     r, w, h, k = (number(name, value, unit, positive=True) for name, (value, unit) in given.items())
     segment = _segment(run)
     press = run.problem.driven.press
-    place = _bearing(press, bearing)
+    place = bearing_number(press, bearing)
     joints = len(press.joints)
     if place < joints and not press.axes[place].turns:
         raise PinpressError(f"bearing {shown(bearing)} is a guide: its wear is spread over its way; give a pin")
@@ -246,14 +247,8 @@ def _segment(run: ElasticRun) -> ElasticSegment:
     return segment
 
 
-def _bearing(press: Linkage, name: str) -> int:
-    if not isinstance(name, str) or name not in press.bearings:
-        raise UnknownNameError("bearing", name, press.bearings)
-    return press.bearings.index(name)
-
-
 def _open_pin(segment: ElasticSegment, press: Linkage, bearing: str) -> OpenPin:
-    place = _bearing(press, bearing)
+    place = bearing_number(press, bearing)
     for pin in segment.solution.equations.sprung.open_pins:
         if pin.bearing == place:
             return pin

@@ -8,30 +8,38 @@ sign too, but for joints, whose force is positive in tension.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
 from ..common.arguments import positive
-from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
 from ..dynamics.inverse_dynamics import Reactions, on_frame
 from ..kinematics.motion import Motion, bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.contact import Clearance as Clearance
 from ..simulation.elastic.contact import hertz_stiffness as hertz_stiffness
-from ..simulation.elastic.description import FRAME, SHAFT, STIFFEST, doubt_stiffness, refuse_joint_but_of_guide
 from ..simulation.elastic.description import Elastic as Elastic
 from ..simulation.elastic.description import Rod as Rod
 from ..simulation.elastic.description import Stiffness as Stiffness
 from ..simulation.elastic.flexible_link import FlexibleLink as FlexibleLink
 from ..simulation.elastic.flexible_link import read_flexible_link as read_flexible_link
+from ..simulation.elastic.preloaded_joint import STIFFEST
 from ..simulation.elastic.preloaded_joint import PreloadedJoint as PreloadedJoint
-from ..simulation.elastic.preloaded_joint import closed_stiffness
-
-MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them
+from ..simulation.elastic.yielding import (
+    FRAME,
+    SHAFT,
+    bearing_number,
+    doubt_stiffness,
+    named,
+    part_stiffness,
+    refuse_joint_but_of_guide,
+    refuse_meeting,
+    rod_ends,
+    rods_of,
+)
 
 
 class Spring(NamedTuple):
@@ -85,17 +93,15 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
     if not isinstance(stiffness, Stiffness):
         raise PinpressError(f"stiffness is a {type(stiffness).__name__}: give a Stiffness(bearings={{...}}, rods=[...], ...)")
     _ = press.slide_guide  # raises where there is no slide
-    found = [_bearing_spring(press, name, value) for name, value in _named("bearings", stiffness.bearings)]
-    found += [_guide_spring(press, name, value) for name, value in _named("moments", stiffness.moments)]
-    if not isinstance(stiffness.rods, Sequence) or not all(isinstance(rod, Rod) for rod in stiffness.rods):
-        raise PinpressError(f"rods is {shown(stiffness.rods)}: give a list of Rod(link, (bearing, bearing), stiffness)")
-    found += [_rod_spring(press, rod) for rod in stiffness.rods]
+    found = [_bearing_spring(press, name, value) for name, value in named("bearings", stiffness.bearings).items()]
+    found += [_guide_spring(press, name, value) for name, value in named("moments", stiffness.moments).items()]
+    found += [_rod_spring(press, rod) for rod in rods_of(stiffness)]
     if stiffness.shaft is not None:
         press.refuse_several_drivers("shaft names none of them; leave shaft out")
         driver = press.bearings.index(press.driver)
-        found.append(Spring(SHAFT, 1 / positive("stiffness of the shaft", stiffness.shaft, "N m/rad", STIFFEST), "shaft", ((driver, 1.0),)))
+        found.append(Spring(SHAFT, 1 / part_stiffness("the shaft", stiffness.shaft, "N m/rad"), "shaft", ((driver, 1.0),)))
     if stiffness.frame is not None:
-        compliance = 1 / positive("stiffness of the frame", closed_stiffness(stiffness.frame), "N/m", STIFFEST)
+        compliance = 1 / part_stiffness("the frame", stiffness.frame)
         found.append(Spring(FRAME, compliance, "frame", tuple(_on_crown(press)), joint=_joint(stiffness.frame)))
     doubt_stiffness(press, stiffness)
     if not found:
@@ -152,8 +158,7 @@ def _along(press: Linkage, line: Array, force: Array, across: Array, name: str) 
     """The component (n, 1) of a force (n, 3) along a rod's line (n, 3), positive in tension."""
     line = line @ across
     length = np.linalg.norm(line, axis=1)
-    if not length.min() > MEET * press.size:
-        raise PinpressError(f"rod {shown(name)}: its bearings meet, so that it has no direction; name two that stay apart")
+    refuse_meeting(press, name, length)
     return np.asarray((np.einsum("nk,nk->n", force, line) / length)[:, None])
 
 
@@ -177,14 +182,14 @@ def _joint(stiffness: object) -> PreloadedJoint | None:
 
 
 def _bearing_spring(press: Linkage, name: str, stiffness: float | PreloadedJoint) -> Spring:
-    refuse_joint_but_of_guide(press, _bearing(press, name), stiffness)
-    compliance = 1 / positive(f"stiffness of bearing {shown(name)}", closed_stiffness(stiffness), "N/m", STIFFEST)
-    return Spring(name, compliance, "bearing", ((_bearing(press, name), 1.0),), joint=_joint(stiffness))
+    number = bearing_number(press, name)
+    refuse_joint_but_of_guide(press, number, stiffness)
+    return Spring(name, 1 / part_stiffness(f"bearing {shown(name)}", stiffness), "bearing", ((number, 1.0),), joint=_joint(stiffness))
 
 
 def _guide_spring(press: Linkage, name: str, stiffness: float) -> Spring:
     """The spring of a guide against turning of the slide."""
-    guide = _bearing(press, name)
+    guide = bearing_number(press, name)
     if guide >= len(press.joints) or press.axes[guide].turns:
         raise PinpressError(f"moments names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
     compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", stiffness, "N m/rad", STIFFEST)
@@ -192,21 +197,16 @@ def _guide_spring(press: Linkage, name: str, stiffness: float) -> Spring:
 
 
 def _rod_spring(press: Linkage, rod: Rod) -> Spring:
-    if rod.link not in press.links or rod.link == press.root:
-        raise UnknownNameError("moving link", rod.link, [link for link in press.links if link != press.root])
-    if not isinstance(rod.between, tuple | list) or len(rod.between) != 2 or rod.between[0] == rod.between[1]:
-        raise PinpressError(f"rod of {shown(rod.link)}: between is {shown(rod.between)}; give the names of two of its bearings")
-    body = press.model.frames[press.model.getFrameId(rod.link, pin.BODY)].parentJoint
+    body, (one, another) = rod_ends(press, rod)
     signs = {}
     for k, (acted_on, other) in enumerate(zip(loaded_bodies(press), _acting_bodies(press), strict=True)):
         if body in (acted_on, other):
             signs[k] = 1.0 if body == acted_on else -1.0
-    one, another = (_bearing(press, name) for name in rod.between)
     for k in (one, another):
         if k not in signs:
             names = ", ".join(press.bearings[i] for i in signs)
             raise PinpressError(f"rod of {shown(rod.link)}: bearing {shown(press.bearings[k])} is not on that link; there are: {names}")
-    compliance = 1 / positive(f"stiffness of rod {shown(rod.name)}", closed_stiffness(rod.stiffness), "N/m", STIFFEST)
+    compliance = 1 / part_stiffness(f"rod {shown(rod.name)}", rod.stiffness)
     loads = ((one, -0.5 * signs[one]), (another, 0.5 * signs[another])) if len(signs) == 2 else ((another, signs[another]),)
     return Spring(rod.name, compliance, "rod", loads, (one, another), _joint(rod.stiffness))
 
@@ -220,15 +220,3 @@ def _on_crown(press: Linkage) -> list[tuple[int, float]]:
     """Numbers of the bearings on the frame, with the sign of their forces as actions on it."""
     count = len(press.joints)
     return [(k, 1.0 if k >= count and press.loops[k - count].joint2 == 0 else -1.0) for k in on_frame(press)]
-
-
-def _bearing(press: Linkage, name: str) -> int:
-    if name not in press.bearings:
-        raise UnknownNameError("bearing", name, press.bearings)
-    return press.bearings.index(name)
-
-
-def _named(what: str, given: object) -> list[tuple[str, Any]]:
-    if not isinstance(given, Mapping):
-        raise PinpressError(f"{what} is {shown(given)}: give a mapping, name of a bearing: stiffness")
-    return list(given.items())

@@ -12,11 +12,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from ..common import tables
-from ..common.arguments import numbers, positive, typed
+from ..common.arguments import numbers, typed
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
 from ..common.numerics import damped_modes
@@ -27,11 +26,11 @@ from ..kinematics.motion import motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage, OfPress
 from ..simulation.elastic.assembly import press_on_springs
-from ..simulation.elastic.description import FRAME, STIFFEST, Elastic, Rod
+from ..simulation.elastic.description import Elastic
 from ..simulation.elastic.plane import PlaneGeometry
-from ..simulation.elastic.preloaded_joint import closed_stiffness
 from ..simulation.elastic.space import SpaceGeometry
 from ..simulation.elastic.sprung_press import BodyState, SprungPress, reference_angle
+from ..simulation.elastic.yielding import FRAME, link_joint, part_stiffness
 from .modes_in_space import kinetic_energy_in_space, shapes_in_space
 
 MOUNTS = "mounts"  # name of what a frame stands on
@@ -214,13 +213,13 @@ def _strain_energy(sprung: SprungPress, elastic: Elastic, state: BodyState, move
     bearing's turning is a part of its own."""
     press, geometry, springs, found = sprung.press, sprung.geometry, sprung.springs, dict[str, Array]()
     stored = springs.stiffness * (moved @ geometry.gradient(geometry.strained(state)).swapaxes(1, 2)) ** 2
-    rods = {(name, _body(press, rod)): rod for rod in elastic.stiffness.rods for name in rod.between}
+    rods = {(name, link_joint(press, rod.link) - 1): rod for rod in elastic.stiffness.rods for name in rod.between}
     for spring, (bearing, body) in enumerate(zip(springs.bearing, geometry.lines.first, strict=True)):
         name = press.bearings[bearing] if bearing >= 0 else FRAME if geometry.base is None else MOUNTS
         part = name if springs.sign[spring] else f"{name} turning"
         share, rod = 1.0, rods.get((name, int(body)))
         if rod is not None:
-            share = springs.stiffness[spring] / positive(name, closed_stiffness(elastic.stiffness.bearings[name]), "N/m", STIFFEST)
+            share = springs.stiffness[spring] / part_stiffness(name, elastic.stiffness.bearings[name])
         found[part] = found.get(part, 0.0) + share * stored[:, :, spring]
         if rod is not None and share < 1.0:
             found[rod.name] = found.get(rod.name, 0.0) + (1.0 - share) * stored[:, :, spring]
@@ -250,8 +249,3 @@ def _kinetic_energy(geometry: PlaneGeometry, moved: Array, flywheel: float) -> d
 def _shares(parts: Mapping[str, Array]) -> FrozenMapping[str, Array]:
     total = np.maximum(np.sum(list(parts.values()), axis=0), np.finfo(float).tiny)
     return FrozenMapping({name: read_only(part / total) for name, part in parts.items()})
-
-
-def _body(press: Linkage, rod: Rod) -> int:
-    """The body that is a rod."""
-    return int(press.model.frames[press.model.getFrameId(rod.link, pin.BODY)].parentJoint) - 1

@@ -13,25 +13,36 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
 from ...common import plausibility
 from ...common.arguments import positive
-from ...common.errors import PinpressError, UnknownNameError, shown
+from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
 from ...engines.planar.model import Plane, to_complex
 from ...linkage.linkage import Linkage
 from .acting.frame_on_mounts import on_mounts
 from .assembly_in_space import press_in_space
 from .contact import Clearance, OpenPin
-from .description import FRAME, SHAFT, STIFFEST, Elastic, Rod, by_bearing, dampers_by_bearing, doubt_stiffness
+from .description import Elastic, Rod
 from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
 from .plane import DrawnBodies, Lines, PlaneGeometry
-from .preloaded_joint import JointSpring, PreloadedJoint, closed_stiffness
+from .preloaded_joint import JointSpring, PreloadedJoint
 from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
+from .yielding import (
+    FRAME,
+    SHAFT,
+    bearing_number,
+    by_bearing,
+    dampers_by_bearing,
+    doubt_stiffness,
+    link_joint,
+    part_stiffness,
+    refuse_meeting,
+    rod_ends,
+    rods_of,
+)
 
 LIGHTEST = 1e-9  # share of the heaviest link's mass below which a link counts as one without mass
-MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them
 
 
 def press_on_springs(press: Linkage, elastic: Elastic) -> SprungPress:
@@ -172,7 +183,7 @@ class _Softer(NamedTuple):
     @property
     def compliance(self) -> float:
         """Of the rod at this pin, with a closed joint [m/N]."""
-        return 1 / positive(f"stiffness of rod {shown(self.name)}", closed_stiffness(self.stiffness), "N/m", STIFFEST) / self.ends
+        return 1 / part_stiffness(f"rod {shown(self.name)}", self.stiffness) / self.ends
 
 
 def _with_springs(drawn: DrawnBodies, bare: PlaneGeometry, elastic: Elastic) -> SprungPress:
@@ -185,7 +196,7 @@ def _with_springs(drawn: DrawnBodies, bare: PlaneGeometry, elastic: Elastic) -> 
     radial = by_bearing(press, "bearings", stiffness.bearings, "N/m", range(len(press.bearings)), **words)
     guides = list(drawn.plane.prismatic)
     turning = by_bearing(press, "moments", stiffness.moments, "N m/rad", guides, **words)
-    softer = _rods(drawn, stiffness.rods)
+    softer = _rods(drawn, rods_of(stiffness))
     given = {-1: (FRAME, stiffness.frame)} | {press.bearings.index(name): (name, value) for name, value in stiffness.bearings.items()}
     joints = [JointSpring(name, place, value) for place, (name, value) in given.items() if isinstance(value, PreloadedJoint)]
     for place, rod in softer.items():
@@ -228,14 +239,13 @@ def _with_springs(drawn: DrawnBodies, bare: PlaneGeometry, elastic: Elastic) -> 
             0j,
             along,
             False,
-            positive("stiffness of the frame", closed_stiffness(stiffness.frame), "N/m", STIFFEST),
+            part_stiffness("the frame", stiffness.frame),
             -1,
             1.0,
         )
     turns = [(f"{press.bearings[j]} turning", body(drawn.plane.parents[j]), j, turning[j]) for j in guides]
     if bare.rotor is not None:
-        shaft = positive("stiffness of the shaft", stiffness.shaft, "N m/rad", STIFFEST)
-        turns.append((SHAFT, bare.rotor, drawn.plane.driver, shaft))
+        turns.append((SHAFT, bare.rotor, drawn.plane.driver, part_stiffness("the shaft", stiffness.shaft, "N m/rad")))
     geometry = replace(bare, lines=_columns(Lines, lines), shapes=np.zeros((2, len(lines), 0), dtype=complex))
     return SprungPress(
         press=press,
@@ -270,8 +280,6 @@ def _columns(kind: Any, rows: Sequence[tuple[Any, ...]]) -> Any:
 def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
     """By the number of a pin what it yields more along the rod that ends there."""
     press = drawn.press
-    if not isinstance(rods, Sequence) or not all(isinstance(rod, Rod) for rod in rods):
-        raise PinpressError(f"rods is {shown(rods)}: give a list of Rod(link, (bearing, bearing), stiffness)")
     ends = [_rod_ends(drawn, rod) for rod in rods]
     used = [number for _, pins, _ in ends for number in pins]
     found: dict[int, _Softer] = {}
@@ -293,29 +301,18 @@ def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
 def _rod_ends(drawn: DrawnBodies, rod: Rod) -> tuple[int, list[int], complex]:
     """Link of a rod, the pins at which it may yield, and its direction in the drawn pose."""
     press = drawn.press
-    if rod.link not in press.links or rod.link == press.root:
-        raise UnknownNameError("moving link", rod.link, [link for link in press.links if link != press.root])
-    body = int(press.model.frames[press.model.getFrameId(rod.link, pin.BODY)].parentJoint) - 1
+    joint, ends = rod_ends(press, rod)
+    body, places = joint - 1, []
     own = [place for place in range(len(press.bearings)) if body in drawn.bearing(place)[::2]]
-    if not isinstance(rod.between, tuple | list) or len(rod.between) != 2 or rod.between[0] == rod.between[1]:
-        raise PinpressError(f"rod of {shown(rod.link)}: between is {shown(rod.between)}; give the names of two of its bearings")
-    pins = []
-    for name in rod.between:
-        if name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
-        place = press.bearings.index(name)
+    for place in ends:
         if place not in own or place in drawn.directions:
             names = ", ".join(press.bearings[i] for i in own if i not in drawn.directions)
-            raise PinpressError(f"rod of {shown(rod.link)}: {shown(name)} is no pin on that link; there are: {names}")
-        pins.append(place)
-    places = []
-    for place in pins:
+            raise PinpressError(f"rod of {shown(rod.link)}: {shown(press.bearings[place])} is no pin on that link; there are: {names}")
         link1, one, _, two = drawn.bearing(place)
         places.append(one if link1 == body else two)
     line = places[1] - places[0]
-    if not abs(line) > MEET * press.size:
-        raise PinpressError(f"rod {shown(rod.name)}: its bearings meet, so that it has no direction; name two that stay apart")
-    return body, pins if len(own) == 2 else pins[1:], line / abs(line)
+    refuse_meeting(press, rod.name, abs(line))
+    return body, list(ends if len(own) == 2 else ends[1:]), line / abs(line)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- flexible links
@@ -335,9 +332,7 @@ def pins_of(drawn: DrawnBodies, link: str) -> tuple[int, dict[str, complex]]:
         PinpressError: it slides, carries a guide or a gear, or is the crank.
     """
     press, plane = drawn.press, drawn.plane
-    if not isinstance(link, str) or link not in press.links or link == press.root:
-        raise UnknownNameError("moving link", link, [name for name in press.links if name != press.root])
-    body = int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint) - 1
+    body = link_joint(press, link) - 1
     geared = {joint for coupling in press.couplings for end in (coupling.leader, coupling.follower) for joint in (end, plane.parents[end])}
     for why, there in (
         ("it is the crank, which its drive holds", body == plane.driver),
@@ -412,11 +407,9 @@ def _with_clearances(drawn: DrawnBodies, closed: SprungPress, elastic: Elastic) 
     if not isinstance(elastic.clearances, Mapping):
         raise PinpressError(f"clearances is {shown(elastic.clearances)}: give a mapping, name of a pin: Clearance(...)")
     for name, clearance in elastic.clearances.items():
-        if name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
+        place = bearing_number(press, name)
         if not isinstance(clearance, Clearance):
             raise PinpressError(f"clearance of {shown(name)} is {shown(clearance)}: give a Clearance(radial)")
-        place = press.bearings.index(name)
         lines, springs = closed.geometry.lines, closed.springs
         own = np.flatnonzero(springs.bearing == place)
         if place in drawn.directions or lines.turning[own].any():

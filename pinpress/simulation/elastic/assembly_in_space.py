@@ -18,11 +18,12 @@ import numpy as np
 from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
 from ...linkage.linkage import Linkage
-from .description import Elastic, by_bearing, dampers_by_bearing
+from .description import Elastic
 from .preloaded_joint import JointSpring, PreloadedJoint
 from .space import LinesInSpace, SpaceGeometry
 from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
 from .turning import nominal_turns
+from .yielding import by_bearing, dampers_by_bearing
 
 LIGHTEST = 1e-9  # share of the heaviest link's mass below which a link counts as one without mass
 THROUGH = 1e-9  # share of the linkage's size within which the axes of pins meet

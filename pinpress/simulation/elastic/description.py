@@ -10,19 +10,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ...common import plausibility
-from ...common.arguments import number, positive
-from ...common.errors import PinpressError, UnknownNameError, caution, shown
+from ...common.arguments import number
+from ...common.errors import PinpressError, caution, shown
 from ...common.frozen import Frozen
-from ...common.quantities import GRAVITY
-from ...linkage.linkage import Linkage
 from ...loads.mounts import Frame, Mount
 from .contact import Clearance
 from .flexible_link import FlexibleLink
-from .preloaded_joint import STIFFEST as STIFFEST
-from .preloaded_joint import PreloadedJoint, closed_stiffness
+from .preloaded_joint import PreloadedJoint
 
-FRAME, SHAFT = "frame", "shaft"  # names of these parts
 MOST_DAMPING = 2.0  # largest damping ratio
 
 
@@ -133,89 +128,3 @@ class Elastic(Frozen):
                 raise PinpressError(
                     f"Elastic: a frame on mounts is rigid, and so are links and pins on it: leave out {name}, or the mounts"
                 )
-
-
-def doubt_stiffness(press: Linkage, stiffness: Stiffness) -> None:
-    """Warn of springs of a press that are so soft, all of a kind, that they may be in N/mm."""
-    weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
-    bearings = [float(closed_stiffness(value)) for value in stiffness.bearings.values()]  # type: ignore[arg-type]
-    if bearings:
-        plausibility.springs("Stiffness: the largest of bearings", max(bearings), weight, press.size)
-    for rod in stiffness.rods:
-        plausibility.springs(f"Stiffness: that of rod {shown(rod.link)}", float(closed_stiffness(rod.stiffness)), weight, press.size)  # type: ignore[arg-type]
-    if stiffness.frame is not None:
-        plausibility.springs("Stiffness: frame", float(closed_stiffness(stiffness.frame)), weight, press.size)  # type: ignore[arg-type]
-    for name, value in (("the largest of moments", max(stiffness.moments.values(), default=None)), ("shaft", stiffness.shaft)):
-        if value is not None:
-            plausibility.turning_springs(f"Stiffness: {name}", float(value), weight * press.size)
-
-
-def by_bearing(
-    press: Linkage, what: str, given: object, unit: str, needed: Sequence[int], *, holds_none: str, yields: str
-) -> dict[int, float]:
-    """Stiffnesses of a press by the numbers of its bearings.
-
-    Args:
-        press: the press.
-        what: the field of `Stiffness`, for messages.
-        given: name of a bearing -> stiffness, of any type.
-        unit: of the stiffnesses.
-        needed: numbers of the bearings that need one, and may have one.
-        holds_none: what a bearing is that may not, for messages.
-        yields: in which motion what yields, for messages.
-
-    Raises:
-        UnknownNameError: a name is not that of a bearing.
-        PinpressError: a bearing lacks its stiffness or has one that it cannot have, or a number is not positive.
-    """
-    if not isinstance(given, Mapping):
-        raise PinpressError(f"{what} is {shown(given)}: give a mapping, name of a bearing: stiffness")
-    found = {}
-    for name, value in given.items():
-        place = number_of(press, name)
-        if place not in needed:
-            raise PinpressError(f"{what} names {shown(name)}, which is {holds_none}: leave it out")
-        refuse_joint_but_of_guide(press, place, value, unit)
-        found[place] = positive(f"stiffness of {shown(name)}", closed_stiffness(value), unit, STIFFEST)
-    missing = [press.bearings[place] for place in needed if place not in found]
-    if missing:
-        raise PinpressError(
-            f"Stiffness.{what} lacks {', '.join(map(shown, missing))} of {press.name}{yields}; give each a stiffness [{unit}]"
-        )
-    return found
-
-
-def refuse_joint_but_of_guide(press: Linkage, place: int, value: object, unit: str = "N/m") -> None:
-    """Raise PinpressError where a part other than a guide across its axis has a preloaded joint, or its two gibs are unlike.
-
-    Args:
-        press: the press.
-        place: number of the bearing.
-        value: the stiffness given.
-        unit: of the stiffness.
-    """
-    if not isinstance(value, PreloadedJoint):
-        return
-    name = shown(press.bearings[place])
-    if unit != "N/m" or place >= len(press.joints) or press.axes[place].turns:
-        raise PinpressError(f"stiffness of {name} is a PreloadedJoint, which a guide has across its axis alone: give a number [{unit}]")
-    if value.loaded != value.relieved:
-        raise PinpressError(f"stiffness of {name}: both gibs of a guide are alike; give loaded and relieved the same stiffness")
-
-
-def dampers_by_bearing(press: Linkage, dampers: Mapping[str, float]) -> dict[int, float]:
-    """Dampers by the numbers of their bearings [N s/m]; raises PinpressError where a name or a number is not suitable."""
-    found = {}
-    for name, value in dampers.items():
-        place = number_of(press, name)
-        found[place] = number(f"damper of {shown(name)}", value, "N s/m")
-        if found[place] < 0:
-            raise PinpressError(f"damper of {shown(name)} is {found[place]:g}: give a number that is not negative [N s/m]")
-    return found
-
-
-def number_of(press: Linkage, bearing: str) -> int:
-    """Number of a bearing; raises UnknownNameError where the linkage has no such bearing."""
-    if bearing not in press.bearings:
-        raise UnknownNameError("bearing", bearing, press.bearings)
-    return press.bearings.index(bearing)

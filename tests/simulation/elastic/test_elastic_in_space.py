@@ -269,9 +269,8 @@ def test_motion_in_space_beside_dop853():
 
     def rates(time, state):
         y, v, time, still = state[None, :size], state[None, size:], np.array([time]), np.zeros((1, size))
-        inertia = equations.varying_inertia(time, y, v, still)
-        force = equations.forces(time, y, v, np.zeros(1, dtype=int))[0] - inertia.force
-        return np.concatenate([v[0], np.linalg.solve(equations.mass + inertia.by_acceleration[0], force[0])])
+        at = equations.linearised(time, y, v, still, np.zeros(1, dtype=int))
+        return np.concatenate([v[0], np.linalg.solve(at.mass[0], at.left[0])])
 
     found = solve_ivp(rates, (0.0, until), solution.panels.states[0], "DOP853", rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(solution.panels.states[-1, :size], found.y[:size, -1], rtol=0, atol=1e-8)
