@@ -55,12 +55,16 @@ class CouplingMode(NamedTuple):
             return None
         return coupling.closes if self.grip is OPEN else coupling.opens
 
-    def switched(self, coupling: Coupling, relative: float, time: float, angle: float) -> "CouplingMode":
-        """The mode after it has been switched; ``relative``: speed of its other side less that of the crank [rad/s]."""
+    def switched(self, relative: float, time: float, way: int = 1) -> "CouplingMode":
+        """The mode after it has been switched.
+
+        Args:
+            relative: speed of its other side less that of the crank [rad/s].
+            time: at which it is switched [s].
+            way: of the mode that follows.
+        """
         if self.grip is not OPEN:
             return CouplingMode(OPEN, spent=True)
-        opens = coupling.opens
-        way = 1 if opens is None or opens.angle is None or opens.angle > angle else -1
         return CouplingMode(SLIPPING if relative else HOLDING, sign_of(relative), time, way=way)
 
     def slipping(self, torque: float) -> "CouplingMode":

@@ -229,9 +229,10 @@ class CouplingSwitched(Event):
         return -past
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
-        at, coupling = system.at(y), getattr(system.driven, self.side)
+        at, opens = system.at(y), getattr(system.driven, self.side).opens
         relative = (at.shaft_speed if self.side == "clutch" else 0.0) - at.linkage.speed
-        switched = mode.coupling(self.side).switched(coupling, relative, time, at.linkage.angle)
+        way = 1 if opens is None or opens.angle is None or opens.angle > at.linkage.angle else -1
+        switched = mode.coupling(self.side).switched(relative, time, way)
         return system.going_on(mode.with_coupling(self.side, switched), time, y), y
 
 

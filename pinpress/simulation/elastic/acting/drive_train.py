@@ -20,7 +20,7 @@ import numpy as np
 from ....common.quantities import Array
 from ....drives.protocol import Drive, corners_of
 from ....drives.transmission import Coupling, SwitchPoint
-from ...coupling import HOLDING, OPEN, SLIPPING, CouplingMode, Side, coupling_at_start, sign_of
+from ...coupling import HOLDING, OPEN, SLIPPING, CouplingMode, Side, coupling_at_start
 from ...driven_press import DrivenPress
 
 STEP = 1e-6  # share of a speed, angle or state by which slopes of the drive are found
@@ -41,6 +41,9 @@ class TrainMode(NamedTuple):
     clutch: CouplingMode
     brake: CouplingMode
     faster: tuple[bool, ...] = ()
+
+    def coupling(self, side: Side) -> CouplingMode:
+        return self.clutch if side == "clutch" else self.brake
 
     def with_coupling(self, side: Side, mode: CouplingMode) -> TrainMode:
         return self._replace(clutch=mode) if side == "clutch" else self._replace(brake=mode)
@@ -201,10 +204,10 @@ class DriveTrain:
 
     def friction(self, mode: TrainMode, side: Side, time: Array) -> Array:
         """Torque (n,) of a coupling on the crank while it slips; else zero [N m]."""
-        coupling, own = self.coupling(side), mode.clutch if side == "clutch" else mode.brake
+        coupling, own = self.coupling(side), mode.coupling(side)
         if coupling is None or own.grip is not SLIPPING:
             return np.zeros(len(time))
-        return own.sign * _capacity(coupling, own, time)
+        return own.sign * (own.capacity(coupling, time) + np.zeros(len(time)))
 
     def shaft_speed(self, v: Array) -> Array:
         """(n,) speed of the drive's shaft [rad/s], of rates (n, size)."""
@@ -280,25 +283,13 @@ class DriveTrain:
     def due(self, mode: TrainMode, time: float, v: Array) -> TrainMode:
         """The mode after the couplings have been switched whose time it is; ``v``: rates (size,)."""
         for side in SIDES:
-            point = self._next_switch(mode, side)
+            point = mode.coupling(side).next_switch(self.coupling(side))
             if point is not None and point.time is not None and time >= point.time - BESIDE * max(1.0, abs(point.time)):
                 mode = self._switched(mode, side, time, v)
         return mode
 
-    def _next_switch(self, mode: TrainMode, side: Side) -> SwitchPoint | None:
-        """What switches a coupling next."""
-        coupling, own = self.coupling(side), mode.clutch if side == "clutch" else mode.brake
-        if coupling is None or own.spent:
-            return None
-        return coupling.closes if own.grip is OPEN else coupling.opens
-
     def _switched(self, mode: TrainMode, side: Side, time: float, v: Array) -> TrainMode:
-        own = mode.clutch if side == "clutch" else mode.brake
-        if own.grip is not OPEN:
-            return mode.with_coupling(side, CouplingMode(OPEN, spent=True))
-        relative = self._relative(side, v[None])[0]
-        grip, sign = (SLIPPING, sign_of(relative)) if relative else (HOLDING, 0)
-        return mode.with_coupling(side, CouplingMode(grip, sign, time))
+        return mode.with_coupling(side, mode.coupling(side).switched(float(self._relative(side, v[None])[0]), time))
 
     def _relative(self, side: Side, v: Array) -> Array:
         """(n,) speed of a coupling's other side relative to the crank, of rates (n, size)."""
@@ -311,7 +302,8 @@ class DriveTrain:
         """What may end a mode, of a crank at an angle that turns in a direction, but for what happens at a time."""
         found = [TrainEvent("jumps", number=k) for k in range(len(mode.faster))]
         for side in SIDES:
-            own, point = mode.clutch if side == "clutch" else mode.brake, self._next_switch(mode, side)
+            own = mode.coupling(side)
+            point = own.next_switch(self.coupling(side))
             if point is not None and point.angle is not None and (point.angle - angle) * direction > 0:
                 found.append(TrainEvent("switches", side))
             if self.coupling(side) is not None and own.grip is not OPEN:
@@ -323,9 +315,9 @@ class DriveTrain:
         if event.kind == "jumps":
             beyond = self.shaft_speed(v) - self.jumps[event.number]
             return beyond if mode.faster[event.number] else -beyond
-        own = mode.clutch if event.side == "clutch" else mode.brake
+        own = mode.coupling(event.side)
         if event.kind == "switches":
-            point = self._next_switch(mode, event.side)
+            point = own.next_switch(self.coupling(event.side))
             assert point is not None
             assert point.angle is not None
             return np.asarray(direction * (point.angle - y[:, -1]))
@@ -333,7 +325,7 @@ class DriveTrain:
             return np.asarray(own.sign * self._relative(event.side, v))
         coupling = self.coupling(event.side)
         assert coupling is not None
-        return _capacity(coupling, own, time) - np.abs(held)
+        return np.asarray(own.capacity(coupling, time) - np.abs(held))
 
     def gradient(self, event: TrainEvent, mode: TrainMode, direction: int, size: int) -> Array:
         """(2 size,) derivative of a margin by coordinates and rates, of an event that needs no accelerations."""
@@ -359,9 +351,9 @@ class DriveTrain:
             return mode._replace(faster=faster), v
         if event.kind == "switches":
             return self._switched(mode, event.side, time, v), v
-        own = mode.clutch if event.side == "clutch" else mode.brake
+        own = mode.coupling(event.side)
         if event.kind == "slips":
-            return mode.with_coupling(event.side, own._replace(grip=SLIPPING, sign=sign_of(held))), v
+            return mode.with_coupling(event.side, own.slipping(held)), v
         if event.side == "clutch":
             v[self.slip] = 0.0
         else:
@@ -397,9 +389,3 @@ def _state_sizes(drive: Drive, speed: float, period: float) -> list[float]:
             pace = max(abs(float(beside[k]) - float(rates[k])) / step, 1 / period)
             found[k] = max(found[k], abs(float(rates[k])) / pace)
     return [size or 1.0 for size in found]
-
-
-def _capacity(coupling: Coupling, mode: CouplingMode, time: Array) -> Array:
-    """Torque (n,) that a coupling can transmit [N m]."""
-    share = np.clip((time - mode.since) / coupling.rise, 0.0, 1.0) if coupling.rise else np.ones(len(time))
-    return np.asarray(coupling.torque * share)
