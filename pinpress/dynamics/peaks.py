@@ -160,7 +160,7 @@ def _crossings(reactions: Reactions, path: _Path) -> tuple[Array, Array]:
     for name in reactions.friction:
         if name in press.joints:
             joint = press.joints.index(name)
-            times.append(_roots(path, lambda motion, joint=joint: (motion.v[:, joint], motion.a[:, joint]), states, motion))
+            times.append(_roots(path, _joint_rate(joint), states, motion))
     processes = [load for load in reactions.loads if not isinstance(load, PointForce | SpringDamper | TimeForce)]
     if processes:
         turns = np.unique(path.inside(_roots(path, lambda motion: (motion.slide_velocity, motion.slide_acceleration), states, motion)))
@@ -168,10 +168,22 @@ def _crossings(reactions: Reactions, path: _Path) -> tuple[Array, Array]:
             states = np.union1d(states, turns)
             motion = path.at(states)
         for level in {level for load in processes for level in _levels(load, reactions)}:
-            edges = _roots(path, lambda motion, level=level: (motion.slide_position - level, motion.slide_velocity), states, motion)
+            edges = _roots(path, _height_above(level), states, motion)
             # a height within 1e-3 of a step from a dead centre is passed at the dead centre, or by rounding alone
             times.append(edges[np.abs(np.subtract.outer(edges, turns)).min(axis=1, initial=np.inf) > 1e-3 * path.step])
     return np.unique(path.inside(np.concatenate([np.zeros(0), *times]))), turns
+
+
+AlongMotion = Callable[[Motion], tuple[Array, Array]]
+"""A function along a motion: its values and its slopes in time (n,)."""
+
+
+def _joint_rate(joint: int) -> AlongMotion:
+    return lambda motion: (motion.v[:, joint], motion.a[:, joint])
+
+
+def _height_above(level: float) -> AlongMotion:
+    return lambda motion: (motion.slide_position - level, motion.slide_velocity)
 
 
 def _levels(load: object, reactions: Reactions) -> Iterator[float]:
@@ -183,12 +195,12 @@ def _levels(load: object, reactions: Reactions) -> Iterator[float]:
         yield from (zero + end for _, each in intervals for end in (each.lower, each.upper) if np.isfinite(end))
 
 
-def _roots(path: _Path, function: Callable[[Motion], tuple[Array, Array]], states: Array, motion: Motion) -> Array:
+def _roots(path: _Path, function: AlongMotion, states: Array, motion: Motion) -> Array:
     """Times (m,) at which a function passes zero.
 
     Args:
         path: the motion between its states.
-        function: motion -> values and slopes in time (n,).
+        function: that passes zero.
         states: (n,) times between which it passes zero at most once [s].
         motion: the motion at these times.
     """
