@@ -27,8 +27,8 @@ from .common.quantities import RPM as RPM
 from .dynamics.inverse_dynamics import Reactions as Reactions
 from .dynamics.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from .kinematics.check import check as check
+from .kinematics.cycle import cycle as cycle
 from .kinematics.motion import Motion as Motion
-from .kinematics.motion import cycle as cycle
 from .kinematics.motion_table import read_motion as read_motion
 from .kinematics.servo_motion import servo_cycle as servo_cycle
 from .kinematics.slide_path import dead_centres as dead_centres

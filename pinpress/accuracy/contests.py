@@ -25,7 +25,7 @@ import pinocchio as pin
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import cycle
+from ..kinematics.cycle import cycle
 from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import reduced_model_of

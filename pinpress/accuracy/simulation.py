@@ -9,7 +9,7 @@ import numpy as np
 
 from ..common.numerics import NODES
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import motion_through_change_points
+from ..kinematics.cycle import motion_through_change_points
 from ..linkage.linkage import Linkage
 from ..linkage.memo import keep_all_but
 from ..simulation import reduced_model

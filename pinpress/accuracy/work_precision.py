@@ -18,7 +18,7 @@ from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM
 from ..common.results import Records
 from ..drives.transmission import Flywheel
-from ..kinematics.motion import MOST_POINTS
+from ..kinematics.cycle import MOST_POINTS
 from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import reduced_model_of
 from .contests import inverse_dynamics_contest, measured, proximal_contest

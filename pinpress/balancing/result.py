@@ -15,7 +15,7 @@ from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..dynamics.extremes import AXES, ROUNDING, Rounding, rounding
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import cycle
+from ..kinematics.cycle import cycle
 from ..linkage.linkage import Linkage
 from .counterweights import Counterweight, OperatingCondition, moving_mass
 from .problem import AddedMass, Criterion, Peak, Range, Target, limit_words

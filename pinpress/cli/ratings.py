@@ -15,7 +15,8 @@ from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import motion_in_words, of_friction, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import process_summary
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.cycle import cycle
+from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, StandingLoad
 from ..ratings.along_motion import MotionRatings, limits_in_words, rate_motion

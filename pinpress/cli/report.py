@@ -14,7 +14,7 @@ from ..balancing.counterweights import OperatingCondition
 from ..common.errors import PinpressError
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import cycle
+from ..kinematics.cycle import cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import StandingLoad
 from ..loads.mounts import Frame, Vector

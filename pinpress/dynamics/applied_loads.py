@@ -14,7 +14,7 @@ from ..common.arguments import numbers, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.quantities import GRAVITY, Array
 from ..engines.forces import REST, AppliedForce
-from ..kinematics.motion import point_motion
+from ..kinematics.poses import point_motion
 from ..kinematics.slide_path import dead_centres
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper

@@ -17,7 +17,8 @@ from ..common.arguments import expect, typed
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
-from ..kinematics.motion import Motion, poses
+from ..kinematics.motion import Motion
+from ..kinematics.poses import poses
 from .inverse_dynamics import Reactions
 from .peaks import PeakStates, peak_states
 

@@ -17,7 +17,8 @@ import numpy as np
 
 from ..common.numerics import bracketed_roots, polynomial_values, quintics
 from ..common.quantities import Array
-from ..kinematics.motion import Motion, moved
+from ..kinematics.cycle import moved
+from ..kinematics.motion import Motion
 from ..loads import caller_laws
 from ..loads.link import PointForce, SpringDamper
 from ..loads.process import ProcessLoad, TimeForce, datum

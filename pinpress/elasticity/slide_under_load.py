@@ -22,7 +22,8 @@ from ..common.arguments import LARGEST, numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM, Array
 from ..common.results import Tabular
-from ..kinematics.motion import Motion, doubt_speeds
+from ..kinematics.cycle import doubt_speeds
+from ..kinematics.motion import Motion
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress

@@ -17,7 +17,8 @@ from ..common.arguments import positive
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
 from ..dynamics.inverse_dynamics import Reactions, on_frame
-from ..kinematics.motion import Motion, bearing_points, loaded_bodies, poses
+from ..kinematics.motion import Motion
+from ..kinematics.poses import bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.contact import Clearance as Clearance
 from ..simulation.elastic.contact import hertz_stiffness as hertz_stiffness

@@ -22,7 +22,7 @@ from ..common.numerics import damped_modes
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..drives.transmission import Flywheel
-from ..kinematics.motion import motion_through_change_points
+from ..kinematics.cycle import motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage, OfPress
 from ..simulation.elastic.assembly import press_on_springs

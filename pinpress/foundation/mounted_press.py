@@ -39,7 +39,8 @@ from ..common.results import Tabular
 from ..common.tables import Column
 from ..dynamics.inverse_dynamics import on_frame
 from ..engines.joints import data_of
-from ..kinematics.motion import Motion, cycle, refuse_motion_of_another
+from ..kinematics.cycle import cycle
+from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage
 from .elastic_frame import WHOLE, ElasticFrame
 from .frame_parts import (

@@ -22,7 +22,7 @@ from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import RPM, Array, ComplexArray
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import doubt_speeds, period_at
+from ..kinematics.cycle import doubt_speeds, period_at
 from ..linkage.linkage import Linkage, OfPress
 from .elastic_frame import ElasticFrame
 from .frame_parts import rows_at

@@ -20,7 +20,9 @@ from ..common.results import Record, Records, Tabular
 from ..engines.planar.model import Block, Plane
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
-from .motion import Motion, carried, motion_through_change_points, refuse_motion_of_another
+from .cycle import motion_through_change_points
+from .motion import Motion, refuse_motion_of_another
+from .poses import carried
 
 SAMPLES = 720  # crank angles of a turn at which the least angle is looked for
 CLOSER, ROUNDS = 10, 7  # how many times closer crank angles are looked at in each round, and rounds

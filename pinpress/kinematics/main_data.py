@@ -14,7 +14,7 @@ from ..common.results import Record
 from ..engines.joints import drawn_placements
 from ..linkage.linkage import UPRIGHT, Linkage
 from ..linkage.tool_point import ALIKE
-from .motion import motion_through_change_points
+from .cycle import motion_through_change_points
 from .slide_path import DeadCentres, dead_centres, turning_points
 
 ALONG = 0.999  # cosine between two directions that are taken for one in words

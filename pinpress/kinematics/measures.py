@@ -27,8 +27,9 @@ from ..common.numerics import Numbers
 from ..common.quantities import Array, ComplexArray
 from ..linkage.linkage import Linkage
 from .even_speed import evenest_window, inside_stroke, longest_window
-from .motion import Motion, bearing_points, poses, refuse_motion_of_another
+from .motion import Motion, refuse_motion_of_another
 from .periodic_curve import CrankMotion, Curve, curve, step_angle, step_time, zeros
+from .poses import bearing_points, poses
 from .slide_path import SlideMotion, slide_path, working_stroke
 
 FINER = 8  # places between two states at which an angle's cosine or squared sine is evaluated

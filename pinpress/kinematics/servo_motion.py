@@ -14,8 +14,9 @@ from ..common.errors import PinpressError, shown
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..linkage.linkage import Linkage
+from .cycle import doubt_speeds, motion_through_change_points, moved
 from .driver_motion import Drivers, driver_motion
-from .motion import Motion, doubt_speeds, motion_through_change_points, moved
+from .motion import Motion
 from .slide_path import EQUAL, ROUNDING, DeadCentres, dead_centres
 
 Flank = Literal["down", "up"]

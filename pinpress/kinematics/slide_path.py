@@ -18,7 +18,7 @@ from ..common.results import Record
 from ..engines.branch import out_of_branch
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
-from .motion import motion_through_change_points
+from .cycle import motion_through_change_points
 from .periodic_curve import CrankMotion, Curve, curve, step_time, zeros
 
 SAME = 1e-9  # share of a range below which values differ by rounding

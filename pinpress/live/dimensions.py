@@ -18,7 +18,8 @@ from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..derivatives.motion import motion_derivatives, pivot_positions
 from ..engines.planar.engine import PlanarEngine
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.cycle import cycle
+from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from .drivers import swing, swings
 

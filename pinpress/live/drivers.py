@@ -16,7 +16,8 @@ from ..common.quantities import RPM, Array
 from ..derivatives.motion import displaced
 from ..derivatives.reshape import redrawn
 from ..engines.joints import Coupling
-from ..kinematics.motion import Motion, doubt_speeds, moved
+from ..kinematics.cycle import doubt_speeds, moved
+from ..kinematics.motion import Motion
 from ..linkage.assembly import followed_from
 from ..linkage.linkage import Linkage
 

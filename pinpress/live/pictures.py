@@ -16,7 +16,9 @@ import numpy as np
 from ..common.quantities import Array
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
 from ..engines.planar.engine import PlanarEngine
-from ..kinematics.motion import Motion, Poses, cycle, poses
+from ..kinematics.cycle import cycle
+from ..kinematics.motion import Motion
+from ..kinematics.poses import Poses, poses
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from ..visual import recording

@@ -28,7 +28,8 @@ from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..engines.planar.engine import PlanarEngine
 from ..engines.spatial.bodies import accelerations, build_bodies, cross, motion_axes, placements, turned_back, velocities
-from ..kinematics.motion import Motion, moved
+from ..kinematics.cycle import moved
+from ..kinematics.motion import Motion
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import NAME_A_SLIDE, Linkage
 from ..loads.link import Friction, Load

@@ -43,7 +43,7 @@ from ..common.results import Tabular
 from ..common.tables import Column
 from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
-from ..kinematics.motion import moved
+from ..kinematics.cycle import moved
 from ..linkage.linkage import NAME_A_SLIDE, Linkage
 from ..loads.link import Friction
 from .estimates.prior import ZERO

@@ -11,9 +11,10 @@ import numpy as np
 
 from ..common.quantities import Array
 from ..derivatives.reshape import reshaped
+from ..kinematics.cycle import cycle
 from ..kinematics.dyads import transmission_angle_curves
 from ..kinematics.measures import bearing_positions, even_length, pressure_angle, quick_return_ratio, speed_ratio, speed_variation, stroke
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.motion import Motion
 from ..kinematics.phases import phases
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres

@@ -13,8 +13,8 @@ import numpy as np
 from ..common.quantities import Array
 from ..derivatives.reshape import reshaped
 from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..kinematics.cycle import cycle
 from ..kinematics.measures import bearing_positions, pressure_angle, quick_return_ratio, speed_variation, stroke
-from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..loads.process import ForceStroke
 from ..plots.style import COLOURS, drawing, grid

@@ -17,8 +17,9 @@ from ..balancing.counterweights import with_counterweights
 from ..common.quantities import RPM, Array
 from ..drives.transmission import Flywheel
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..kinematics.cycle import cycle
 from ..kinematics.measures import dwell_time
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.motion import Motion
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load

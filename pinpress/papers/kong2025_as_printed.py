@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common.quantities import RPM, Array
+from ..kinematics.cycle import cycle
 from ..kinematics.measures import bearing_positions
-from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 
 SPEED = 70 * RPM

@@ -14,7 +14,8 @@ from ..balancing.regions import CounterweightRegion
 from ..balancing.result import BalancedPress
 from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.cycle import cycle
+from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from .pages import BEYOND, Grid, PageEntry
 

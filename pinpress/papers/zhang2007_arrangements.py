@@ -15,7 +15,7 @@ from ..balancing.counterweights import Counterweight, OperatingCondition, with_c
 from ..balancing.problem import Range
 from ..balancing.regions import CounterweightRegion
 from ..common.quantities import RPM
-from ..kinematics.motion import cycle
+from ..kinematics.cycle import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..pin_table.building import build

@@ -14,7 +14,7 @@ from ..balancing.problem import Criterion, Range, Rms
 from ..balancing.regions import CounterweightRegion
 from ..common.quantities import RPM, Array
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import cycle
+from ..kinematics.cycle import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from .pages import CURVES, NOT, Grid, PageEntry, Panel, Row, draw

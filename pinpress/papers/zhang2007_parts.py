@@ -13,7 +13,7 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..elasticity.guide_surfaces import eight_way_guide, guide_contact
 from ..elasticity.springs import Elastic, PreloadedJoint, Stiffness
 from ..elasticity.unit_load import compliance
-from ..kinematics.motion import cycle
+from ..kinematics.cycle import cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.hydraulics import ImpactDamper, orifice_coefficient

@@ -13,7 +13,7 @@ from ..drives.motors import ConstantTorque
 from ..drives.slip_clutch import SlipClutchMotor
 from ..drives.transmission import Flywheel, Geared
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.motion import cycle
+from ..kinematics.cycle import cycle
 from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
 from ..loads.contacts import Impact, TwoSidedStop

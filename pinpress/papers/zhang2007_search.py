@@ -10,7 +10,7 @@ from ..balancing.optimum import balance
 from ..balancing.problem import Range
 from ..balancing.regions import CounterweightRegion
 from ..common.quantities import Array
-from ..kinematics.motion import cycle
+from ..kinematics.cycle import cycle
 from ..linkage.linkage import Linkage
 from ..sweeps.experiments import full_factorial, latin_hypercube
 from .pages import BEYOND, FORMULAS, PageEntry, Panel, Row, draw

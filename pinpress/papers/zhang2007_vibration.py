@@ -17,7 +17,8 @@ from ..common.quantities import RPM, Array
 from ..drives.transmission import Flywheel
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..foundation import Attachment, Frame, FrameMotion, Mount, MountedPress, Rotor, RubberPad, SpeedResponse
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.cycle import cycle
+from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..loads.link import PointForce

@@ -29,7 +29,7 @@ from ..common.reading.entries import DEEPEST
 from ..common.results import Records, Tabular
 from ..common.tables import Columns
 from ..kinematics.check import CheckResult, check_document
-from ..kinematics.motion import cycle
+from ..kinematics.cycle import cycle
 from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load_document

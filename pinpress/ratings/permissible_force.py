@@ -29,7 +29,8 @@ from ..common.quantities import RPM, Array, DriverCoordinate
 from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inputs import Inputs, written
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import Motion, motion_through_change_points, moved
+from ..kinematics.cycle import motion_through_change_points, moved
+from ..kinematics.motion import Motion
 from ..kinematics.slide_path import DeadCentres, dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce, StandingLoad, law

@@ -16,7 +16,8 @@ from ..common.quantities import GRAVITY, RPM, Array, DriverCoordinate
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions
 from ..kinematics import measures
-from ..kinematics.motion import Motion, cycle, refuse_motion_of_another
+from ..kinematics.cycle import cycle
+from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load, SpringDamper

@@ -20,7 +20,8 @@ from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..common.results import Record
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import Motion, motion_through_change_points
+from ..kinematics.cycle import motion_through_change_points
+from ..kinematics.motion import Motion
 from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
 from ..loads.link import Load

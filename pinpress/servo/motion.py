@@ -20,7 +20,8 @@ from ..common.frozen import read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
-from ..kinematics.motion import Motion, moved
+from ..kinematics.cycle import moved
+from ..kinematics.motion import Motion
 from ..kinematics.slide_path import dead_centres
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage, OfPress

@@ -18,7 +18,7 @@ from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
 from ..common.results import Records
 from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
-from ..kinematics.motion import moved
+from ..kinematics.cycle import moved
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load

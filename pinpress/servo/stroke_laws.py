@@ -17,7 +17,7 @@ from ..common.arguments import expect, positive, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..dynamics.applied_loads import asked
-from ..kinematics.motion import motion_through_change_points
+from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.servo_motion import angle_on_flank
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage

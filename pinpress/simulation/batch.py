@@ -26,7 +26,7 @@ from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics.inverse_dynamics import NONE_GIVEN
-from ..kinematics.motion import doubt_speeds, motion_through_change_points
+from ..kinematics.cycle import doubt_speeds, motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws

@@ -25,7 +25,8 @@ from ..common.numerics import NODES
 from ..common.quantities import Array
 from ..engines.engine import ClosedStates
 from ..engines.forces import MOST_ITERATIONS, AppliedForce, FrictionLaw
-from ..kinematics.motion import Motion, motion_through_change_points
+from ..kinematics.cycle import motion_through_change_points
+from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from .failures import failure
 from .panels import Panels, last_terms, resolve

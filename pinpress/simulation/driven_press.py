@@ -24,7 +24,9 @@ from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpe
 from ..dynamics import applied_loads
 from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..engines.forces import AppliedForce, FrictionLaw
-from ..kinematics.motion import Motion, point_motion, slide_at
+from ..kinematics.cycle import slide_at
+from ..kinematics.motion import Motion
+from ..kinematics.poses import point_motion
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Friction, Load, PointForce, SpringDamper, law

@@ -14,7 +14,7 @@ import numpy as np
 from ..common.errors import PinpressError, SingularityError
 from ..common.quantities import Array
 from ..common.results import Record
-from ..kinematics.motion import motion_through_change_points
+from ..kinematics.cycle import motion_through_change_points
 from ..linkage.linkage import Linkage
 from .driven_press import Coordinate, JointPosition
 from .reduced_model import COORDINATES, INERTIA, WEIGHT, ReducedModel

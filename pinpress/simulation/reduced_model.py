@@ -20,7 +20,8 @@ import numpy as np
 from ..common.errors import SimulationError
 from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import MOST_TURNS, periods_until_back
-from ..kinematics.motion import Motion, motion_through_change_points
+from ..kinematics.cycle import motion_through_change_points
+from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from .failures import failure

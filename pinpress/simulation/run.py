@@ -20,7 +20,8 @@ from ..drives.protocol import Drive
 from ..drives.transmission import Geared
 from ..dynamics import inputs
 from ..dynamics.inverse_dynamics import Reactions
-from ..kinematics.motion import Motion, motion_through_change_points, of_states
+from ..kinematics.cycle import motion_through_change_points
+from ..kinematics.motion import Motion, of_states
 from ..kinematics.slide_path import slide_turns, stroke_turns
 from ..linkage.linkage import Linkage
 from ..loads.caller_laws import as_given

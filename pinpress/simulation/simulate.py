@@ -35,7 +35,7 @@ from ..drives.motors import ServoMotor
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed
 from ..dynamics.inverse_dynamics import NONE_GIVEN
-from ..kinematics.motion import doubt_speeds
+from ..kinematics.cycle import doubt_speeds
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws

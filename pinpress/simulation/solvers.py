@@ -13,7 +13,7 @@ import numpy as np
 
 from ..common.errors import SimulationError
 from ..common.quantities import Array
-from ..kinematics.motion import motion_through_change_points
+from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.servo_motion import servo_cycle
 from ..loads.caller_laws import LawError
 from .driven_press import DrivenPress

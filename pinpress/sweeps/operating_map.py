@@ -38,7 +38,8 @@ from ..common.quantities import RPM, Array
 from ..common.results import Tabular
 from ..dynamics.applied_loads import asked
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import Motion, doubt_speeds, period_at
+from ..kinematics.cycle import doubt_speeds, period_at
+from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.caller_laws import AskedLoad, as_given
 from ..loads.link import Load, PointForce, SpringDamper

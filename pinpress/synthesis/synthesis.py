@@ -33,7 +33,8 @@ from ..common.tables import Column
 from ..derivatives.motion import Pivots, nowhere, pivot_positions, planar
 from ..derivatives.reactions import refuse_unknown
 from ..derivatives.reshape import reshaped
-from ..kinematics.motion import Motion, cycle, period_at
+from ..kinematics.cycle import cycle, period_at
+from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .design import Design, Start

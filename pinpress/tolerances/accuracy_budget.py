@@ -41,7 +41,7 @@ from ..common.tables import Column
 from ..dynamics.applied_loads import force_on_slide
 from ..elasticity.slide_under_load import slide_deflection
 from ..elasticity.springs import Stiffness
-from ..kinematics.motion import doubt_speeds
+from ..kinematics.cycle import doubt_speeds
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress, is_same_press, told_apart

@@ -46,7 +46,8 @@ from ..common.parameters import parameter
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
-from ..kinematics.motion import Motion, rotation_of
+from ..kinematics.motion import Motion
+from ..kinematics.poses import rotation_of
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load
 from .virtual_work import UnitForces, forces_by_cause, in_plane, unit_forces

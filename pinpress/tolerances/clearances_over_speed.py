@@ -22,7 +22,7 @@ from ..common.frozen import FrozenMapping
 from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
-from ..kinematics.motion import cycle
+from ..kinematics.cycle import cycle
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load
 from .clearances import KNOWN_TO, ROUNDING, UNMOVED, GuideClearance, contacts_of, crossings, play

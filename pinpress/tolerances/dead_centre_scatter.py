@@ -23,8 +23,9 @@ from ..common.quantities import GRAVITY, Array
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..derivatives.motion import directed
+from ..kinematics.cycle import doubt_speeds, motion_through_change_points
 from ..kinematics.main_data import sense_of_rotation
-from ..kinematics.motion import Motion, doubt_speeds, motion_through_change_points, refuse_motion_of_another
+from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..kinematics.slide_path import TurningPoints, turning_points
 from ..linkage.linkage import Linkage, OfPress
 from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations

@@ -40,7 +40,8 @@ from ..common.parameters import Checked, parameter
 from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
 from ..derivatives.motion import Displacements, directed
-from ..kinematics.motion import Motion, bearing_points, poses
+from ..kinematics.motion import Motion
+from ..kinematics.poses import bearing_points, poses
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress

@@ -26,7 +26,8 @@ from ..common.quantities import Array
 from ..derivatives.motion import Displacements
 from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
-from ..kinematics.motion import Motion, of_states, poses
+from ..kinematics.motion import Motion, of_states
+from ..kinematics.poses import poses
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..common.quantities import Array
 from ..engines.planar.model import to_world
-from ..kinematics.motion import Poses
+from ..kinematics.poses import Poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.plane import DrawnBodies
 

@@ -28,7 +28,8 @@ from ..dynamics.applied_loads import turning_points
 from ..dynamics.inverse_dynamics import Reactions
 from ..engines.branch import predict
 from ..engines.joints import configuration
-from ..kinematics.motion import Motion, Poses, bearing_points, poses, refuse_motion_of_another, refuse_other_joints
+from ..kinematics.motion import Motion, refuse_motion_of_another, refuse_other_joints
+from ..kinematics.poses import Poses, bearing_points, poses
 from ..linkage.linkage import Linkage, is_same_press
 from ..simulation.run import Run
 from .pages import meshcat, packed, page, write

@@ -19,7 +19,9 @@ from ..elasticity.vibration import ElasticModes
 from ..engines.planar.model import to_world
 from ..foundation.mounted_press import VibrationModes
 from ..foundation.whirl_modes import WhirlDiagram
-from ..kinematics.motion import Motion, Poses, motion_through_change_points, poses
+from ..kinematics.cycle import motion_through_change_points
+from ..kinematics.motion import Motion
+from ..kinematics.poses import Poses, poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.assembly import sprung_press
 from ..simulation.elastic.flexible_link import FlexibleBody

@@ -16,7 +16,8 @@ from ..foundation.elastic_frame import ElasticFrame
 from ..foundation.frame_parts import rows_at
 from ..foundation.mounted_press import MountedPress, VibrationModes
 from ..foundation.whirl_modes import WhirlDiagram
-from ..kinematics.motion import Poses, motion_through_change_points, poses
+from ..kinematics.cycle import motion_through_change_points
+from ..kinematics.poses import Poses, poses
 from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage, is_same_press, told_apart
 from .deflected import SEEN, rotation_matrices

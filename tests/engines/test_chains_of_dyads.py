@@ -16,7 +16,7 @@ from pinpress.engines.engine import ClosedStates
 from pinpress.engines.forces import AppliedConditions
 from pinpress.engines.planar import chain as chains
 from pinpress.engines.planar.engine import PlanarEngine
-from pinpress.kinematics import motion as motions
+from pinpress.kinematics import cycle as motions
 
 
 def chain_of(press):

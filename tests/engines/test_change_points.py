@@ -18,7 +18,7 @@ from support.exploring import examples
 from support.generators import random_linkages, redundant_linkages
 
 import pinpress as pp
-from pinpress.kinematics.motion import motion_through_change_points
+from pinpress.kinematics.cycle import motion_through_change_points
 from pinpress.linkage import assembly
 
 METHODS = ("reduced", "constraint")

@@ -9,7 +9,7 @@ from support.oracles import n_four_bar
 
 import pinpress as pp
 from pinpress.engines.change_points import INNER, PLACES, _fitted
-from pinpress.kinematics.motion import motion_through_change_points
+from pinpress.kinematics.cycle import motion_through_change_points
 
 # Of the state after 10 s, relative to its angle. `reduced` is at rounding that the falls make grow; of `constraint` every step may be off
 # by 1e-11.

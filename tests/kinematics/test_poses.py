@@ -7,7 +7,7 @@ from support import texts
 from support.generators.spatial_linkages import bennett
 
 import pinpress as pp
-from pinpress.kinematics.motion import bearing_points, loaded_bodies, poses
+from pinpress.kinematics.poses import bearing_points, loaded_bodies, poses
 
 
 @pytest.fixture(params=[*pp.presses(), "bennett"])

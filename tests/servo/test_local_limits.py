@@ -8,7 +8,7 @@ from support import texts
 
 import pinpress as pp
 from pinpress import servo
-from pinpress.kinematics.motion import motion_through_change_points
+from pinpress.kinematics.cycle import motion_through_change_points
 from pinpress.servo import optimum
 from pinpress.servo.conic import local_limits
 from pinpress.servo.conic.bounds import motion_problem

@@ -9,7 +9,7 @@ import pytest
 from support import texts
 
 import pinpress as pp
-from pinpress.kinematics.motion import motion_through_change_points
+from pinpress.kinematics.cycle import motion_through_change_points
 from pinpress.simulation import time_solver
 from pinpress.simulation.batch import BatchSolver
 from pinpress.simulation.driven_press import driven_press

@@ -10,7 +10,7 @@ from support.presses.two_servos import TWO_SERVOS
 import pinpress as pp
 from pinpress import tolerances
 from pinpress.derivatives import pivot_positions, reshaped
-from pinpress.kinematics.motion import poses
+from pinpress.kinematics.poses import poses
 from pinpress.tolerances.virtual_work import unit_forces
 
 RPM = pp.RPM

@@ -5,7 +5,7 @@ import pytest
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.kinematics.motion import poses
+from pinpress.kinematics.poses import poses
 from pinpress.visual.deflected import displaced, magnification
 
 

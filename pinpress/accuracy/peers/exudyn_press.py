@@ -22,7 +22,7 @@ from exudyn import itemInterface as items  # noqa: N813
 
 from ...common.errors import PinpressError, SimulationError
 from ...common.quantities import Array
-from ...kinematics.motion import cycle
+from ...kinematics.cycle import cycle
 from ...kinematics.servo_motion import servo_cycle
 from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage

@@ -28,7 +28,7 @@ from mujoco import rollout
 from ...common.errors import PinpressError, SimulationError
 from ...common.quantities import Array
 from ...engines.forces import RANK
-from ...kinematics.motion import cycle
+from ...kinematics.cycle import cycle
 from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from ..measurements import CLUTCH, DIE, SPEED_LAW

@@ -20,7 +20,7 @@ from ...common import plausibility
 from ...common.arguments import positive, suitable_numbers, typed, whole_number
 from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
-from ...kinematics.motion import poses
+from ...kinematics.poses import poses
 from ...linkage import loading
 from ...linkage.linkage import Linkage
 from ...linkage.urdf import element_checks

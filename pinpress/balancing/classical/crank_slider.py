@@ -21,7 +21,7 @@ from ...common.results import Record, Records
 from ...dynamics.harmonics import harmonics
 from ...dynamics.inverse_dynamics import Reactions
 from ...engines.planar.model import Plane, to_complex, to_world
-from ...kinematics.motion import Poses, poses
+from ...kinematics.poses import Poses, poses
 from ...linkage.linkage import Linkage
 from ..counterweights import Counterweight
 from .rotor import Correction

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 
 from ...common.errors import PinpressError
-from ...kinematics.motion import POINTS, Motion, cycle
+from ...kinematics.cycle import POINTS, cycle
+from ...kinematics.motion import Motion
 from ...kinematics.motion_table import read_motion
 from ...linkage.linkage import Linkage
 from .units import OfDriver, driver_speed, quantity

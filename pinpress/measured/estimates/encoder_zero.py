@@ -13,7 +13,7 @@ import numpy as np
 
 from ...common.quantities import Array
 from ...dynamics.inverse_dynamics import inverse_dynamics
-from ...kinematics.motion import moved
+from ...kinematics.cycle import moved
 from ..regressor import slide_rates
 from .prior import Losses, Unknowns
 from .run_rows import RunEquations, added_masses

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...common.quantities import GRAVITY, Array
 from ...dynamics.inverse_dynamics import inverse_dynamics
-from ...kinematics.motion import moved
+from ...kinematics.cycle import moved
 from ...linkage.linkage import Linkage
 from ...loads.link import Load
 from ..records import MeasuredRun

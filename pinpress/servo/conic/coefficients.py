@@ -22,7 +22,8 @@ from ...common.numerics import bracketed_roots
 from ...common.quantities import Array
 from ...dynamics.applied_loads import process_force, process_work
 from ...dynamics.inverse_dynamics import inverse_dynamics
-from ...kinematics.motion import Motion, moved
+from ...kinematics.cycle import moved
+from ...kinematics.motion import Motion
 from ...kinematics.slide_path import ROUNDING, dead_centres
 from ...linkage.linkage import Linkage
 from ...loads.link import Friction, Load, PointForce, SpringDamper

@@ -16,7 +16,8 @@ import numpy as np
 from ...common.frozen import FrozenMapping, NamedArrays, read_only
 from ...common.quantities import Array, ComplexArray
 from ...engines.planar.model import to_world
-from ...kinematics.motion import Motion, motion_through_change_points
+from ...kinematics.cycle import motion_through_change_points
+from ...kinematics.motion import Motion
 from ..driven_press import WorkOfForce
 from ..law_trials import confirm_torques
 from ..run import Run, Stats

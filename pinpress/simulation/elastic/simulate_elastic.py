@@ -9,7 +9,7 @@ import numpy as np
 
 from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
-from ...kinematics.motion import motion_through_change_points
+from ...kinematics.cycle import motion_through_change_points
 from ...linkage.linkage import Linkage
 from ..driven_press import DrivenPress, GeneralizedForce, JointPosition
 from ..failures import failure

@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 from ...common.errors import PinpressError
 from ...common.products import product
 from ...common.quantities import Array
-from ...kinematics.motion import Motion, motion_through_change_points
+from ...kinematics.cycle import motion_through_change_points
+from ...kinematics.motion import Motion
 from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from .contact import OpenPin

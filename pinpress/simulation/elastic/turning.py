@@ -19,7 +19,8 @@ import numpy as np
 
 from ...common.errors import PinpressError
 from ...common.quantities import Array, ComplexArray
-from ...kinematics.motion import motion_through_change_points, poses
+from ...kinematics.cycle import motion_through_change_points
+from ...kinematics.poses import poses
 from ...linkage.linkage import Linkage
 
 FEWEST, MOST = 64, 8192  # places of a turn from which a series is found

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from ...common.errors import PinpressError
 from ...common.quantities import Array
-from ...kinematics.motion import Poses
+from ...kinematics.poses import Poses
 from ...linkage.linkage import Linkage
 from ..pages import NO_MESHCAT
 from .appearance import ShownLink

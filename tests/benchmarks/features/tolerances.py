@@ -15,7 +15,7 @@ import numpy as np
 
 import pinpress as pp
 from pinpress.derivatives import pivot_positions, reshaped
-from pinpress.kinematics.motion import poses
+from pinpress.kinematics.poses import poses
 from pinpress.pin_table.templates import template
 
 ROOT = Path(__file__).resolve().parents[3]

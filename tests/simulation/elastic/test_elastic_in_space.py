@@ -14,7 +14,7 @@ from support.texts import FILES, shipped
 
 import pinpress as pp
 from pinpress.elasticity import vibration
-from pinpress.kinematics.motion import poses
+from pinpress.kinematics.poses import poses
 from pinpress.pin_table.templates import template
 from pinpress.simulation.elastic import simulate_elastic, space, turning
 from pinpress.simulation.elastic.assembly_in_space import press_in_space

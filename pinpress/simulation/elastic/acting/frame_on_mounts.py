@@ -17,7 +17,7 @@ import pinocchio as pin
 from ....common.errors import PinpressError
 from ....common.quantities import Array
 from ....engines.planar.model import to_complex, to_world
-from ....kinematics.motion import cycle
+from ....kinematics.cycle import cycle
 from ....loads.mounts import Frame, Mount
 from ..plane import Lines, PlaneGeometry
 from ..sprung_press import Springs, SprungPress
