@@ -24,8 +24,8 @@ from .common.errors import SingularityError as SingularityError
 from .common.errors import UnknownNameError as UnknownNameError
 from .common.errors import UrdfError as UrdfError
 from .common.quantities import RPM as RPM
-from .dynamics.inverse_dynamics import Reactions as Reactions
 from .dynamics.inverse_dynamics import inverse_dynamics as inverse_dynamics
+from .dynamics.reactions import Reactions as Reactions
 from .kinematics.check import check as check
 from .kinematics.cycle import cycle as cycle
 from .kinematics.motion import Motion as Motion

@@ -24,7 +24,8 @@ import pinocchio as pin
 
 from ..common.errors import PinpressError
 from ..common.quantities import Array
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
 from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage

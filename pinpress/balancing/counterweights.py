@@ -18,7 +18,8 @@ from ..common.frozen import Frozen
 from ..common.quantities import Array
 from ..common.results import Record
 from ..dynamics.applied_loads import point_on_body
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage, first_unphysical
 from ..loads.link import Load, PointForce

@@ -23,7 +23,8 @@ from ..common.frozen import read_only
 from ..common.quantities import Array
 from ..common.results import Records, Tabular
 from ..dynamics.harmonics import is_cycle
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion, as_prescribed
 from ..linkage.linkage import Linkage
 from ..loads.link import Load

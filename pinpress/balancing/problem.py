@@ -21,7 +21,8 @@ from ..common.arguments import suitable_numbers
 from ..common.conic_program import EQUAL, Rows
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..linkage.linkage import Linkage
 from .counterweights import MassResponse, OperatingCondition, mass_response, moving_mass
 from .regions import CounterweightRegion, RegionVariables, points_of, region_variables

@@ -14,7 +14,8 @@ from ..common.quantities import RPM, Array
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..dynamics.extremes import AXES, ROUNDING, Rounding, rounding
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
 from ..linkage.linkage import Linkage
 from .counterweights import Counterweight, OperatingCondition, moving_mass

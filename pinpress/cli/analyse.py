@@ -15,7 +15,8 @@ from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics.driving_energy import driving_energy
 from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import described, inputs
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..dynamics.summary import summary
 from ..linkage.linkage import Linkage
 from ..ratings.permissible_force import capacities_in_words

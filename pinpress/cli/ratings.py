@@ -13,7 +13,8 @@ from ..common.files import make_folder
 from ..common.quantities import RPM, DriverCoordinate
 from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import motion_in_words, of_friction, of_loads, of_press, stated
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..dynamics.summary import process_summary
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion

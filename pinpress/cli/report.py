@@ -13,7 +13,8 @@ import numpy as np
 from ..balancing.counterweights import OperatingCondition
 from ..common.errors import PinpressError
 from ..common.results import Tabular
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import StandingLoad

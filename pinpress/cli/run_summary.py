@@ -11,7 +11,7 @@ from ..common import tables
 from ..common.quantities import RPM
 from ..drives.transmission import Geared
 from ..dynamics.extremes import at_peaks
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.reactions import Reactions
 from ..dynamics.summary import bearing_table, checks, driver_table, driving_lines
 from ..kinematics.slide_path import dead_centres, slide_turns, stroke_turns
 from ..linkage.linkage import Linkage

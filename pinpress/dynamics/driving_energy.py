@@ -17,7 +17,7 @@ from ..common.errors import PinpressError
 from ..common.results import Record
 from .extremes import at_peaks, is_constant
 from .harmonics import is_cycle
-from .inverse_dynamics import Reactions
+from .reactions import Reactions
 
 UNITS = {
     "speed": "rad/s",

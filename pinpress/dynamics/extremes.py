@@ -19,8 +19,8 @@ from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..kinematics.motion import Motion
 from ..kinematics.poses import poses
-from .inverse_dynamics import Reactions
 from .peaks import PeakStates, peak_states
+from .reactions import Reactions
 
 AT_PEAKS = "_at_peaks"  # where the states of peaks are kept with reactions
 ROUNDING_OF_VALUES = 1e-12  # share of a quantity's largest value below which a value is rounding

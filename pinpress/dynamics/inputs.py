@@ -27,7 +27,7 @@ from ..linkage.writing import is_as_read
 from ..loads.link import Friction, SpringDamper
 from .extremes import is_constant
 from .harmonics import is_cycle
-from .inverse_dynamics import Reactions
+from .reactions import Reactions
 
 FEW = 4  # numbers that are written out; of more their count and range
 DIGITS = 9

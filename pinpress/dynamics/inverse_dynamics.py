@@ -1,248 +1,31 @@
-"""Inverse dynamics: the driving torque and every bearing and guide force of a motion.
-
-`Reactions` says the signs. A spherical loop transmits only the moment of friction. The driving torque is part of the moment of the driver's
-bearing, as the torques of gear pairs and friction are part of the moments of theirs. Where a shaft moves a slide, as a pinion does a rack,
-what acts between teeth is no part of the two bearings: it pushes on them, see `engines.racks`.
-"""
+"""Inverse dynamics: the driving torque and every bearing and guide force of a motion."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..common import tables
 from ..common.arguments import typed
-from ..common.errors import PinpressError, SingularityError, UnknownNameError, sendable, shown
-from ..common.frozen import FrozenMapping, NamedArrays, read_only
+from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
+from ..common.frozen import FrozenMapping, NamedArrays
 from ..common.quantities import Array
-from ..common.results import Tabular
 from ..engines.branch import Branch
 from ..engines.change_points import at_change_point
 from ..engines.engine import Engine
-from ..engines.forces import AppliedConditions, AppliedForce, Wrenches, compliances
+from ..engines.forces import AppliedConditions, Wrenches, compliances
 from ..engines.racks import PlacedAxis, between_teeth
-from ..kinematics.motion import MOST_IN_TITLE, Motion, refuse_other_joints
+from ..kinematics.motion import Motion, refuse_other_joints
 from ..linkage.linkage import Linkage
-from ..linkage.memo import per_linkage
-from ..linkage.planarity import planarity
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
 from . import applied_loads
+from .reactions import Reactions, find_wrenches
 
 NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
-ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
-DENORMAL = 1e-290  # smaller numbers have fewer digits [W]
 CLEAR = 1e-3  # distance from the end of a branch from which on a state is at no change point [rad]
 T = TypeVar("T")
-STATES_LOOKED_AT = 256  # states of a motion in which indeterminate forces are looked for: the rank hardly changes along it
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Reactions(Tabular):
-    """Torques and forces over a motion of n states. All arrays are read-only.
-
-    Forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2, in world axes. Moments are
-    about the origin of the child's joint frame, those of a loop about its point. Shaking force and moment are the action of the machine on
-    its foundation, weight included. The driving torque is positive along the driver's axis, and is part of the moment of the driver's
-    bearing.
-
-    Attributes:
-        motion: the motion.
-        engine: "plane", "space" or "pinocchio".
-        loads: the loads as they were given. In a pickled copy, one that cannot be pickled is its description.
-        friction: the friction of bearings and guides as it was given.
-        stiffness: the stiffnesses of bearings and guides as they were given [N/m].
-        driving_torque: (n,) torque on the driver joint along its axis [N m], force on one that slides [N]; (n, drivers) for several
-            drivers.
-        coupling_torque: (n, 2) by the name of a joint with a ``<mimic>``: torques of the gear pair on this joint and on the joint it
-            mimics, along their axes [N m; N on a joint that slides]. Where no bearings were asked for, they are computed when they are
-            first read. Forces between the teeth of two shafts are left out of the shafts' bearings; those of a rack or a screw are in them.
-        bearing_force: (n, 3) by the names of the joints and loops that were asked for [N].
-        bearing_moment: (n, 3) by the names of the joints and loops that were asked for [N m].
-        left_out: names of the joints and loops that were not asked for.
-        friction_power: (n,) power lost, by the names of all joints and loops [W].
-        shaking_force: (n, 3) [N]. It is computed when it is first read, from the bearings on the frame, even if they were left out.
-        shaking_moment: (n, 3) about the world origin [N m], computed with the shaking force.
-        indeterminate: (6,) bool by the names of all joints and loops: which components of force and moment, three each, rigid mechanics
-            leaves open because of redundant constraints. They are shared by least squares, by default with the least sum of squared bearing
-            forces. In a planar press without redundant equations in its plane they are the forces along the normal and the tilting moments.
-        indeterminate_axes: (3, 3) directions of these components, as rows: world x, y, z; for a planar linkage whose normal is no world
-            axis the horizontal in the plane, the normal, and the upward direction in the plane.
-        indeterminate_coupling: bool by the name of a joint with a ``<mimic>``: whether rigid mechanics leaves the gear pair's torque open.
-    """
-
-    motion: Motion
-    engine: str
-    loads: tuple[Load, ...]
-    friction: Mapping[str, Friction]
-    stiffness: Mapping[str, float]
-    driving_torque: Array
-    bearing_force: NamedArrays[np.float64]
-    bearing_moment: NamedArrays[np.float64]
-    friction_power: NamedArrays[np.float64]
-    left_out: tuple[str, ...]
-    _wrenches: Wrenches
-    _press: Linkage
-    _conditions: AppliedConditions
-
-    @property
-    def title(self) -> str:
-        sizes = {name: float(np.linalg.norm(force, axis=1).max()) for name, force in self.bearing_force.items()}
-        worst = max(sizes, key=lambda name: sizes[name], default=None)
-        force = "bearings left out" if worst is None else f"largest bearing force {sizes[worst]:.6g} N in {worst}"
-        return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {self._driving_in_words()}, {force}"
-
-    def _driving_in_words(self) -> str:
-        """Between which torques or forces every driver is driven; of many drivers how many there are."""
-        coordinates, drivers = self.motion.driver_coordinates, self.motion.drivers
-        if len(drivers) > MOST_IN_TITLE:
-            return f"{len(drivers)} drivers"
-        efforts = np.reshape(self.driving_torque, (-1, len(drivers))).T
-        of = [f" of {driver}" for driver in drivers] if len(drivers) > 1 else [""]
-        return ", ".join(
-            f"driving {each.effort}{name} {effort.min():.6g} to {effort.max():.6g} {each.effort_unit}"
-            for each, name, effort in zip(coordinates, of, efforts, strict=True)
-        )
-
-    @cached_property
-    def coupling_torque(self) -> NamedArrays[np.float64]:
-        press = self._press
-        torques = self._complete.coupling if press.couplings else ()
-        pairs = [np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, torques, strict=False)]
-        return NamedArrays(tuple(c.name for c in press.couplings), np.array(pairs))
-
-    @cached_property
-    def power_residual(self) -> Array:
-        """(n,) error of the power balance: power of drives and loads less friction and less d/dt (kinetic + potential energy), relative to
-        the motion's largest sum of absolute powers [-].
-
-        Where all powers are rounding (a balanced disc, a press kept in its dead centre), it is relative to a millionth of the sum of
-        magnitudes of forces times those of velocities. It is computed when it is first read, from velocities and accelerations of the
-        bodies, independently of the recursion that gives the torque.
-
-        Raises:
-            PinpressError: the powers are too large for floating point.
-        """
-        with np.errstate(all="ignore"):  # what overflows is refused below
-            balance, total, apparent = self._power_balance()
-        largest = max(total.max(), ROUNDED * apparent.max(), DENORMAL)
-        if not np.isfinite(largest):
-            raise PinpressError(f"the powers of {self._press.name} are too large for floating point: lower speed or loads")
-        return np.asarray(read_only(balance / largest))
-
-    @cached_property
-    def process_force(self) -> Array:
-        """(n,) sum of the process loads and forces in time on the slide along its guide's axis [N]; positive resists the working stroke."""
-        return read_only(applied_loads.process_force(self.loads, self._press, self.motion))
-
-    @cached_property
-    def process_work(self) -> float:
-        """Work that the slide does against the process loads and forces in time over the motion's states [J], over a whole period of a
-        `cycle`.
-
-        Between two states the laws are integrated over the height, so that a blank that breaks through between them costs no accuracy.
-        """
-        return float(self._process_steps.sum())
-
-    @cached_property
-    def _largest_force(self) -> float:
-        """The largest component of all bearing forces [N]; not finite where one of them is not."""
-        return float(np.max([np.abs(force).max(initial=0.0) for force in self.bearing_force.values()], initial=0.0))
-
-    @cached_property
-    def _process_steps(self) -> Array:
-        """The process's work from each state to the next, over a `cycle` also from the last to the first [J]: (n - 1,), or (n,)."""
-        return read_only(applied_loads.process_work(self.loads, self._press, self.motion))
-
-    def __getstate__(self) -> dict[str, Any]:
-        """The state for copies and pickles."""
-        loads = tuple(sendable(load) for load in self.loads)
-        if any(isinstance(load, str) for load in loads):
-            _ = self.process_force, self._process_steps  # they cannot be computed from descriptions
-        kept = {name: value for name, value in vars(self).items() if name != "_at_peaks"}  # it is found again when it is asked for
-        return kept | {"loads": loads}
-
-    @property
-    def indeterminate(self) -> NamedArrays[np.bool_]:
-        return NamedArrays(self._press.bearings, self._indeterminate[0])
-
-    @property
-    def indeterminate_coupling(self) -> NamedArrays[np.bool_]:
-        pairs = tuple(c.name for c in self._press.couplings)
-        return NamedArrays(pairs, self._indeterminate[1][: len(pairs)])
-
-    @cached_property
-    def indeterminate_axes(self) -> Array:
-        return read_only(planarity(self._press).axes)
-
-    @cached_property
-    def _indeterminate(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        positions, press = self.motion.joint_position.T, self._press
-        some = positions[:, :: max(1, positions.shape[1] // STATES_LOOKED_AT)]
-        return press.engine(self.engine).indeterminate(some, self.indeterminate_axes)
-
-    @property
-    def shaking_force(self) -> Array:
-        return self._shaking[0]
-
-    @property
-    def shaking_moment(self) -> Array:
-        return self._shaking[1]
-
-    @cached_property
-    def _complete(self) -> Wrenches:
-        """The wrenches of all bearings, found now where all were left out."""
-        if len(self._wrenches.force):
-            return self._wrenches
-        with np.errstate(all="ignore"):  # what overflows is refused
-            return _solved(self._press, self._press.engine(self.engine), self.motion, self._conditions, bearings=True)
-
-    @cached_property
-    def _shaking(self) -> tuple[Array, Array]:
-        press, found = self._press, self._complete
-        with np.errstate(all="ignore"):  # what overflows is refused below
-            force, moment = shaking(press, self.motion, found.force, found.moment, self._conditions.loads)
-            if not math.isfinite(force.sum() + moment.sum()):
-                raise PinpressError(f"the shaking moment of {self._press.name} is not finite: a load is too large for floating point")
-        return read_only((force, moment))
-
-    def _power_balance(self) -> tuple[Array, Array, Array]:
-        press, motion = self._press, self.motion
-        balance, total, apparent = press.engine(self.engine).power_balance(motion.states(press), self._conditions.loads)
-        torque = self.driving_torque.reshape(len(motion.crank_angle), -1).T
-        driving, lost = torque * motion.v.T[list(press.driver_indices)], self._wrenches.friction.sum(axis=0)
-        return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost, apparent
-
-    @property
-    def _driving(self) -> dict[str, Array]:
-        """The columns of the driving torques."""
-        efforts = [(f"driving_{each.effort}", each.effort_unit) for each in self.motion.driver_coordinates]
-        return tables.by_driver(efforts, self.driving_torque, self.motion.drivers)
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        abscissa, *_ = self.motion._pictured
-        return abscissa, next(iter(self._driving))
-
-    def columns(self) -> dict[str, Array]:
-        """The motion's columns, then torques, shaking force and moment, bearing forces and moments, under their names with units."""
-        columns = self.motion.columns() | self._driving
-        for name, torque in self.coupling_torque.items():
-            turns = self._press.axes[self._press.joints.index(name)].turns
-            columns[f"coupling_torque_{name} [N m]" if turns else f"coupling_force_{name} [N]"] = torque[:, 0]
-        columns |= tables.by_axis("shaking_force", "N", self.shaking_force) | tables.by_axis("shaking_moment", "N m", self.shaking_moment)
-        for name, force in self.bearing_force.items():
-            columns |= tables.by_axis(f"force_{name}", "N", force) | tables.by_axis(f"moment_{name}", "N m", self.bearing_moment[name])
-        for name, power in self.friction_power.items():
-            if power.any():
-                columns[f"friction_power_{name} [W]"] = power
-        return columns
 
 
 @typed
@@ -287,7 +70,7 @@ def inverse_dynamics(
     asked = applied_loads.asked(loads)
     with np.errstate(all="ignore"):  # what overflows is refused
         conditions = AppliedConditions(applied_loads.apply(asked, press, motion), law, compliance)
-        wrenches = _solved(press, chosen, motion, conditions, bearings=bool(wanted))
+        wrenches = find_wrenches(press, chosen, motion, conditions, bearings=bool(wanted))
     given = (tuple(loads), _frozen(friction), _frozen(stiffness))
     return _reactions(press, motion, chosen.name, conditions, wanted, wrenches, given)
 
@@ -299,7 +82,7 @@ def in_other_states(reactions: Reactions, motion: Motion) -> Reactions:
     with np.errstate(all="ignore"):  # what overflows is refused
         loads = applied_loads.apply(applied_loads.asked(reactions.loads), press, motion, warned=True)
         conditions = conditions._replace(loads=loads)
-        wrenches = _solved(press, press.engine(reactions.engine), motion, conditions, bearings=bool(wanted))
+        wrenches = find_wrenches(press, press.engine(reactions.engine), motion, conditions, bearings=bool(wanted))
     given = (reactions.loads, reactions.friction, reactions.stiffness)
     return _reactions(press, motion, reactions.engine, conditions, wanted, wrenches, given)
 
@@ -382,13 +165,6 @@ def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
     return [k for k, name in enumerate(press.bearings) if name in bearings]
 
 
-def _solved(press: Linkage, engine: Engine, motion: Motion, conditions: AppliedConditions, bearings: bool) -> Wrenches:
-    """Torques and, with ``bearings``, the wrenches of all bearings; raises as `inverse_dynamics`."""
-    found = engine.inverse_dynamics(motion.states(press), conditions, bearings)
-    _refuse_not_finite(motion, found)
-    return found
-
-
 def _between_teeth(press: Linkage, engine: Engine, motion: Motion, wrenches: Wrenches) -> tuple[Array, Array]:
     """Forces and moments (bearings, n, 3) of bearings, those of racks and screws as `engines.racks` says."""
     if not (press.spatial_model.racks and len(wrenches.force)):
@@ -404,107 +180,3 @@ def _between_teeth(press: Linkage, engine: Engine, motion: Motion, wrenches: Wre
     for rack in press.spatial_model.racks:
         between_teeth(rack, wrenches.coupling[rack.coupling], placed(rack.slide), placed(rack.shaft), force, moment)
     return force, moment
-
-
-def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
-    """Raise PinpressError where a number is not finite. A sum shows it, and takes less time than looking at every number."""
-    arrays = {
-        "driving torque": wrenches.torque,
-        "torque of a gear pair": wrenches.coupling,
-        "bearing force": wrenches.force,
-        "bearing moment": wrenches.moment,
-    }
-    if math.isfinite(sum(np.add.reduce(array, axis=None) for array in arrays.values())):
-        return
-    for name, array in arrays.items():
-        if not np.isfinite(array).all():
-            states = np.moveaxis(array, 1, 0)
-            at = int(np.argmin(np.isfinite(states.reshape(len(states), -1)).all(axis=1)))
-            raise PinpressError(
-                f"the {name} of {motion.linkage} is not finite at {motion.driver_coordinates[0].at(np.ravel(motion.crank_angle[at])[0])}:"
-                " the motion or a load is too large for floating point"
-            )
-
-
-@per_linkage(of_geometry=True)
-def on_frame(press: Linkage) -> tuple[int, ...]:
-    """Indices of the bearings on the frame in `Linkage.bearings`."""
-    joints = [j for j, parent in enumerate(list(press.model.parents)[1:]) if parent == 0]
-    return (*joints, *(k for k, loop in enumerate(press.loops, len(press.joints)) if 0 in (loop.joint1, loop.joint2)))
-
-
-def shaking(press: Linkage, motion: Motion, force: Array, moment: Array, loads: list[AppliedForce]) -> tuple[Array, Array]:
-    """Shaking force and shaking moment about the world origin, (n, 3) each, world axes [N, N m].
-
-    Args:
-        press: the press.
-        motion: its motion.
-        force: (bearings, n, 3) forces of all bearings, parent on child (link1 on link2) [N].
-        moment: (bearings, n, 3) their moments [N m].
-        loads: forces on links; only those on the frame are added, because the bearing forces include the others.
-    """
-    total = np.zeros((2, len(motion.crank_angle), 3))
-
-    def add_force(on_frame: Array, about: Array | float, point: Array) -> None:
-        total[0] += on_frame
-        for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):  # np.cross takes several times as long
-            total[1, :, i] += point[..., j] * on_frame[..., k] - point[..., k] * on_frame[..., j]
-        total[1] += about
-
-    model = press.model
-    frame = model.inertias[0]
-    add_force(frame.mass * model.gravity.linear, 0.0, frame.lever)
-    for end in _frame_ends(press):
-        add_force(end.sign * force[end.bearing], end.sign * moment[end.bearing], _acting_at(end, motion))
-    for load in loads:
-        if load.joint == 0:
-            add_force(load.force, 0.0, load.point)
-    return total[0], total[1]
-
-
-class FrameEnd(NamedTuple):
-    """A point of the frame at which a bearing acts on it.
-
-    Attributes:
-        bearing: index of the bearing.
-        sign: of the bearing's force there.
-        point: (3,) where it acts in the drawn pose, in world axes [m].
-        along: (3,) direction in which the point travels with a guide; None where it does not.
-    """
-
-    bearing: int
-    sign: float
-    point: Array
-    along: Array | None
-
-
-@per_linkage(of_geometry=True)
-def _frame_ends(press: Linkage) -> tuple[FrameEnd, ...]:
-    """All ends of bearings on the frame; of a loop both may be there."""
-    places, count, ends = press.model.jointPlacements, len(press.joints), []
-    axes = press.axes
-    for bearing in on_frame(press):
-        if bearing < count:
-            place, axis = places[bearing + 1], axes[bearing]
-            along = None if axis.turns else place.rotation @ axis.direction
-            ends.append(FrameEnd(bearing, -1.0, place.translation.copy(), along))
-            continue
-        loop = press.loops[bearing - count]
-        if loop.joint1 == 0:
-            ends.append(FrameEnd(bearing, -1.0, loop.point1, None))
-        if loop.joint2 == 0:
-            ends.append(FrameEnd(bearing, 1.0, loop.point2, None))
-    return tuple(ends)
-
-
-def on_frame_at(press: Linkage, motion: Motion, bearing: int) -> Iterator[tuple[float, Array]]:
-    """The sign with which the force of a bearing acts on the frame, and its point of action, (3,) or (n, 3), in world axes [m].
-
-    Both sides of a loop may be on the frame.
-    """
-    return ((end.sign, _acting_at(end, motion)) for end in _frame_ends(press) if end.bearing == bearing)
-
-
-def _acting_at(end: FrameEnd, motion: Motion) -> Array:
-    """Where an end acts on the frame over a motion, (3,) or (n, 3) [m]."""
-    return end.point if end.along is None else end.point + motion.joint_position[:, end.bearing, None] * end.along

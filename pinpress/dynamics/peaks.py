@@ -24,7 +24,8 @@ from ..loads.link import PointForce, SpringDamper
 from ..loads.process import ProcessLoad, TimeForce, datum
 from .applied_loads import intervals_of
 from .harmonics import is_cycle
-from .inverse_dynamics import Reactions, in_other_states
+from .inverse_dynamics import in_other_states
+from .reactions import Reactions
 
 SIDE = 1e-8
 """Distance of a state from a jump, as a share of a step. In steps of half a degree this is 1e-10 rad, 100 times what counts as rest."""

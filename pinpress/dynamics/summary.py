@@ -16,7 +16,7 @@ from ..kinematics.slide_path import DeadCentres, DeadCentresOverTravel, dead_cen
 from ..linkage.linkage import Linkage
 from .applied_loads import process_work
 from .extremes import ROUNDING, at_peaks
-from .inverse_dynamics import Reactions
+from .reactions import Reactions
 
 AXES = "xyz"
 CLOSED = 1e-12  # gap [lengths of the linkage] or residual that is rounding

@@ -16,7 +16,8 @@ import numpy as np
 from ..common.arguments import positive
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
-from ..dynamics.inverse_dynamics import Reactions, on_frame
+from ..dynamics.reactions import Reactions
+from ..dynamics.shaking import on_frame
 from ..kinematics.motion import Motion
 from ..kinematics.poses import bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage

@@ -28,7 +28,7 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..dynamics.harmonics import is_cycle
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.reactions import Reactions
 from .mounted_press import MountedPress, quadrature
 from .response import (
     RESONANCE,

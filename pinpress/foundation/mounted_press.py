@@ -37,7 +37,7 @@ from ..common.numerics import damped_modes
 from ..common.quantities import GRAVITY, Array, ComplexArray
 from ..common.results import Tabular
 from ..common.tables import Column
-from ..dynamics.inverse_dynamics import on_frame
+from ..dynamics.shaking import on_frame
 from ..engines.joints import data_of
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion, refuse_motion_of_another

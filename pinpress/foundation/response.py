@@ -23,7 +23,8 @@ from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
 from ..drives.transmission import Flywheel
 from ..dynamics.harmonics import is_cycle
-from ..dynamics.inverse_dynamics import Reactions, on_frame_at
+from ..dynamics.reactions import Reactions
+from ..dynamics.shaking import on_frame_at
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage, is_same_press, told_apart
 from ..simulation.run import Run

@@ -21,7 +21,8 @@ from ..common.errors import PinpressError, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import RPM, Array, ComplexArray
 from ..common.results import Tabular
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import doubt_speeds, period_at
 from ..linkage.linkage import Linkage, OfPress
 from .elastic_frame import ElasticFrame

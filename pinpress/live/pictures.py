@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from ..common.quantities import Array
-from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..engines.planar.engine import PlanarEngine
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 from ..balancing.counterweights import with_counterweights
 from ..common.quantities import RPM, Array
 from ..drives.transmission import Flywheel
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
 from ..kinematics.measures import dwell_time
 from ..kinematics.motion import Motion

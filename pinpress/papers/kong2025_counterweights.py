@@ -13,7 +13,8 @@ from ..balancing.problem import AddedMass, Criterion, Range, Target
 from ..balancing.regions import CounterweightRegion
 from ..balancing.result import BalancedPress
 from ..common.quantities import RPM
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage

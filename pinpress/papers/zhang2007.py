@@ -13,7 +13,7 @@ import numpy as np
 
 from ..balancing import classical
 from ..balancing.counterweights import Counterweight, with_counterweights
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.reactions import Reactions
 from ..linkage.linkage import Linkage
 from . import zhang2007_arrangements, zhang2007_balancing, zhang2007_parts, zhang2007_runs, zhang2007_search, zhang2007_vibration
 from .pages import BEYOND, FINDINGS, FORMULAS, NO_RESULT, NOT, Erratum, Grid, Page, PageEntry, Panel, Row, draw, figures

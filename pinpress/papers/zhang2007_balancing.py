@@ -13,7 +13,8 @@ from ..balancing.optimum import balance
 from ..balancing.problem import Criterion, Range, Rms
 from ..balancing.regions import CounterweightRegion
 from ..common.quantities import RPM, Array
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load

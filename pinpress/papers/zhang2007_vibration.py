@@ -15,7 +15,8 @@ from .. import foundation
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..drives.transmission import Flywheel
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..foundation import Attachment, Frame, FrameMotion, Mount, MountedPress, Rotor, RubberPad, SpeedResponse
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion

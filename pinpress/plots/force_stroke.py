@@ -9,7 +9,7 @@ import numpy as np
 
 from ..common.arguments import typed
 from ..common.quantities import Array
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.reactions import Reactions
 from ..kinematics.slide_path import dead_centres
 from ..ratings.permissible_force import NOMINAL
 from ..ratings.rating import PressRatings

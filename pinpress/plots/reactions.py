@@ -14,7 +14,7 @@ from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..dynamics.extremes import AXES, at_peaks
 from ..dynamics.harmonics import HarmonicAnalysis, harmonics, last_period
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion
 from ..simulation.run import Run
 from ..visual import charts

@@ -23,7 +23,8 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inputs import Inputs, written
-from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load

@@ -23,7 +23,8 @@ from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..dynamics.applied_loads import point_on_body
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import PointForce

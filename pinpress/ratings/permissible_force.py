@@ -28,7 +28,8 @@ from ..common.numerics import bracketed_roots, sign_change
 from ..common.quantities import RPM, Array, DriverCoordinate
 from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inputs import Inputs, written
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import motion_through_change_points, moved
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import DeadCentres, dead_centres

@@ -14,7 +14,8 @@ from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import GRAVITY, RPM, Array, DriverCoordinate
 from ..common.results import Tabular
-from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions
+from ..dynamics.inverse_dynamics import NONE_GIVEN
+from ..dynamics.reactions import Reactions
 from ..kinematics import measures
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion, refuse_motion_of_another

@@ -19,7 +19,8 @@ from ..common.arguments import positive, typed
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..common.results import Record
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import stroke_turns

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.quantities import Array
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.reactions import Reactions
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import limits as limits_

@@ -19,7 +19,8 @@ from ..common.errors import PinpressError
 from ..common.frozen import read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
-from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import moved
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import dead_centres

@@ -11,7 +11,7 @@ from ..common import tables
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..drives.motors import ServoMotor
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.reactions import Reactions
 from ..linkage.linkage import Linkage, OfPress
 from .drive import ServoDrive
 from .motion import ServoMotion

@@ -19,7 +19,7 @@ from ..drives.direct_current_link import DirectCurrentLink
 from ..drives.protocol import Drive
 from ..drives.transmission import Geared
 from ..dynamics import inputs
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion, of_states
 from ..kinematics.slide_path import slide_turns, stroke_turns

@@ -37,7 +37,8 @@ from ..common.frozen import read_only
 from ..common.quantities import RPM, Array
 from ..common.results import Tabular
 from ..dynamics.applied_loads import asked
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import doubt_speeds, period_at
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage

@@ -22,7 +22,7 @@ from ..derivatives.motion import STEP, Displacements, Rates, Shift, States, Tang
 from ..derivatives.reactions import Balanced, Push, pushes, tangent
 from ..derivatives.reshape import continue_geometry, redrawn
 from ..dynamics.applied_loads import apply, asked
-from ..dynamics.inverse_dynamics import shaking
+from ..dynamics.shaking import shaking
 from ..engines.engine import ClosedStates
 from ..engines.forces import AppliedConditions, Wrenches
 from ..engines.planar.balance import Statics, build_statics, pose_at

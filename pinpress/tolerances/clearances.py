@@ -45,7 +45,8 @@ from ..common.frozen import FrozenMapping
 from ..common.parameters import parameter
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
-from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion
 from ..kinematics.poses import rotation_of
 from ..linkage.linkage import Linkage, OfPress

@@ -25,7 +25,8 @@ from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
 from ..derivatives.motion import Displacements
 from ..dynamics.applied_loads import force_on_slide
-from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion, of_states
 from ..kinematics.poses import poses
 from ..linkage.linkage import Linkage

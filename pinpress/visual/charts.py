@@ -16,7 +16,7 @@ from ..common.frozen import read_only
 from ..common.quantities import RPM, Array, DriverCoordinate
 from ..dynamics.applied_loads import turning_points
 from ..dynamics.extremes import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion
 from ..kinematics.poses import loaded_bodies, poses
 from ..linkage.linkage import Linkage

@@ -25,7 +25,7 @@ from ..common.quantities import Array
 from ..drives.transmission import Flywheel
 from ..dynamics import applied_loads
 from ..dynamics.applied_loads import turning_points
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.reactions import Reactions
 from ..engines.branch import predict
 from ..engines.joints import configuration
 from ..kinematics.motion import Motion, refuse_motion_of_another, refuse_other_joints

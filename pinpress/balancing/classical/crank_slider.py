@@ -19,7 +19,7 @@ from ...common.frozen import read_only
 from ...common.quantities import Array
 from ...common.results import Record, Records
 from ...dynamics.harmonics import harmonics
-from ...dynamics.inverse_dynamics import Reactions
+from ...dynamics.reactions import Reactions
 from ...engines.planar.model import Plane, to_complex, to_world
 from ...kinematics.poses import Poses, poses
 from ...linkage.linkage import Linkage

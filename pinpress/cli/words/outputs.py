@@ -14,7 +14,7 @@ from ...common.errors import PinpressError
 from ...common.results import Tabular
 from ...drives.transmission import Flywheel
 from ...dynamics.inputs import Inputs
-from ...dynamics.inverse_dynamics import Reactions
+from ...dynamics.reactions import Reactions
 from ...linkage.linkage import Linkage
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from ...dynamics.driving_energy import driving_energy
 from ...dynamics.extremes import is_constant
 from ...dynamics.harmonics import is_cycle
 from ...dynamics.inputs import described
-from ...dynamics.inverse_dynamics import Reactions
+from ...dynamics.reactions import Reactions
 from ...kinematics.slide_path import stroke_turns
 from ...loads.caller_laws import as_given
 from ...loads.link import PointForce, SpringDamper

@@ -11,7 +11,7 @@ import numpy as np
 from ...common.quantities import Array
 from ...dynamics.extremes import AXES, ExtremeValues, at_peaks, extremes, rounding
 from ...dynamics.harmonics import HarmonicAnalysis, harmonics, is_cycle
-from ...dynamics.inverse_dynamics import Reactions
+from ...dynamics.reactions import Reactions
 from ...kinematics.slide_path import slide_turns, stroke_turns
 from ...simulation.run import Run
 from .. import charts

@@ -17,7 +17,8 @@ from ...common.errors import PinpressError
 from ...common.results import Tabular
 from ...drives.transmission import Flywheel
 from ...dynamics.inputs import Inputs
-from ...dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ...dynamics.inverse_dynamics import inverse_dynamics
+from ...dynamics.reactions import Reactions
 from ...kinematics.motion import Motion
 from ...linkage.linkage import Linkage
 from ...simulation.run import Run, inputs_of

@@ -12,7 +12,7 @@ from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
 from ...dynamics.applied_loads import turning_points
 from ...dynamics.extremes import at_peaks, rounding
-from ...dynamics.inverse_dynamics import Reactions
+from ...dynamics.reactions import Reactions
 from ...kinematics.motion import Motion
 from ...linkage.linkage import Linkage, is_same_press, told_apart
 from ...simulation.run import Run
