@@ -30,7 +30,6 @@ from ..common.parameters import Checked, parameter
 from ..common.quantities import Array
 
 SETTLED = 1e-14  # share of the energy that goes through the link up to which it may differ at both ends of a stroke that repeats
-REAL = 1e-9  # imaginary part up to which a root counts as real: the power touches a limit there
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,4 +268,5 @@ def _passed(series: Array, level: float) -> list[float]:
     if abs(series[0]) > np.abs(series[1:]).sum():  # the level is out of reach
         return []
     roots = np.polynomial.legendre.legroots(series)
-    return [float(root.real) for root in roots if abs(root.imag) < REAL and -1 < root.real < 1]
+    # A double root, where the power touches a limit, has a small imaginary part by rounding.
+    return [float(root.real) for root in roots if abs(root.imag) < 1e-9 and -1 < root.real < 1]

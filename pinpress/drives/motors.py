@@ -22,7 +22,6 @@ from .electric import ElectricMotor, MotorPower, check_load_loss, check_thermal_
 from .protocol import SpeedTorqueDrive, limited
 
 MOST_SLIP = 0.5  # no motor has more at its rated point
-MOST_POLES = 1000
 
 
 @dataclass(frozen=True)
@@ -279,7 +278,7 @@ def _check_breakdown(drive: object, ratio: float) -> None:
 
 
 def _check_rated_speed(drive: object, rated_speed: float, frequency: float, poles: object) -> None:
-    if not is_whole_number(poles) or not 2 <= poles <= MOST_POLES or poles % 2:
+    if not is_whole_number(poles) or not 2 <= poles <= 1000 or poles % 2:
         raise PinpressError(f"{type(drive).__name__}: poles is {shown(poles)}; give the number of poles: 2, 4, 6, ...")
     synchronous = _synchronous(frequency, int(poles))
     if not rated_speed < synchronous:

@@ -22,7 +22,6 @@ from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 from .harmonics import is_cycle
 
 ROUNDING = 1e-9  # of heights [lengths of the linkage]
-JUMP = 0.01  # share of its largest force with which a process load begins suddenly
 
 if TYPE_CHECKING:
     from ..kinematics.motion import Motion
@@ -161,7 +160,8 @@ def warn_of_load(
     plausibility.forces(name, largest, weight)
     for downwards, each in pushing:
         reaches_over = downwards and math.isfinite(each.lower) and each.lower < high < each.upper
-        if reaches_over and _size(each, each.upper) < JUMP * largest < _size(each, high):
+        # A process load that begins with a hundredth of its largest force begins suddenly.
+        if reaches_over and _size(each, each.upper) < 0.01 * largest < _size(each, high):
             plausibility.onset(name, each.upper, high)
 
 

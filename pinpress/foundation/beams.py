@@ -27,8 +27,6 @@ from .elastic_frame import WHOLE, ElasticFrame, reduced_frame
 from .frame_parts import direction
 
 SHEAR = 5 / 6  # share of the area of a solid rectangle that takes the shear force
-LEAST_SINE = 1e-3  # of the angle between a beam and the direction of its width
-MOST_ELEMENTS = 50
 
 
 @dataclass(frozen=True)
@@ -137,7 +135,7 @@ def beam_frame(
         PinpressError: a place is no point, two places are one, a beam has no length or its width lies along it, or the beams do not hang
             together.
     """
-    count = whole_number("elements", elements, 1, MOST_ELEMENTS)
+    count = whole_number("elements", elements, 1, 50)
     points = _points(places)
     if not isinstance(beams, Sequence) or not beams or not all(isinstance(beam, FrameBeam) for beam in beams):
         raise PinpressError(f"beams is {shown(beams)}: give a list of FrameBeam, at least one")
@@ -199,7 +197,8 @@ def _axes(beam: FrameBeam, along: Array) -> tuple[Array, float]:
         raise PinpressError(f"the beam from {beam.start} to {beam.end} has no length: give two places")
     first, across = along / length, np.array(beam.across)
     aside = across - (across @ first) * first
-    if np.linalg.norm(aside) < LEAST_SINE:
+    # the sine of the angle between the beam and the direction of its width
+    if np.linalg.norm(aside) < 1e-3:
         raise PinpressError(f"the width of the beam from {beam.start} to {beam.end} lies along it: give another across=")
     second = aside / np.linalg.norm(aside)
     return np.array([first, second, np.cross(first, second)]), length

@@ -31,10 +31,7 @@ from ..common.tables import Column
 from .frame_parts import COORDINATES, rows_at
 
 MOST_ROWS = 40_000  # of sparse matrices: the reduction takes up to a minute; larger models are condensed where they were made
-MOST_MODES = 200
 RIGID = 1e-6  # share of the stiffness that a motion of the whole frame may cost by rounding
-LOOSE = 1e-12  # share of the square of the fastest frequency up to which that of a free vibration is zero
-LARGEST = 50.0  # extent of a frame beyond which it is hardly in m
 AT = 1e-3  # share of the size of a frame by which a place may lie beside a node
 WHOLE = "frame"  # name of the mean motion of the frame among its parts
 
@@ -213,9 +210,10 @@ def reduced_frame(
     joined = np.zeros((0, 2)) if lines is None else numbers(f"{what}: lines", lines, (None, 2))
     if not np.isin(joined, np.arange(len(places))).all():
         raise PinpressError(f"{what}: lines join nodes by their numbers, from 0 to {len(places) - 1}: give two of these each")
-    if size_of(places) > LARGEST:
+    # No frame is so large: its places are probably in mm.
+    if size_of(places) > 50.0:
         caution(f"{what}: its nodes are up to {size_of(places):.4g} m apart: if mm are meant, give all in m, kg and N")
-    inertia, frequency, motions = _free_vibrations(m, k, places, rows, numbered, whole_number("modes", modes, 0, MOST_MODES))
+    inertia, frequency, motions = _free_vibrations(m, k, places, rows, numbered, whole_number("modes", modes, 0, 200))
     shapes = np.zeros((len(places), 3, motions.shape[1]))
     for (node, direction), row in rows.items():
         if direction < 3:
@@ -366,7 +364,8 @@ def _free_vibrations(
             f"the frame: {free} moves no mass: give rotary inertia to its node, or the consistent mass matrix of the frame"
         ) from error
     squared, vectors = np.linalg.eigh(factor @ (beside.T @ stiff @ beside) @ factor.T)
-    if not len(squared) or squared[0] <= LOOSE * squared[-1]:
+    # A part that is loose has a frequency of zero, but for rounding of the largest one.
+    if not len(squared) or squared[0] <= 1e-12 * squared[-1]:
         raise PinpressError("the frame: more than six of its motions cost no energy: its parts are not joined, or it has a hinge")
     return inertia, np.sqrt(squared), np.hstack([whole, basis @ (beside @ (factor.T @ vectors))])
 

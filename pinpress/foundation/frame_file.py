@@ -43,7 +43,6 @@ from .mounts import Frame, Mount, RubberPad, pad_mount
 
 T = TypeVar("T")
 
-LARGEST_FILE = 10**7  # of a CSV file [bytes]
 USUAL_WORDS = {  # what else keys are called, in lower case
     "weight": "mass",
     "m": "mass",
@@ -232,7 +231,7 @@ def _rows(entry: Entry, folder: Path, columns: Sequence[str], unit: str = "") ->
     its kind."""
     path, wanted = folder / _text(entry), f"name a CSV file with a line for each, {', '.join(columns)}"
     try:
-        rows = read_rows(path, LARGEST_FILE)
+        rows = read_rows(path, 10**7)
     except (OSError, ValueError) as error:
         entry.refuse(f"{path} cannot be read: {files.reason(error)}", wanted)
     found, factor = list[list[float]](), 1.0

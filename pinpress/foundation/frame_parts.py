@@ -27,7 +27,6 @@ from ..loads.mounts import Frame, Mount, Vector
 from .mounts import listed_mounts
 
 SMALLEST = 1e-10  # a mode softer than this share of the stiffest has no stiffness
-PULLED = 1e-9  # rounding may pull a mount by this share of the weight
 COORDINATES = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
 
 
@@ -209,7 +208,8 @@ def refuse_loose(matrix: Array, problem: str, remedy: str) -> None:
 def refuse_pulled(load: Array, gravity: Array) -> None:
     """Raise PinpressError where the weight pulls at a mount instead of pressing on it."""
     along = load @ -gravity
-    if (along < -PULLED * np.abs(along).sum()).any():
+    # A load of rounding may pull at a mount.
+    if (along < -1e-9 * np.abs(along).sum()).any():
         number = int(along.argmin())
         pulled = -along[number] / np.linalg.norm(gravity)
         raise PinpressError(

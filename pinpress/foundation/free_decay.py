@@ -20,11 +20,6 @@ from ..common.quantities import Array, ComplexArray
 
 HALF_BAND = np.sqrt(2.0)  # the band reaches from the strongest line divided by this to the line times this: an octave
 BESIDE = 2  # and this many lines further, for short signals
-LEAST_PERIODS = 2  # the strongest line must have as many periods in the signal
-LINES_WITH_SLOPE = 10  # lines from which vibrations outside the band are taken as a straight line
-STARTS = (0.3, 1.0, 3.0, 10.0, 30.0)  # decays over the whole signal, as exponents, from which the fit starts
-LEAST_SAMPLES = 8
-CERTAIN = 5.0  # the amplitude is at least this many times its standard deviation
 
 
 def logarithmic_decrement(signal: Array, *, rate: float = 1.0, band: tuple[float, float] | None = None) -> float:
@@ -46,7 +41,7 @@ def logarithmic_decrement(signal: Array, *, rate: float = 1.0, band: tuple[float
     values = finite_numbers(signal)
     if values is None or values.ndim != 1:
         raise PinpressError("signal is no array (n,) of finite numbers: give one component of a vibration")
-    if len(values) < LEAST_SAMPLES or not np.ptp(values):
+    if len(values) < 8 or not np.ptp(values):
         raise PinpressError(f"signal of {len(values)} samples does not swing: give a vibration of two periods or more")
     swinging = values / np.abs(values).max()
     spectrum = np.fft.rfft(swinging - swinging.mean())
@@ -57,7 +52,8 @@ def logarithmic_decrement(signal: Array, *, rate: float = 1.0, band: tuple[float
     high = min(len(spectrum) - 1, int(np.ceil(around[1])) + BESIDE)
     lines = np.arange(low, high + 1.0)
     decay, turn, certainty = _fitted(spectrum[low : high + 1], lines, len(values), strongest)
-    if certainty < CERTAIN:
+    # At five standard deviations an amplitude is no noise.
+    if certainty < 5.0:
         raise PinpressError(
             f"no vibration that dies away stands out of the noise of the signal around its line {strongest}: give the time after a hit"
             " alone, or the band of the vibration that is meant"
@@ -76,7 +72,8 @@ def _strongest(size: Array, count: int, rate: float, band: tuple[float, float] |
         if not within.any():
             raise PinpressError(f"band {shown(band)} holds no line of a signal of {count / rate:g} s: give a wider one, or a longer signal")
     strongest = int(np.where(within, size, 0.0).argmax())
-    if strongest < LEAST_PERIODS:
+    # A vibration of less than two periods cannot be told from a drift.
+    if strongest < 2:
         raise PinpressError("signal is shorter than two periods of its strongest vibration: give two or more")
     return strongest
 
@@ -88,7 +85,8 @@ def _fitted(spectrum: ComplexArray, lines: Array, count: int, strongest: int) ->
     around = np.exp(-2j * np.pi * lines / count)
     known = np.concatenate([spectrum.real, spectrum.imag])
     place = (lines - lines.mean()) / len(lines)
-    outside = [1.0 + 0 * place, place] if len(lines) >= LINES_WITH_SLOPE else []
+    # With ten lines or more, vibrations outside the band count as a straight line instead of a constant.
+    outside = [1.0 + 0 * place, place] if len(lines) >= 10 else []
 
     def columns(unknown: Array) -> Array:
         root = np.exp((-unknown[0] + 1j * unknown[1]) / count)
@@ -101,11 +99,12 @@ def _fitted(spectrum: ComplexArray, lines: Array, count: int, strongest: int) ->
         matrix = columns(unknown)
         return np.asarray(matrix @ np.linalg.lstsq(matrix, known, rcond=None)[0] - known)
 
+    # The fit starts from several decays over the whole signal, as exponents.
     trials = [
         least_squares(
             missed, [start, 2 * np.pi * strongest], bounds=([-10.0, 0.0], [np.inf, np.pi * count]), xtol=1e-14, ftol=1e-14, gtol=1e-14
         )
-        for start in STARTS
+        for start in (0.3, 1.0, 3.0, 10.0, 30.0)
     ]
     best = min(trials, key=lambda trial: trial.cost)
     matrix = columns(best.x)

@@ -45,18 +45,12 @@ from .response import (
     time_step,
 )
 
-MOST_STROKES = 10_000
 MOST_SWITCHES = 200  # of feet in one interval between states: more are chatter
 LOOKS = np.linspace(0.0, 1.0, 9)  # parts of a step at which the cubic is looked at
 REACH = 4.0  # product of the fastest rate of the system and a part of an interval with one Taylor polynomial
-PAYS = 1.0  # Taylor polynomials of a motion that cost as much as the matrices of its steps, by the number of its states
 TERMS = 34  # of it: the next is 4^34 / 34!, 1e-18
 EXACT = 1e-13  # of a step, to which the instant of a switch is found
-JUST_AFTER = 1e-6  # share of the first look after which a foot that has just switched is looked at
 ROUNDING = 1e-12  # share of the static load within which a foot that has just switched carries nothing
-SMALL_TURN = 0.1  # of the frame, in which sine and angle differ by 0.2 % [rad]
-REPEATED = 1e-6  # a motion repeats itself where its states do so up to this share of its size
-MOST_PERIODS = 8  # strokes after which a motion is said to repeat itself, at most
 FREE_FALL = 2  # z among the directions of a mount
 
 
@@ -142,7 +136,7 @@ def lifting_response(
     Warns:
         PinpressWarning: the frame turns by more than 0.1 rad, beyond what is small.
     """
-    count = whole_number("strokes", strokes, 1, MOST_STROKES)
+    count = whole_number("strokes", strokes, 1, 10_000)
     wrench, placed, n = frame_wrench(system, reactions, flywheel), named_points(system, points), len(system.mass)
     feet, interval = _Feet(system, mean_speed(system, reactions.motion)), time_step(reactions.motion)
     begin = np.zeros(2 * n)
@@ -155,7 +149,8 @@ def lifting_response(
         raise PinpressError("strokes go with one period, of cycle or steady_state: leave strokes= out for another motion")
     found = _marched(feet, wrench, interval, begin)
     turned = max(float(np.abs(found.states[:, :n] @ part[3:].T).max()) for part in system.parts.values())
-    if turned > SMALL_TURN:
+    # Up to 0.1 rad the sine and the angle differ by 0.2 %.
+    if turned > 0.1:
         caution(
             f"the frame turns by {np.degrees(turned):.3g} deg: it is thrown about, and turns are taken as small here; bolt it down, or"
             " look for a force that is too large"
@@ -275,7 +270,8 @@ class _Feet:
         if (key, interval) not in self._steps:
             a, b, bound = self.matrices(standing)
             self._walked[key] = self._walked.get(key, 0.0) + max(1.0, bound * interval / REACH)
-            if self._walked[key] < PAYS * len(a):
+            # A Taylor polynomial of each state costs as much as the matrices of the steps.
+            if self._walked[key] < len(a):
                 return None
             self._steps[key, interval] = step_matrices(a, b, interval)
         return self._steps[key, interval]
@@ -462,7 +458,7 @@ def _first_switch(
         if holding(high)[0] >= 0:  # the cubic saw what is not there
             continue
         if at == 1 and holding(low)[0] <= small:  # it holds by its rate alone: begin a little later
-            low = JUST_AFTER * high
+            low = 1e-6 * high  # a foot that has just switched may be at its border still
         root = low if holding(low)[0] <= 0 else bracketed_roots(holding, low, high, absolute=EXACT)
         found.append((float(root[0]), int(number)))
     if not found:
@@ -513,7 +509,8 @@ def _repeats(system: MountedPress, ends: Array) -> tuple[Array, int | None]:
     energy = np.hstack([ends[:, :n] @ factors[0], ends[:, n:] @ factors[1]])[1:]
     size = float(np.linalg.norm(energy, axis=1).max()) or 1.0
     change = np.linalg.norm(np.diff(energy, axis=0), axis=1) / size
-    for after in range(1, min(MOST_PERIODS, len(energy) - 1) + 1):
-        if np.linalg.norm(energy[-1] - energy[-1 - after]) <= REPEATED * size:
+    # A motion may repeat itself after up to eight strokes.
+    for after in range(1, min(8, len(energy) - 1) + 1):
+        if np.linalg.norm(energy[-1] - energy[-1 - after]) <= 1e-6 * size:
             return change, after
     return change, None

@@ -63,8 +63,6 @@ from .frame_parts import (
 )
 from .mounts import Frame, Mount, listed_mounts
 
-POSES = 180  # poses of a turn over which the moving mass is averaged; harmonics below this order leave the mean exact
-LIGHT = 0.05  # no frame weighs this small a share of the links that it carries
 MOST_ROWS = 24  # of modes in words
 MOST_ORDERS = 10_000  # most orders of `resonance_speeds`, against lists without end
 MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y", "twisting about z")
@@ -267,7 +265,8 @@ def mounted(
     if isinstance(frame, Frame):
         plausibility.frame_inertia(frame.mass, float(np.linalg.eigvalsh(frame.tensor).max()), press.size)
     links = float(system.press_inertia[0, 0])
-    if (rest := system.total_mass - links) < LIGHT * links:
+    # No frame weighs less than a twentieth of the links that it carries.
+    if (rest := system.total_mass - links) < 0.05 * links:
         caution(
             f"the frame weighs {rest:.4g} kg, the links of {press.name} {links:.4g} kg: give its mass in kg, {rest:.4g}e3 if t are meant"
         )
@@ -301,7 +300,8 @@ def press_inertia(press: Linkage, motion: Motion | None = None) -> Array:
     model, data = press.model, data_of(press.model)
     if motion is None:
         press.refuse_several_drivers("the inertia of its links is the mean over their motion; give motion=servo_cycle(press, ...)")
-        period = cycle(press, 1.0, points=POSES * (press.period_turns if press.driver_coordinates[0].turns else 1))
+        # The mean over 180 poses is exact for harmonics below this order.
+        period = cycle(press, 1.0, points=180 * (press.period_turns if press.driver_coordinates[0].turns else 1))
     else:
         expect("motion", motion, Motion, "servo_cycle")
         refuse_motion_of_another(press, motion)

@@ -34,11 +34,9 @@ from .mounted_press import MountedPress, quadrature, state_matrix
 
 UNRESOLVED = 1e-3  # states do not resolve a force whose last third of harmonics exceeds this share of the largest one
 ROUNDING = 1e-9  # harmonics below this share of weight and forces are rounding
-SPARE = 1.1  # share by which more states are asked for than the decay of the harmonics promises to be enough
 SOLVED_AT_ONCE = 2**22  # entries of the matrices of harmonics that are solved together: 64 MB
 NOTHING = 1e-9  # a shaking force below this share of the weight is rounding
 EVEN = 1e-9  # the crank's speed is constant up to this relative difference
-UNEVEN = 0.05  # relative change of the crank's speed in a given period up to which rotors spin at its mean
 SAME_STEP = 1e-6  # relative difference up to which steps of time are equal
 SAME_SPEED = 1e-6  # relative difference up to which speeds at both ends of a period, or of flywheel and crank, are equal
 RESONANCE = "a harmonic meets a natural frequency that has no damping: give the mounts damping or a loss factor, or another speed"
@@ -366,7 +364,8 @@ def mean_speed(system: MountedPress, motion: Motion) -> float:
 
 def _refuse_uneven_rotors(system: MountedPress, motion: Motion) -> None:
     speed = motion.crank_speed
-    if system.gyroscopic.any() and np.ptp(speed) > UNEVEN * np.abs(speed).max():
+    # Rotors spin at the mean speed of the crank, as long as its speed changes by less than a twentieth.
+    if system.gyroscopic.any() and np.ptp(speed) > 0.05 * np.abs(speed).max():
         raise PinpressError(
             "the rotors change their speed over the period, and with it their moments: use time_response, or leave the rotors out"
         )
@@ -501,7 +500,8 @@ def states_enough(harmonics: ComplexArray, states: int, size_of_all: float) -> i
     tail, largest = size[2 * len(size) // 3 :].max(initial=0.0), size.max(initial=0.0)
     if tail <= UNRESOLVED * largest or tail <= ROUNDING * states * size_of_all:
         return states
-    return 100 * int(np.ceil(SPARE * states * tail / (UNRESOLVED * largest) / 100))  # harmonics of a jump fall as one over their order
+    # The decay of the harmonics is an estimate, so a tenth more states are asked for.
+    return 100 * int(np.ceil(1.1 * states * tail / (UNRESOLVED * largest) / 100))  # harmonics of a jump fall as one over their order
 
 
 def displacement_amplitudes(system: MountedPress, frequency: Array, harmonics: ComplexArray, speed: ArrayLike = 0.0) -> ComplexArray:

@@ -32,11 +32,9 @@ from .mounts import Frame, Mount, listed_mounts
 from .response import NOTHING, Points, checked_harmonics, displacement_amplitudes, frame_wrench, mount_forces, named_points
 
 STATES = 360  # states of a turn, which resolve harmonics to order 179
-ROUNDED = 1e-14  # harmonics below this share of the largest force are rounding and left out
 AXES = {"x": 0, "y": 1, "z": 2}
 TRIALS = 97  # number of stiffnesses tried, evenly spaced in their logarithm, from the stiffest down
 SOFTEST, STIFFEST = 0.01, 4.0  # the lowest natural frequency is tried from this times the lowest to this times the highest speed
-REFINED = 1e-9  # relative error of the stiffness found
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -314,7 +312,8 @@ def _stiffest_factor(passed: Callable[[float], Array], factors: Array, limit: fl
             " frame more mass"
         )
     low, high = float(factors[len(worst) - 1]), float(factors[max(len(worst) - 2, 0)])
-    while high > (1 + REFINED) * low:
+    # the stiffness to nine digits
+    while high > (1 + 1e-9) * low:
         middle = float(np.sqrt(low * high))
         low, high = (middle, high) if passed(middle).max() <= limit else (low, middle)
     return low
@@ -334,7 +333,8 @@ def wrench_spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexAr
     constant, squared = (
         checked_harmonics(np.fft.rfft(part, axis=0), states, size) for part in (one - fast**2 * growing, fast**2 * growing)
     )
-    there = np.flatnonzero(np.maximum(np.abs(constant), np.abs(squared)).max(axis=1) > ROUNDED * states * size)
+    # Other harmonics are rounding of the largest force, and left out.
+    there = np.flatnonzero(np.maximum(np.abs(constant), np.abs(squared)).max(axis=1) > 1e-14 * states * size)
     orders = int(there[-1]) + 1 if len(there) else 1
     harmonics = constant[:orders] + (speed[:, None, None] / fast) ** 2 * squared[:orders]
     return speed[:, None] * (np.arange(harmonics.shape[1]) / press.period_turns), harmonics

@@ -26,11 +26,7 @@ from ..common.results import Tabular
 from .frame_parts import part_named
 from .mounted_press import MOST_ORDERS, MountedPress, motion_in_words
 
-AT_REST = 1e-6  # share of the highest speed at which modes of equal frequency at standstill are told from each other
 SAME_MODE = 0.7  # least product of a mode at two speeds that follow each other
-HALVINGS = 8  # of an interval of speeds over which modes change more
-TURNS = 0.1  # whirl from which a mode is said to turn forward or backward
-NO_TILT = 1e-9  # share of the largest tilt of the rotors in a mode that is rounding
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,7 +67,8 @@ class WhirlDiagram(Tabular):
     def words(self, mode: int) -> str:
         """How a mode turns at the highest speed: "forward", "backward", or "" where it hardly does."""
         turns = float(self.whirl[-1, mode])
-        return "" if abs(turns) < TURNS else "forward" if turns > 0 else "backward"
+        # A mode that turns less than a tenth of its motion is neither.
+        return "" if abs(turns) < 0.1 else "forward" if turns > 0 else "backward"
 
     def motion(self, mode: int) -> str:
         """The motion with most of a mode's kinetic energy at the highest speed when that is largest, as in `VibrationModes.motion`."""
@@ -131,9 +128,10 @@ def whirl(system: MountedPress, speeds: ArrayLike) -> WhirlDiagram:
         "speeds", speeds, wanted, (None,), lambda values: len(values) and values[0] >= 0 and values[-1] > 0 and np.all(np.diff(values) > 0)
     )
     equations = _Equations.of(system)
-    found = [equations.modes(float(speed[0]) or AT_REST * float(speed[-1]))]
+    # At standstill modes may have equal frequencies; a millionth of the highest speed separates them.
+    found = [equations.modes(float(speed[0]) or 1e-6 * float(speed[-1]))]
     for low, high in pairwise(speed.tolist()):
-        found.append(equations.followed(found[-1], low, high, HALVINGS))
+        found.append(equations.followed(found[-1], low, high, 8))  # most halvings of an interval of speeds
     frequency, vectors = (np.array([each[k] for each in found]) for k in (0, 1))
     if speed[0] == 0:
         frequency[0] = equations.modes(0.0)[0]
@@ -205,5 +203,5 @@ def _sense(system: MountedPress, shapes: ComplexArray) -> Array:
         tilt = turn - (turn @ axis)[..., None] * axis
         swept += 2 * momentum * (np.cross(tilt.real, -tilt.imag) @ axis)  # a quarter of a period later the tilt is minus its imaginary part
         size += momentum * (np.abs(tilt) ** 2).sum(axis=-1)
-    tilts = size > NO_TILT**2 * size.max(initial=0.0)
+    tilts = size > 1e-9**2 * size.max(initial=0.0)  # a smaller tilt of the rotors is rounding
     return np.asarray(np.divide(swept, size, out=np.zeros_like(swept), where=tilts))

@@ -26,7 +26,6 @@ from .caller_laws import LawError
 from .process import ForceInterval
 
 MOST_CYLINDERS = 1000
-MOST_HEAT = 5 / 3  # largest exponent: adiabatic exponent of a gas of single atoms
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +149,8 @@ def _check_air(load: Air) -> None:
         raise PinpressError(f"{name}: count is {shown(load.count)}; give the number of cylinders, 1 to {MOST_CYLINDERS}")
     if not load.rod < load.bore:
         raise PinpressError(f"{name}: rod is {load.rod:g} m, not thinner than the bore, {load.bore:g} m; give both diameters in m")
-    if not 1.0 <= load.exponent <= MOST_HEAT:
+    # The largest adiabatic exponent is that of a gas of single atoms.
+    if not 1.0 <= load.exponent <= 5 / 3:
         raise PinpressError(f"{name}: exponent is {load.exponent:g}; give 1 (isothermal) to 1.4 (adiabatic, air), at most 5/3")
     if not math.isfinite(_area(load)):
         raise PinpressError(f"{name}: bore is {load.bore:g} m; give that of one cylinder in m")

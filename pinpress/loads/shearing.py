@@ -23,8 +23,6 @@ from ..common.parameters import Checked, parameter
 from ..common.quantities import Values
 from .process import RESISTS, ForceInterval, constant_law
 
-QUICK = 0.1  # a strain rate of 1/s times a gap is some micrometres to a millimetre a second, and so 100 times less [m/s]
-
 
 @dataclass(frozen=True, eq=False)
 class RateSensitiveBlanking(Checked):
@@ -71,7 +69,8 @@ class RateSensitiveBlanking(Checked):
             )
         if np.any(np.asarray(self.sensitivity) >= 1):
             raise PinpressError(f"{name}: sensitivity is {np.max(self.sensitivity):g}; steels have 0.01 to 0.06, give a number below 1")
-        if np.any(self.sensitivity) and self.reference_speed > QUICK:
+        # A strain rate of 1/s times a gap is 1e-3 m/s at most, a hundred times less.
+        if np.any(self.sensitivity) and self.reference_speed > 0.1:
             caution(f"{name}: reference_speed is {self.reference_speed:g} m/s: if mm/s are meant, write {self.reference_speed:g}e-3")
         if not 0 <= self.remaining <= 1:
             raise PinpressError(f"{name}: remaining is {self.remaining:g}; give the share of the force that is left, from 0 to 1")
