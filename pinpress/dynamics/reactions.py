@@ -31,8 +31,6 @@ from . import applied_loads
 from .shaking import shaking
 
 ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
-DENORMAL = 1e-290  # smaller numbers have fewer digits [W]
-STATES_LOOKED_AT = 256  # states of a motion in which indeterminate forces are looked for: the rank hardly changes along it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -123,7 +121,7 @@ class Reactions(Tabular):
         """
         with np.errstate(all="ignore"):  # what overflows is refused below
             balance, total, apparent = self._power_balance()
-        largest = max(total.max(), ROUNDED * apparent.max(), DENORMAL)
+        largest = max(total.max(), ROUNDED * apparent.max(), 1e-290)  # smaller numbers have fewer digits [W]
         if not np.isfinite(largest):
             raise PinpressError(f"the powers of {self._press.name} are too large for floating point: lower speed or loads")
         return np.asarray(read_only(balance / largest))
@@ -176,7 +174,8 @@ class Reactions(Tabular):
     @cached_property
     def _indeterminate(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         positions, press = self.motion.joint_position.T, self._press
-        some = positions[:, :: max(1, positions.shape[1] // STATES_LOOKED_AT)]
+        # 256 states are enough: the rank hardly changes along a motion.
+        some = positions[:, :: max(1, positions.shape[1] // 256)]
         return press.engine(self.engine).indeterminate(some, self.indeterminate_axes)
 
     @property
