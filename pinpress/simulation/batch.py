@@ -10,7 +10,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -35,11 +35,10 @@ from ..loads.link import Friction, Load
 from .driven_press import DrivenPress, driven_press
 from .failures import failure
 from .law_trials import asked_drive
-from .over_angle import collocation
 from .over_angle.angle_solver import MOST_PERIODS
 from .over_angle.collocation import CollocationSolution, panel_integrals
 from .over_angle.mesh import Indices, build_mesh, mesh_borders
-from .over_angle.refinement import cuts, interpolate_onto, passed_corners, stopping_panels, unsettled_panels
+from .over_angle.refinement import cuts, passed_corners, solve_period, stopping_panels, unsettled_panels
 from .over_angle.segment import nearly_at_rest, place_at, torques_at_speeds
 from .reduced_model import COORDINATES, INERTIA, energies, reduced_model_of
 from .run import Run, allowed_error, energy_error, state_count
@@ -350,9 +349,12 @@ class BatchSolver:
             if periods > MOST_PERIODS:
                 raise failure("too many periods", float(self.clock.max()), self.at, most=MOST_PERIODS)
             try:
-                solution, passed = self._period(period, going, until, tolerance)
+                solution = self._period(period, going, until, tolerance)
             except LawError as error:
                 raise error.within(float(self.clock[going].min()), self.at) from error.__cause__
+            if solution is None:
+                break
+            passed = running_sums(self.clock, solution.durations)
             self.alone |= going & self._beside_rest(solution, passed, until)
             self._advance(solution, passed, going & ~self.alone, until)
             self.at = self.anchor + self.direction * periods * period
@@ -374,38 +376,41 @@ class BatchSolver:
         self.clock = np.where(going, passed[-1], self.clock)
         self.energy = np.where(going, solution.ends[-1], self.energy)
 
-    def _period(self, period: float, going: Mask, until: float, tolerance: float) -> tuple[CollocationSolution, Array]:
-        """A period, resolved for all scenarios that are ``going``, and the times (p + 1, S) at its borders."""
-        driven, guess, beside = self.driven, None, self.before
+    def _period(self, period: float, going: Mask, until: float, tolerance: float) -> CollocationSolution | None:
+        """A period, resolved for all scenarios that are ``going``; None, and all of them are run alone, where that takes too many
+        panels."""
+        driven, beside = self.driven, self.before
         if beside is not None:
             mesh = beside.mesh
         else:
             mesh = build_mesh(driven, self.anchor, self.direction, mesh_borders(driven, self.anchor, self.direction, period))
-        for _ in range(MOST_CUTS):
-            solution = collocation.solve(driven, mesh, self.energy, guess, beside=beside)
-            passed = running_sums(self.clock, solution.durations)
-            unfit = stopping_panels(solution)
-            wild = unsettled_panels(solution, unfit, going & ~self.alone)
-            if tolerance >= FINE and len(wild):  # on narrower panels Newton's method gets past a corner
-                places = 0.5 * (mesh.borders[wild] + mesh.borders[wild + 1])
-            else:
-                if tolerance < FINE and driven.drive is not None:
-                    unfit |= passed_corners(solution, driven.drive)
-                # what follows the end of the run does not matter
-                self.alone |= going & (unfit & (passed[:-1] < until)).any(axis=0)
-                which = np.flatnonzero(going & ~self.alone)
-                if not len(which):
-                    return solution, passed
-                upto = int((passed[:-1, which] < until).any(axis=1).sum())
-                places = cuts(solution, upto, tolerance, driven.drive, slice(None) if len(which) == len(going) else which)
-                if not len(places):
-                    return solution, passed
-            if (len(mesh.kinds) + len(places) - len(driven.model.borders)) * len(going) > MOST_PANELS:
-                break
-            mesh = build_mesh(driven, self.anchor, self.direction, np.sort(np.concatenate([mesh.borders, places])))
-            guess, beside = interpolate_onto(solution, mesh), None
-        self.alone |= going
-        return solution, passed
+        places = partial(self._coarse, going=going, until=until, tolerance=tolerance)
+        found = solve_period(driven, mesh, self.energy, places, beside=beside, most=MOST_CUTS)
+        if found is None or len(found.coarse):
+            self.alone |= going
+            return None
+        return found.solution
+
+    def _coarse(self, solution: CollocationSolution, going: Mask, until: float, tolerance: float) -> Array | None:
+        """Where to cut panels that are too coarse for a scenario; None: into too many. Those that stop are marked as ``alone``."""
+        driven, mesh = self.driven, solution.mesh
+        passed = running_sums(self.clock, solution.durations)
+        unfit = stopping_panels(solution)
+        wild = unsettled_panels(solution, unfit, going & ~self.alone)
+        if tolerance >= FINE and len(wild):  # on narrower panels Newton's method gets past a corner
+            places = 0.5 * (mesh.borders[wild] + mesh.borders[wild + 1])
+        else:
+            if tolerance < FINE and driven.drive is not None:
+                unfit |= passed_corners(solution, driven.drive)
+            # what follows the end of the run does not matter
+            self.alone |= going & (unfit & (passed[:-1] < until)).any(axis=0)
+            which = np.flatnonzero(going & ~self.alone)
+            if not len(which):
+                return np.zeros(0)
+            upto = int((passed[:-1, which] < until).any(axis=1).sum())
+            places = cuts(solution, upto, tolerance, driven.drive, slice(None) if len(which) == len(going) else which)
+        too_many = (len(mesh.kinds) + len(places) - len(driven.model.borders)) * len(going) > MOST_PANELS
+        return None if len(places) and too_many else places
 
     def _beside_rest(self, solution: CollocationSolution, passed: Array, until: float) -> Mask:
         """Which scenarios (S,) come nearly to rest. They are run alone, which shows whether that rest is unstable."""

@@ -34,7 +34,7 @@ from .law_trials import asked_drive
 from .over_angle import collocation
 from .over_angle.collocation import CollocationSolution
 from .over_angle.mesh import Indices, Mesh, build_mesh, mesh_borders
-from .over_angle.refinement import cuts, interpolate_onto, stopping_panels
+from .over_angle.refinement import cuts, solve_period, stopping_panels
 from .over_angle.segment import angle_segment
 from .run import Run, as_run, state_count
 from .simulate import TOLERANCE, checked_tolerance
@@ -44,7 +44,6 @@ from .trajectory import INTEGRALS, State, Trajectory
 if TYPE_CHECKING:
     from .elastic.elastic_run import ElasticRun
 
-MOST_CUTS = 30  # most rounds of cutting panels
 # Periods that a drive with states of its own first gets to come near the steady state, and most periods in all.
 PERIODS, MOST_PERIODS = 3, 60
 BESIDE = 1e-6  # relative change of speed and states by which their effect after a period is found
@@ -251,19 +250,14 @@ def _periodic(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array, tole
         guess: (q, p, 1) kinetic energy over the mesh [J].
         tolerance: as in `simulate`.
     """
-    for _ in range(MOST_CUTS):
-        solution = collocation.solve(driven, mesh, energy, guess, periodic=True)
+
+    def places(solution: CollocationSolution) -> Array | None:
         if stopping_panels(solution).any() or not solution.ends[0, 0] > 0:
             return None
-        energy = solution.ends[0]
-        coarse = cuts(solution, len(mesh.kinds), 0.1 * tolerance, driven.drive)
-        if not len(coarse):
-            return solution if _comes_back(solution) else None
-        mesh = build_mesh(driven, mesh.start, mesh.direction, np.sort(np.concatenate([mesh.borders, coarse])))
-        finer = interpolate_onto(solution, mesh)
-        assert finer is not None  # no panel starts or ends at rest
-        guess = finer
-    return None
+        return cuts(solution, len(solution.mesh.kinds), 0.1 * tolerance, driven.drive)
+
+    found = solve_period(driven, mesh, energy, places, guess, periodic=True)
+    return None if found is None or len(found.coarse) or not _comes_back(found.solution) else found.solution
 
 
 def _comes_back(solution: CollocationSolution) -> bool:

@@ -16,8 +16,8 @@ from ..reduced_model import INERTIA, WEIGHT, lock_reached
 from ..trajectory import RepetitionSegment, Segment, State, Trajectory
 from . import collocation
 from .collocation import CollocationSolution
-from .mesh import SAME, STEADY, TO_REST, Mesh, angle_to, build_mesh, mesh_borders, range_ahead, repeated
-from .refinement import cuts, interpolate_onto, stopping_panels
+from .mesh import FROM_REST, SAME, STEADY, TO_REST, Mesh, angle_to, build_mesh, mesh_borders, range_ahead, repeated
+from .refinement import cuts, solve_period, stopping_panels
 from .segment import angle_segment
 
 SMALL = 1e-2  # shorter swings are followed over time: their forces are small differences [rad]
@@ -27,7 +27,6 @@ LITTLE = 1e-7  # share of the range of the potential energy: a start with less k
 USED_UP = 1e-9  # share of the largest kinetic energy on the way: what is left at a stop is rounding below it
 MOST_PERIODS = 200_000  # most periods of one run: each takes some memory
 NOTICED = 1e-6  # share of a swing: two stops further apart are different places
-MOST_CUTS = 40  # most rounds of cutting panels
 MOST_KEPT = 150  # panels beyond those of the model that are taken over into the next period
 AT_ONCE = 8  # most periods solved at once: more would hardly save anything
 
@@ -174,40 +173,41 @@ class AngleSolver:
         return math.ceil(ahead / math.ceil(ahead / AT_ONCE))
 
     def _resolved(self, mesh: Mesh, energy: Array, beside: CollocationSolution | None) -> tuple[CollocationSolution, int] | None:
-        """Solve a period over a mesh, and cut that where it is too coarse. Returns as `_period`.
+        """Solve a period, and where it stops in it, again over a mesh that ends there. Returns as `_period`.
 
         Args:
             mesh: to begin with.
             energy: (1,) kinetic energy at the start [J].
             beside: a solution over the same mesh, near which this one is; None: unknown.
         """
-        driven, anchor, direction = self.driven, self.anchor, mesh.direction
-        from_rest, to_rest, guess = self.state.speed == 0, False, None
-        for _ in range(MOST_CUTS):
-            if guess is None and from_rest:
-                guess = _any_energy(driven, mesh)
-            solution = collocation.solve(driven, mesh, energy, guess, beside=beside)
-            if (from_rest and not solution.speed_free) or (to_rest and not _comes_to_rest(solution)):
+        driven, direction = self.driven, mesh.direction
+        found = solve_period(driven, mesh, energy, self._coarse, beside=beside)
+        if found is None:
+            return None
+        count, stopping = _before_stop(found.solution, self.state.time, self.until)
+        if stopping and found.solution.speed_free and not len(found.coarse):  # only from panels that are right it is known where it stops
+            edges = angle_to(self.model, driven.switch_angles, self.anchor, direction)
+            borders = _with_rest(found.solution, count, edges, self.state.speed == 0)
+            if borders[-1] < SMALL:
                 return None
-            count, stopping = _before_stop(solution, self.state.time, self.until)
-            stops = stopping and solution.speed_free and not to_rest
-            if count == 0 and not stops:
+            mesh = build_mesh(driven, self.anchor, direction, borders, (self.state.speed == 0, True), mesh.periods)
+            found = solve_period(driven, mesh, energy, self._coarse)
+            if found is None or len(found.coarse):
                 return None
-            coarse = cuts(solution, count, self.tolerance, driven.drive) if count else np.zeros(0)
-            if len(coarse):
-                borders = np.sort(np.concatenate([mesh.borders, coarse]))
-            elif stops:  # only from panels that are right it is known where it stops
-                borders = _with_rest(solution, count, angle_to(self.model, driven.switch_angles, anchor, direction), from_rest)
-                to_rest = True
-                if borders[-1] < SMALL:
-                    return None
-            else:
-                return solution, count
-            mesh = build_mesh(driven, anchor, direction, borders, (from_rest, to_rest), mesh.periods)
-            guess, beside = interpolate_onto(solution, mesh), None
-        # some panels are still not resolved: there the crank nearly stops, or the drive switches again and again
-        right = 0 if to_rest or not len(coarse) else int(mesh.borders.searchsorted(coarse.min())) - 1
-        return (solution, right) if right > 0 else None
+            count, _ = _before_stop(found.solution, self.state.time, self.until)
+        elif len(found.coarse):  # there the crank nearly stops, or the drive switches again and again
+            count = int(found.solution.mesh.borders.searchsorted(found.coarse.min())) - 1
+        return (found.solution, count) if count > 0 else None
+
+    def _coarse(self, solution: CollocationSolution) -> Array | None:
+        """Where to cut the panels of a solution that are too coarse; None where the crank is not to be followed over its angle."""
+        from_rest, to_rest = solution.mesh.kinds[0] == FROM_REST, solution.mesh.kinds[-1] == TO_REST
+        if (from_rest and not solution.speed_free) or (to_rest and not _comes_to_rest(solution)):
+            return None
+        count, stopping = _before_stop(solution, self.state.time, self.until)
+        if count == 0:
+            return np.zeros(0) if stopping and solution.speed_free and not to_rest else None
+        return cuts(solution, count, self.tolerance, self.driven.drive)
 
     def _energy(self) -> Array:
         """(1,) kinetic energy of the state [J]."""
@@ -250,15 +250,10 @@ def _direction(driven: DrivenPress, state: State) -> int:
         if model.period is None and not model.borders[0] <= state.angle + direction * 1e-6 <= model.borders[-1]:
             continue
         beside = build_mesh(driven, state.angle, direction, ends, (True, False))
-        force = collocation.solve(driven, beside, np.zeros(1), _any_energy(driven, beside)).force
+        force = collocation.solve(driven, beside, np.zeros(1)).force
         if force[0, 0, 0] > NOTHING * scale:
             return direction
     return 0
-
-
-def _any_energy(driven: DrivenPress, mesh: Mesh) -> Array:
-    """(q, p, 1) kinetic energy at 1 rad/s: a first guess where there is no better one [J]."""
-    return np.asarray(0.5 * (mesh.inertia[:, :, None] + driven.inertia))
 
 
 def _comes_to_rest(solution: CollocationSolution) -> bool:

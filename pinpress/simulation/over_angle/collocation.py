@@ -19,7 +19,7 @@ from ...drives.transmission import PrescribedSpeed
 from ..driven_press import DrivenPress
 from ..failures import failure
 from .forces import Forces, along_travel, friction_torque_at
-from .mesh import TO_REST, Indices, Mesh
+from .mesh import FROM_REST, TO_REST, Indices, Mesh
 
 ROUNDS = 12  # most rounds of Newton's method in which no further panel is solved
 SETTLED = 1e-8  # relative change of the kinetic energy that ends Newton's method, which squares it: the next one would be rounding
@@ -122,7 +122,7 @@ def solve(
         driven: what is simulated.
         mesh: its panels.
         energy: (S,) kinetic energy at the start of the mesh [J].
-        guess: (q, p, S) kinetic energy from which Newton's method starts; None: ``energy`` everywhere.
+        guess: (q, p, S) kinetic energy from which Newton's method starts; None: ``energy`` everywhere, or that of 1 rad/s from a rest.
         beside: a solution over the same mesh, near which Newton's method starts in place of a guess.
         periodic: whether the motion has to end with the energy with which it begins; ``energy`` is then near it.
         roughly: whether a solution to `ROUGHLY` serves.
@@ -137,8 +137,9 @@ def solve(
         return _Newton(driven, mesh, inertia, energy, energy[None, None], periodic).integrated()
     if beside is not None:
         guess = beside.started_with(energy)
-    work = np.broadcast_to(energy, (*mesh.angle.shape, len(energy))) if guess is None else guess
-    return _Newton(driven, mesh, inertia, energy, work, periodic).solve(work, ROUGHLY if roughly else SETTLED)
+    if guess is None:
+        guess = 0.5 * inertia if mesh.kinds[0] == FROM_REST else np.broadcast_to(energy, (*mesh.angle.shape, len(energy)))
+    return _Newton(driven, mesh, inertia, energy, guess, periodic).solve(guess, ROUGHLY if roughly else SETTLED)
 
 
 def _inertia(driven: DrivenPress, mesh: Mesh) -> Array:

@@ -1,11 +1,12 @@
-"""Which panels of a solution are too coarse, where they are cut, and the solution on the panels that follow from that.
+"""A period solved on as many panels as it takes: which panels of a solution are too coarse, and where they are cut.
 
 The last terms of its polynomials tell whether the panels resolve the solution, and so does a load at a panel's borders, where it has to be
 what its polynomial promises. Where the crank passes a corner of the drive's torque, or a contact is lost, a panel is cut at that place; any
 other panel that is too coarse is cut in its middle.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +15,67 @@ from ...common.numerics import gauss_rule, horner, polynomial_root
 from ...common.products import product
 from ...common.quantities import Array
 from ...drives.protocol import Drive, corners_of
+from ..driven_press import DrivenPress
 from ..panels import last_terms
+from . import collocation
 from .collocation import FLOOR, LEAST, CollocationSolution
 from .forces import along_travel, along_travel_at_ends
-from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce
+from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce, build_mesh
 
 NARROWEST = 1e-9  # narrowest panel that is cut [rad]
 ROUNDED = 5e-14  # last terms of a polynomial up to this share of the whole may be rounding, which no cut reduces
 LAYER = 10.0  # e-folds of half a panel that holds what dies away at its start under a stiff drive
+
+
+class SolvedPeriod(NamedTuple):
+    """A period, or a part of it, on panels that were cut.
+
+    Attributes:
+        solution: on the last panels.
+        coarse: (k,) angles travelled at which these would have to be cut again; none where they resolve it.
+    """
+
+    solution: CollocationSolution
+    coarse: Array
+
+
+def solve_period(
+    driven: DrivenPress,
+    mesh: Mesh,
+    energy: Array,
+    places: Callable[[CollocationSolution], Array | None],
+    guess: Array | None = None,
+    *,
+    beside: CollocationSolution | None = None,
+    periodic: bool = False,
+    most: int = 40,
+) -> SolvedPeriod | None:
+    """Solve a period over a mesh, and cut the mesh where it is too coarse, until it is nowhere.
+
+    Args:
+        driven: what is simulated.
+        mesh: to begin with.
+        energy: (S,) kinetic energy at the start [J].
+        places: tells where to cut the panels of a solution, see `cuts`; None: the solution leads nowhere.
+        guess: see `collocation.solve`.
+        beside: see `collocation.solve`.
+        periodic: see `collocation.solve`.
+        most: rounds after which panels that are still too coarse stay so.
+
+    Returns:
+        The solution; None where it leads nowhere.
+    """
+    for _ in range(most):
+        solution = collocation.solve(driven, mesh, energy, guess, beside=beside, periodic=periodic)
+        coarse = places(solution)
+        if coarse is None:
+            return None
+        if not len(coarse):
+            break
+        rests = mesh.kinds[0] == FROM_REST, mesh.kinds[-1] == TO_REST
+        mesh = build_mesh(driven, mesh.start, mesh.direction, np.sort(np.concatenate([mesh.borders, coarse])), rests, mesh.periods)
+        guess, beside, energy = interpolate_onto(solution, mesh), None, solution.ends[0]
+    return SolvedPeriod(solution, coarse)
 
 
 def stopping_panels(solution: CollocationSolution) -> NDArray[np.bool_]:
