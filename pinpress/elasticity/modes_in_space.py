@@ -42,7 +42,7 @@ def kinetic_energy_in_space(geometry: SpaceGeometry, state: SpaceState, moved: A
     """Name of a link, or "flywheel" -> (n, m) twice its kinetic energy, of shapes as above; ``flywheel``: its inertia [kg m2]."""
     changed = _changed_matrices(geometry, state, moved)
     n, m = moved.shape[:2]
-    turning = (geometry.weighed(changed.reshape(n * m, -1, 9)).reshape(changed.shape) * changed).sum(axis=3)
+    turning = (geometry.weigh(changed.reshape(n * m, -1, 9)).reshape(changed.shape) * changed).sum(axis=3)
     straight = (moved[:, :, : 6 * geometry.count].reshape(n, m, -1, 6)[..., :3] ** 2).sum(axis=3) * geometry.mass_of
     found = {geometry.press.link_of(joint): (turning + straight)[:, :, body] for body, joint in enumerate(geometry.joints)}
     return found | ({"flywheel": flywheel * moved[:, :, -1] ** 2} if flywheel else {})

@@ -212,7 +212,7 @@ def _strain_energy(sprung: SprungPress, elastic: Elastic, state: BodyState, move
     """Name of a part -> (n, m) twice its strain energy, of displacements (n, m, k). A rod and its pin share by compliance; in space a
     bearing's turning is a part of its own."""
     press, geometry, springs, found = sprung.press, sprung.geometry, sprung.springs, dict[str, Array]()
-    stored = springs.stiffness * (moved @ geometry.gradient(geometry.strained(state)).swapaxes(1, 2)) ** 2
+    stored = springs.stiffness * (moved @ geometry.gradient(geometry.strains(state)).swapaxes(1, 2)) ** 2
     rods = {(name, link_joint(press, rod.link) - 1): rod for rod in elastic.stiffness.rods for name in rod.between}
     for spring, (bearing, body) in enumerate(zip(springs.bearing, geometry.lines.first, strict=True)):
         name = press.bearings[bearing] if bearing >= 0 else FRAME if geometry.base is None else MOUNTS

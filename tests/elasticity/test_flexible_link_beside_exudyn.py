@@ -70,7 +70,7 @@ def test_half_a_stroke():
     task = Task(equations, LoadPhases(driven, 1), lambda times: (times, times, times), 2 * until, speed, np.zeros(2 * len(y)), 1e-10)
     ended = march(task, start, np.concatenate([y, v]), until).panels.states[-1:]
     state = equations.state(np.array([until]), *np.split(ended, 2, axis=1))
-    pulls = -sprung.pulls(sprung.geometry.strained(state))[0]
+    pulls = -sprung.pulls(sprung.geometry.strains(state))[0]
     theirs = exudyn_pulls(sprung, whole, link, each_way, until)
     np.testing.assert_allclose(
         theirs, pulls, rtol=0, atol=3e-9 * np.abs(pulls).max()

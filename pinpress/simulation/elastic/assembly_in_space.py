@@ -253,7 +253,8 @@ def _with_springs(bare: SpaceGeometry, joints: Sequence[_Joint], elastic: Elasti
     )
 
 
-def _columns(rows: Sequence[tuple[Any, ...]], types: Sequence[type]) -> list[Array]:
+def _columns(rows: Sequence[tuple[Any, ...]], types: Sequence[type]) -> list[Any]:
+    """Columns of rows, as arrays of these types."""
     return [np.array(column, dtype=kind) for column, kind in zip(zip(*rows, strict=True), types, strict=True)]
 
 

@@ -230,10 +230,13 @@ class ElasticEquations:
 
     def body_forces(self, time: Array, segments: Indices, state: BodyState, derivatives: bool = True) -> SpringForces:
         """Forces on all free coordinates of the bodies, the crank's last; without those of the drive train."""
-        parts = [self.sprung.spring_forces(state, derivatives)]
+        force, stiffness, damping = self.sprung.spring_forces(state, derivatives)
         if self.friction is not None:
-            parts.append(self.friction.forces(state, derivatives))
-        force, stiffness, damping = (None if part[0] is None else sum(part[1:], part[0]) for part in zip(*parts, strict=True))
+            rubbing = self.friction.forces(state, derivatives)
+            force += rubbing.force
+            if derivatives:
+                stiffness += rubbing.stiffness
+                damping += rubbing.damping
         seen: dict[tuple[int, tuple[int, ...]], tuple[Indices, BodyState, PathMotion]] = {}  # members of a joint have one path
         for number, law in enumerate(self.all_forces):
             on = tuple(int(segment) for segment in np.unique(segments) if self.segments[segment][number] is not None)

@@ -196,7 +196,7 @@ def _reduced(link: FlexibleLink) -> _Reduced:
         raise PinpressError(f"{what}: more than three of its motions cost no energy: its parts are not joined, or it has a hinge")
     shapes = basis @ (small.T @ vectors[:, 3:])
     dilation = along * (x - centre.real) + across * (z - centre.imag)
-    turned = _quarter_turned(link, shapes)
+    turned = _turn_by_a_quarter(link, shapes)
     swirl = -shapes.T @ mass @ turned
     at_nodes = np.zeros((len(link.nodes), shapes.shape[1]), dtype=complex)
     for k, factor in ((0, 1.0), (1, 1j)):
@@ -207,7 +207,7 @@ def _reduced(link: FlexibleLink) -> _Reduced:
     )
 
 
-def _quarter_turned(link: FlexibleLink, shapes: Array) -> Array:
+def _turn_by_a_quarter(link: FlexibleLink, shapes: Array) -> Array:
     """Displacements (n, m) of the nodes turned by a right angle."""
     found = np.zeros_like(shapes)
     rows = {(int(node), int(direction)): row for row, (node, direction) in enumerate(link.degrees)}

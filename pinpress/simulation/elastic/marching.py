@@ -55,7 +55,7 @@ def march(
             progress(marching.time)
     if np.isfinite(goal) and not marching.arrived:
         raise failure("too weak", marching.time, marching.angle)
-    return marching.joined()
+    return marching.join()
 
 
 class _Passing(NamedTuple):
@@ -88,7 +88,7 @@ class _March:
     def __init__(self, task: Task, start: float, state: Array, goal: float) -> None:
         self.task, self.start, self.state, self.time, self.goal = task, start, state, 0.0, goal
         self.direction = 1 if task.speed > 0 else -1
-        self.phase = task.phases.begun(start + ASIDE * self.direction)
+        self.phase = task.phases.begin(start + ASIDE * self.direction)
         self.ahead = task.phases.turnings_ahead(start)
         self.train = task.equations.train
         self.mode: TrainMode | None = None
@@ -145,7 +145,7 @@ class _March:
 
     def step(self, until: float) -> None:
         """Go on by a window, or to the next event in it."""
-        if self._switched_at_once():
+        if self._slip_at_once():
             return
         crank, turning, angle = self.task.equations.crank, np.inf, self._next_turning()
         if crank is not None:
@@ -153,7 +153,7 @@ class _March:
         edges = self.edges[self.edges > self.time + INSTANT]
         end = min(until, turning, *edges[:1])
         span = min(WINDOW * self.length, end - self.time)
-        found = self._solved(span, {}, None)
+        found = self._solve_window(span, {}, None)
         error = np.inf if found is None else float(found.errors().max())
         factor = 0.9 * (self.task.tolerance / max(error, 1e-300)) ** (1 / (STAGES + 1)) if np.isfinite(error) else 0.25
         if not error <= self.task.tolerance:
@@ -165,7 +165,7 @@ class _March:
         self.length = min(min(factor, 3.0) * span / WINDOW, self.task.period / FIRST)
         event = self._first_event(found, angle)
         if event is not None:
-            ended = self._solved(event.time - self.time, {1: event.event}, found)
+            ended = self._solve_window(event.time - self.time, {1: event.event}, found)
             if ended is None:
                 self.length *= 0.25
                 return
@@ -182,10 +182,10 @@ class _March:
 
     def _turn(self, angle: float) -> None:
         """Pass a crank angle at which the rigid slide turns."""
-        self.phase = self.task.phases.begun(angle + ASIDE * self.direction)
+        self.phase = self.task.phases.begin(angle + ASIDE * self.direction)
         self._begin(Event(CRANK_ANGLE, angle), self._places_now())
 
-    def _solved(self, span: float, events: dict[int, MotionEvent], near: PanelSolution | None) -> PanelSolution | None:
+    def _solve_window(self, span: float, events: dict[int, MotionEvent], near: PanelSolution | None) -> PanelSolution | None:
         """A window from the present state; its end is free where an event ends it."""
         size, rule = len(self.state) // 2, radau(STAGES)
         mesh = even_mesh(np.array([self.time, self.time + span]), np.array([WINDOW]))
@@ -230,7 +230,7 @@ class _March:
             if released is not None:
                 self.phase = phase
                 return _Passing(float(times[k]), None, force=released)
-            before_step, phase = phase, phases.advanced(phase, places[k])
+            before_step, phase = phase, phases.advance(phase, places[k])
             apart = any(before_step.through[number] and not phase.through[number] for number in joints)  # its spring is relaxed
             if apart or phases.active(phase, places[k], self.time) != self.segments[-1]:
                 passed += [self._passing(times, places[:, border.path], k, border) for border in phases.borders]
@@ -294,7 +294,7 @@ class _March:
             held = self._equations().held_torque(event, times, y, v, np.zeros(len(times), dtype=int))
         return self.train.margin(event, self.mode, self.direction, times, y, v, held)
 
-    def _switched_at_once(self) -> bool:
+    def _slip_at_once(self) -> bool:
         """Whether a coupling that holds begins to slip, because it can hold no more after an event."""
         if self.train is None or self.mode is None:
             return False
@@ -352,18 +352,18 @@ class _March:
             law = self.laws[-1][passing.force]
             if isinstance(law, ForceInterval):
                 self.lost[passing.force] = law
-            self.phase = self.task.phases.released(self.phase, passing.force)
+            self.phase = self.task.phases.release(self.phase, passing.force)
         else:
             beside = np.copysign(BESIDE * self.task.equations.sprung.press.size, passing.rise)
             places[passing.border.path] = passing.border.value + beside
-            self.phase = self.task.phases.advanced(self.phase, places)
+            self.phase = self.task.phases.advance(self.phase, places)
         self._begin(passing.event, places)
 
     def _begin(self, event: MotionEvent, places: Array) -> None:
         """Begin a new segment where other forces act."""
         segment = self.task.phases.active(self.phase, places, self.time)
         if segment != self.segments[-1] or self.mode != self.modes[-1]:
-            laws, at_once = self._struck(segment), not self.windows or self.windows[-1][1] < len(self.segments) - 1
+            laws, at_once = self._strike(segment), not self.windows or self.windows[-1][1] < len(self.segments) - 1
             if at_once:  # nothing has moved in the segment before: it is none
                 for each in (self.modes, self.laws, self.segments):
                     each.pop()
@@ -377,7 +377,7 @@ class _March:
             self.lost = {number: law for number, law in self.lost.items() if self.phase.through[number]}
             self.segments.append(segment)
 
-    def _struck(self, segment: Segment) -> Segment:
+    def _strike(self, segment: Segment) -> Segment:
         """The intervals of a new segment; contacts by Hertz with the speed at which they are struck now."""
         found, speeds = list(segment), None
         for number, interval in enumerate(segment):
@@ -404,7 +404,7 @@ class _March:
         if backwards:
             raise failure("crank rests", self.time, self.angle)
 
-    def joined(self) -> ElasticSolution:
+    def join(self) -> ElasticSolution:
         """All windows as one motion."""
         knots = np.array([*self.knots, self.time])
         borders = np.concatenate([*(window.mesh.start for window, _ in self.windows), [self.time]])
@@ -453,7 +453,7 @@ def resting(task: Task, start: float) -> Array:
         SimulationError: the springs do not carry them.
     """
     y, v, a = task.rigid(np.zeros(1))
-    phase = task.phases.begun(start + ASIDE * np.sign(task.speed))
+    phase = task.phases.begin(start + ASIDE * np.sign(task.speed))
     segment = task.phases.active(phase, task.phases.places(start))
     equations, sprung = replace(task.equations, segments=(segment,)), task.equations.sprung
     by_crank = v[0] / v[0, -1]  # rates of a free crank's coordinates by its own
@@ -464,16 +464,16 @@ def resting(task: Task, start: float) -> Array:
         by_crank[:own], v[0, :own] = 0.0, rates
         equations = replace(equations, modes=(train.due(mode, 0.0, v[0]),))
     if sprung.closed is None:
-        return np.concatenate([_balanced(equations, y, v, a, by_crank, task.tolerance)[0], v[0]])
+        return np.concatenate([_balance(equations, y, v, a, by_crank, task.tolerance)[0], v[0]])
     loads, contacts = segment[: len(task.phases.driven.forces)], task.phases.contacts
     closed = replace(equations, sprung=sprung.closed, segments=((*loads, *(None for _ in contacts)),))
-    y = _balanced(closed, y, v, a, by_crank, task.tolerance)
+    y = _balance(closed, y, v, a, by_crank, task.tolerance)
     if sprung.open_pins:
-        aside = replace(sprung.closed, springs=_pressed_aside(sprung, closed, y, v))
-        y = _balanced(replace(closed, sprung=aside), y, v, a, by_crank, task.tolerance)
+        aside = replace(sprung.closed, springs=_press_aside(sprung, closed, y, v))
+        y = _balance(replace(closed, sprung=aside), y, v, a, by_crank, task.tolerance)
     touching: Segment = tuple(contact.rising[0] for contact in contacts)
     for _ in range(MOST_STEPS):
-        y = _balanced(replace(equations, segments=((*loads, *touching),)), y, v, a, by_crank, task.tolerance)
+        y = _balance(replace(equations, segments=((*loads, *touching),)), y, v, a, by_crank, task.tolerance)
         before, touching = touching, _members_touching(equations, contacts, y, v)
         if touching == before:
             return np.concatenate([y[0], v[0]])
@@ -490,7 +490,7 @@ def _members_touching(equations: ElasticEquations, contacts: Sequence[Generalize
     return tuple(found)
 
 
-def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, by_crank: Array, tolerance: float) -> Array:
+def _balance(equations: ElasticEquations, y: Array, v: Array, a: Array, by_crank: Array, tolerance: float) -> Array:
     """Coordinates (1, size) near ``y`` at which all forces balance the inertia forces of given accelerations (1, size); those of the drive
     train, which has no springs, and of a frame on its mounts, which stands at its place, are found with them."""
     still = [*range(equations.own), *equations.unsprung]
@@ -511,10 +511,10 @@ def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, by_cran
     raise failure("cannot go on", 0.0, message="the springs do not carry the links at the start")
 
 
-def _pressed_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: Array) -> Springs:
+def _press_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: Array) -> Springs:
     """The springs of the closed press, slack where journals with clearance lie beside their bearings' centres, as the forces press them."""
     geometry, springs = closed.sprung.geometry, closed.sprung.springs
-    extension, rest = geometry.strained(closed.state(np.zeros(1), y, v)).extension[0], springs.rest.copy()
+    extension, rest = geometry.strains(closed.state(np.zeros(1), y, v)).extension[0], springs.rest.copy()
     for pin in sprung.open_pins:
         own = springs.bearing == pin.bearing
         rest[own] = extension[own] * (pin.clearance.radial / max(float(np.linalg.norm(extension[own])), 1e-300))

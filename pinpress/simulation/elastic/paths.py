@@ -108,7 +108,7 @@ class LinePath:
     offset: float = 0.0
 
     def over(self, sprung: SprungPress, state: BodyState) -> PathMotion:
-        at = self.line.strained(state)
+        at = self.line.strains(state)
         bend = self.line.bend(at, np.ones((len(state.coordinates), 1)))
         gradient = sprung.to_free(self.line.gradient(at)[:, 0])
         return PathMotion(at.extension[:, 0] + self.offset, at.opening[:, 0], gradient, sprung.to_free_twice(bend))

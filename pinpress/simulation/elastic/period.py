@@ -37,26 +37,26 @@ def periodic(task: Task, start: float) -> ElasticSolution:
     Raises:
         SimulationError: it is not found: the press may not repeat its stroke.
     """
-    plan = task.phases.planned(start)
+    plan = task.phases.plan(start)
     told = bool(task.phases.borders or (task.equations.train is not None and task.equations.train.jumps))
     guess, tolerance = _rigid_guess(task, plan), (LOOSE if told else 1.0) * task.tolerance
     if task.equations.train is not None and task.equations.train.jumps:
         rigid = ElasticSolution(replace(task.equations, segments=plan.segments, events=plan.events), guess, True, 0)
-        plan = _observed(task, rigid, start) or plan
-        guess = _replanned(plan, guess)
+        plan = _observe(task, rigid, start) or plan
+        guess = _guess_for(plan, guess)
     for attempt in range(PLANS):
         near = attempt > 0 or not plan.jumps  # else the times at which the torque jumps are still those of the rigid press
-        found = _refined(task._replace(tolerance=tolerance), start, plan, guess, near)
-        observed = None if found is None else _observed(task, found, start)
+        found = _refine(task._replace(tolerance=tolerance), start, plan, guess, near)
+        observed = None if found is None else _observe(task, found, start)
         if found is None or observed is None:
             break
         if not near or not _alike(observed, plan):
-            plan, guess = observed, _replanned(observed, found.panels)
+            plan, guess = observed, _guess_for(observed, found.panels)
         elif tolerance == task.tolerance:
             return _with_passage(task, found)
         else:
             tolerance = task.tolerance
-            guess = found.panels.onto(_divided(found.panels.mesh, found.panels.errors(), tolerance))
+            guess = found.panels.onto(_divide(found.panels.mesh, found.panels.errors(), tolerance))
     y, v, _ = task.rigid(np.zeros(1))
     state, depths = np.concatenate([y[0], v[0]]), []
     for stroke in range(STROKES):
@@ -68,12 +68,12 @@ def periodic(task: Task, start: float) -> ElasticSolution:
         of, knots = followed.equations, followed.panels.mesh.knots * abs(task.speed)
         plan, guess = Plan(of.segments, of.events or {}, knots, of.modes), followed.panels
         if any(isinstance(event, Release) for event in plan.events.values()):  # within a period contacts are lost without an event
-            observed = _observed(task, followed, start)
+            observed = _observe(task, followed, start)
             if observed is None:
                 continue
-            plan, guess = observed, _replanned(observed, guess)
-        found = _refined(task, start, plan, guess)
-        observed = None if found is None else _observed(task, found, start)
+            plan, guess = observed, _guess_for(observed, guess)
+        found = _refine(task, start, plan, guess)
+        observed = None if found is None else _observe(task, found, start)
         if found is not None and observed is not None and _alike(observed, plan):
             return _with_passage(task, found)
     shown = ", ".join(f"{1e3 * depth:.4f}" for depth in depths)
@@ -92,8 +92,8 @@ def periodic_near(task: Task, start: float, near: ElasticSolution) -> ElasticSol
     states = np.concatenate([before.states[:, :size], before.states[:, size:] / slower], axis=1)
     guess = replace(before, mesh=mesh, states=states, accelerations=before.accelerations / slower**2, change=np.inf, steps=0)
     plan = Plan(of.segments, of.events or {}, mesh.knots * abs(task.speed), of.modes)
-    found = _refined(task, start, plan, guess)
-    observed = None if found is None else _observed(task, found, start)
+    found = _refine(task, start, plan, guess)
+    observed = None if found is None else _observe(task, found, start)
     return None if found is None or observed is None or not _alike(observed, plan) else _with_passage(task, found)
 
 
@@ -115,7 +115,7 @@ def _period_ends(task: Task, start: float) -> tuple[float, float]:
     return PATIENCE * task.period, start + task.speed * task.period
 
 
-def _refined(task: Task, start: float, plan: Plan, guess: PanelSolution, near: bool = True) -> ElasticSolution | None:
+def _refine(task: Task, start: float, plan: Plan, guess: PanelSolution, near: bool = True) -> ElasticSolution | None:
     """The period with the events of a plan, on as many panels as it takes; None where Newton's method fails. Where the plan is not near,
     the drive's torque jumps at the times that it says."""
     events: dict[int, MotionEvent] = dict(plan.events)
@@ -130,7 +130,7 @@ def _refined(task: Task, start: float, plan: Plan, guess: PanelSolution, near: b
         errors = found.errors()
         if errors.max() <= task.tolerance:
             return ElasticSolution(equations, found, True, found.steps * errors.size * STAGES)
-        guess = found.onto(_divided(found.mesh, errors, task.tolerance))
+        guess = found.onto(_divide(found.mesh, errors, task.tolerance))
     return None
 
 
@@ -152,7 +152,7 @@ def _with_passage(task: Task, found: ElasticSolution) -> ElasticSolution:
     if equations.crank is not None and parts.sum() > MOST_PARTS:
         return replace(found, panels=replace(panels, passage=_slow_decay(equations, panels) * np.eye(2 * equations.size)))
     border = _border(task, equations)
-    return replace(found, panels=replace(panels, passage=newton_step(equations, panels.onto(_parted(mesh, parts)), border, 1).passage))
+    return replace(found, panels=replace(panels, passage=newton_step(equations, panels.onto(_split(mesh, parts)), border, 1).passage))
 
 
 def _slow_decay(equations: ElasticEquations, panels: PanelSolution) -> float:
@@ -176,19 +176,19 @@ def _known(event: MotionEvent) -> bool:
     return isinstance(event, Event) and event.path == CRANK_ANGLE
 
 
-def _divided(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
+def _divide(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
     """Panels so short that the errors (p,) of these panels become smaller than the tolerance."""
-    return _parted(mesh, np.maximum(1, np.ceil((errors / tolerance) ** (1 / (STAGES + 1)))).astype(int))
+    return _split(mesh, np.maximum(1, np.ceil((errors / tolerance) ** (1 / (STAGES + 1)))).astype(int))
 
 
-def _parted(mesh: Mesh, parts: Indices) -> Mesh:
+def _split(mesh: Mesh, parts: Indices) -> Mesh:
     """Each panel in so many equal parts (p,)."""
     ends = [np.linspace(low, high, part + 1) for low, high, part in zip(mesh.low, mesh.high, parts, strict=True)]
     low, high = (np.concatenate([each[piece] for each in ends]) for piece in (slice(None, -1), slice(1, None)))
     return Mesh(mesh.knots, np.repeat(mesh.segment, parts), low, high)
 
 
-def _observed(task: Task, found: ElasticSolution, start: float) -> Plan | None:
+def _observe(task: Task, found: ElasticSolution, start: float) -> Plan | None:
     """The segments, with the times of their knots, in which forces act by the places that the paths of a motion really reach, and by the
     speeds of the drive's shaft; None where no border tells why."""
     equations, mesh, phases = found.equations, found.panels.mesh, task.phases
@@ -197,7 +197,7 @@ def _observed(task: Task, found: ElasticSolution, start: float) -> Plan | None:
     beyond = _beyond_jumps(found, panel, share)
     times, ahead = mesh.start[panel] + share * mesh.length[panel], phases.turnings_ahead(start)
     turned, direction = np.searchsorted(ahead, np.abs(angles - start)), float(np.sign(task.speed))
-    phase = phases.advanced(phases.begun(start + ASIDE * direction), places[0])
+    phase = phases.advance(phases.begin(start + ASIDE * direction), places[0])
     segments, knots = [phases.active(phase, places[0])], [float(mesh.knots[0])]
     events: dict[int, MotionEvent] = {}
     event: MotionEvent
@@ -206,8 +206,8 @@ def _observed(task: Task, found: ElasticSolution, start: float) -> Plan | None:
     for k in np.flatnonzero(telling | np.append(False, (faster[1:] != faster[:-1]).any(axis=1))):
         turning = start + direction * ahead[turned[k] - 1] if turned[k] != turned[k - 1] else None
         if turning is not None:
-            phase = phases.begun(turning + direction * ASIDE)
-        phase = phases.advanced(phase, places[k])
+            phase = phases.begin(turning + direction * ASIDE)
+        phase = phases.advance(phase, places[k])
         segment, mode = phases.active(phase, places[k]), _mode(task, beyond[k])
         if segment == segments[-1] and mode == modes[-1]:
             continue
@@ -256,7 +256,7 @@ def _alike(one: Plan, other: Plan) -> bool:
     )
 
 
-def _replanned(plan: Plan, near: PanelSolution) -> PanelSolution:
+def _guess_for(plan: Plan, near: PanelSolution) -> PanelSolution:
     """A motion on the panels of a plan whose knots are times, as a guess."""
     counts = np.maximum(LEAST, np.diff(np.searchsorted(near.mesh.borders, plan.knots)))
     return cut_to(near, even_mesh(plan.knots, counts))

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -216,15 +216,15 @@ class PlaneGeometry:
         return PointInPlane(np.stack([place.real, place.imag], axis=1), by, column + 2, turned)
 
     def alone(self, line: int) -> PlaneGeometry:
-        return self.with_lines(np.array([line]))
+        return self.with_lines([line])
 
-    def with_lines(self, kept: Array) -> PlaneGeometry:
-        """The same bodies with some of the lines: their numbers, or whether each is kept."""
+    def with_lines(self, kept: Any) -> PlaneGeometry:
+        """The same bodies with some of the lines: their numbers, or whether each is kept (S,)."""
         return replace(self, lines=Lines._make(column[kept] for column in self.lines), shapes=self.shapes[:, kept])
 
     # ------------------------------------------------------------------------------------------------------------------- lines
 
-    def strained(self, state: PlaneState) -> LineStrains:
+    def strains(self, state: PlaneState) -> LineStrains:
         lines, rates, turned = self.lines, state.rates, state.turned
         arm1, arm2 = turned[:, lines.first], turned[:, lines.second]
         if self.flexible:
@@ -251,7 +251,7 @@ class PlaneGeometry:
 
     def gradient(self, at: LineStrains) -> Array:
         bent = None if at.bends is None else (at.bends[1] - at.bends[0]).real
-        return self._placed(at.against.real, -at.against.imag, -at.lever2.imag, at.lever1.imag, bent)
+        return self._place(at.against.real, -at.against.imag, -at.lever2.imag, at.lever1.imag, bent)
 
     def gradient_rate(self, at: LineStrains) -> Array:
         turning = self.lines.turning
@@ -264,13 +264,13 @@ class PlaneGeometry:
         rate = -1j * spin * at.against
         second = (spin - at.spin2) * at.lever2.real
         if at.bends is None:
-            return self._placed(rate.real, -rate.imag, second, first, None)
+            return self._place(rate.real, -rate.imag, second, first, None)
         flow1, flow2 = (np.einsum("nsq,nq->ns", bend, at.rates[:, self.rigid_size :]).imag for bend in at.bends)
         first, second = first + np.where(turning > 0, flow2, flow1), second - flow2
         bent = at.spin1[:, :, None] * at.bends[0].imag - (at.spin2 - spin)[:, :, None] * at.bends[1].imag
-        return self._placed(rate.real, -rate.imag, second, first, bent)
+        return self._place(rate.real, -rate.imag, second, first, bent)
 
-    def _placed(self, x: Array, z: Array, second: Array, first: Array, bent: Array | None) -> Array:
+    def _place(self, x: Array, z: Array, second: Array, first: Array, bent: Array | None) -> Array:
         """Derivatives (n, S, k) from those by x and z of the second body, which are minus those of the first, and by both
         angles, (n, S) each, and from those by the shapes' coordinates (n, S, Q)."""
         lines, rows = self.lines, np.arange(len(self.lines.first))

@@ -121,7 +121,7 @@ class JointSpring:
     def _in_series(self, stiffness: float) -> float:
         return 1 / (1 / (self.ends * stiffness) + 1 / self.series)
 
-    def opened(self, spring: int, damping: float) -> OpenJoint:
+    def open(self, spring: int, damping: float) -> OpenJoint:
         """The joint whose members may lift off, in place of the spring of this number, with its damper while closed [N s/m]."""
         joint = self.joint
         closed, pulled, pressed = map(self._in_series, (joint.stiffness, joint.loaded, joint.relieved))
@@ -173,23 +173,23 @@ class OpenJoint:
             ForceInterval(self.reach[1], -math.inf, relieved, one_sided=True, heeds_velocity=self.dampers[1] > 0),
         )
 
-    def strained(self, extension: Array) -> tuple[Array, Array]:
+    def strains(self, extension: Array) -> tuple[Array, Array]:
         """By how much (n,) the loaded member is stretched, and the relieved one pressed [m]."""
         return np.maximum(self.reach[0] + extension, 0.0), np.maximum(self.reach[1] - extension, 0.0)
 
     def spring_force(self, extension: Array) -> Array:
         """Force (n,) of the springs of both members along the extension [N]."""
-        stretched, pressed = self.strained(extension)
+        stretched, pressed = self.strains(extension)
         return self.members[1] * pressed - self.members[0] * stretched
 
     def spring_slope(self, extension: Array) -> Array:
         """Minus the derivative (n,) of `spring_force` [N/m]."""
-        stretched, pressed = self.strained(extension)
+        stretched, pressed = self.strains(extension)
         return self.members[1] * (pressed > 0) + self.members[0] * (stretched > 0)
 
-    def stored(self, extension: Array) -> Array:
+    def stored_energy(self, extension: Array) -> Array:
         """Energy (n,) in the springs of both members [J]."""
-        stretched, pressed = self.strained(extension)
+        stretched, pressed = self.strains(extension)
         return np.asarray(0.5 * (self.members[0] * stretched**2 + self.members[1] * pressed**2))
 
 

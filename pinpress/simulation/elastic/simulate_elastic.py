@@ -151,7 +151,7 @@ def _task(
     which the rigid press turns; ``sprung``: the press on its springs where it is known."""
     _refuse_unsuitable(driven, elastic)
     if sprung is None:
-        sprung = press_on_springs(driven.press, elastic).opening()
+        sprung = press_on_springs(driven.press, elastic).with_opening_joints()
     if steady and sprung.open_pins:
         raise PinpressError(
             "a press with clearance has no steady state: its journals strike differently in each turn; let it run with simulate, and look"

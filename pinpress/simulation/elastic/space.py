@@ -28,7 +28,7 @@ from ...kinematics.motion import Motion
 from ...kinematics.poses import poses
 from ...linkage.linkage import Linkage
 from .sprung_press import Indices, VaryingInertia
-from .turning import NominalTurns, Turned, turned
+from .turning import NominalTurns, Turned, turn_bodies
 
 
 class LinesInSpace(NamedTuple):
@@ -221,7 +221,7 @@ class SpaceGeometry:
 
     def state(self, coordinates: Array, rates: Array, derivatives: bool = True) -> SpaceState:
         w, w_rate = (values[:, :-1].reshape(len(values), self.count + 1, 6)[:, :, 3:] for values in (coordinates, rates))
-        return SpaceState(coordinates, rates, turned(self.nominal, w, coordinates[:, -1], w_rate, rates[:, -1], derivatives))
+        return SpaceState(coordinates, rates, turn_bodies(self.nominal, w, coordinates[:, -1], w_rate, rates[:, -1], derivatives))
 
     def point(self, state: SpaceState, body: int, arm: Array) -> PointInSpace:
         at, first = state.turned, 6 * body
@@ -245,21 +245,21 @@ class SpaceGeometry:
         by, by_twice = at.by[:, :b], at.by_twice[:, :b]
         turning = accelerations[:, : 6 * b].reshape(n, b, 6)[:, :, 3:]
         own = np.concatenate([turning, np.broadcast_to(accelerations[:, None, -1:], (n, b, 1))], axis=2)
-        pushed = self.weighed((own[:, :, None] @ by)[:, :, 0] + at.curve[:, :b])[..., None]
+        pushed = self.weigh((own[:, :, None] @ by)[:, :, 0] + at.curve[:, :b])[..., None]
         changed = (own[:, :, None] @ by_twice.reshape(n, b, 4, 36)).reshape(n, b, 4, 9) + at.curve_by[:, :b]
-        by_place = (by_twice.reshape(n, b, 16, 9) @ pushed).reshape(n, b, 4, 4) + by @ self.weighed(changed).swapaxes(2, 3)
-        others = (by @ self.weighed(each).swapaxes(2, 3) for each in (2 * at.rate_by[:, :b], by))
+        by_place = (by_twice.reshape(n, b, 16, 9) @ pushed).reshape(n, b, 4, 4) + by @ self.weigh(changed).swapaxes(2, 3)
+        others = (by @ self.weigh(each).swapaxes(2, 3) for each in (2 * at.rate_by[:, :b], by))
         force, rows = (by @ pushed)[..., 0], np.zeros((n, self.size))
         rows[:, : 6 * b].reshape(n, b, 6)[:, :, 3:] = force[:, :, :3]
         rows[:, -1] = force[:, :, 3].sum(axis=1)
-        return VaryingInertia(rows, *(self._scattered(blocks) for blocks in (by_place, *others)))
+        return VaryingInertia(rows, *(self._scatter(blocks) for blocks in (by_place, *others)))
 
-    def weighed(self, matrices: Array) -> Array:
+    def weigh(self, matrices: Array) -> Array:
         """Matrices (n, B, ..., 9) of the bodies times their J."""
         n, b = matrices.shape[:2]
         return np.asarray((matrices.reshape(n, b, -1, 3) @ self.shape).reshape(matrices.shape))
 
-    def _scattered(self, blocks: Array) -> Array:
+    def _scatter(self, blocks: Array) -> Array:
         """(n, k, k) of blocks (n, B or B + 1, 4, 4) by the bodies' turns and the crank angle."""
         n, b = blocks.shape[:2]
         found = np.zeros((n, self.size, self.size))
@@ -275,17 +275,17 @@ class SpaceGeometry:
 
     def kinetic_energy(self, state: SpaceState) -> Array:
         rate, speed = state.turned.rate[:, : self.count], self.places(state.rates)[:, : self.count]
-        return np.asarray(0.5 * ((speed**2).sum(axis=2) @ self.mass_of + (self.weighed(rate) * rate).sum(axis=(1, 2))))
+        return np.asarray(0.5 * ((speed**2).sum(axis=2) @ self.mass_of + (self.weigh(rate) * rate).sum(axis=(1, 2))))
 
     # --------------------------------------------------------------------------------------------------------------------- lines
 
-    def strained(self, state: SpaceState) -> StrainsInSpace:
+    def strains(self, state: SpaceState) -> StrainsInSpace:
         lines = self.lines
 
         def of_bodies(matrices: Array, r: Array) -> tuple[Array, Array]:
             first = matrices[:, lines.first]
-            directions = lines.turning[:, None] * _applied(first, lines.direction)
-            gap = _applied(matrices[:, lines.second], lines.arm2) - _applied(first, lines.arm1)
+            directions = lines.turning[:, None] * _apply(first, lines.direction)
+            gap = _apply(matrices[:, lines.second], lines.arm2) - _apply(first, lines.arm1)
             return directions, gap + lines.place[:, None] * (r[:, lines.second] - r[:, lines.first])
 
         along, gap = of_bodies(state.turned.matrix, self.places(state.coordinates))
@@ -299,13 +299,13 @@ class SpaceGeometry:
         return at.along
 
     def gradient(self, at: StrainsInSpace) -> Array:
-        return self._placed(self._parts(at.turned.by, self._pushed(at.along, at.gap)), at.along)
+        return self._place(self._parts(at.turned.by, self._push(at.along, at.gap)), at.along)
 
     def gradient_rate(self, at: StrainsInSpace) -> Array:
-        pushed, pushed_rate = self._pushed(at.along, at.gap), self._pushed(at.along_rate, at.gap_rate)
-        return self._placed(self._parts(at.turned.rate_by, pushed) + self._parts(at.turned.by, pushed_rate), at.along_rate)
+        pushed, pushed_rate = self._push(at.along, at.gap), self._push(at.along_rate, at.gap_rate)
+        return self._place(self._parts(at.turned.rate_by, pushed) + self._parts(at.turned.by, pushed_rate), at.along_rate)
 
-    def _pushed(self, along: Array, gap: Array) -> tuple[Array, Array]:
+    def _push(self, along: Array, gap: Array) -> tuple[Array, Array]:
         """Derivatives (n, S, 9) of the extensions by the matrices of their bodies 1 and 2."""
         lines, n = self.lines, len(along)
         one = (lines.turning[:, None] * gap)[..., None] * lines.direction[:, None] - along[..., None] * lines.arm1[:, None]
@@ -317,7 +317,7 @@ class SpaceGeometry:
         bodies = (self.lines.first, self.lines.second)
         return np.stack([np.einsum("nsak,nsk->nsa", by[:, body], each) for body, each in zip(bodies, pushed, strict=True)], axis=2)
 
-    def _placed(self, parts: Array, along: Array) -> Array:
+    def _place(self, parts: Array, along: Array) -> Array:
         """Gradients (n, S, k) from `_parts`, and from those by the second centre of mass, the directions (n, S, 3)."""
         lines, rows = self.lines, np.arange(len(self.lines.first))
         found = np.zeros((len(parts), len(rows), self.size))
@@ -336,11 +336,11 @@ class SpaceGeometry:
         sideways = (pull[..., None] * at.along).swapaxes(1, 2)
         pushed = sideways @ on_second - sideways @ on_first + (pull[..., None] * at.gap).swapaxes(1, 2) @ on_axis
         pushed = pushed.reshape(n, 3, self.count + 1, 3).swapaxes(1, 2).reshape(n, self.count + 1, 9, 1)
-        found = self._scattered((at.turned.by_twice.reshape(n, self.count + 1, 16, 9) @ pushed).reshape(n, self.count + 1, 4, 4))
+        found = self._scatter((at.turned.by_twice.reshape(n, self.count + 1, 16, 9) @ pushed).reshape(n, self.count + 1, 4, 4))
         some = np.flatnonzero(lines.turning)
         first, second = lines.first[some], lines.second[some]
-        own = pull[:, some, None, None] * _applied(by[:, first], lines.direction[some, None])  # (n, T, 4, 3)
-        ends = [-_applied(by[:, first], lines.arm1[some, None]), _applied(by[:, second], lines.arm2[some, None])]
+        own = pull[:, some, None, None] * _apply(by[:, first], lines.direction[some, None])  # (n, T, 4, 3)
+        ends = [-_apply(by[:, first], lines.arm1[some, None]), _apply(by[:, second], lines.arm2[some, None])]
         turns = [own @ end.swapaxes(2, 3) for end in ends]  # (n, T, 4, 4)
         straight = lines.place[some, None, None] * own
         for k in range(len(some)):
@@ -362,7 +362,7 @@ class SpaceGeometry:
         return tuple(each.reshape(len(rows), -1) for each in found)  # type: ignore[return-value]
 
 
-def _applied(matrices: Array, vectors: Array) -> Array:
+def _apply(matrices: Array, vectors: Array) -> Array:
     """Matrices (..., 9) times vectors (..., 3)."""
     own = matrices.reshape(*matrices.shape[:-1], 3, 3)
     return np.asarray(own[..., 0] * vectors[..., 0, None] + own[..., 1] * vectors[..., 1, None] + own[..., 2] * vectors[..., 2, None])

@@ -160,7 +160,7 @@ class Geometry(Protocol):
     def state(self, coordinates: Array, rates: Array, derivatives: bool = True) -> Any:
         """The bodies at coordinates and rates (n, k); ``derivatives``: whether second derivatives will be asked for."""
 
-    def strained(self, state: Any) -> Any:
+    def strains(self, state: Any) -> Any:
         """`Strains` of the lines."""
 
     def gradient(self, at: Any) -> Array:
@@ -266,7 +266,7 @@ class SprungPress:
     closed: SprungPress | None = None
     fixed: SprungPress | None = None
 
-    def opening(self) -> SprungPress:
+    def with_opening_joints(self) -> SprungPress:
         """The same press with preloaded joints that may open."""
         if not self.joints:
             return self
@@ -274,14 +274,14 @@ class SprungPress:
         stiffness, damping, rest = springs.stiffness.copy(), springs.damping.copy(), springs.rest.copy()
         for joint in self.joints:
             place = int(np.flatnonzero(springs.bearing == joint.bearing)[joint.number])
-            opened.append(joint.opened(place, float(damping[place])))
+            opened.append(joint.open(place, float(damping[place])))
             stiffness[place], damping[place], rest[place] = opened[-1].always, opened[-1].damping, opened[-1].rest
         return replace(
             self,
             springs=springs._replace(stiffness=stiffness, damping=damping, rest=rest),
             open_joints=tuple(opened),
             closed=self.closed or self,
-            fixed=None if self.fixed is None else self.fixed.opening(),
+            fixed=None if self.fixed is None else self.fixed.with_opening_joints(),
         )
 
     def with_dampers(self, ratio: float, dampers: Mapping[int, float]) -> SprungPress:
@@ -390,7 +390,7 @@ class SprungPress:
     def spring_forces(self, state: BodyState, derivatives: bool = True) -> SpringForces:
         """Forces of all springs and of weight on the free coordinates."""
         geometry, springs, linear, turning = self.geometry, self.springs, self.linear, self._turning
-        at = geometry.strained(state)
+        at = geometry.strains(state)
         pull, gradient = self.pulls(at), self.to_free(geometry.gradient(at))
         moment = -(self.linear_rates(state.coordinates) * linear.stiffness + self.linear_rates(state.rates) * linear.damping)
         force = np.matmul(pull[:, None, :], gradient)[:, 0] + product(moment, turning) + self.free_weight
@@ -433,7 +433,7 @@ class SprungPress:
         """The preloaded joints that may open."""
         if not self.open_joints:
             return []
-        at = self.geometry.strained(state)
+        at = self.geometry.strains(state)
         pull, along = self.pulls(at), self.springs.sign[:, None] * self.geometry.along(at)
         return [
             JointMotion(joint, at.extension[:, joint.spring], at.opening[:, joint.spring], -pull[:, joint.spring], along[:, joint.spring])
@@ -442,20 +442,20 @@ class SprungPress:
 
     def bearing_forces(self, state: BodyState) -> Array:
         """Forces (bearings, n, 3) of the springs, parent on child or link1 on link2, in world axes [N]."""
-        at, springs = self.geometry.strained(state), self.springs
+        at, springs = self.geometry.strains(state), self.springs
         forces = (springs.sign * self.pulls(at))[..., None] * self.geometry.along(at)
         return np.array([forces[:, springs.bearing == same].sum(axis=1) for same in self.alike])
 
     def lost_power(self, state: BodyState) -> Array:
         """Power (n,) lost in the dampers [W]."""
-        opening = self.geometry.strained(state).opening
+        opening = self.geometry.strains(state).opening
         return np.asarray(opening**2 @ self.springs.damping + self.linear_rates(state.rates) ** 2 @ self.linear.damping)
 
     def stored_energy(self, state: BodyState) -> Array:
         """Energy (n,) of springs and weights [J]."""
-        extension, turn = self.geometry.strained(state).extension, self.linear_rates(state.coordinates)
+        extension, turn = self.geometry.strains(state).extension, self.linear_rates(state.coordinates)
         springs = (extension - self.springs.rest) ** 2 @ self.springs.stiffness + turn**2 @ self.linear.stiffness
-        joints = sum(joint.stored(extension[:, joint.spring]) for joint in self.open_joints)
+        joints = sum(joint.stored_energy(extension[:, joint.spring]) for joint in self.open_joints)
         return np.asarray(0.5 * springs + joints - state.coordinates @ self.geometry.weight)
 
 

@@ -89,7 +89,7 @@ def largest_deflection(task: Task, start: float) -> float:
 
     It is that to which errors are compared.
     """
-    plan, sprung = task.phases.planned(start), task.equations.sprung
+    plan, sprung = task.phases.plan(start), task.equations.sprung
     share = (np.arange(SAMPLES) + 1) / SAMPLES
     times = (plan.knots[:-1, None] + np.diff(plan.knots)[:, None] * share).ravel() * (task.period / plan.knots[-1])
     y, v, a = task.rigid(times)

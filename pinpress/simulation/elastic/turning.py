@@ -135,7 +135,7 @@ class Turned(NamedTuple):
     curve_by: Array | None
 
 
-def turned(nominal: NominalTurns, w: Array, angle: Array, w_rate: Array, speed: Array, derivatives: bool = True) -> Turned:
+def turn_bodies(nominal: NominalTurns, w: Array, angle: Array, w_rate: Array, speed: Array, derivatives: bool = True) -> Turned:
     """Rotation matrices and their derivatives.
 
     Args:

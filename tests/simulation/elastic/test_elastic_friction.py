@@ -88,7 +88,7 @@ def test_derivatives_of_friction(kind):
 
     press, rng = jf75g(), np.random.default_rng(1)
     sprung: Any = sprung_press(press, with_gibs(2e8, 2e5) if kind == "gibs" else springs(press, 2e8))
-    sprung = sprung.opening() if kind == "gibs" else sprung
+    sprung = sprung.with_opening_joints() if kind == "gibs" else sprung
     given = FRICTION | {"slide_guide": pp.loads.Friction(0.08, viscous=500.0, preload=2e5 if kind == "preload" else 0.0)}
     friction = bearing_friction(sprung, pp.loads.link.law(given, press), 100.0)
     free = sprung.free_coordinates(sprung.geometry.rigid(pp.servo_cycle(press, angle=[0.3, 2.0, 4.0], speed=1.0))[0])

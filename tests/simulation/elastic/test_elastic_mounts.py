@@ -69,7 +69,7 @@ def test_all_turn_with_the_frame(name):
     free = sprung.free_rates(rates)
     np.testing.assert_allclose(free @ sprung.carry.T, rates, atol=1e-12)
     np.testing.assert_allclose(free[:, -1], 0.0, atol=1e-12)
-    opening = sprung.geometry.strained(sprung.geometry.state(coordinates, rates)).opening[:, sprung.springs.bearing >= 0]
+    opening = sprung.geometry.strains(sprung.geometry.state(coordinates, rates)).opening[:, sprung.springs.bearing >= 0]
     np.testing.assert_allclose(opening, 0.0, atol=1e-12)
 
 

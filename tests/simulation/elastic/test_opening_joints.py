@@ -32,7 +32,7 @@ def test_three_springs_side_by_side_are_the_joint_in_series_with_a_pin(loaded, r
     joint = PreloadedJoint(loaded, relieved, 1e5)
     load = 1e5 * load
     extension = np.array([float(joint.elongation(load)) / ends + load / series])
-    found = JointSpring("rod", 0, joint, ends, series).opened(3, 7.0)
+    found = JointSpring("rod", 0, joint, ends, series).open(3, 7.0)
     pull = found.always * (extension - found.rest) - found.spring_force(extension)
     assert pull[0] == pytest.approx(load, rel=1e-9, abs=1e-6 * 1e5)
     assert found.always >= 0
@@ -113,14 +113,14 @@ def test_against_dop853(part):
         far = 1e9 * abs(x) + 1.0
         return brentq(lambda load: float(joint.elongation(load)) / ends + load / series - x, -far, far, xtol=1e-9, rtol=1e-15)
 
-    opened = [each.opened(row, float(sprung.springs.damping[row])) for each, row in zip(sprung.joints, rows, strict=True)]
+    opened = [each.open(row, float(sprung.springs.damping[row])) for each, row in zip(sprung.joints, rows, strict=True)]
 
     def rates(time, state, cutting):
         size = len(state) // 2
         free, speeds = np.append(state[:size], begin + 2.0 * time), np.append(state[size:], 2.0)
         bodies = sprung.state(free[None], speeds[None])
         force = sprung.spring_forces(bodies, derivatives=False).force[0]
-        at = sprung.geometry.strained(bodies)
+        at = sprung.geometry.strains(bodies)
         gradients = sprung.to_free(sprung.geometry.gradient(at))[0]
         for row, each in zip(rows, opened, strict=True):
             x, v, gradient = float(at.extension[0, row]), float(at.opening[0, row]), gradients[row]

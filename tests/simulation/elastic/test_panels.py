@@ -33,7 +33,8 @@ class PolarPendulum:
         place = of_force + MASS * np.array([[-(dp**2), zero], [2 * r * ddp + 2 * dr * dp, zero]])
         rate = MASS * np.array([[zero, -2 * r * dp], [2 * r * dp, 2 * r * dr]])
         mass = MASS * np.array([[1 + zero, zero], [zero, r**2]])
-        return panels.Linearised(force - inertia, *(np.moveaxis(each, 2, 0) for each in (place, rate, mass)), np.zeros_like(y))
+        place, rate, mass = (np.moveaxis(each, 2, 0) for each in (place, rate, mass))
+        return panels.Linearised(force - inertia, place, rate, mass, np.zeros_like(y))
 
 
 def followed(equations, state, until, count):

@@ -82,7 +82,7 @@ class BearingFriction:
     def at(self, state: BodyState) -> FrictionStates:
         """At n states."""
         sprung = self.sprung
-        strains, sliding = sprung.geometry.strained(state), self.slides.strained(state)  # type: ignore[arg-type]
+        strains, sliding = sprung.geometry.strains(state), self.slides.strains(state)  # type: ignore[arg-type]
         pulls = sprung.pulls(strains)
         for joint in sprung.open_joints:
             pulls[:, joint.spring] += joint.spring_force(strains.extension[:, joint.spring])

@@ -207,7 +207,7 @@ class DriveTrain:
         coupling, own = self.coupling(side), mode.coupling(side)
         if coupling is None or own.grip is not SLIPPING:
             return np.zeros(len(time))
-        return own.sign * (own.capacity(coupling, time) + np.zeros(len(time)))
+        return np.asarray(own.sign * (own.capacity(coupling, time) + np.zeros(len(time))))
 
     def shaft_speed(self, v: Array) -> Array:
         """(n,) speed of the drive's shaft [rad/s], of rates (n, size)."""

@@ -95,7 +95,7 @@ class LoadPhases:
         own = max((contact.row + 1 - len(self.driven.coordinates) for contact in self.contacts), default=0)
         return np.concatenate([self.driven.model.at(np.array(angle))[0][COORDINATES:], np.zeros(own)])
 
-    def begun(self, angle: float) -> Phase:
+    def begin(self, angle: float) -> Phase:
         """The phase of a stroke in which nothing has happened yet, at a crank angle."""
         slope = 0.0 if self._row is None else float(self.driven.model.at(np.array(angle))[1][COORDINATES + self._row])
         return Phase(slope * self.direction > 0, (False,) * len(self.forces))
@@ -116,7 +116,7 @@ class LoadPhases:
         force = self.forces[number]
         return _interval(force, phase.rising, float(places[force.row]) - force.datum)
 
-    def advanced(self, phase: Phase, places: Array) -> Phase:
+    def advance(self, phase: Phase, places: Array) -> Phase:
         """The phase once the paths have the values ``places`` (paths,): loads whose last border is passed are through, and contacts that
         were lost can be struck again once their bodies are apart."""
         through = []
@@ -126,11 +126,11 @@ class LoadPhases:
             through.append(over or passed if one_way else passed)
         return Phase(phase.rising, tuple(through))
 
-    def released(self, phase: Phase, number: int) -> Phase:
+    def release(self, phase: Phase, number: int) -> Phase:
         """The phase once the force of a contact vanishes, or comes back before its bodies are apart."""
         return Phase(phase.rising, tuple(over != (k == number) for k, over in enumerate(phase.through)))
 
-    def planned(self, start: float) -> Plan:
+    def plan(self, start: float) -> Plan:
         """The segments of a period of the rigid press from a crank angle on, at which it turns or no load acts."""
         period = self.driven.model.period
         assert period is not None
@@ -143,13 +143,13 @@ class LoadPhases:
         found = sorted((one for one in found if ASIDE < one[0] < period - ASIDE), key=lambda one: one[0])
         ends = [*(at for at, _ in found[1:]), period] if found else []
         first = found[0][0] if found else period
-        phase = self.begun(start + 0.5 * self.direction * first)
+        phase = self.begin(start + 0.5 * self.direction * first)
         segments, knots = [self.active(phase, self.places(start + 0.5 * self.direction * first))], [0.0]
         events: dict[int, MotionEvent] = {}
         for (at, border), end in zip(found, ends, strict=True):
             middle = start + 0.5 * self.direction * (at + end)
             places = self.places(middle)
-            phase = self.begun(middle) if border is None else self.advanced(phase, places)
+            phase = self.begin(middle) if border is None else self.advance(phase, places)
             segment = self.active(phase, places)
             if segment == segments[-1]:
                 continue
