@@ -34,13 +34,10 @@ from ..common.results import Tabular
 
 WEAKEST = 1e-6  # ratio of reverse load to force; below it the reverse load limits no force
 GROWTH = 1.05  # ratio of the forces of two trials in the search with clearance
-AT_ONCE = 1e-9  # w tau below which a break is sudden: the reverse load differs by (w tau)^2 / 24
-NO_CLEARANCE = 1e-13  # a clearance below this share of the deflection F / k is none
 LONGEST = 1e3  # periods that a break-through may take
 STEPS = 32  # steps of half a period in which turning points and edges of the clearance are looked for
 PERIODS = 6  # periods of vibration after the force is gone
 CALM = 1e-24  # a kinetic energy below this share of the elastic energy is rounding
-TOUCHING = 1e-13  # a slide closer to an edge of the clearance than this share of the deflection F / k is on it
 MOST = 20_000  # segments of half a period
 ROUNDING = 4 * float(np.finfo(float).eps)  # share of a span; a smaller step of a root is rounding
 
@@ -415,8 +412,8 @@ def _release(force: float, stiffness: float, mass: float, damping_ratio: float, 
 
 def _without_traces(release: Release) -> Release:
     """The release without break time or clearance where these are so small that only rounding would show them."""
-    at_once = release.break_time * release.frequency < AT_ONCE
-    none = release.clearance * release.stiffness < NO_CLEARANCE * release.force
+    at_once = release.break_time * release.frequency < 1e-9  # the reverse load differs by (w tau)^2 / 24
+    none = release.clearance * release.stiffness < 1e-13 * release.force  # less is rounding of the deflection
     return release._replace(break_time=0.0 if at_once else release.break_time, clearance=0.0 if none else release.clearance)
 
 
@@ -462,7 +459,8 @@ def _leaving(segment: ResponseSegment, span: float, side: int) -> Leaving | None
     places[0] = segment.x
     for i in range(1, len(times)):
         for edge, way, after in edges:
-            if way * (places[i] - edge) > TOUCHING * segment.release.force / segment.release.stiffness:
+            # Closer to the edge than rounding of the deflection, the slide is on it.
+            if way * (places[i] - edge) > 1e-13 * segment.release.force / segment.release.stiffness:
                 begin = times[i - 1]
                 if way * (places[i - 1] - edge) >= 0.0:  # on the edge already
                     return Leaving(float(begin), edge, after)

@@ -31,7 +31,6 @@ from ..simulation.simulate import simulate
 
 PLACES = 24  # on a panel, at which orbit, forces and wear are read
 OF_TURN = ("start", "turn", "peak", "depth", "impacts", "flight")
-NEARLY_AT_ONCE = 1e-4  # share of a turn within which impacts count as one
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -225,7 +224,8 @@ def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) ->
         lengths = np.where(own[1:] & own[:-1], np.diff(at.times), 0.0)
         flying = float(lengths[~touching[1:]].sum() / lengths.sum())
         struck = gone[1:][own[1:] & touching[1:] & ~touching[:-1]]
-        impacts = int(len(struck) and 1 + (np.diff(struck) > NEARLY_AT_ONCE).sum())
+        # Touches within a ten-thousandth of a turn are one impact.
+        impacts = int(len(struck) and 1 + (np.diff(struck) > 1e-4).sum())
         rows.append((number_of_run, each, float(force[own].max()), float(np.abs(gap[own]).max()) - pin.clearance.radial, impacts, flying))
     columns = {name: read_only(np.array(column)) for name, column in zip(OF_TURN, zip(*rows, strict=True), strict=True)}
     orbit = np.stack([gap.real, gap.imag], axis=1)[turn >= settling]

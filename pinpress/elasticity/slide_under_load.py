@@ -34,7 +34,6 @@ from .unit_load import HeldPress, hold
 
 WINDOW = np.radians(6.0)  # on both sides of the rigid bottom dead centre, where the elastic one is looked for [rad]
 NODES = 24  # nodes of the polynomials in this window
-UNRESOLVED = 1e-9  # the last coefficients of a polynomial must be below this share of its largest one
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -252,7 +251,8 @@ def _series(press: Linkage, values: Array) -> Array:
     """
     found = np.asarray(chebyshev.chebvander(chebyshev.chebpts1(NODES), NODES - 1).T @ values * (2 / NODES))
     found[0] *= 0.5
-    if not np.abs(found[-3:]).max() <= UNRESOLVED * max(np.abs(found).max(), np.finfo(float).tiny):
+    # The last coefficients are about the error.
+    if not np.abs(found[-3:]).max() <= 1e-9 * max(np.abs(found).max(), np.finfo(float).tiny):
         raise PinpressError(f"{press.name} moves too unevenly near bottom dead centre to find its shift: the linkage is close to locking")
     return found
 

@@ -32,8 +32,6 @@ from .springs import Spring, Stiffness, internal_forces, sharing, springs_of
 
 RIGID = 1e-12  # a compliance below this share of the largest over the motion is rounding
 POINTS = 360  # states of a turn
-UNSHARED = 1e-9  # largest error of a deflection by wrong sharing of forces that is accepted, as a share of it
-NOTHING_IDLE = 1e-16  # idle forces with less than this share of the deflection energy under the unit force are rounding
 SOFT = 1e9  # stiffness given to a rigid bearing in order to share forces in another way [N/m]
 
 
@@ -268,8 +266,8 @@ def _refuse_unshared(held: HeldPress) -> None:
         size = work(idle, idle)
         for forces in (held.unit, held.unloaded):
             done, whole = work(forces, idle), work(forces, forces)
-            there = (size > NOTHING_IDLE * work(held.unit, held.unit)) & (whole > 0.0)
-            if np.any(done[there] ** 2 > UNSHARED * size[there] * whole[there]):
+            there = (size > 1e-16 * work(held.unit, held.unit)) & (whole > 0.0)  # less is rounding of forces, squared
+            if np.any(done[there] ** 2 > 1e-9 * size[there] * whole[there]):  # a wrong deflection by this share
                 raise PinpressError(
                     f"parallel rods of {held.press.name} do not share forces by their own springs and those of their bearings alone: make"
                     " both sides alike, or leave out the guides' moments and arms"

@@ -37,7 +37,6 @@ MOUNTS = "mounts"  # name of what a frame stands on
 POINTS = 360  # crank angles of a turn
 APART = 1e-9  # share of the damping between two modes below which each is damped by itself
 NAMED = 3  # parts and links that a mode is named by
-TELLING = 0.1  # share of a mode's energy from which a part or link is named
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -112,7 +111,7 @@ class ElasticModes(OfPress, Tabular):
 
 def _most(shares: Mapping[str, Array], state: int, mode: int) -> str:
     at = sorted(((round(float(share[state, mode]), 9), name) for name, share in shares.items()), key=lambda item: -item[0])
-    named = [(share, name) for share, name in at[:NAMED] if share >= TELLING] or at[:1]
+    named = [(share, name) for share, name in at[:NAMED] if share >= 0.1] or at[:1]
     return ", ".join(f"{name} {100 * share:.0f} %" for share, name in named)
 
 

@@ -30,6 +30,7 @@ from .preloaded_joint import JointSpring, PreloadedJoint
 from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
 from .yielding import (
     FRAME,
+    LIGHTEST,
     SHAFT,
     bearing_number,
     by_bearing,
@@ -41,8 +42,6 @@ from .yielding import (
     rod_ends,
     rods_of,
 )
-
-LIGHTEST = 1e-9  # share of the heaviest link's mass below which a link counts as one without mass
 
 
 def press_on_springs(press: Linkage, elastic: Elastic) -> SprungPress:

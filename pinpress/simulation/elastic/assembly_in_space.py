@@ -23,13 +23,7 @@ from .preloaded_joint import JointSpring, PreloadedJoint
 from .space import LinesInSpace, SpaceGeometry
 from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
 from .turning import nominal_turns
-from .yielding import by_bearing, dampers_by_bearing
-
-LIGHTEST = 1e-9  # share of the heaviest link's mass below which a link counts as one without mass
-THROUGH = 1e-9  # share of the linkage's size within which the axes of pins meet
-HELD = 1e-7  # lowest natural frequency as a share of the highest one, below which nothing holds the links
-
-_NEXT = ((0, 1), (1, 2), (2, 0))  # axes of one end and the other one whose cosines are the twists of a weld or guide
+from .yielding import LIGHTEST, by_bearing, dampers_by_bearing
 
 
 class _Joint(NamedTuple):
@@ -184,7 +178,7 @@ def _tree_joint(press: Linkage, light: set[int], joint: int) -> _Joint:
         step, along = model.jointPlacements[after].translation, press.axes[before - 1].direction
         carried = [j for j in range(1, model.njoints) if model.parents[j] == before]
         looped = any(before in (loop.joint1, loop.joint2) for loop in press.loops)
-        meets = np.linalg.norm(np.cross(step, along)) <= THROUGH * press.size
+        meets = np.linalg.norm(np.cross(step, along)) <= 1e-9 * press.size  # but for rounding of what the file says
         if not (meets and carried == [after] and not looped and press.axes[before - 1].turns and press.axes[after - 1].turns):
             raise _massless(press, before)
         place = place * model.jointPlacements[after]
@@ -234,7 +228,9 @@ def _with_springs(bare: SpaceGeometry, joints: Sequence[_Joint], elastic: Elasti
             springs.append((k, 0.0, 0.0, name, 1.0))
         if each.kind != "ball":
             k = 1 / sum(1 / twisting[member] for member in each.members)
-            for one, other in {"pin": ((0, 1), (0, 2)), "universal": ((0, 0),)}.get(each.kind, _NEXT):
+            # The cosines between these axes of both ends are twists. A weld and a guide twist about three axes.
+            twists = {"pin": ((0, 1), (0, 2)), "universal": ((0, 0),)}.get(each.kind, ((0, 1), (1, 2), (2, 0)))
+            for one, other in twists:
                 lines.append((first, second, axes1[:, one], turning, np.zeros(3), axes2[:, other], 0.0))
                 springs.append((k, 0.0, 0.0, name, 0.0))
         for member in each.members:
@@ -260,7 +256,7 @@ def _columns(rows: Sequence[tuple[Any, ...]], types: Sequence[type]) -> list[Any
 
 def _refuse_loose(sprung: SprungPress) -> None:
     """Raise PinpressError where a body can move without a spring that holds it."""
-    if not sprung.frequencies[0] > HELD * sprung.frequencies[-1]:
+    if not sprung.frequencies[0] > 1e-7 * sprung.frequencies[-1]:  # a root of rounding, which is 1e-15
         raise PinpressError(
             f"a link of {sprung.press.name} can move or spin without a spring that holds it, as a rod between two ball joints spins about"
             " its line: give one of its ends a universal joint"

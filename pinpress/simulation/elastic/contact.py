@@ -33,8 +33,6 @@ from ...loads.process import ForceInterval
 
 LAWS = ("linear", "hertz")
 WIDEST = 2e-3  # radial clearance above which it is hardly meant [m]
-ELASTIC = 1 - 1e-9  # restitution from which on a contact loses nothing
-ROUNDING = 1e-15
 
 
 @dataclass(frozen=True)
@@ -112,7 +110,7 @@ def damping_factor(restitution: float) -> float:
     e = number("restitution", restitution)
     if not 0.0 < e <= 1.0:
         raise PinpressError(f"restitution is {e:g}: give a number above 0, at most 1")
-    if e >= ELASTIC:
+    if e >= 1 - 1e-9:  # it loses nothing
         return 0.0
 
     def missing(share: float) -> float:  # X = share / e, below which ln(1 - e X) is finite
@@ -122,7 +120,7 @@ def damping_factor(restitution: float) -> float:
     low, high = 1e-12, 1 - 1e-15
     if missing(high) > 0:  # almost plastic: X beyond what floating point tells
         raise PinpressError(f"restitution is {e:g}: give one of 0.03 or more")
-    return sign_change(missing, low, high, ROUNDING) / e
+    return sign_change(missing, low, high, 1e-15) / e
 
 
 @dataclass(frozen=True, eq=False)

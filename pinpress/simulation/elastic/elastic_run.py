@@ -31,7 +31,6 @@ from .sprung_press import BodyState, SprungPress
 from .task import ElasticSolution
 
 FINE = 24  # parts of a panel at whose ends extremes are looked for, and of the two parts about one of them
-HIGHEST = 3  # values about which the largest is looked for
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -488,7 +487,7 @@ def _largest(values: Callable[[Indices, Array], Array], panels: int) -> list[tup
     """
     places = np.linspace(0.0, 1.0, FINE + 1)
     coarse = values(np.repeat(np.arange(panels), FINE + 1), np.tile(places, panels))
-    candidates = np.argsort(coarse, axis=1)[:, -HIGHEST:]  # a peak at a border is on one of two panels
+    candidates = np.argsort(coarse, axis=1)[:, -3:]  # a peak at a border is on one of two panels, beside a second one
     panel, place = candidates // (FINE + 1), places[candidates % (FINE + 1)]
     low, high = np.maximum(place - 1 / FINE, 0.0), np.minimum(place + 1 / FINE, 1.0)
     shares = low[..., None] + (high - low)[..., None] * places

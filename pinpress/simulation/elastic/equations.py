@@ -23,7 +23,6 @@ from .panels import Indices, Linearised
 from .paths import LoadPath, PathMotion
 from .sprung_press import BodyState, SpringForces, SprungPress, VaryingInertia, some_of
 
-SLOW = 1e-3  # [m/s] speed below which the slope of a law by the speed is found with steps for this speed
 STEP = 1e-6  # share of a load's extent, or of the size of a speed, by which its slope is found
 INSTANT = 1e-9  # [s] with which slopes by time are found, and within which two times are one
 CRANK_ANGLE = -1  # in place of a path's number
@@ -411,7 +410,9 @@ def _values(interval: ForceInterval, place: Array, rate: Array) -> tuple[Array, 
     """Force (n,) of an interval, and its slopes by place and rate."""
     force = interval.force
     by_place = _slope(partial(_by_place, force, rate), place, _extent(interval))
-    by_rate = _slope(partial(force, place), rate, max(SLOW, float(np.abs(rate).max()))) if interval.heeds_velocity else np.zeros(len(rate))
+    by_rate = np.zeros(len(rate))
+    if interval.heeds_velocity:  # its slope is found with steps for 1 mm/s at least
+        by_rate = _slope(partial(force, place), rate, max(1e-3, float(np.abs(rate).max())))
     return np.broadcast_to(force(place, rate), place.shape), by_place, by_rate
 
 

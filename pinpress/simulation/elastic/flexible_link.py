@@ -37,7 +37,6 @@ from ...common.reading.matrices import held_motions, read_model, refuse_negative
 MOST_ROWS = 2000  # of matrices: larger ones are reduced in seconds by programs that keep them sparse
 MOST_MODES = 50
 RIGID = 1e-6  # share of the stiffness that a motion of the whole link may cost by rounding
-AGREE = 0.02  # share by which the matrices and the linkage may differ in mass, moment of inertia, and lengths
 TURN = 2  # direction of a degree of freedom that turns
 
 
@@ -302,7 +301,7 @@ def flexible_body(link: FlexibleLink, body: int, first: int, pins: Mapping[int, 
         ("mass [kg]", found.mass, own.mass, own.mass),
         ("moment of inertia [kg m2]", found.inertia, own.inertia, own.inertia),
     ):
-        if not np.abs(np.subtract(given, needed)).max() <= AGREE * size:
+        if not np.abs(np.subtract(given, needed)).max() <= 0.02 * size:  # two per cent: model and linkage may differ in details
             texts = (", ".join(_text(value) for value in np.atleast_1d(each)) for each in (given, needed))
             raise PinpressError(f"{what}: {words} by its matrices: {next(texts)}; in the linkage: {next(texts)}; let both be the same")
     shapes = turn * found.shapes * np.sqrt(own.mass)

@@ -23,13 +23,9 @@ from .contact import HertzContact
 from .equations import CRANK_ANGLE, INSTANT, ElasticEquations, Event, MotionEvent, Release, Segment
 from .panels import Border, Mesh, PanelSolution, radau, solve
 from .sprung_press import Springs, SprungPress
-from .task import ASIDE, BESIDE, FIRST, LOOKS, MOST_STEPS, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
+from .task import FIRST_PANELS, LOOKS, MOST_STEPS, PAST_BORDER, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
 
 WINDOW = 6  # panels that are solved at a time on the way from a known state
-SHORTEST = 1e-9  # share of a period below which a window counts as stuck
-TURNED_BACK = 0.01  # angle by which a crank behind clutch or brake may swing back [rad]
-HOLDS = 1e-9  # share of its torque by which a coupling may hold more than it can: rounding
-AT_ONCE = 12  # events without time between them after which forces count as switching to and fro
 
 
 def march(
@@ -82,18 +78,32 @@ class _Passing(NamedTuple):
         return Release(self.force) if self.border is None else Event(*self.border)
 
 
+class _Piece(NamedTuple):
+    """A part of a motion in which the same forces act.
+
+    Attributes:
+        mode: of the drive train; None: the crank is held.
+        segment: the intervals that act.
+        laws: the same, with contacts as they were struck.
+    """
+
+    mode: TrainMode | None
+    segment: Segment
+    laws: Segment
+
+
 class _March:
     """A motion on its way."""
 
     def __init__(self, task: Task, start: float, state: Array, goal: float) -> None:
         self.task, self.start, self.state, self.time, self.goal = task, start, state, 0.0, goal
         self.direction = 1 if task.speed > 0 else -1
-        self.phase = task.phases.begin(start + ASIDE * self.direction)
+        self.phase = task.phases.begin(start + PAST_TURNING * self.direction)
         self.ahead = task.phases.turnings_ahead(start)
         self.train = task.equations.train
         self.mode: TrainMode | None = None
         edges = [edge for force in task.phases.driven.forces for edge in force.edges]
-        self.length = task.period / FIRST / WINDOW
+        self.length = task.period / FIRST_PANELS / WINDOW
         self.lengths: dict[tuple[bool, ...], float] = {}  # of the last panels while the same forces acted
         self.arrived = False
         self.windows: list[tuple[PanelSolution, int]] = []  # with the segment of each
@@ -103,9 +113,8 @@ class _March:
             self.mode = self.train.due(self.train.begun(start, float(state[-1]))[0], 0.0, state[size:])
             edges += [*self.train.switch_times, *self.train.risen(self.mode)]
         self.edges, self.farthest, self.at_once = np.unique(edges), start, 0
-        self.modes = [self.mode]
-        self.segments: list[Segment] = [task.phases.active(self.phase, self._places_now())]
-        self.laws = [self.segments[0]]  # the same, with contacts as they were struck
+        segment = task.phases.active(self.phase, self._places_now())
+        self.pieces = [_Piece(self.mode, segment, segment)]
         self.lost: dict[int, ForceInterval] = {}  # laws of contacts that push no more, by the numbers of their forces
         self.events: dict[int, MotionEvent] = {}
         self.knots = [0.0]
@@ -124,11 +133,11 @@ class _March:
         travelled = self.direction * (self.angle - self.start)
         whole = np.floor(travelled / period) * period
         options = np.concatenate([self.ahead + whole, self.ahead + whole + period])
-        return self.start + self.direction * float(options[options > travelled + ASIDE][0])
+        return self.start + self.direction * float(options[options > travelled + PAST_TURNING][0])
 
     def _equations(self) -> ElasticEquations:
         modes = () if self.mode is None else (self.mode,)
-        return replace(self.task.equations, segments=(self.laws[-1],), modes=modes, events={}, lost=self.lost)
+        return replace(self.task.equations, segments=(self.pieces[-1].laws,), modes=modes, events={}, lost=self.lost)
 
     def _places_now(self) -> Array:
         return self._paths_now()[0]
@@ -158,11 +167,11 @@ class _March:
         factor = 0.9 * (self.task.tolerance / max(error, 1e-300)) ** (1 / (STAGES + 1)) if np.isfinite(error) else 0.25
         if not error <= self.task.tolerance:
             self.length = min(max(factor, 0.2), 0.9) * span / WINDOW
-            if self.length < SHORTEST * self.task.period:
+            if self.length < 1e-9 * self.task.period:  # it is stuck
                 raise failure("cannot go on", self.time, message="the steps become too short")
             return
         assert found is not None
-        self.length = min(min(factor, 3.0) * span / WINDOW, self.task.period / FIRST)
+        self.length = min(min(factor, 3.0) * span / WINDOW, self.task.period / FIRST_PANELS)
         event = self._first_event(found, angle)
         if event is not None:
             ended = self._solve_window(event.time - self.time, {1: event.event}, found)
@@ -182,7 +191,7 @@ class _March:
 
     def _turn(self, angle: float) -> None:
         """Pass a crank angle at which the rigid slide turns."""
-        self.phase = self.task.phases.begin(angle + ASIDE * self.direction)
+        self.phase = self.task.phases.begin(angle + PAST_TURNING * self.direction)
         self._begin(Event(CRANK_ANGLE, angle), self._places_now())
 
     def _solve_window(self, span: float, events: dict[int, MotionEvent], near: PanelSolution | None) -> PanelSolution | None:
@@ -213,7 +222,7 @@ class _March:
         places, rates, crank = places_on(self._equations(), found, panel, share)
         places, crank = np.concatenate([self._places_now()[None], places]), np.append(self.angle, crank)
         times = np.append(self.time, found.mesh.start[panel] + share * found.mesh.length[panel])
-        acting = [(k, law) for k, law in enumerate(self.laws[-1]) if isinstance(law, ForceInterval)]
+        acting = [(k, law) for k, law in enumerate(self.pieces[-1].laws) if isinstance(law, ForceInterval)]
         pushing = [(k, law) for k, law in acting if law.one_sided and law.heeds_velocity]
         contacts = [*pushing, *self.lost.items()]
         joints = [number for number in self.lost if number >= len(phases.driven.forces) + len(self.task.equations.sprung.open_pins)]
@@ -232,7 +241,7 @@ class _March:
                 return _Passing(float(times[k]), None, force=released)
             before_step, phase = phase, phases.advance(phase, places[k])
             apart = any(before_step.through[number] and not phase.through[number] for number in joints)  # its spring is relaxed
-            if apart or phases.active(phase, places[k], self.time) != self.segments[-1]:
+            if apart or phases.active(phase, places[k], self.time) != self.pieces[-1].segment:
                 passed += [self._passing(times, places[:, border.path], k, border) for border in phases.borders]
             found_here = [one for one in passed if one is not None]
             if found_here:
@@ -303,7 +312,7 @@ class _March:
             if event.kind != "slips":
                 continue
             margin = self._margin(event, np.array([self.time]), self.state[None, :size], self.state[None, size:])
-            if margin[0] < -HOLDS * self._capacity(event):
+            if margin[0] < -1e-9 * self._capacity(event):  # less is rounding of a coupling that just holds
                 self._switch(event)
                 return True
         return False
@@ -331,7 +340,7 @@ class _March:
         if mode == self.mode:
             return
         self.at_once = self.at_once + 1 if self.time <= self.knots[-1] else 0
-        if self.at_once > AT_ONCE:
+        if self.at_once > 12:  # modes without time between them: they switch to and fro
             raise failure("chatters", self.time, self.angle)
         assert self.train is not None
         self.mode, self.edges = mode, np.unique([*self.edges, *self.train.risen(mode)])
@@ -349,12 +358,12 @@ class _March:
             return
         places = self._places_now()
         if passing.border is None:
-            law = self.laws[-1][passing.force]
+            law = self.pieces[-1].laws[passing.force]
             if isinstance(law, ForceInterval):
                 self.lost[passing.force] = law
             self.phase = self.task.phases.release(self.phase, passing.force)
         else:
-            beside = np.copysign(BESIDE * self.task.equations.sprung.press.size, passing.rise)
+            beside = np.copysign(PAST_BORDER * self.task.equations.sprung.press.size, passing.rise)
             places[passing.border.path] = passing.border.value + beside
             self.phase = self.task.phases.advance(self.phase, places)
         self._begin(passing.event, places)
@@ -362,20 +371,19 @@ class _March:
     def _begin(self, event: MotionEvent, places: Array) -> None:
         """Begin a new segment where other forces act."""
         segment = self.task.phases.active(self.phase, places, self.time)
-        if segment != self.segments[-1] or self.mode != self.modes[-1]:
-            laws, at_once = self._strike(segment), not self.windows or self.windows[-1][1] < len(self.segments) - 1
-            if at_once:  # nothing has moved in the segment before: it is none
-                for each in (self.modes, self.laws, self.segments):
-                    each.pop()
-            else:
-                self.events[len(self.knots)] = event
-                self.knots.append(self.time)
-                self.lengths[_acting(self.segments[-1])] = self.length
-                self.length = self.lengths.get(_acting(segment), self.length)
-            self.modes.append(self.mode)
-            self.laws.append(laws)
-            self.lost = {number: law for number, law in self.lost.items() if self.phase.through[number]}
-            self.segments.append(segment)
+        last = self.pieces[-1]
+        if segment == last.segment and self.mode == last.mode:
+            return
+        piece = _Piece(self.mode, segment, self._strike(segment))
+        if not self.windows or self.windows[-1][1] < len(self.pieces) - 1:  # nothing has moved in the piece before
+            self.pieces.pop()
+        else:
+            self.events[len(self.knots)] = event
+            self.knots.append(self.time)
+            self.lengths[_acting(last.segment)] = self.length
+            self.length = self.lengths.get(_acting(segment), self.length)
+        self.pieces.append(piece)
+        self.lost = {number: law for number, law in self.lost.items() if self.phase.through[number]}
 
     def _strike(self, segment: Segment) -> Segment:
         """The intervals of a new segment; contacts by Hertz with the speed at which they are struck now."""
@@ -383,22 +391,24 @@ class _March:
         for number, interval in enumerate(segment):
             if not isinstance(interval, HertzContact):
                 continue
-            if self.segments[-1][number] is interval or number in self.lost:  # it goes on
-                found[number] = self.lost.get(number, self.laws[-1][number])
+            last = self.pieces[-1]
+            if last.segment[number] is interval or number in self.lost:  # it goes on
+                found[number] = self.lost.get(number, last.laws[number])
                 continue
             speeds = self._rates_now() if speeds is None else speeds
             found[number] = interval.struck(abs(float(speeds[self.task.phases.forces[number].row])))
         return tuple(found)
 
     def _take(self, window: PanelSolution) -> None:
-        self.windows.append((window, len(self.segments) - 1))
+        self.windows.append((window, len(self.pieces) - 1))
         self.time, self.state = float(window.mesh.knots[-1]), window.states[-1]
         self.acceleration = window.accelerations[-1, -1]
         if self.task.equations.crank is not None:
             return
         if self.train is not None and (self.train.driven.clutch or self.train.driven.brake):
             self.farthest = self.direction * max(self.direction * self.farthest, self.direction * self.angle)
-            backwards = self.direction * (self.farthest - self.angle) > TURNED_BACK
+            # A crank that its brake holds swings a little with the links.
+            backwards = self.direction * (self.farthest - self.angle) > 0.01
         else:
             backwards = not (self.direction * window.states[:, -1] > 0).all()
         if backwards:
@@ -425,8 +435,9 @@ class _March:
             passage,
         )
         evaluations = sum(window.steps * WINDOW * STAGES for window, _ in self.windows)
-        modes = tuple(mode for mode in self.modes if mode is not None)
-        equations = replace(self.task.equations, segments=tuple(self.laws), modes=modes, events=self.events)
+        modes = tuple(piece.mode for piece in self.pieces if piece.mode is not None)
+        laws = tuple(piece.laws for piece in self.pieces)
+        equations = replace(self.task.equations, segments=laws, modes=modes, events=self.events)
         return ElasticSolution(equations, panels, False, evaluations)
 
 
@@ -453,7 +464,7 @@ def resting(task: Task, start: float) -> Array:
         SimulationError: the springs do not carry them.
     """
     y, v, a = task.rigid(np.zeros(1))
-    phase = task.phases.begin(start + ASIDE * np.sign(task.speed))
+    phase = task.phases.begin(start + PAST_TURNING * np.sign(task.speed))
     segment = task.phases.active(phase, task.phases.places(start))
     equations, sprung = replace(task.equations, segments=(segment,)), task.equations.sprung
     by_crank = v[0] / v[0, -1]  # rates of a free crank's coordinates by its own

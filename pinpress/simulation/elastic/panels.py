@@ -31,8 +31,6 @@ Indices = NDArray[np.intp]
 
 DOUBT = 3.0  # by how much the next change of Newton's method may be larger than the changes so far tell
 SEEN = 0.02  # share of the largest error of a panel below which a change does not matter to how panels are divided
-STALLED = 1000.0  # multiples of the tolerance within which Newton's method may end where it gains no more
-ROUNDED, TRIES = 1e4, 3  # likewise where it gained no more in so many steps: on stiff springs that is what places are known to
 AT_A_TIME = 16  # panels whose equations are built and solved together: they stay in the cache
 
 
@@ -244,7 +242,8 @@ def solve(
             return None
         stalled = change > 0.1 * before  # rounding ends what Newton's method gains
         stalls += stalled
-        if change <= tolerance or (stalled and change <= (STALLED if stalls < TRIES else ROUNDED) * tolerance):
+        near = 1e3 if stalls < 3 else 1e4  # on stiff springs places are known no better
+        if change <= tolerance or (stalled and change <= near * tolerance):
             return replace(found, curvature=curvature)
         if np.isfinite(before):
             curvature = max(curvature, change / before**2)

@@ -19,16 +19,10 @@ from .acting.phases import Plan
 from .equations import CRANK_ANGLE, ElasticEquations, Event, MotionEvent, Release
 from .marching import cut_to, march, telling_steps
 from .panels import Border, Indices, Mesh, PanelSolution, newton_step, radau, solve
-from .task import ASIDE, FIRST, LEAST, LOOKS, MOST_STEPS, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
+from .task import FEWEST, FIRST_PANELS, LOOKS, MOST_STEPS, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
 
-RESOLVED = 3.0  # angle of the lowest vibration on a panel up to which its decay is exact [rad]
 MOST_PARTS = 4096  # panels on which vibrations are followed through a period
-UNDAMPED = 1e-10  # real part of an eigenvalue, as a share of its size, that is rounding
-ROUNDS = 8  # in which panels are divided
 STROKES = 6  # that are followed before a press counts as one that does not repeat its stroke
-LOOSE = 300.0  # multiple of the tolerance with which a period is found at first, to see whether its events are as planned
-PLANS = 6  # times that the events of a period are planned by the motion that was found with those before
-PATIENCE = 4.0  # periods after which a free crank counts as one that does not get through a stroke
 
 
 def periodic(task: Task, start: float) -> ElasticSolution:
@@ -39,12 +33,13 @@ def periodic(task: Task, start: float) -> ElasticSolution:
     """
     plan = task.phases.plan(start)
     told = bool(task.phases.borders or (task.equations.train is not None and task.equations.train.jumps))
-    guess, tolerance = _rigid_guess(task, plan), (LOOSE if told else 1.0) * task.tolerance
+    # A loose period comes first: it shows whether its events are as planned, and is a near guess if they are.
+    guess, tolerance = _rigid_guess(task, plan), (300.0 if told else 1.0) * task.tolerance
     if task.equations.train is not None and task.equations.train.jumps:
         rigid = ElasticSolution(replace(task.equations, segments=plan.segments, events=plan.events), guess, True, 0)
         plan = _observe(task, rigid, start) or plan
         guess = _guess_for(plan, guess)
-    for attempt in range(PLANS):
+    for attempt in range(6):  # each with the events that the motion before it had
         near = attempt > 0 or not plan.jumps  # else the times at which the torque jumps are still those of the rigid press
         found = _refine(task._replace(tolerance=tolerance), start, plan, guess, near)
         observed = None if found is None else _observe(task, found, start)
@@ -100,7 +95,7 @@ def periodic_near(task: Task, start: float, near: ElasticSolution) -> ElasticSol
 def _rigid_guess(task: Task, plan: Plan) -> PanelSolution:
     """The rigid motion on the panels of a plan."""
     rule, share = radau(STAGES), np.diff(plan.knots) / plan.knots[-1]
-    counts = np.maximum(LEAST, np.ceil(FIRST * share).astype(int))
+    counts = np.maximum(FEWEST, np.ceil(FIRST_PANELS * share).astype(int))
     mesh = even_mesh(task.times(plan.knots), counts)
     y, v, _ = task.rigid(mesh.borders)
     _, _, a = task.rigid((mesh.start[:, None] + mesh.length[:, None] * rule.points).ravel())
@@ -109,10 +104,10 @@ def _rigid_guess(task: Task, plan: Plan) -> PanelSolution:
 
 
 def _period_ends(task: Task, start: float) -> tuple[float, float]:
-    """Time after which a period ends at the latest, and crank angle at which it does."""
+    """Time after which a period ends at the latest, and crank angle at which it does; a free crank may take the time of four."""
     if task.equations.crank is not None:
         return task.period, np.inf
-    return PATIENCE * task.period, start + task.speed * task.period
+    return 4.0 * task.period, start + task.speed * task.period
 
 
 def _refine(task: Task, start: float, plan: Plan, guess: PanelSolution, near: bool = True) -> ElasticSolution | None:
@@ -123,7 +118,7 @@ def _refine(task: Task, start: float, plan: Plan, guess: PanelSolution, near: bo
         events[len(plan.segments)] = Event(CRANK_ANGLE, _period_ends(task, start)[1])
     equations = replace(task.equations, segments=plan.segments, modes=plan.modes, events=events)
     border = _border(task, equations, near)
-    for _ in range(ROUNDS):
+    for _ in range(8):  # panels are divided so often at most
         found = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS, task.tolerance)
         if found is None:
             return None
@@ -146,7 +141,8 @@ def _with_passage(task: Task, found: ElasticSolution) -> ElasticSolution:
     """The solution with a passage in which the lowest vibration is resolved: panels of a smooth motion may be longer than it is."""
     equations, panels = found.equations, found.panels
     mesh = panels.mesh
-    parts = np.maximum(1, np.ceil(mesh.length * equations.sprung.lowest_frequency / RESOLVED)).astype(int)
+    angle = 3.0  # of the lowest vibration on a panel, up to which collocation has its decay exactly [rad]
+    parts = np.maximum(1, np.ceil(mesh.length * equations.sprung.lowest_frequency / angle)).astype(int)
     if parts.max() == 1:
         return found
     if equations.crank is not None and parts.sum() > MOST_PARTS:
@@ -167,7 +163,8 @@ def _slow_decay(equations: ElasticEquations, panels: PanelSolution) -> float:
     matrix[:, :size, size:] = np.eye(size)
     matrix[:, size:, :size], matrix[:, size:, size:] = -np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)
     values = np.linalg.eigvals(matrix)
-    slowest = np.where(np.abs(values.real) > UNDAMPED * np.abs(values), values.real, 0.0).max(axis=1)
+    decays = np.abs(values.real) > 1e-10 * np.abs(values)  # less is rounding of a vibration without dampers
+    slowest = np.where(decays, values.real, 0.0).max(axis=1)
     return float(np.exp(slowest @ mesh.length[panel] / LOOKS))
 
 
@@ -197,7 +194,7 @@ def _observe(task: Task, found: ElasticSolution, start: float) -> Plan | None:
     beyond = _beyond_jumps(found, panel, share)
     times, ahead = mesh.start[panel] + share * mesh.length[panel], phases.turnings_ahead(start)
     turned, direction = np.searchsorted(ahead, np.abs(angles - start)), float(np.sign(task.speed))
-    phase = phases.advance(phases.begin(start + ASIDE * direction), places[0])
+    phase = phases.advance(phases.begin(start + PAST_TURNING * direction), places[0])
     segments, knots = [phases.active(phase, places[0])], [float(mesh.knots[0])]
     events: dict[int, MotionEvent] = {}
     event: MotionEvent
@@ -206,7 +203,7 @@ def _observe(task: Task, found: ElasticSolution, start: float) -> Plan | None:
     for k in np.flatnonzero(telling | np.append(False, (faster[1:] != faster[:-1]).any(axis=1))):
         turning = start + direction * ahead[turned[k] - 1] if turned[k] != turned[k - 1] else None
         if turning is not None:
-            phase = phases.begin(turning + direction * ASIDE)
+            phase = phases.begin(turning + direction * PAST_TURNING)
         phase = phases.advance(phase, places[k])
         segment, mode = phases.active(phase, places[k]), _mode(task, beyond[k])
         if segment == segments[-1] and mode == modes[-1]:
@@ -258,7 +255,7 @@ def _alike(one: Plan, other: Plan) -> bool:
 
 def _guess_for(plan: Plan, near: PanelSolution) -> PanelSolution:
     """A motion on the panels of a plan whose knots are times, as a guess."""
-    counts = np.maximum(LEAST, np.diff(np.searchsorted(near.mesh.borders, plan.knots)))
+    counts = np.maximum(FEWEST, np.diff(np.searchsorted(near.mesh.borders, plan.knots)))
     return cut_to(near, even_mesh(plan.knots, counts))
 
 

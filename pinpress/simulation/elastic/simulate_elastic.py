@@ -30,11 +30,7 @@ from .plane import PlaneGeometry
 from .sprung_press import SprungPress
 from .task import ElasticSolution, Task, largest_deflection
 
-ROUNDING = 1e-15  # smallest error of a coordinate that floating point tells [lengths of the linkage]
 STABLE = 1.001  # largest factor by which a disturbance may grow in a period: without dampers it is 1, but for rounding
-ROUNDING_IN_SPACE = 1e-11  # likewise where bodies turn in space
-FARTHEST = 0.1  # largest turn of a link by its springs, and displacement as a share of the linkage's size, that counts as an elastic press
-NEWTON_STEPS = 6  # to the time of a crank angle
 
 
 RigidPeriod = Callable[[float], Trajectory]
@@ -98,7 +94,7 @@ def _from_angle(solution: ElasticSolution, task: Task, start: float, angle: floa
     if solution.equations.crank is None:
         borders, angles = solution.panels.mesh.borders, np.abs(solution.panels.states[:, task.equations.size - 1] - start)
         first = float(np.interp(ahead, angles, borders))
-        for _ in range(NEWTON_STEPS):
+        for _ in range(6):  # Newton's method, from a place on the right panel
             y, v, _ = solution.panels.at(np.array([first]))
             first = min(max(first - float((abs(y[0, -1] - start) - ahead) / abs(v[0, -1])), 0.0), period)
     return ElasticSegment(solution, first, period, task.gain, angle)
@@ -168,7 +164,9 @@ def _task(
     compared = from_turning if sprung.fixed is None else _task_from(turning, sprung.fixed, phases, speed)
     deflection = largest_deflection(compared, turning)
     _refuse_soft(driven.press, deflection)
-    error = max(tolerance * deflection, (ROUNDING if isinstance(sprung.geometry, PlaneGeometry) else ROUNDING_IN_SPACE) * driven.press.size)
+    # Floating point tells no smaller errors; in space they come through the products of rotation matrices.
+    rounding = 1e-15 if isinstance(sprung.geometry, PlaneGeometry) else 1e-11
+    error = max(tolerance * deflection, rounding * driven.press.size)
     task, start = (from_turning, turning) if steady else (_task_from(angle, sprung, phases, speed), angle)
     return task._replace(tolerance=error), start
 
@@ -251,7 +249,7 @@ def _gain(first: Array, last: Array) -> Array:
 
 def _refuse_soft(press: Linkage, deflection: float) -> None:
     """Raise PinpressError where the springs would let the linkage fall apart; ``deflection``: the largest of a coordinate [m or rad]."""
-    if not deflection <= FARTHEST * min(1.0, press.size):
+    if not deflection <= 0.1 * min(1.0, press.size):  # shares of the linkage's size, and turns in rad
         raise PinpressError(
             f"the springs of {press.name} are too soft for what acts on them: links would be displaced by about {1e3 * deflection:.3g} mm"
             f" (or turned by as many thousandths of a radian), in a linkage of {1e3 * press.size:.3g} mm; give stiffnesses in N/m, which"

@@ -16,12 +16,10 @@ from .panels import Indices, Mesh, PanelSolution
 STAGES = 7  # collocation points of a panel: five to seven cost the same for the same error, seven less where it is small
 MOST_STEPS = 16  # of Newton's method
 SETTLED = 1e-3  # Newton's method ends where it changes coordinates by less than this share of the tolerance
-FIRST, LEAST = 24, 6  # panels of a period at first, and of each segment
-SAMPLES = 16  # places of a segment at which the largest deflection is looked for
+FIRST_PANELS, FEWEST = 24, 6  # panels of a period at first, and of each segment
 LOOKS = 12  # places on a panel at which events are looked for
-BESIDE = 1e-9  # lengths of the linkage beside a border at which it is seen what acts there
-ASIDE = 1e-6  # angle beside a turning at which it is seen which way the rigid press goes [rad]
-COURSE = 240  # times of a period between which those of crank angles are interpolated
+PAST_BORDER = 1e-9  # lengths of the linkage past a border at which it is seen what acts there
+PAST_TURNING = 1e-6  # angle past a turning at which it is seen which way the rigid press goes [rad]
 
 RigidMotion = Callable[[Array], tuple[Array, Array, Array]]
 """Times (n,) to coordinates, rates and accelerations (n, f) of the rigid press."""
@@ -79,7 +77,7 @@ class Task(NamedTuple):
         """Times (n,) at which the rigid press has turned its crank so far (n,) [s]."""
         if self.equations.crank is not None:
             return travelled / abs(self.speed)
-        times = np.linspace(0.0, self.period, COURSE + 1)
+        times = np.linspace(0.0, self.period, 241)  # of a guess: interpolated between them
         angle = self.rigid(times)[0][:, -1]
         return np.interp(travelled, np.abs(angle - angle[0]), times)
 
@@ -90,13 +88,14 @@ def largest_deflection(task: Task, start: float) -> float:
     It is that to which errors are compared.
     """
     plan, sprung = task.phases.plan(start), task.equations.sprung
-    share = (np.arange(SAMPLES) + 1) / SAMPLES
+    samples = 16  # places of a segment at which the largest deflection is looked for
+    share = (np.arange(samples) + 1) / samples
     times = (plan.knots[:-1, None] + np.diff(plan.knots)[:, None] * share).ravel() * (task.period / plan.knots[-1])
     y, v, a = task.rigid(times)
     contacts = (None,) * len(task.equations.contacts)
     plan = plan._replace(segments=tuple(segment[: len(segment) - len(contacts)] + contacts for segment in plan.segments))
     equations = replace(task.equations, segments=plan.segments, sprung=sprung.closed or sprung)
-    segments = np.repeat(np.arange(len(plan.segments)), SAMPLES)
+    segments = np.repeat(np.arange(len(plan.segments)), samples)
     bare = replace(equations, segments=tuple((None,) * len(segment) for segment in plan.segments))
     size, stiffness = equations.size, bare.body_forces(times, segments, bare.state(times, y, v)).stiffness
     left = equations.linearised(times, y, v, a, segments).left

@@ -25,8 +25,7 @@ from ...linkage.linkage import Linkage
 
 FEWEST, MOST = 64, 8192  # places of a turn from which a series is found
 RESOLVED = 1e-15  # size of the last harmonics of a series that is fine enough
-LARGEST_ERROR = 1e-10  # of a series, above which it is refused
-CELLS, DEGREE = 4, 12  # cells for each harmonic of a table of Taylor polynomials, and their degree: rounding is all that is left
+DEGREE = 12  # of Taylor polynomials
 
 CROSS = np.zeros((3, 3, 3))  # of unit vectors: CROSS[d] @ s = e_d x s
 for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
@@ -92,7 +91,7 @@ def nominal_turns(press: Linkage, joints: tuple[int, ...], own_axes: Array) -> N
         if left <= RESOLVED or count >= MOST * turns:
             break
         count *= 2
-    if left > LARGEST_ERROR:
+    if left > 1e-10:  # errors of places would then be seen beside those of a run
         raise PinpressError(
             f"links of {press.name} turn too abruptly for an elastic motion in space: keep the linkage away from where it locks"
         )
@@ -102,7 +101,7 @@ def nominal_turns(press: Linkage, joints: tuple[int, ...], own_axes: Array) -> N
 def _taylor(series: ComplexArray, base: float) -> Array:
     """(cells, 13, m) Taylor coefficients about the middles of cells of a period, of Fourier series (K, m) with a base frequency."""
     harmonics = np.arange(len(series))
-    cells = CELLS * len(series)
+    cells = 4 * len(series)  # for each harmonic: with this degree rounding is all that is left
     found, term = np.empty((cells, DEGREE + 1, series.shape[1])), series * np.exp(1j * np.pi * harmonics / cells)[:, None]
     for power in range(DEGREE + 1):
         found[:, power] = np.fft.irfft(term, cells, axis=0) * cells

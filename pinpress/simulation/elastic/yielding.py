@@ -20,7 +20,7 @@ from .description import Rod, Stiffness
 from .preloaded_joint import STIFFEST, PreloadedJoint, closed_stiffness
 
 FRAME, SHAFT = "frame", "shaft"  # names of these parts
-MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them
+LIGHTEST = 1e-9  # share of the heaviest link's mass below which a link counts as one without mass
 
 
 def part_stiffness(part: str, given: object, unit: str = "N/m") -> float:
@@ -72,7 +72,7 @@ def rod_ends(press: Linkage, rod: Rod) -> tuple[int, tuple[int, int]]:
 
 def refuse_meeting(press: Linkage, rod: str, length: float | Array) -> None:
     """Raise PinpressError where a rod between two bearings has no length, at some state or at all [m]."""
-    if not np.min(length) > MEET * press.size:
+    if not np.min(length) > 1e-9 * press.size:  # less is rounding
         raise PinpressError(f"rod {shown(rod)}: its bearings meet, so that it has no direction; name two that stay apart")
 
 

@@ -24,9 +24,6 @@ from ....engines.forces import FrictionLaw
 from ..plane import LineStrains, PlaneGeometry
 from ..sprung_press import BodyState, SpringForces, SprungPress
 
-CREEPS = 1e-3  # share of the crank's speed at which friction has not yet its whole size
-LEAST = 1e-300  # force that has a direction [N]
-
 
 class FrictionStates(NamedTuple):
     """Friction of K bearings at n states.
@@ -122,7 +119,7 @@ class BearingFriction:
         share = np.tanh(found.speed / self.slow)
         steep = self.arm * found.pressing * (1 - share * share) / self.slow + self.viscous
         moving = (found.pressing > self.preload)[:, None, :]  # not held by the preload
-        along = -(found.pulls[:, :, None] * self.owners) / np.maximum(found.pressing, LEAST)[:, None, :] * moving  # (n, S, K)
+        along = -(found.pulls[:, :, None] * self.owners) / np.maximum(found.pressing, 1e-300)[:, None, :] * moving  # (n, S, K)
         pressed = (self.arm * share)[:, None, :] * along
         effort_by_place = np.matmul(pressed.transpose(0, 2, 1), by_place) + steep[:, :, None] * turned
         effort_by_rate = np.matmul(pressed.transpose(0, 2, 1), springs.damping[:, None] * opening) + steep[:, :, None] * gradient
@@ -158,7 +155,8 @@ def bearing_friction(sprung: SprungPress, law: FrictionLaw, speed: float) -> Bea
     slides = geometry.with_lines([_first_line(sprung, number) for number in guides])
     directed = slides.lines._replace(direction=np.array([directions[number] for number in guides], dtype=complex))
     order = pins + guides
-    slow = CREEPS * abs(speed) * np.where(np.arange(len(order)) < len(pins), 1.0, press.size)
+    # At a thousandth of the crank's speed friction does not yet have its whole size: a joint that it holds creeps with less.
+    slow = 1e-3 * abs(speed) * np.where(np.arange(len(order)) < len(pins), 1.0, press.size)
     owners = (sprung.springs.bearing[:, None] == np.array(order)).astype(float)
     preload = np.array([gibs.get(number, law.preload[number]) for number in order])
     slides = replace(slides, lines=directed)

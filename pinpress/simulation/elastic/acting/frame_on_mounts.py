@@ -23,7 +23,6 @@ from ..plane import Lines, PlaneGeometry
 from ..sprung_press import Springs, SprungPress
 
 POSES = 180  # of a turn over which the weights' places are averaged
-ASKEW = 1e-9  # share of a mount's stiffness that couples the axes of the plane, and counts as none
 
 
 def on_mounts(sprung: SprungPress, frame: Frame, mounts: Sequence[Mount]) -> SprungPress:
@@ -104,7 +103,7 @@ def _mounts(sprung: SprungPress, mounts: Sequence[Mount], center: complex, load:
                 " loss_factor x stiffness / (2 pi x frequency)"
             )
         for values in (mount.stiffness, mount.damping, mount.static):
-            if abs(axes[0] @ (np.array(values) * axes[1])) > ASKEW * max(values):
+            if abs(axes[0] @ (np.array(values) * axes[1])) > 1e-9 * max(values):  # less is rounding of the plane's axes
                 raise PinpressError(
                     f"the plane of {sprung.press.name} lies askew to the axes of mount {number}: let the press stand along two of them"
                 )

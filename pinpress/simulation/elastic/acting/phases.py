@@ -21,7 +21,7 @@ from ...reduced_model import COORDINATES
 from ..equations import CRANK_ANGLE, INSTANT, Event, MotionEvent, Segment, TimeSpan
 from .drive_train import TrainEvent, TrainMode
 
-ASIDE = 1e-9  # angle from the start within which an event belongs to the start [rad]
+AT_START = 1e-9  # angle from the start within which an event belongs to the start [rad]
 
 
 class Border(NamedTuple):
@@ -140,7 +140,7 @@ class LoadPhases:
                 continue
             angles = self.driven.model.roots(COORDINATES + each.path, each.value)
             found += [(self._ahead(angle, start), each) for angle in angles]
-        found = sorted((one for one in found if ASIDE < one[0] < period - ASIDE), key=lambda one: one[0])
+        found = sorted((one for one in found if AT_START < one[0] < period - AT_START), key=lambda one: one[0])
         ends = [*(at for at, _ in found[1:]), period] if found else []
         first = found[0][0] if found else period
         phase = self.begin(start + 0.5 * self.direction * first)
@@ -163,7 +163,7 @@ class LoadPhases:
         """How far the crank turns from ``start`` to each turning of a period, rising; one at the start itself is left out [rad]."""
         ahead = np.sort([self._ahead(angle, start) for angle in self.turnings])
         period = self.driven.model.period or np.inf
-        return np.asarray(ahead[(ahead > ASIDE) & (ahead < period - ASIDE)])
+        return np.asarray(ahead[(ahead > AT_START) & (ahead < period - AT_START)])
 
     def _ahead(self, angle: float, start: float) -> float:
         """How far the crank turns from ``start`` to an angle of the period [rad]."""
