@@ -6,7 +6,6 @@ known already. A press linkage is the driver and a chain of dyads.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -22,7 +21,7 @@ from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from .cycle import motion_through_change_points
 from .motion import Motion, refuse_motion_of_another
-from .poses import carried
+from .poses import bearing_points, poses
 
 SAMPLES = 720  # crank angles of a turn at which the least angle is looked for
 CLOSER, ROUNDS = 10, 7  # how many times closer crank angles are looked at in each round, and rounds
@@ -119,7 +118,7 @@ def transmission_angle_curves(press: Linkage, motion: Motion) -> DyadAngles:
     plane = press.plane_or_refuse(f"{press.name} has no transmission angles: they are those of planar linkages with one driver")
     refuse_motion_of_another(press, motion)
     dyads = [_bearings(press, plane, block) for block in plane.blocks if block.kind == "dyad"]
-    placed = _Placed(press, {name: place for place, name in enumerate(press.bearings)}, motion.joint_position)
+    placed = _place_bearings(press, motion.joint_position)
     angles = np.array([_angle(plane, placed, each) for each in dyads]).reshape(len(dyads), len(motion.joint_position))
     return DyadAngles(motion, NamedArrays(tuple(each.middle for each in dyads), angles))
 
@@ -188,79 +187,50 @@ def _down_to_frame(press: Linkage, joint: int) -> Iterator[int]:
         joint = press.model.parents[joint]
 
 
+class _Placed(NamedTuple):
+    """Bearings in n states, by their names.
+
+    Attributes:
+        points: (n, 3) where their forces act, world axes [m].
+        slides: (n, 3) world directions along which those bearings slide that are no pins.
+    """
+
+    points: Mapping[str, Array]
+    slides: Mapping[str, Array]
+
+
+def _place_bearings(press: Linkage, position: Array) -> _Placed:
+    """The bearings of a linkage at joint coordinates (n, nv)."""
+    bodies = poses(press, position)
+    sliding = ((joint, name, axis) for joint, (name, axis) in enumerate(zip(press.joints, press.axes, strict=True), 1) if not axis.turns)
+    slides = {name: bodies.rotation[joint] @ axis.direction for joint, name, axis in sliding}
+    return _Placed(dict(zip(press.bearings, bearing_points(press, bodies), strict=True)), slides)
+
+
 def _angles(press: Linkage, plane: Plane, dyads: list[_Bearings], crank: Array) -> Array:
     """Transmission angles (dyads, n) at crank angles (dyads, n), or (1, n) for all."""
-    position = motion_through_change_points(press, crank.ravel(), 0.0).joint_position
-    count, found = crank.shape[1], np.empty((len(dyads), crank.shape[1]))
-    places = {name: place for place, name in enumerate(press.bearings)}
-    placed = _Placed(press, places, position)
-    for k, each in enumerate(dyads):
-        if len(crank) > 1:
-            placed = _Placed(press, places, position[k * count : (k + 1) * count])
-        found[k] = _angle(plane, placed, each)
-    return found
+    placed = _place_bearings(press, motion_through_change_points(press, crank.ravel(), 0.0).joint_position)
+    states = np.arange(crank.size).reshape(crank.shape)
+    return np.array([_angle(plane, placed, each)[states[k % len(states)]] for k, each in enumerate(dyads)])
 
 
 def _angle(plane: Plane, placed: _Placed, each: _Bearings) -> Array:
     """Transmission angle (n,) of a dyad."""
-    where = {name: placed.bearing(name) for name in (each.middle, *each.ends)}
-    slides = {name: placed.slide_direction(name) for name in (each.middle, *each.ends)}
-    one, another = _lines(each, where, slides, plane.normal)
+    one, another = _lines(each, placed, plane.normal)
     across = np.cross(one, another) @ plane.normal
     return np.asarray(np.arctan2(np.abs(across), np.abs(np.sum(one * another, axis=1))))
 
 
-class _Placed:
-    """Bearings at joint coordinates (n, nv). Of the bodies only those are placed that carry a bearing that is asked for.
-
-    Args:
-        press: the linkage.
-        places: places in `Linkage.bearings` by their names.
-        position: (n, nv) joint coordinates.
-    """
-
-    def __init__(self, press: Linkage, places: Mapping[str, int], position: Array) -> None:
-        self.press, self.places, self.position = press, places, position
-        self.known = {0: (np.broadcast_to(np.eye(3), (len(position), 3, 3)), np.zeros((len(position), 3)))}
-
-    def bearing(self, name: str) -> Array:
-        """(n, 3) where the force of a bearing acts, world axes [m]."""
-        place = self.places[name]
-        if place < len(self.press.joints):
-            return self._body(place + 1)[1]
-        loop = self.press.loops[place - len(self.press.joints)]
-        rotation, position = self._body(loop.joint1)
-        return np.asarray(rotation @ loop.point1 + position)
-
-    def slide_direction(self, name: str) -> Array | None:
-        """World directions (n, 3) along which a bearing slides; None for a pin."""
-        place = self.places[name]
-        if place >= len(self.press.joints) or self.press.axes[place].turns:
-            return None
-        return np.asarray(self._body(place + 1)[0] @ self.press.axes[place].direction)
-
-    def _body(self, joint: int) -> tuple[Array, Array]:
-        """Rotations (n, 3, 3) and positions (n, 3) of the body of a Pinocchio joint."""
-        model, axes = self.press.model, self.press.axes
-        unknown = list(itertools.takewhile(lambda each: each not in self.known, _down_to_frame(self.press, joint)))
-        for each in reversed(unknown):
-            moved, parent = self.position[:, each - 1], self.known[model.parents[each]]
-            self.known[each] = carried(model.jointPlacements[each], axes[each - 1], moved, *parent)
-        return self.known[joint]
-
-
-def _lines(each: _Bearings, where: dict[str, Array], slides: dict[str, Array | None], normal: Array) -> tuple[Array, Array]:
+def _lines(each: _Bearings, placed: _Placed, normal: Array) -> tuple[Array, Array]:
     """Two directions (n, 3) in the plane, between which the transmission angle is."""
+    (points, slides), middle = placed, each.middle
 
-    def in_plane(direction: Array) -> Array:
-        return direction - np.outer(direction @ normal, normal)
+    def line(begin: str, end: str) -> Array:
+        direction = points[end] - points[begin]
+        return np.asarray(direction - np.outer(direction @ normal, normal))
 
-    middle, (first, second) = each.middle, each.ends
-    slot = slides[middle]
-    if slot is not None:
-        guides = [guide for name in each.ends if (guide := slides[name]) is not None]
-        return (slot, guides[0]) if guides else (in_plane(where[first] - where[second]), np.cross(normal, slot))
-    lines = [
-        in_plane(where[name] - where[middle]) if (guide := slides[name]) is None else np.cross(normal, guide) for name in (first, second)
-    ]
-    return lines[0], lines[1]
+    if middle in slides:
+        guides = [slides[name] for name in each.ends if name in slides]
+        return (slides[middle], guides[0]) if guides else (line(*each.ends), np.cross(normal, slides[middle]))
+    first, second = (np.cross(normal, slides[name]) if name in slides else line(middle, name) for name in each.ends)
+    return first, second
