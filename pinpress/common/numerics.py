@@ -15,7 +15,6 @@ from .products import product
 from .quantities import Array, ComplexArray
 
 NODES = 14  # nodes of the quadrature; the polynomials through them have one degree less
-BESIDE_EACH_OTHER = 64  # columns from which on rows are added one by one
 MOST_STEPS = 60  # most steps of Newton's method: as many halvings narrow a bracket down to rounding
 Numbers = NDArray[np.float64] | NDArray[np.complex128]
 ValueAndSlope = Callable[[Array], tuple[Any, Any]]
@@ -121,7 +120,7 @@ def running_sums(start: Array | float, steps: Array) -> Array:
     """(p + 1, n) a ``start`` (n,), and what it becomes with each of the steps (p, n)."""
     result = np.empty((len(steps) + 1, steps.shape[1]))
     result[0], result[1:] = start, steps
-    if result.shape[1] < BESIDE_EACH_OTHER:
+    if result.shape[1] < 64:  # of many columns rows are added one by one
         return np.asarray(result.cumsum(axis=0))
     for before, after in itertools.pairwise(result):  # the same sums; for many columns `cumsum` goes through memory in strides
         after += before

@@ -25,11 +25,8 @@ CLOSED = 1e-6  # share of a step by which a motion may miss the end of its perio
 SEAM = 1e-4, 1e-2  # shares of a turn, and of the largest speed, by which the last state of a closed motion may differ from the first
 NOISY, COARSE = 0.03, 0.05  # uncertainties of derivatives, as shares of their size, above which noise and long steps dominate them
 NOISE_SHARE = 8.0, 5.0  # factors from the uncertainty of a first and of a second derivative to its error by white noise
-UNCLEAR = 0.5  # roughness of derivatives, as a share of their size, above which single states are uncertain
-SLIGHT = 0.1  # share of the square of a speed: a smaller acceleration moves a press little compared with its speed
 MOST_ROUNDS = 60  # most rounds in which the times of states are found
 SETTLED = 1e-13  # relative change of a step of time that ends these rounds
-UNSURE = 0.1  # share of a step of time by which trapezoidal rule and spline differ where time is not determined
 
 
 class Drivers(NamedTuple):
@@ -382,7 +379,8 @@ def _times(angles: Array, speeds: Array) -> Array | None:
                 return None
             if np.abs(factors - 1).max() < SETTLED:
                 break
-    settled = np.abs(factors - 1).max() < 1e3 * SETTLED and np.abs(steps / trapezoids - 1).max() < UNSURE
+    # Where time is not determined, the trapezoidal rule and the spline differ by more than a tenth of a step.
+    settled = np.abs(factors - 1).max() < 1e3 * SETTLED and np.abs(steps / trapezoids - 1).max() < 0.1
     return np.concatenate([[0.0], np.cumsum(steps)]) if settled else None
 
 
@@ -415,7 +413,8 @@ def _no_time(drivers: Drivers, angles: Array, speeds: Array) -> str:
 
 def _doubt(drivers: Drivers, given: str, column: SampledColumn, order: int, speeds: Array) -> None:
     """Warn where accelerations, derivatives of a column, depend on how they are found, compared with those that follow from the speeds."""
-    acceleration, by_speed = np.mean(column.derivative(order) ** 2, axis=0), np.mean((SLIGHT * speeds**2) ** 2, axis=0)
+    # An acceleration of less than a tenth of the squared speed moves a press little compared with its speed.
+    acceleration, by_speed = np.mean(column.derivative(order) ** 2, axis=0), np.mean((0.1 * speeds**2) ** 2, axis=0)
     size = np.sqrt(acceleration + by_speed)
     part = float(np.max(np.divide(column.uncertainty(order), size, out=np.zeros_like(size), where=size > 0)))
     share = min(100.0, 100.0 * NOISE_SHARE[order - 1] * part)
@@ -429,7 +428,7 @@ def _doubt(drivers: Drivers, given: str, column: SampledColumn, order: int, spee
             f"the acceleration derived from the {given} over time is uncertain: the states are too far apart for so quick a motion, or"
             " something jumps; give more states, or acceleration=..."
         )
-    elif np.any((rough := column.roughness(order)) > UNCLEAR * size):
+    elif np.any((rough := column.roughness(order)) > 0.5 * size):  # of single states: at a jump both splines differ by half of the size
         state = int(np.argmax(rough.reshape(len(rough), -1).max(axis=1)))
         caution(
             f"the acceleration derived from the {given} over time is uncertain at {column.time[state]:.6g} s (state {state}), by"

@@ -18,7 +18,6 @@ from .cycle import motion_through_change_points
 from .slide_path import DeadCentres, dead_centres, turning_points
 
 ALONG = 0.999  # cosine between two directions that are taken for one in words
-MOST_BOTTOMS = 6  # bottom dead centres that a line lists
 POINTS = 721  # crank angles at which the travel of a slide without dead centres is looked for
 
 
@@ -177,7 +176,8 @@ def _strokes(data: MainData, driver: str) -> list[str]:
     alike = ", all alike" if ends.strokes == 1 and ends.strokes_per_turn > 1 else ""
     if len(data.bottoms) > 1:
         shown = ", ".join(
-            f"{coordinate.shown(place, '.2f')} ({1e3 * height + 0.0:.3f} mm)" for place, height in data.bottoms[:MOST_BOTTOMS]
+            f"{coordinate.shown(place, '.2f')} ({1e3 * height + 0.0:.3f} mm)"
+            for place, height in data.bottoms[:6]  # more do not fit in a line
         )
         alike = f", with bottom dead centres at {shown}"
     if not coordinate.turns:

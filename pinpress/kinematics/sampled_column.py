@@ -22,8 +22,6 @@ CORNER, JUMP = 120.0, 400.0  # multiples of the difference between quintic and c
 DIFFERENCES = 3.0  # multiple of the difference from central differences and from the trapezoidal rule
 BENT = 3.0  # multiple of the difference of slopes or values from a line between their neighbours: that of a corner or jump is larger
 NOISE = 35.0  # multiple of the median difference between the two splines: six standard deviations of white noise
-STEPPED = 12.0  # multiple of the largest difference between the two splines that steps of a rounded column do not exceed
-AT_ENDS = 4.0  # factor at the first and the last state, where a corner is seen from one side alone
 ABOUT = 3  # states on either side in which a corner or a jump shows
 ROUNDING = 64 * float(np.finfo(float).eps)
 SAME = 1e-9  # share of the values below which differences are rounding
@@ -75,7 +73,7 @@ class SampledColumn:
             BENT * self._about(np.maximum(beside[1:], beside[:-1])),
         )
         if self.period is None:
-            corner[[0, -1]] *= AT_ENDS
+            corner[[0, -1]] *= 4.0  # there a corner is seen from one side alone
         shortest = steps.min()
         rounding = ROUNDING * np.abs(self.values).max(axis=0) / shortest
         return np.asarray(corner + NOISE * self.uncertainty(1) + 2 * self._graduation / shortest + rounding)
@@ -191,7 +189,8 @@ class SampledColumn:
     def _graduation(self) -> Array:
         """Step to which the values are rounded, as in a table or by an encoder, if they show it; a number or (drivers,)."""
         steps = _stretched(np.gradient(self.time), self.values)
-        largest = STEPPED * np.max(self.roughness(1) * steps, axis=0)
+        # Steps of a rounded column are no larger than 12 times the largest difference between the two splines.
+        largest = 12.0 * np.max(self.roughness(1) * steps, axis=0)
         common = np.array([_common_step(values) for values in self.values.reshape(len(self.time), -1).T])
         return np.asarray(np.minimum(largest, common.reshape(largest.shape)))
 

@@ -25,7 +25,6 @@ SAME = 1e-9  # share of a range below which values differ by rounding
 ROUNDING = 4 * float(np.finfo(float).eps)  # rounding of a crank angle [rad]
 SAMPLES = 720  # crank angles of a turn; two dead centres closer than half a degree would be missed
 EQUAL = 1e-9  # share of the stroke below which slide positions differ by rounding
-OPENS = 0.1  # of the stroke: a slide that rises by less between two turning points dwells, and the die does not open for another part
 
 
 @dataclass(frozen=True, repr=False)
@@ -164,7 +163,8 @@ def _within_travel(press: Linkage) -> TurningPoints:
 
 def _with_strokes(points: TurningPoints, way: list[int]) -> TurningPoints:
     """The turning points with the strokes of a way through them that is repeated, counted among them."""
-    heights, least = points.positions, OPENS * float(np.ptp(points.positions))
+    # A slide that rises by less than a tenth of the stroke dwells: the die does not open for another part.
+    heights, least = points.positions, 0.1 * float(np.ptp(points.positions))
     way = list(way)
     while len(way) > 2:
         swings = [abs(heights[one] - heights[before]) for before, one in zip([way[-1], *way], way, strict=False)]

@@ -26,7 +26,6 @@ from ..engines.planar.kinematics import moves, openings
 from ..engines.spatial.engine import SpatialEngine
 
 CLEAR = 1e-2  # smallest margin of a redundant linkage over a turn; below it all its equations are solved in one block
-TRAVELLED = 20.0  # a driver that slides is followed as far [lengths of the linkage]
 MANY_PERIODS = 1000  # from so many periods on the rounding of a crank angle is seen in the gaps of loops
 FARTHEST = 1e7  # larger crank angles are rounded by more than 1e-9 rad, which the slide's position would show [rad]
 
@@ -108,7 +107,7 @@ def _travel(spatial_model: SpatialModel) -> Travel | None:
     if spatial_model.axes[driver].turns:
         return None
     model, place = spatial_model.model, spatial_model.slots[driver].start
-    farthest = TRAVELLED * spatial_model.size
+    farthest = 20.0 * spatial_model.size  # a driver that slides without limits is followed as far
     lower, upper = max(float(model.lowerPositionLimit[place]), -farthest), min(float(model.upperPositionLimit[place]), farthest)
     return Travel(lower, upper, min(spatial_model.size, (upper - lower) / (2 * np.pi)))
 

@@ -26,26 +26,11 @@ from .planarity import planarity
 from .urdf import element_checks, units
 from .urdf.document import Finding
 
-CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
-UNSEEN = 1e-8  # axes that miss each other by less change the rank of no equations [rad]
-BESIDE = 1e-3  # how far from the drawn pose the rank is looked at again [rad, lengths of the linkage]
 AWAY = 1e-2  # how far from a pose that may be a change point closed poses are looked at [rad, lengths of the linkage]
-HALVINGS = 40  # steps of Newton's method, which at a double root halve the distance: from `AWAY` to rounding
-NEARLY_FREE = 1e-3  # singular value, of 1 for equations that are clearly independent, below which a symmetry is meant
-MASSLESS = 1e-13  # share of the inertia that the heaviest link might have, below which nothing resists a motion
-ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
-HARDLY_OPEN = 1e-7  # gaps below are not told as numbers [m]
 OPEN = 1e-6  # a loop drawn further open than this is reported [lengths of the linkage, rad]
-FAR_OPEN = 0.01  # a loop drawn further open than this is hardly meant [lengths of the linkage, rad], nor is
-CLOSED_FAR = 0.05  # one that a joint has to move as far to close [rad or m]
 CLOSED = 1e-3  # a loop is closed if it is drawn less open than this [lengths of the linkage]
 ALONG = 0.999  # cosine of the angle between axes that are taken for one
-TOO_FAR_OPEN = 0.1  # a loop drawn further open than this is closed only where it is asked for [lengths of the linkage, rad]
-LONGEST_STROKE = 5.0  # that a slide has [m]
-LIGHTEST_SLIDE = 0.01  # mass of a slide by that of the heaviest other link: those of presses are the heaviest links themselves
-OUTSIDE = 1e-9  # a joint further beyond its limit than this has left it [rad or m]
-HARDLY = math.radians(1.0)  # a driver that moves by less hardly moves the linkage [rad, lengths of the linkage]
 SAMPLES = 720  # crank angles of a turn at which limits are looked at
 POSES = 6  # poses in which redundancy is looked for: one alone may be a dead centre, where idle forces do not reach all loops
 
@@ -73,14 +58,14 @@ def errors(press: Linkage) -> Iterator[Finding]:
 def closes(press: Linkage) -> bool:
     """Whether the linkage closes near its drawn pose."""
     tolerance = ACCEPTED * press.engine().tolerance
-    near = CLOSE_TO_DRAWN * max(1.0, press.size)
+    near = 0.25 * max(1.0, press.size)  # beyond a quarter radian, or of its length, it is another assembly than the drawn one
     return bool(press.drawn.gap[0] <= tolerance) and bool(np.abs(press.closed - press.as_drawn).max() <= near)
 
 
 def too_far_open(press: Linkage) -> Iterator[Finding]:
     """Errors of loops that are drawn so far open that closing them makes a linkage that is hardly the one that was meant, though they
     close."""
-    for each in _loops(_open_beyond(press, TOO_FAR_OPEN)):
+    for each in _loops(_open_beyond(press, 0.1)):  # a tenth of the linkage's length, as the documentation of `load` says
         problem = f"it is {opening_in_words(press, each, press.drawn_gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
         likely = _read_otherwise(press, each) or "correct its points or the lengths"
         remedy = f"{likely}; allow_open=True (--allow-open) closes it even so, and moves {_moved_to_close(press)}"
@@ -94,7 +79,7 @@ def opening_in_words(press: Linkage, each: mobility.Constraint, gaps: Array) -> 
 
 def open_in_words(distance: float, angle: float, size: float) -> str:
     """A distance [m] and an angle [rad] in words, without what is rounding in a linkage of this size [m]."""
-    mm = "less than 0.0001 mm" if distance < min(OPEN * size, HARDLY_OPEN) else f"{_short(1e3 * distance)} mm"
+    mm = "less than 0.0001 mm" if distance < min(OPEN * size, 1e-7) else f"{_short(1e3 * distance)} mm"
     apart = [mm] if distance > SEEN * size else []
     return " and ".join(apart + [f"{_short(np.degrees(angle))} deg"] * (angle > SEEN))
 
@@ -107,7 +92,7 @@ def _short(number: float) -> str:
 def rounded(press: Linkage) -> str | None:
     """The remedy for axes that are nearly but not quite parallel; None where they are parallel, or far from it."""
     off = planarity(press).farthest_off
-    if not PARALLEL < off < ROUNDED:
+    if not PARALLEL < off < 1e-2:  # axes as near to parallel as half a degree are meant to be parallel
         return None
     return f"axes are up to {off:.2g} rad from parallel: write angles in full, 1.5707963267948966 for a quarter turn"
 
@@ -116,7 +101,8 @@ def _unseen(press: Linkage) -> Iterator[Finding]:
     """Errors of axes so nearly parallel that the rank of the equations does not show it, but the gaps do."""
     plane, called = planarity(press), press.document.called
     off = plane.farthest_off
-    if PARALLEL < off < UNSEEN and press.loops and (remedy := rounded(press)):
+    # Axes that miss each other by less than 1e-8 rad change the rank of no equations.
+    if PARALLEL < off < 1e-8 and press.loops and (remedy := rounded(press)):
         if off in plane.joints_off:
             element, line = called("joint", press.joints[plane.joints_off.index(off)]), None
         else:
@@ -147,7 +133,7 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
         stuck = _without_axis(press) or rounded(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
         remedy = "drive fewer joints" if freedom > 0 else stuck
         least = float(singular_values(rows.columns)[press.model.nv - len(press.drivers)])
-        if least < NEARLY_FREE:
+        if least < 1e-3:  # equations that are clearly independent have singular values of about 1
             problem += f"; it misses moving by {least:.1g} only, which looks like rounding"
             remedy = "write equal and symmetrical lengths and angles with all digits, as formulas or copies: then the equations agree"
     return Finding.of(UrdfError(press.file, _robot(press), None, problem, remedy))
@@ -157,7 +143,8 @@ def _free_beside(press: Linkage) -> int:
     """Degrees of freedom in a random pose near the drawn one, where no equation fails by chance."""
     count = int(press.model.nv)
     lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
-    beside = press.closed + BESIDE * lengths * np.random.default_rng(0).uniform(-1, 1, count)
+    away = 1e-3 * lengths  # near to the drawn pose, and a thousand times the rounding of files
+    beside = press.closed + away * np.random.default_rng(0).uniform(-1, 1, count)
     return count - rank(press.equations(beside).columns)
 
 
@@ -182,7 +169,7 @@ def _is_shaky(press: Linkage) -> bool:
     largest = 0.0
     for _ in range(POSES):
         x = press.closed + AWAY * lengths * random.uniform(-1, 1, len(lengths))
-        for _ in range(HALVINGS):
+        for _ in range(40):  # at a double root steps of Newton's method halve the distance: from `AWAY` to rounding
             rows = press.equations(x)
             x = x - np.linalg.lstsq(rows.columns, rows.gaps, rcond=SEEN)[0]
         largest = max(largest, float(singular_values(press.equations(x).columns)[last]))
@@ -279,7 +266,8 @@ def _massless(press: Linkage) -> Iterator[Finding]:
     mass = pin.crba(press.model, data_of(press.model), configuration(press.slots, press.closed))
     resisted = rates.T @ mass @ rates
     values, ways = np.linalg.eigh(resisted if len(press.drivers) > 1 else resisted.diagonal().sum().reshape(1, 1))
-    if values[0] > MASSLESS * max(masses[1:]) * press.size**2:
+    # A smaller share of the inertia that the heaviest link might have is rounding.
+    if values[0] > 1e-13 * max(masses[1:]) * press.size**2:
         return
     moved = rates if len(press.drivers) == 1 else rates @ ways[:, :1]
     moving = np.flatnonzero(np.abs(moved).max(axis=1) > SEEN)
@@ -354,7 +342,8 @@ def _range_of_driver(press: Linkage, branch: Branch, where: tuple[str, int]) -> 
     else:
         low, high = float(branch.angles[0]), float(branch.angles[-1])
         turns_round = press.slots[press.driver_indices[0]].unbounded  # its joint is of type "continuous"
-        severity = "note" if not turns_round and high - low > HARDLY * (1.0 if coordinate.turns else press.size) else "warning"
+        # A driver that moves by less than a degree, or 0.017 lengths of the linkage, hardly moves it.
+        severity = "note" if not turns_round and high - low > math.radians(1.0) * (1.0 if coordinate.turns else press.size) else "warning"
         moves = f"it {'turns' if coordinate.turns else 'slides'} only from {low * coordinate.scale:.6g} to {coordinate.shown(high)}"
         yield Finding(severity, *where, f"{moves}, where the linkage locks", "keep motions inside, or correct the lengths")
 
@@ -388,8 +377,9 @@ def _spin_in_words(spin: mobility.Spin) -> str:
 def severe(press: Linkage, centres: bool = True) -> Iterator[Finding]:
     """The warnings that `load` issues: those found quickly, about files that hardly describe the linkage that was meant. ``centres``:
     whether centres of mass are looked at."""
-    far = np.abs(press.closed - press.as_drawn).max() > CLOSED_FAR
-    yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else FAR_OPEN)))
+    # A gap of a hundredth of the linkage is probably a mistake, and so is any that a joint has to move by 0.05 rad or m to close.
+    far = np.abs(press.closed - press.as_drawn).max() > 0.05
+    yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else 0.01)))
     yield from units_remarks(press, centres)
     if "plane" in press.engines:  # of others the assembly is not followed yet, which takes long
         yield from (finding for finding in _driver(press)[1] if finding.severity == "warning")
@@ -406,7 +396,8 @@ def units_remarks(press: Linkage, centres: bool = True) -> Iterator[Finding]:
 def _light_slide(press: Linkage, masses: list[float]) -> Iterator[Finding]:
     """The warning of a slide, moved by other links, that is far lighter than one of them; ``masses``: of all bodies but the frame [kg]."""
     heaviest, weight = int(np.argmax(masses)), masses[press.slide_guide.joint]
-    if UNWEIGHED < weight < LIGHTEST_SLIDE * masses[heaviest]:
+    # Slides of presses are the heaviest links themselves.
+    if UNWEIGHED < weight < 0.01 * masses[heaviest]:
         link = press.document.find("link", press.slide)
         problem = f"the slide weighs {weight:.4g} kg, link {press.link_of(heaviest + 1)!r} {masses[heaviest]:.4g} kg"
         yield Finding("warning", str(link), link.line, problem, "write masses in kg, 1000 for a tonne")
@@ -423,7 +414,7 @@ def _stroke(press: Linkage) -> Iterator[Finding]:
     guide = press.slide_guide.joint
     angles = np.linspace(branch.angles[0], branch.angles[-1], SAMPLES)
     stroke = float(np.ptp(predict(branch, angles)[guide]))
-    if stroke > LONGEST_STROKE:
+    if stroke > 5.0:  # [m]: no press has more
         joint = press.document.find("joint", press.joints[guide])
         problem = f"slide {press.slide!r} goes {stroke:.3g} m to and fro"
         yield Finding("warning", str(joint), joint.line, problem, "write lengths in metres, 0.001 for a millimetre")
@@ -486,7 +477,7 @@ def _limits(press: Linkage, branch: Branch) -> Iterator[Finding]:
             continue  # this is reported of the drawn pose
         for beyond, side, limit in ((lower - positions[joint], "lower", lower), (positions[joint] - upper, "upper", upper)):
             at = int(np.argmax(beyond))
-            if beyond[at] > OUTSIDE:
+            if beyond[at] > 1e-9:  # [rad or m]: less is rounding
                 reached = f"it reaches {_value(press, joint, positions[joint, at])} at {branch.coordinate.at(angles[at])}"
                 remedy = "widen the limit, or correct the lengths (limits do not enter any computation)"
                 yield Finding("warning", str(element), element.line, f"{reached}, beyond its {side} limit {limit:g}", remedy)

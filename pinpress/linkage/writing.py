@@ -37,7 +37,6 @@ STEEL = 7850.0  # density [kg/m3]
 SEEN = 1e-3  # a mass that was added to a link is shown from this share of the link's mass,
 FARTHEST = 2.0  # no farther from the link's centre of mass than this, as a share of the linkage's size,
 ASIDE = 1e-6  # and written into a file from this share on: a link that is only heavier has no counterweight
-LARGEST_BALL = 1e6  # radius whose power can be taken [m]
 
 _OF_THE_POSE = {"placement of joints and links", "directions of joints and links", "lowerPositionLimit", "upperPositionLimit", "gear pairs"}
 _UNSAID = ("armature", "rotorInertia", "rotorGearRatio")  # arrays of the model for which URDF has no element
@@ -142,7 +141,7 @@ def _balls(document: Document, model: pin.Model) -> dict[int, list[tuple[float, 
 def _without_balls(inertia: pin.Inertia, balls: Iterable[tuple[float, pin.SE3]]) -> pin.Inertia:
     """The inertia of a body as its text loads, without the balls that stand for counterweights."""
     for radius, place in balls:
-        mass = 4 / 3 * np.pi * min(radius, LARGEST_BALL) ** 3 * STEEL
+        mass = 4 / 3 * np.pi * min(radius, 1e6) ** 3 * STEEL  # [m]: its cube can be taken
         if SEEN * inertia.mass < mass < inertia.mass:  # else it is none of ours
             inertia = _rest(inertia, [(_body(mass, np.zeros(3), 0.4 * mass * radius**2 * np.eye(3)), place)], pin.SE3.Identity())
     return inertia

@@ -19,9 +19,6 @@ from ..urdf.text import MOMENTS, tag, written
 
 # What a URDF asks of every limited joint, where the other format has no such limit. Nothing here is computed with.
 UNLIMITED = 1000.0  # limit of position and velocity that is written where there is none [rad or m], [rad/s or m/s]
-STRONGEST = 1e9  # limit of effort that is written where there is none [N m or N]
-
-NEARLY_ALONG = 0.1  # sine of the angle between a link and an axis that is too small for that axis to turn it
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,7 +245,8 @@ def _with_axes_of_balls(mechanism: Mechanism) -> Iterator[Joint]:
         first = np.eye(3)[np.abs(along).argmin()]
         if carrier is not None and carrier.type == "revolute":
             turns = ball[0].place.rotation.T @ carrier.axis
-            first = first if np.linalg.norm(np.cross(along, turns)) < NEARLY_ALONG else turns
+            # An axis within 6 degrees of the link would hardly turn it.
+            first = first if np.linalg.norm(np.cross(along, turns)) < 0.1 else turns
         across = np.cross(along, first)
         axes = (first, across / np.linalg.norm(across), along)
         joints.update({joint.name: replace(joint, axis=axis) for joint, axis in zip(ball, axes, strict=True)})
@@ -306,7 +304,7 @@ def _joint(joint: Joint) -> Iterator[Line]:
         yield f"    {tag('axis', {'xyz': written(joint.axis)})}", joint.origin
         if kind != "continuous":
             lower, upper = joint.limits or (-UNLIMITED, UNLIMITED)
-            effort = STRONGEST if joint.effort is None else joint.effort
+            effort = 1e9 if joint.effort is None else joint.effort  # [N m or N]: of no limit
             velocity = UNLIMITED if joint.velocity is None else joint.velocity
             values = {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
             yield f"    {tag('limit', {name: written([value]) for name, value in values.items()})}", joint.origin

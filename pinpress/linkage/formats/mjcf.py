@@ -30,12 +30,10 @@ if TYPE_CHECKING:
 
 WORLD = "world"
 SAME = 1e-9  # relative difference above which MuJoCo's inertia is not the tensor in the file, but made from shapes or changed
-TORQUE_SCALE = 10  # place of a weld's torquescale among its data
 _SHAPES = ("BOX", "SPHERE", "CYLINDER", "CAPSULE", "MESH")
 _EQUALITIES = ("connect", "weld", "joint", "tendon")
 _OF_FILES = ("include", "mesh", "hfield", "texture", "skin", "model")  # elements that name files
 _FOLDERS = ("assetdir", "meshdir", "texturedir")  # in which MuJoCo looks for them
-_SEEN_GROUPS = 3  # MuJoCo shows shapes of groups 0 to 2; the others are mostly for collisions
 
 
 def read(document: Document) -> Document:
@@ -244,7 +242,8 @@ class _Reader:
         box, sphere, cylinder, capsules, mesh = (int(getattr(self.mujoco.mjtGeom, f"mjGEOM_{kind}")) for kind in _SHAPES)
         first = int(model.body_geomadr[body])
         for geom in range(first, first + int(model.body_geomnum[body])):
-            if model.geom_group[geom] >= _SEEN_GROUPS:
+            # MuJoCo shows shapes of groups 0 to 2; the others are mostly for collisions.
+            if model.geom_group[geom] >= 3:
                 continue
             place = self._inside(body, model.geom_pos[geom], model.geom_quat[geom])
             size, kind, colour = model.geom_size[geom], model.geom_type[geom], tuple(model.geom_rgba[geom])
@@ -370,7 +369,7 @@ class _Reader:
         model, (one, two) = self.model, self._end_bodies(k)
         weld = model.eq_type[k] == int(self.mujoco.mjtEq.mjEQ_WELD)
         data, straight = model.eq_data[k], np.array([1.0, 0.0, 0.0, 0.0])
-        turns = not weld or data[TORQUE_SCALE] == 0
+        turns = not weld or data[10] == 0  # the place of a weld's torquescale among its data
         if self._by_sites(k):
             sites = int(model.eq_obj1id[k]), int(model.eq_obj2id[k])
             places = [(model.site_pos[site], straight if turns else model.site_quat[site]) for site in sites]
