@@ -28,9 +28,9 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.dynamics import inverse_dynamics, reactions
 from pinpress.engines.forces import FrictionLaw
-from pinpress.engines.pinocchio import inverse_dynamics as spatial_dynamics
 from pinpress.engines.planar import bodies, out_of_plane
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
+from pinpress.engines.spatial import inverse_dynamics as spatial_dynamics
 
 LEAST = "lexicographic_least_squares"
 
@@ -380,7 +380,7 @@ def test_what_is_not_redundant_shares_nothing(monkeypatch, six_bar, turn):
     stacked, across = case("two_point"), pp.loads.PointForce("slide", (0.0, 10.0, 0.0))
     pp.inverse_dynamics(*stacked, loads=[across])  # what the press keeps is made
     for bearings, shared in ((None, True), (("O",), True), ((), False)):
-        assert calls(monkeypatch, spatial_dynamics, LEAST, *stacked, engine="pinocchio", bearings=bearings) == shared
+        assert calls(monkeypatch, spatial_dynamics, "share", *stacked, engine="pinocchio", bearings=bearings) == shared
         stiff = {"stiffness": dict.fromkeys(stacked[0].bearings, 1e9)}
         assert calls(monkeypatch, bodies, LEAST, *stacked, [across], **stiff, bearings=bearings) == shared
         assert not calls(monkeypatch, bodies, LEAST, *stacked, **stiff, bearings=bearings)  # nothing acts along the normal
@@ -400,14 +400,14 @@ def test_no_friction_is_no_iteration(monkeypatch, six_bar, turn, engine):
     assert calls(monkeypatch, FrictionLaw, "efforts", six_bar, turn, engine=engine, friction=rubbing)
 
 
-def test_the_tree_is_walked_once_for_the_torque_alone(monkeypatch, six_bar, turn):
-    """By Pinocchio: the second time is for the joints' forces under those of the loops."""
+def test_the_tree_is_walked_once(monkeypatch, six_bar, turn):
+    """By Pinocchio: the forces of the joints under those of the loops follow without another walk."""
     rnea, walks = pin.rnea, []
     monkeypatch.setattr(pin, "rnea", lambda *arguments: walks.append(1) or rnea(*arguments))
-    for bearings, times in (((), 1), (("A",), 2), (None, 2)):
+    for bearings in ((), ("A",), None):
         walks.clear()
         pp.inverse_dynamics(six_bar, turn, engine="pinocchio", bearings=bearings)
-        assert len(walks) == times * len(turn.q), bearings
+        assert len(walks) == len(turn.q), bearings
 
 
 def test_shaking_is_computed_when_it_is_asked_for_and_once(monkeypatch, six_bar, turn):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +15,9 @@ from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, EnergyRates, Jo
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import kinematics
 from .model import SpatialModel
+
+if TYPE_CHECKING:
+    from ..spatial.equations import Loops
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -26,6 +31,13 @@ class PinocchioEngine:
     spatial: SpatialModel
 
     name = "pinocchio"
+
+    @cached_property
+    def loops(self) -> Loops:
+        """Constants of the equations, as of the engine in space."""
+        from ..spatial.equations import build_loops  # slow to import, and not needed to load
+
+        return build_loops(self.spatial)
 
     @property
     def piece(self) -> int:
@@ -80,19 +92,22 @@ class PinocchioEngine:
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
-        from . import inverse_dynamics  # slow to import, and not needed to load
+        from ..spatial.inverse_dynamics import inverse_dynamics  # slow to import, and not needed to load
+        from .inverse_dynamics import ONE_BY_ONE
 
-        return inverse_dynamics.inverse_dynamics(self.spatial, states, conditions, bearings)
+        return inverse_dynamics(self.loops, states, conditions, bearings, ONE_BY_ONE)
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
-        from . import inverse_dynamics  # slow to import, and not needed to load
+        from ..spatial.inverse_dynamics import bearing_loads  # slow to import, and not needed to load
+        from .inverse_dynamics import ONE_BY_ONE
 
-        return inverse_dynamics.bearing_loads(self.spatial, states, loads, efforts, rates)
+        return bearing_loads(self.loops, states, loads, efforts, rates, ONE_BY_ONE)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        from . import inverse_dynamics  # slow to import, and not needed to load
+        from ..spatial.inverse_dynamics import indeterminate  # slow to import, and not needed to load
+        from .inverse_dynamics import ONE_BY_ONE
 
-        return inverse_dynamics.indeterminate(self.spatial, position, axes)
+        return indeterminate(self.loops, position, axes, ONE_BY_ONE)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
         return kinematics.power_balance(self.spatial, states, loads)

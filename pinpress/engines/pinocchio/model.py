@@ -103,11 +103,6 @@ class SpatialModel:
                 result[joint, k] = sign
         return result
 
-    @cached_property
-    def share(self) -> Array:
-        """(3 bearings, 3 nl) loop forces to what they add to the forces of all joints and loops, world axes."""
-        return np.concatenate([-np.kron(self.incidence, np.eye(3)), np.eye(3 * len(self.loops))])
-
     def equations(self) -> Equations:
         """The equations of loops and couplings, for use within one call: they hold Pinocchio's data."""
         return Equations(self)

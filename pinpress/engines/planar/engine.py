@@ -138,11 +138,11 @@ class PlanarEngine:
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         # slow to import, and not needed to load
-        from ..pinocchio.inverse_dynamics import indeterminate as indeterminate_in_space
+        from ..pinocchio.engine import PinocchioEngine
         from .out_of_plane import indeterminate
 
         if self.plane.redundant:
-            return indeterminate_in_space(self.spatial, position, axes)
+            return PinocchioEngine(self.spatial).indeterminate(position, axes)
         return indeterminate(self.plane, position, axes), np.zeros(len(self.spatial.couplings), dtype=bool)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:

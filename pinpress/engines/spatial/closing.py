@@ -27,9 +27,10 @@ class PassiveColumns:
         regular: whether all columns are certainly independent, at all configurations.
     """
 
-    def __init__(self, loops: Loops, entries: Array) -> None:
+    def __init__(self, loops: Loops, entries: Array, in_blocks: bool = True) -> None:
+        """Factorise the columns of some ``entries``, see `Loops`; ``in_blocks``: block by block where there are blocks."""
         self.loops, self.n, self._entries = loops, entries.shape[1], entries
-        self._blocks = None if loops.blocks is None else InBlocks(loops.blocks, entries)
+        self._blocks = InBlocks(loops.blocks, entries) if in_blocks and loops.blocks is not None else None
         self._others = np.arange(self.n) if self._blocks is None else np.flatnonzero(~self._blocks.regular)
         self.regular = not len(self._others)
 

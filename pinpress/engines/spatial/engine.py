@@ -106,21 +106,19 @@ class SpatialEngine:
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
-        if states.v.shape[1] == 1:  # a single state takes Pinocchio half the time
-            return self.one_by_one.inverse_dynamics(states, conditions, bearings)
-        from . import inverse_dynamics  # not needed to load
+        from .inverse_dynamics import AT_ONCE, inverse_dynamics  # not needed to load
 
-        return inverse_dynamics.inverse_dynamics(self.loops, states, conditions, bearings)
+        return inverse_dynamics(self.loops, states, conditions, bearings, AT_ONCE)
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
-        from . import inverse_dynamics  # not needed to load
+        from .inverse_dynamics import AT_ONCE, bearing_loads  # not needed to load
 
-        return inverse_dynamics.bearing_loads(self.loops, states, loads, efforts, rates)
+        return bearing_loads(self.loops, states, loads, efforts, rates, AT_ONCE)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        from . import inverse_dynamics  # not needed to load
+        from .inverse_dynamics import AT_ONCE, indeterminate  # not needed to load
 
-        return inverse_dynamics.indeterminate(self.loops, position, axes)
+        return indeterminate(self.loops, position, axes, AT_ONCE)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
         return bodies.power_balance(self.loops.bodies, states, loads)

@@ -2,12 +2,12 @@
 
 The forces of the open tree are sums over the bodies that a joint carries. The multipliers of the equations balance the efforts of its
 passive joints; what they leave open is shared as `engines.forces` says. A bearing's force is that of the open tree less the loop forces
-that cross it.
+that cross it. Pinocchio's engine has equations and forces of the open tree by its own algorithms, and all else from here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 from typing import NamedTuple
 
@@ -23,15 +23,44 @@ from .equations import Equations, Loops, equations, loop_turning
 from .sharing import Shared, share
 
 
-def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedConditions, bearings: bool) -> Wrenches:
+class OpenTree(NamedTuple):
+    """Forces of the tree with all loops open, in world axes.
+
+    Attributes:
+        effort: (nv, n) of the joints about or along their axes [N m or N].
+        force: (nv, 3, n) of the joints [N].
+        moment: (nv, 3, n) of the joints about their origins [N m].
+    """
+
+    effort: Array
+    force: Array
+    moment: Array
+
+
+class Method(NamedTuple):
+    """How equations and forces of the open tree are computed.
+
+    Attributes:
+        equations: of constants and joint coordinates (nv, n).
+        open_tree: of constants, equations at closed states, these states and the loads.
+        in_blocks: whether equations are solved block by block, and those that closing the states has left are taken; else each state by
+            the singular values of the whole.
+    """
+
+    equations: Callable[[Loops, Array], Equations]
+    open_tree: Callable[[Loops, Equations, ClosedStates, Sequence[AppliedForce]], OpenTree]
+    in_blocks: bool
+
+
+def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedConditions, bearings: bool, by: Method) -> Wrenches:
     """Driving torque and the wrenches of joints and loops; see `Engine.inverse_dynamics`."""
     spatial, n, law = loops.spatial, states.v.shape[1], conditions.law
     result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), spatial.model.nv + len(spatial.loops), n, bearings)
     pieces = [slice(start, start + loops.piece) for start in range(0, n, loops.piece)]
-    fastest = None if law is None or len(pieces) == 1 else law.moving(_speeds(loops, states, pieces))
+    fastest = None if law is None or len(pieces) == 1 else law.moving(_speeds(loops, states, pieces, by))
     for some in pieces:
         part = states if len(pieces) == 1 else states.part(some)
-        balance = _Balance(loops, part, [load.part(some) for load in conditions.loads], conditions.compliance)
+        balance = _Balance(loops, part, [load.part(some) for load in conditions.loads], conditions.compliance, by)
         if law is None:
             friction = balance.no_friction()
             multipliers = balance.multipliers(friction, shared=bearings)
@@ -43,27 +72,29 @@ def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedCond
     return result
 
 
-def bearing_loads(loops: Loops, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+def bearing_loads(
+    loops: Loops, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array, by: Method
+) -> BearingLoads:
     """See `Engine.bearing_loads`."""
     n = states.v.shape[1]
     speed, radial = np.empty_like(efforts), np.empty((*efforts.shape, 3))
     for start in range(0, n, loops.piece):
         some = slice(start, start + loops.piece)
-        balance = _Balance(loops, states.part(some), [load.part(some) for load in loads], None)
+        balance = _Balance(loops, states.part(some), [load.part(some) for load in loads], None, by)
         speed[:, some], directions = balance.ways(rates[:, some])
         multipliers = balance.multipliers(balance.friction(efforts[:, some], directions))
         radial[:, some] = balance.radial(multipliers, directions).transpose(0, 2, 1)
     return BearingLoads(speed, radial)
 
 
-def indeterminate(loops: Loops, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def indeterminate(loops: Loops, position: Array, axes: Array, by: Method) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Force and moment components (bearings, 6) along the rows of ``axes`` (3, 3), and coupling torques (nc,), that idle forces change in
     any of the positions (nv, n); see `Engine.indeterminate`."""
     spatial = loops.spatial
     marks, couplings = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
     for start in range(0, position.shape[1], loops.piece):
-        found = equations(loops, position[:, start : start + loops.piece])
-        for part in PassiveColumns(loops, found.entries).parts:
+        found = by.equations(loops, position[:, start : start + loops.piece])
+        for part in PassiveColumns(loops, found.entries, by.in_blocks).parts:
             if not part.idle.shape[2] or not len(part.idle):
                 continue
             idle = _configurations_last(part.idle)
@@ -75,6 +106,30 @@ def indeterminate(loops: Loops, position: Array, axes: Array) -> tuple[NDArray[n
                 marks[:, place : place + 3] |= np.abs(np.einsum("ai,kbim->bakm", axes, vectors)).max(axis=(2, 3)) > RANK * unit
             couplings |= np.abs(idle[:, loops.rows - len(couplings) :]).max(axis=(0, 2)) > RANK
     return marks, couplings
+
+
+def _open_tree(loops: Loops, found: Equations, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
+    """Forces of the open tree as sums over the bodies that each joint carries."""
+    bodies, placed = loops.bodies, found.placed
+    axes = motion_axes(bodies, placed)
+    moved = velocities(bodies, axes, states.v)
+    needed = inertia_forces(bodies, placed, moved, accelerations(bodies, axes, moved, states.v, states.a))
+    carried = components_first(*states.v.shape, 2)
+    carried[0], carried[1] = needed.force, needed.couple
+    carried[1] += cross(needed.center, needed.force)
+    for load in loads:
+        if load.joint:
+            force = load.force.T
+            carried[0, load.joint - 1] -= force
+            carried[1, load.joint - 1] -= cross(placed.point(load.joint, load.point), force)
+    sum_carried(bodies, carried)
+    force, moment = carried
+    moment -= cross(placed.origin[1:], force)  # about the joints' origins
+    along = moment if bodies.turns.all() else np.where(bodies.turns[:, None, None], moment, force)
+    return OpenTree(np.einsum("jin,jin->jn", placed.axis, along), force, moment)
+
+
+AT_ONCE = Method(equations, _open_tree, in_blocks=True)
 
 
 class _Friction(NamedTuple):
@@ -92,7 +147,7 @@ class _Friction(NamedTuple):
 class _Balance:
     """States under their loads: the efforts of the open tree, and the multipliers of the equations that balance them."""
 
-    def __init__(self, loops: Loops, states: ClosedStates, loads: Sequence[AppliedForce], compliance: Array | None) -> None:
+    def __init__(self, loops: Loops, states: ClosedStates, loads: Sequence[AppliedForce], compliance: Array | None, by: Method) -> None:
         """Work out the forces of the open tree.
 
         Args:
@@ -100,39 +155,22 @@ class _Balance:
             states: closed states.
             loads: forces on links.
             compliance: (bearings,) as in `AppliedConditions`.
+            by: how equations and forces of the open tree are computed.
 
         Raises:
             AssemblyError: a state leaves the loops open, because it belongs to another linkage.
         """
         self.loops, self.states, self.compliance = loops, states, compliance
         self.sharing: list[Shared] | None = None
-        spatial, bodies = loops.spatial, loops.bodies
         self.count, self.n = states.v.shape
-        if states.solved is None:
-            self.found = equations(loops, states.position)
+        if states.solved is None or not by.in_blocks:
+            self.found = by.equations(loops, states.position)
             self._refuse_open(self.found)
-            self.passive = PassiveColumns(loops, self.found.entries)
+            self.passive = PassiveColumns(loops, self.found.entries, by.in_blocks)
         else:
             self.found, self.passive = states.solved
-        found = self.found
-        placed = found.placed
-        axes = motion_axes(bodies, placed)
-        moved = velocities(bodies, axes, states.v)
-        needed = inertia_forces(bodies, placed, moved, accelerations(bodies, axes, moved, states.v, states.a))
-        carried = components_first(self.count, self.n, 2)
-        carried[0], carried[1] = needed.force, needed.couple
-        carried[1] += cross(needed.center, needed.force)
-        for load in loads:
-            if load.joint:
-                force = load.force.T
-                carried[0, load.joint - 1] -= force
-                carried[1, load.joint - 1] -= cross(placed.point(load.joint, load.point), force)
-        sum_carried(bodies, carried)
-        self.force, self.moment = carried
-        self.moment -= cross(placed.origin[1:], self.force)  # about the joints' origins
-        along = self.moment if bodies.turns.all() else np.where(bodies.turns[:, None, None], self.moment, self.force)
-        self.effort = np.einsum("jin,jin->jn", placed.axis, along)
-        self.size = spatial.size
+        self.effort, self.force, self.moment = by.open_tree(loops, self.found, states, loads)
+        self.size = loops.spatial.size
 
     def _refuse_open(self, found: Equations) -> None:
         spatial = self.loops.spatial
@@ -287,9 +325,9 @@ class _Balance:
             result.moment[:] = self._moments(multipliers, friction).transpose(0, 2, 1)
 
 
-def _speeds(loops: Loops, states: ClosedStates, pieces: Sequence[slice]) -> Array:
+def _speeds(loops: Loops, states: ClosedStates, pieces: Sequence[slice], by: Method) -> Array:
     """Speeds (bearings, n) of all bearings, those of loops as of `loop_turning`."""
-    parts = ((equations(loops, states.position[:, some]).placed, states.v[:, some]) for some in pieces)
+    parts = ((by.equations(loops, states.position[:, some]).placed, states.v[:, some]) for some in pieces)
     return np.concatenate([_all_speeds(loops, *part) for part in parts], axis=1)
 
 
