@@ -1,13 +1,17 @@
-"""The events that end a mode of a `HybridSystem`: each with its margin and with the mode that follows.
+"""The events that end a mode of a `HybridSystem`: each with its margin and with the mode that follows, and which comes first.
 
 A margin is positive in the mode; the event occurs where it falls below zero.
 """
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
+
+import numpy as np
+from scipy.optimize import brentq
 
 from ..common.quantities import Array
 from ..drives.transmission import SwitchPoint
@@ -306,3 +310,107 @@ class PressStarts(Event):
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         rising, falling = system.tending(self.forward, time, y), -system.tending(self.back, time, y)
         return self.forward if rising > falling else self.back, y
+
+
+# ----------------------------------------------------------------------------------------------------------------------- first crossing
+
+
+class EventFinder:
+    """Finds the first event in the steps of a mode, one step after the other."""
+
+    def __init__(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> None:
+        self.system, self.mode = system, mode
+        self.events = ending_events(system, mode, y)
+        self.margins = self._margins(time, y)
+
+    def _margins(self, time: float, y: Array) -> list[float]:
+        return margins_of(self.events, self.system, self.mode, time, y) if self.events else []
+
+    def first(self, piece: Callable[[float], Array], start: float, end: float) -> tuple[Event | None, float]:
+        """The first event of a step and its time; None and the step's end where there is none. `margins` are then those at the last place
+        that was looked at."""
+        if not self.events:
+            return None, end
+        since = start
+        for share in (0.25, 0.5, 0.75, 1.0):
+            at = end if share == 1.0 else start + share * (end - start)
+            before, self.margins = self.margins, self._margins(at, piece(at))
+            fallen = [k for k, margin in enumerate(self.margins) if margin < 0]
+            if fallen:
+                first, when = self._first_of(piece, since, before, at, fallen)
+                return self.events[first], when
+            since = at
+        return None, end
+
+    def _first_of(
+        self, piece: Callable[[float], Array], since: float, before: list[float], until: float, fallen: list[int]
+    ) -> tuple[int, float]:
+        """Index and time of the first of the events whose margins have fallen below zero within a part of a step.
+
+        Args:
+            piece: the vector over the step.
+            since: start of the part [s].
+            before: margins there.
+            until: end of the part [s].
+            fallen: indices of the events whose margins are below zero there.
+        """
+
+        def margins(t: float) -> list[float]:  # with the loops closed, as the run goes on from there: a stiff force needs all digits
+            return self._margins(t, self.system.projected(t, piece(t)))
+
+        def margin(k: int, t: float) -> float:
+            y = self.system.projected(t, piece(t))
+            found = self.events[k].margin(self.system, self.mode, t, y, self.system.at(y))
+            if math.isnan(found):
+                raise self.system.cannot_go_on(t, y)
+            return found
+
+        first, rounding = (fallen[0], until), 8 * float(np.finfo(float).eps) * max(abs(until), abs(since))
+        for _ in range(len(self.events) + 1):
+            found = [(_crossing(partial(margin, k), since, first[1], before[k]), k) for k in fallen]
+            when, which = min(found, key=lambda f: f[0])
+            which = min((k for at, k in found if at <= when + rounding), key=lambda k: (self.events[k].rank, k != which))
+            if when > first[1] - rounding and first[1] != until:
+                break
+            first = which, when
+            # an event whose margin fell and rose again within the step shows only at the other events; where two come at once, as where
+            # an elastic force ends with its interval, the margin of one that has just switched is below zero by rounding
+            fallen = [k for k, after in enumerate(margins(when)) if after < 0 and k != which and before[k] > 0]
+            if when <= since or not fallen:
+                break
+        return self._changed_before(margin, since, before, first)
+
+    def _changed_before(
+        self, margin: Callable[[int, float], float], since: float, before: list[float], first: tuple[int, float]
+    ) -> tuple[int, float]:
+        """Index and time of a contact that changes shortly before the border at which it ends; of the ``first`` event where none does.
+
+        At such a border the law is zero, so that a change beside it shows at no place that was looked at: a stop's spring may push
+        again over the last depth, where its damper grows with a higher power of it, or the other way round. Other arguments as of
+        `_first_of`.
+        """
+        which, when = first
+        passed = self.events[which]
+        if not isinstance(passed, BorderPassed):
+            return first
+        for k, event in enumerate(self.events):
+            if isinstance(event, ContactChanges) and event.force == passed.force and before[k] > 0:
+                looks = (when - 0.5**n * (when - since) for n in range(1, 24))
+                changed = next((at for at in looks if margin(k, at) < 0), None)
+                if changed is not None:
+                    return k, _crossing(partial(margin, k), since, changed, before[k])
+        return first
+
+
+def _crossing(value: Callable[[float], float], since: float, until: float, low: float) -> float:
+    """Time at which a function falls below zero that is ``low`` at the time ``since`` and negative at the time ``until``."""
+    if low <= 0 or value(since) <= 0:  # it begins at zero: does it rise in between?
+        shares = [0.5**k for k in range(1, 40)]
+        risen = next((share for share in shares if value(since + share * (until - since)) > 0), None)
+        if risen is None:
+            return since
+        since, until = since + risen * (until - since), since + 2 * risen * (until - since)
+    if value(until) >= 0:
+        return until
+    # a smooth margin takes ten steps; where one is flat at its zero, as the force of an orifice is at rest, it takes hundreds
+    return float(brentq(value, since, until, xtol=4e-16 * abs(until) + 1e-300, rtol=1e-15, maxiter=10_000))

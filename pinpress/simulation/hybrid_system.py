@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..common.errors import PinpressError, SimulationError
 from ..common.quantities import Array
 from ..drives.protocol import corners_of
 from ..loads.caller_laws import LawError
@@ -177,6 +178,20 @@ class HybridSystem:
         linkage = self.dynamics.at(y[:n], y[n : 2 * n])
         states = tuple(y[2 * n : -len(INTEGRALS)].tolist())
         return Snapshot(linkage, linkage.speed, states) if self.driven.clutch is None else Snapshot(linkage, states[-1], states[:-1])
+
+    def projected(self, time: float, y: Array) -> Array:
+        """The vector with closed loops; the same vector where no loop can be open."""
+        n = self.dynamics.size
+        try:
+            closed = self.dynamics.project(y[:n], y[n : 2 * n])
+        except PinpressError as error:
+            raise failure("loops open", time, error=error) from error
+        return y if closed is None else np.concatenate([*closed, y[2 * n :]])
+
+    def cannot_go_on(self, time: float, y: Array, message: str | None = None) -> SimulationError:
+        """The error of an integration that cannot go on from a vector."""
+        angle = float(self.at(y).linkage.angle)
+        return failure("cannot go on", time, angle if math.isfinite(angle) else None, message=message or "values are not finite")
 
     def driving(self, times: Array, columns: Array) -> tuple[Array, Array, Array]:
         """Torque of the drive, torque of its motor at its own shaft [N m], and speed of the drive's side of the clutch [rad/s], (n,) each.

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853, DenseOutput, OdeSolver
 from scipy.optimize import brentq
 
-from ..common.errors import PinpressError, SimulationError
+from ..common.errors import SimulationError
 from ..common.frozen import read_only
 from ..common.integrators import RadauIIA, RungeKutta4, rounding, slopes
 from ..common.quantities import Array
 from ..loads.caller_laws import LawError
 from .coupling import OPEN
-from .events import BorderPassed, ContactChanges, CornerPassed, Event, ending_events, margins_of
+from .events import CornerPassed, Event, EventFinder
 from .failures import failure
 from .hybrid_system import HybridSystem, Mode
 from .trajectory import INTEGRALS, Sample
@@ -36,12 +36,9 @@ LONG, LESS_SWIFT = 200, 0.3  # after this many steps a run is long enough to try
 DEARER = 1.5  # cost of an evaluation of the implicit method, with its algebra, in evaluations of the explicit one
 ASIDE = 1e-3  # share of a first step from rest after which the crank moves
 LEAST_RELATIVE = 3e-14  # smallest relative tolerance that SciPy takes: errors of angles must not grow with the angles
-LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # shares of a step at which the margins of events are evaluated
-BEFORE_BORDER = 24  # looks at a contact before the border at which it ends, each at half the time of the one before
 LOOKS = 200  # a press that stands is looked at this often in a run
 MOST_TRIES = 4  # most attempts to end a step at a corner of the drive's torque
 MOST_AT_ONCE = 100  # most events one after the other without time going on
-MOST_HALVINGS = 10_000  # most steps of the search for the instant of an event; a smooth margin takes ten
 LOOK, PATIENCE = 12_000, 3  # the pace is checked after so many evaluations; a run is given up after so many slow checks in a row
 MOST_EVALUATIONS = 15_000_000  # most evaluations of a run whose crank moves on
 # A press that moves by less between two checks creeps or vibrates [rad]; most evaluations of such a run.
@@ -245,7 +242,7 @@ class Integration:
             trials.error = None
             message = stepper.step()
             if stepper.status == "failed" or not np.isfinite(stepper.y).all():
-                raise trials.error or _lost(self.system, self.time, self.y, message)
+                raise trials.error or self.system.cannot_go_on(self.time, self.y, message)
             piece = stepper.dense_output()
             event, at = watch.first(piece, stepper.t_old, stepper.t)
             if isinstance(event, CornerPassed) and self.tries < MOST_TRIES and at > self.time + self.shortest:
@@ -290,7 +287,7 @@ class Integration:
             self.time, self.y = stepper.t, _closed(self.system, stepper)
         else:
             self.at_once = self.at_once + 1 if at <= self.time + self.shortest else 0
-            self.time, self.y = at, _project(self.system, piece(at), at)
+            self.time, self.y = at, self.system.projected(at, piece(at))
         linkage = self.system.at(self.y).linkage
         segment.travelled += abs(linkage.angle - self.angle)
         segment.speeds.append(float(linkage.speed))
@@ -442,128 +439,10 @@ def _swiftness(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> fl
     return float(integrator.step_size * np.abs(np.linalg.eigvals(jacobian)).max()) if np.isfinite(jacobian).all() else 1.0
 
 
-# ------------------------------------------------------------------------------------------------------------------------------ events
-
-
-class EventFinder:
-    """Finds the first event in the steps of a mode, one step after the other."""
-
-    def __init__(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> None:
-        self.system, self.mode = system, mode
-        self.events = ending_events(system, mode, y)
-        self.margins = self._margins(time, y)
-
-    def _margins(self, time: float, y: Array) -> list[float]:
-        return margins_of(self.events, self.system, self.mode, time, y) if self.events else []
-
-    def first(self, piece: DenseOutput, start: float, end: float) -> "tuple[Event | None, float]":
-        """The first event of a step and its time; None and the step's end where there is none. `margins` are then those at the last place
-        that was looked at."""
-        if not self.events:
-            return None, end
-        since = start
-        for share in LOOKED_AT:
-            at = end if share == 1.0 else start + share * (end - start)
-            before, self.margins = self.margins, self._margins(at, piece(at))
-            fallen = [k for k, margin in enumerate(self.margins) if margin < 0]
-            if fallen:
-                first, when = self._located(piece, since, before, at, fallen)
-                return self.events[first], when
-            since = at
-        return None, end
-
-    def _located(self, piece: DenseOutput, since: float, before: list[float], until: float, fallen: list[int]) -> tuple[int, float]:
-        """Index and time of the first of the events whose margins have fallen below zero within a part of a step.
-
-        Args:
-            piece: the vector over the step.
-            since: start of the part [s].
-            before: margins there.
-            until: end of the part [s].
-            fallen: indices of the events whose margins are below zero there.
-        """
-
-        def margins(t: float) -> list[float]:  # with the loops closed, as the run goes on from there: a stiff force needs all digits
-            return self._margins(t, _project(self.system, piece(t), t))
-
-        def margin(k: int, t: float) -> float:
-            y = _project(self.system, piece(t), t)
-            found = self.events[k].margin(self.system, self.mode, t, y, self.system.at(y))
-            if math.isnan(found):
-                raise _lost(self.system, t, y, None)
-            return found
-
-        first, rounding = (fallen[0], until), 8 * EPS * max(abs(until), abs(since))
-        for _ in range(len(self.events) + 1):
-            found = [(_zero(partial(margin, k), since, first[1], before[k]), k) for k in fallen]
-            when, which = min(found, key=lambda f: f[0])
-            which = min((k for at, k in found if at <= when + rounding), key=lambda k: (self.events[k].rank, k != which))
-            if when > first[1] - rounding and first[1] != until:
-                break
-            first = which, when
-            # an event whose margin fell and rose again within the step shows only at the other events; where two come at once, as where
-            # an elastic force ends with its interval, the margin of one that has just switched is below zero by rounding
-            fallen = [k for k, after in enumerate(margins(when)) if after < 0 and k != which and before[k] > 0]
-            if when <= since or not fallen:
-                break
-        return self._changed_before(margin, since, before, first)
-
-    def _changed_before(
-        self, margin: Callable[[int, float], float], since: float, before: list[float], first: tuple[int, float]
-    ) -> tuple[int, float]:
-        """Index and time of a contact that changes shortly before the border at which it ends; of the ``first`` event where none does.
-
-        At such a border the law is zero, so that a change beside it shows at no place that was looked at: a stop's spring may push
-        again over the last depth, where its damper grows with a higher power of it, or the other way round. Other arguments as of
-        `_located`.
-        """
-        which, when = first
-        passed = self.events[which]
-        if not isinstance(passed, BorderPassed):
-            return first
-        for k, event in enumerate(self.events):
-            if isinstance(event, ContactChanges) and event.force == passed.force and before[k] > 0:
-                looks = (when - 0.5**n * (when - since) for n in range(1, BEFORE_BORDER))
-                changed = next((at for at in looks if margin(k, at) < 0), None)
-                if changed is not None:
-                    return k, _zero(partial(margin, k), since, changed, before[k])
-        return first
-
-
-def _zero(value: Callable[[float], float], since: float, until: float, low: float) -> float:
-    """Time at which a function falls below zero that is ``low`` at the time ``since`` and negative at the time ``until``."""
-    if low <= 0 or value(since) <= 0:  # it begins at zero: does it rise in between?
-        shares = [0.5**k for k in range(1, 40)]
-        risen = next((share for share in shares if value(since + share * (until - since)) > 0), None)
-        if risen is None:
-            return since
-        since, until = since + risen * (until - since), since + 2 * risen * (until - since)
-    if value(until) >= 0:
-        return until
-    # where a margin is flat at its zero, as the force of an orifice is at rest, Brent's method takes hundreds of steps
-    return float(brentq(value, since, until, xtol=4e-16 * abs(until) + 1e-300, rtol=1e-15, maxiter=MOST_HALVINGS))
-
-
 def _closed(system: HybridSystem, solver: OdeSolver) -> Array:
     """Close the loops of the integrator's vector, from which it goes on, and return the vector."""
-    y = _project(system, solver.y, solver.t)
+    y = system.projected(solver.t, solver.y)
     if y is not solver.y:
         solver.y = y
         solver.f = solver.fun(solver.t, y)
     return y
-
-
-def _project(system: HybridSystem, y: Array, time: float) -> Array:
-    """The vector with closed loops; the same vector where no loop can be open."""
-    size = system.dynamics.size
-    try:
-        projected = system.dynamics.project(y[:size], y[size : 2 * size])
-    except PinpressError as error:
-        raise failure("loops open", time, error=error) from error
-    return y if projected is None else np.concatenate([*projected, y[2 * size :]])
-
-
-def _lost(system: HybridSystem, time: float, y: Array, message: str | None) -> SimulationError:
-    """The error of an integration that cannot go on from a vector."""
-    angle = float(system.at(y).linkage.angle)
-    return failure("cannot go on", time, angle if math.isfinite(angle) else None, message=message or "values are not finite")

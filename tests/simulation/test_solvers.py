@@ -14,7 +14,7 @@ from pinpress.simulation import time_solver
 from pinpress.simulation.batch import BatchSolver
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.equations_of_motion import ReducedDynamics
-from pinpress.simulation.events import CoordinateTurns, CrankStops
+from pinpress.simulation.events import CoordinateTurns, CrankStops, EventFinder
 from pinpress.simulation.hybrid_system import HybridSystem
 from pinpress.simulation.over_angle import angle_solver, collocation, refinement
 from pinpress.simulation.over_angle.mesh import build_mesh, mesh_borders
@@ -142,7 +142,7 @@ def test_the_stop_of_the_crank_comes_before_all_else_that_happens_at_rest(press)
     driven = driven_press(press, motor, pp.drives.Flywheel(5.0), [load], None, pp.drives.Brake(500.0))
     system = HybridSystem(ReducedDynamics(driven.model), driven)
     mode, y = system.begin(0.0, np.ones(1), np.array([2.0]), np.zeros(4))
-    finder = time_solver.EventFinder(system, mode, 0.0, y)
+    finder = EventFinder(system, mode, 0.0, y)
     assert {CoordinateTurns, CrankStops} <= set(map(type, finder.events))
     assert not isinstance(finder.events[0], CrankStops)
     slowing = np.array([0.0, -20.0, 0.0, 0.0, 0.0, 0.0])  # at rest after 0.1 s
