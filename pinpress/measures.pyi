@@ -24,8 +24,8 @@ from .kinematics.phases import StrokePhase as StrokePhase
 from .kinematics.phases import phases as phases
 from .kinematics.slide_path import DeadCentres as DeadCentres
 from .kinematics.slide_path import SlideMotion as SlideMotion
+from .simulation.duty import MotorDuty as MotorDuty
+from .simulation.duty import duty_cycle as duty_cycle
+from .simulation.duty import motor_energy as motor_energy
+from .simulation.duty import stroke_duties as stroke_duties
 from .simulation.motor_energy import EnergyFlow as EnergyFlow
-from .simulation.run import MotorDuty as MotorDuty
-from .simulation.run import duty_cycle as duty_cycle
-from .simulation.run import motor_energy as motor_energy
-from .simulation.run import stroke_duties as stroke_duties

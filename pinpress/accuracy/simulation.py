@@ -16,7 +16,8 @@ from ..linkage.memo import keep_all_but
 from ..simulation import reduced_model
 from ..simulation.reduced_model import reduced_model_of
 from ..simulation.run import Run
-from ..simulation.simulate import LEAST_TOLERANCE, simulate
+from ..simulation.simulate import simulate
+from ..simulation.solvers import LEAST_TOLERANCE
 from .contests import Contest, Contestant, Errors, force_error, peak_force
 from .measurements import FREE_RUN, SPEED_LAW, TABLE
 from .peers.peer import ClosedFormSolver, Peer, RunEnd

@@ -15,9 +15,10 @@ from ..dynamics.reactions import Reactions
 from ..dynamics.summary import bearing_table, checks, driver_table, driving_lines
 from ..kinematics.slide_path import dead_centres, slide_turns, stroke_turns
 from ..linkage.linkage import Linkage
+from ..simulation.duty import MotorDuty, duty_cycle, stroke_duties
 from ..simulation.elastic.elastic_run import ElasticRun
 from ..simulation.motor_energy import motor_of
-from ..simulation.run import MotorDuty, Run, duty_cycle, stroke_duties
+from ..simulation.run import Run
 
 if TYPE_CHECKING:
     from ..elasticity.impacts import ImpactsByTurn

@@ -18,7 +18,8 @@ from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
 from ..loads.contacts import Impact, TwoSidedStop
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, TimeForce, step
-from ..simulation.run import Run, duty_cycle
+from ..simulation.duty import duty_cycle
+from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state
 from .pages import CURVES, DATA, FORMULAS, NO_RESULT, NOT, PageEntry, Panel, Row, draw, figures

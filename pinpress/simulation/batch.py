@@ -42,7 +42,8 @@ from .over_angle.refinement import cuts, passed_corners, solve_period, stopping_
 from .over_angle.segment import nearly_at_rest, place_at, torques_at_speeds
 from .reduced_model import COORDINATES, INERTIA, energies, reduced_model_of
 from .run import Run, allowed_error, energy_error, state_count
-from .simulate import checked_tolerance, doubt_motor, is_reducible, refuse_many_turns, simulate
+from .simulate import doubt_motor, is_reducible, simulate
+from .solvers import checked_tolerance, refuse_many_turns
 
 Mask = NDArray[np.bool_]
 

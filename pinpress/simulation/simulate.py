@@ -21,8 +21,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,27 +42,19 @@ from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
 from .driven_press import DrivenPress, driven_press, motor_against, press_with_drives
 from .elastic.description import Elastic
-from .failures import failure, told_of
+from .failures import told_of
 from .law_trials import asked_drive
-from .over_angle.angle_solver import MOST_PERIODS
-from .over_angle.segment import NEAR, AngleSegment, nearly_at_rest
-from .reduced_model import INERTIA, WEIGHT, ReducedModel
+from .over_angle.segment import AngleSegment
 from .run import Run, as_run, state_count
-from .solvers import SimulationProblem, march
-from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
+from .sensitivity import start_sensitivity
+from .solvers import SimulationProblem, checked_tolerance, march, refuse_many_turns
+from .trajectory import Trajectory
 
 if TYPE_CHECKING:
     from .elastic.elastic_run import ElasticRun
 
 METHODS = ("auto", "reduced", "implicit", "constraint")
 MOST_STEPS = 1_000_000  # most steps of the Runge-Kutta method
-LEAST_TOLERANCE = 1e-13
-TOLERANCE, ELASTIC_TOLERANCE = 1e-11, 1e-5  # by default, of a rigid and of an elastic motion
-MOVED = 1e-6  # a rest is stable or unstable by the accelerations this far on either side of it [rad]
-PUSHED, CREEPING = 1e-4, 1e-9  # displacement [rad] and speed [rad/s] by which a press at rest is pushed
-LOOKS = 240  # instants at which two runs are compared
-ASTRAY = 1e3  # largest sensitivity to the start of a run that counts as determined
-LOST = np.pi  # difference between a run that ends in an error and one that does not [rad]
 
 
 @overload
@@ -175,7 +166,7 @@ def simulate(
         raise PinpressError("an elastic motion has a method and steps of its own: leave out method and step")
     asked, method = method, _method(press, method)
     until = number("duration", duration, "s", positive=True)
-    error = checked_tolerance(tolerance, elastic)
+    error = checked_tolerance(tolerance, elastic is not None)
     fixed = _fixed_step(step, until)
     state_count(points, 0.0)
     loads = list(loads)  # of what is gone through once, too
@@ -346,12 +337,6 @@ def _problem(
     return SimulationProblem(driven, method, angles, speeds, until, tolerance, step)
 
 
-def refuse_many_turns(speeds: Array, until: float, angle: float) -> None:
-    """Raise SimulationError where the run would have too many turns to be kept."""
-    if not float(np.abs(speeds).max()) * until <= 2 * np.pi * MOST_PERIODS:
-        raise failure("too many turns", 0.0, angle, most=MOST_PERIODS)
-
-
 def _start(press: Linkage, name: str, value: ArrayLike, by: str = "") -> Array:
     """(drivers,) angles or speeds at the start, from one number or one of each driver."""
     value = in_unit(name, value, press.driver_coordinates[0].unit + by)
@@ -360,114 +345,3 @@ def _start(press: Linkage, name: str, value: ArrayLike, by: str = "") -> Array:
     wanted = f"finite numbers, one of each of the {len(press.drivers)} drivers"
     given = suitable_numbers(name, value, wanted, None, lambda values: values.shape in ((), (len(press.drivers),)))
     return np.broadcast_to(given, (len(press.drivers),)).copy()
-
-
-def checked_tolerance(tolerance: float | None, elastic: Elastic | None = None) -> float:
-    """The tolerance as a number, that by default where none is given; raises PinpressError outside the range that can be kept."""
-    value = number("tolerance", (TOLERANCE if elastic is None else ELASTIC_TOLERANCE) if tolerance is None else tolerance, positive=True)
-    if not LEAST_TOLERANCE <= value <= 1e-2:
-        raise PinpressError(f"tolerance is {value:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
-    return value
-
-
-# ----------------------------------------------------------------------------------------------------------------- sensitivity to the start
-
-
-def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> float | None:
-    """By what factor the crank angle of a run moves more than its start; None where the run keeps clear of an unstable rest."""
-    driven, press = problem.driven, problem.driven.press
-    if len(press.drivers) > 1 or press.branch_through_change_points.period is None or driven.prescribed is not None:
-        return None
-    try:
-        model = driven.model
-    except SimulationError:  # its shafts do not come back together: there is no reduced model
-        return None
-    rest = next((segment for segment in trajectory.segments if isinstance(segment, StandstillSegment)), None)
-    if rest is not None and _falls(driven, rest.state.angle):
-        caution(
-            f"the press rests at an unstable equilibrium from {rest.start:.6g} s on, at"
-            f" {press.driver_coordinates[0].at(rest.state.angle)}:"
-            " it stays there as nothing pushes it, but the least push would send it down"
-        )
-        return None
-    span = model.potential_range
-    if not any(_beside_rest(model, segment, span) for segment in trajectory.segments):
-        return None
-    return _sensitivity(problem, trajectory, model, span)
-
-
-def _sensitivity(problem: SimulationProblem, trajectory: Trajectory, model: ReducedModel, span: float) -> float:
-    """`start_sensitivity` of a run that passes an unstable rest, from runs whose starts are moved.
-
-    Args:
-        problem: of the run.
-        trajectory: of the run.
-        model: of the press.
-        span: range of the potential energy [J].
-    """
-    press, until, tolerance = problem.driven.press, problem.until, problem.tolerance
-    times = np.linspace(0.0, until, LOOKS + 1)
-    angles = _crank_angles(press, trajectory, times)
-    inertia = float(model.at(angles[:1])[0][INERTIA, 0]) + problem.driven.inertia
-    speed = max(float(np.abs(np.gradient(angles, times)).max()), float(np.sqrt(2 * span / inertia)))
-    astray = 0.0
-    for angle_by, speed_by in ((tolerance, 0.0), (0.0, tolerance * speed)):
-        try:
-            moved = march(replace(problem, angle=problem.angle + angle_by, speed=problem.speed + speed_by))
-            astray = max(astray, float(np.abs(_crank_angles(press, moved, times) - angles).max()))
-        except SimulationError:
-            astray = max(astray, LOST)
-    found = astray / (tolerance * (1.0 + speed * until))
-    if found > ASTRAY:
-        caution(
-            "the run is not determined to its tolerance: it passes an unstable rest so closely that a start moved by"
-            f" {tolerance:.3g} of its sizes leads {astray:.3g} rad astray; start it farther from the rest, or with another speed"
-        )
-    return found
-
-
-def _beside_rest(model: ReducedModel, segment: Any, span: float) -> bool:
-    """Whether the crank comes close to an unstable rest."""
-    if isinstance(segment, AngleSegment):
-        return bool(len(segment.slow)) and bool((_bend(model, segment.slow) < 0).any())
-    if isinstance(segment, StandstillSegment | RepetitionSegment):
-        return False
-    system, n = segment.system, segment.system.dynamics.size
-    own = 0.0 if system.driven.clutch is not None else system.driven.inertia
-    least = float(model.middles[INERTIA].min()) + own
-    speeds = np.abs(segment.speeds)
-    slowly = np.flatnonzero(0.5 * least * speeds**2 < NEAR * span)
-    for stretch in np.split(slowly, np.flatnonzero(np.diff(slowly) > 1) + 1) if len(slowly) else []:
-        k = int(stretch[speeds[stretch].argmin()])  # the slowest of states one after the other
-        mode, time = segment.modes[max(k - 1, 0)], segment.start if k == 0 else segment.times[k - 1]
-        if mode.rests:
-            continue
-        y = segment.pieces[max(k - 1, 0)](time)
-        rate = {}
-        for by in (-MOVED, 0.0, MOVED):
-            moved = y.copy()
-            moved[:n] = system.dynamics.moved(y[:n], by)[0] if by else y[:n]
-            rate[by] = system.dynamics.of_crank(system.rates(mode, time, moved)[n : 2 * n])
-        inertia = float(model.at(y[[system.dynamics.crank]])[0][INERTIA, 0]) + own
-        if rate[MOVED] > rate[-MOVED] and nearly_at_rest(np.array(0.5 * inertia * speeds[k] ** 2), np.array(inertia * rate[0.0]), span):
-            return True
-    return False
-
-
-def _falls(driven: DrivenPress, angle: float) -> bool:
-    """Whether a press at rest moves on by itself when it is pushed a little in either direction."""
-    drive, weight = driven.drive, driven.model.at(angle + np.array([-PUSHED, PUSHED]))[0][WEIGHT]
-    torques = [0.0 if drive is None else float(np.ravel(drive.torque(w))[0]) for w in (-CREEPING, CREEPING)]
-    return bool(torques[0] < weight[0] and torques[1] > weight[1])
-
-
-def _bend(table: ReducedModel, angle: Array) -> Array:
-    """Second derivative (n,) of the potential energy by the crank angle (n,): negative where a rest is unstable [N m]."""
-    return np.asarray(table.at(angle)[1][WEIGHT])
-
-
-def _crank_angles(press: Linkage, trajectory: Trajectory, times: Array) -> Array:
-    """Crank angles (n,) at times (n,) [rad]."""
-    position = trajectory.at(times, complete=False).position
-    found: Array = position[press.driver_indices[0] if len(position) > 1 else 0]
-    return found

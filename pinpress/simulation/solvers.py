@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from ..common.errors import SimulationError
+from ..common.arguments import number
+from ..common.errors import PinpressError, SimulationError
 from ..common.quantities import Array
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.servo_motion import servo_cycle
@@ -20,7 +21,7 @@ from .driven_press import DrivenPress
 from .equations_of_motion import FullDynamics, ReducedDynamics
 from .failures import failure
 from .hybrid_system import HybridSystem, Mode
-from .over_angle.angle_solver import AngleSolver
+from .over_angle.angle_solver import MOST_PERIODS, AngleSolver
 from .over_angle.collocation import LEAST
 from .over_angle.segment import AngleSegment
 from .reduced_model import INERTIA, ReducedModel, lock_reached
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 AGAIN = 4.0  # the crank is followed over its angle again from this multiple of the kinetic energy at which it was no longer sure to turn
 LITTLE = 1e-4  # share of the range of the potential energy: a crank with less kinetic energy is not followed over its angle
 BESIDE_END = 1e-5  # share of the range of a crank that locks: steps over time that find no way on as near to its end have come to the lock
+LEAST_TOLERANCE = 1e-13
+TOLERANCE, ELASTIC_TOLERANCE = 1e-11, 1e-5  # by default, of a rigid and of an elastic motion
 
 Progress = Callable[[float], None]
 
@@ -57,6 +60,20 @@ class SimulationProblem:
     until: float
     tolerance: float
     step: float | None = None
+
+
+def checked_tolerance(tolerance: float | None, elastic: bool = False) -> float:
+    """The tolerance as a number, that by default where none is given; raises PinpressError outside the range that can be kept."""
+    value = number("tolerance", (ELASTIC_TOLERANCE if elastic else TOLERANCE) if tolerance is None else tolerance, positive=True)
+    if not LEAST_TOLERANCE <= value <= 1e-2:
+        raise PinpressError(f"tolerance is {value:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
+    return value
+
+
+def refuse_many_turns(speeds: Array, until: float, angle: float) -> None:
+    """Raise SimulationError where the run would have too many turns to be kept."""
+    if not float(np.abs(speeds).max()) * until <= 2 * np.pi * MOST_PERIODS:
+        raise failure("too many turns", 0.0, angle, most=MOST_PERIODS)
 
 
 class Leg(NamedTuple):

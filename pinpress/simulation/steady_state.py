@@ -37,8 +37,7 @@ from .over_angle.mesh import Indices, Mesh, build_mesh, mesh_borders
 from .over_angle.refinement import cuts, solve_period, stopping_panels
 from .over_angle.segment import angle_segment
 from .run import Run, as_run, state_count
-from .simulate import TOLERANCE, checked_tolerance
-from .solvers import SimulationProblem, crank_sizes, reduced_system
+from .solvers import TOLERANCE, SimulationProblem, checked_tolerance, crank_sizes, reduced_system
 from .trajectory import INTEGRALS, State, Trajectory
 
 if TYPE_CHECKING:
@@ -142,7 +141,7 @@ def steady_state_near(
     state_count(points, 0.0)
     press.refuse_several_drivers("a steady state is that of a press with one; let it run with simulate")
     press.refuse_sliding_driver("it has no steady state; let it run with simulate, or prescribe its motion with cycle or servo_cycle")
-    start, near, tolerance = number("angle", angle, "rad"), _speed(speed), checked_tolerance(tolerance, elastic)
+    start, near, tolerance = number("angle", angle, "rad"), _speed(speed), checked_tolerance(tolerance, elastic is not None)
     refuse_far("angle", np.array(start), press.driver_coordinates)
     loads = list(loads)  # of what is gone through once, too
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))

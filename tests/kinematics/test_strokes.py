@@ -10,7 +10,7 @@ from support.presses import sliding_presses
 import pinpress as pp
 from pinpress.dynamics.summary import summary
 from pinpress.kinematics.main_data import forward_share
-from pinpress.simulation.run import stroke_duties
+from pinpress.simulation.duty import stroke_duties
 from pinpress.visual.reports import driving
 from pinpress.visual.reports.blocks import Figures
 

@@ -18,8 +18,9 @@ from ...dynamics.reactions import Reactions
 from ...kinematics.slide_path import stroke_turns
 from ...loads.caller_laws import as_given
 from ...loads.link import PointForce, SpringDamper
+from ...simulation.duty import duty_cycle, motor_energy, stroke_duties
 from ...simulation.motor_energy import motor_of
-from ...simulation.run import Run, duty_cycle, motor_energy, stroke_duties
+from ...simulation.run import Run
 from ..recording import KeyFrames, elastic_run_of
 from .blocks import BarChart, Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown, refuse_others
