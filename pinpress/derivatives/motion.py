@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -27,7 +27,8 @@ from ..common.products import product
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
 from ..common.tables import by_driver
-from ..engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity, factored, solve
+from ..engines.planar.closing import Slopes
+from ..engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity
 from ..engines.planar.model import Plane
 from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage
@@ -177,31 +178,26 @@ class States(NamedTuple):
     Attributes:
         plane: the constants of the linkage.
         basis: (nb, n) the basis, see `Plane`.
-        rows: (closure, n) gaps and columns of the loop Jacobian, see `Plane.closure`.
-        factors: factors of the blocks of the Jacobian.
+        slopes: slopes of the equations there.
     """
 
     plane: Plane
     basis: ComplexArray
-    rows: ComplexArray
-    factors: Sequence[Any]
+    slopes: Slopes
 
     @staticmethod
     def of(plane: Plane, position: Array) -> States:
         """The states of closed joint coordinates (nv, n)."""
         basis = basis_at(plane, position)
-        rows = product(plane.closure, basis)
-        return States(plane, basis, rows, factored(plane, rows))
+        return States(plane, basis, Slopes.at(plane.equations, basis, position))
 
     def solve(self, opened: ComplexArray) -> Array:
         """The joint rates (nv, n), that of the driver zero, that close loops which open at rates ``opened`` (loops, n)."""
-        result = np.zeros((len(self.plane.parents), self.basis.shape[1]))
-        solve(self.plane, self.rows, self.factors, [*opened, *[None] * len(self.plane.offsets)], result)
-        return result
+        return self.slopes.solve([*opened, *[None] * len(self.plane.offsets)])
 
     def slope(self, by: Shift) -> Array:
         """The derivative (nv, n) of the joint coordinates at fixed crank angle."""
-        return self.solve(product(by.closure[: len(self.plane.loop_points)], self.basis))
+        return self.solve(product(by.gap_rows, self.basis))
 
 
 class Rates(NamedTuple):
@@ -249,8 +245,7 @@ class Tangent(NamedTuple):
             PinpressError: redundant bearings cannot stay closed in this direction.
         """
         plane = states.plane
-        loops = len(plane.loop_points)
-        moved, rows = by.closure[:loops], plane.closure[:loops]
+        moved, rows = by.gap_rows, plane.gap_rows
         opened = product(moved, states.basis)
         position = states.solve(opened)
         basis_slope = basis_velocity(plane, states.basis, position)
@@ -316,7 +311,7 @@ def _slope_of_second(plane: Plane, states: States, rates: Rates, basis_slope: Co
 def _refuse_contradiction(left: ComplexArray, by: Shift) -> None:
     """Raise PinpressError where no joint rates keep the loops closed (they open by ``left``): redundant equations contradict each other."""
     worst = np.abs(left).max(axis=1)
-    if worst.max() > CONTRADICTED * np.abs(by.closure).max():
+    if worst.max() > CONTRADICTED * np.abs(by.gap_rows).max():
         raise PinpressError(
             "bearings that hold each other do not stay closed in this direction: move the pivots of all of them alike; what single ones of"
             " a slide on several points do is found by tolerances.parallelism"
@@ -428,12 +423,12 @@ class Shift(NamedTuple):
     """What displacements add to the rows of a `Plane`.
 
     Attributes:
-        closure: (nl + columns, nb) added to `Plane.closure`.
+        gap_rows: (nl, nb) added to `Plane.gap_rows`.
         origins: (nv, nb) added to `Plane.origins`.
         loop_points: (nl, nb) added to `Plane.loop_points`.
     """
 
-    closure: ComplexArray
+    gap_rows: ComplexArray
     origins: ComplexArray
     loop_points: ComplexArray
 
@@ -448,33 +443,26 @@ def shift(press: Linkage, plane: Plane, moved: Displacements) -> Shift:
     Raises:
         PinpressError: a displacement out of the plane.
     """
-    origins, points, closure = (np.zeros_like(rows) for rows in (plane.origins, plane.loop_points, plane.closure))
+    origins, points, gaps = (np.zeros_like(rows) for rows in (plane.origins, plane.loop_points, plane.gap_rows))
     for j, parent in enumerate(plane.parents):  # parents come before their children in Pinocchio
         if parent >= 0:
             origins[j] = origins[parent]
         origins[j, plane.rotor(parent)] += _in_plane(plane, parent, moved.joints[j], press.joints[j])
-    row = len(press.loops)
     for k, loop in enumerate(press.loops):
         sides = []
         for joint, displacement in ((loop.joint1 - 1, moved.ends[k, 0]), (loop.joint2 - 1, moved.ends[k, 1])):
-            side = origins[joint].copy() if joint >= 0 else np.zeros(closure.shape[1], complex)
+            side = origins[joint].copy() if joint >= 0 else np.zeros(gaps.shape[1], complex)
             side[plane.rotor(joint)] += _in_plane(plane, joint, displacement, loop.name)
             sides.append(side)
-        points[k], closure[k] = sides[0], sides[1] - sides[0]
-        for joint in map(int, np.flatnonzero(plane.incidence[:, k])):  # in the order of `Plane.closure`
-            if joint in plane.revolute:
-                sign = plane.incidence[joint, k]
-                closure[row] = 1j * plane.sense[joint] * sign * (sides[1 if sign > 0 else 0] - origins[joint])
-            row += 1
-    return Shift(closure, origins, points)
+        points[k], gaps[k] = sides[0], sides[1] - sides[0]
+    return Shift(gaps, origins, points)
 
 
 def shifted(plane: Plane, by: Shift) -> Plane:
     """The constants of a linkage with its pivots moved; joint coordinates still count from the drawn pose of the linkage before."""
-    closure = plane.closure + by.closure
-    loops, turning = len(plane.loop_points), len(plane.revolute)
-    size = float(np.abs(closure[:loops, : 1 + turning]).sum(axis=1).max(initial=0.0)) or plane.size
-    return replace(plane, closure=closure, origins=plane.origins + by.origins, loop_points=plane.loop_points + by.loop_points, size=size)
+    gaps, turning = plane.gap_rows + by.gap_rows, len(plane.revolute)
+    size = float(np.abs(gaps[:, : 1 + turning]).sum(axis=1).max(initial=0.0)) or plane.size
+    return replace(plane, gap_rows=gaps, origins=plane.origins + by.origins, loop_points=plane.loop_points + by.loop_points, size=size)
 
 
 def _in_plane(plane: Plane, joint: int, displacement: Array, name: str) -> complex:

@@ -24,7 +24,7 @@ from ..common.products import product
 from ..common.quantities import Array, ComplexArray
 from ..dynamics.applied_loads import apply, asked
 from ..engines.forces import REST, AppliedForce
-from ..engines.planar.balance import Pose, Statics, balance, efforts_by_rows, without_work
+from ..engines.planar.balance import Statics, balance, efforts_by_rows, without_work
 from ..engines.planar.model import Plane, to_complex
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
@@ -155,7 +155,6 @@ class Balanced(NamedTuple):
         states: the closed configurations.
         rates: their joint rates and accelerations.
         statics: constants of the balance of its forces.
-        pose: the closed configurations for this balance.
         mass: (nv,) of the bodies [kg].
         forces: (bearings, n) complex [N].
         sides: the bodies that every loop joins, -1 for the frame.
@@ -164,7 +163,6 @@ class Balanced(NamedTuple):
     states: States
     rates: Rates
     statics: Statics
-    pose: Pose
     mass: Array
     forces: ComplexArray
     sides: Sequence[tuple[int, int]]
@@ -227,12 +225,12 @@ def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) 
 def _add_bearings(known: Balanced, moved: Tangent, by: Shift, origins_slope: ComplexArray, moment: Array) -> None:
     """Add to the moment of every body what the known forces of its bearings do because their arms change; its own joint has no arm."""
     plane, basis = known.states.plane, known.states.basis
-    count, loops = len(plane.parents), len(plane.loop_points)
+    count = len(plane.parents)
     for joint, parent in enumerate(plane.parents):
         if parent >= 0:
             moment[parent] += _moment(origins_slope[joint] - origins_slope[parent], known.forces[joint])
     first = product(plane.loop_points, moved.basis) + product(by.loop_points, basis)
-    second = first + product(plane.closure[:loops], moved.basis) + product(by.closure[:loops], basis)
+    second = first + product(plane.gap_rows, moved.basis) + product(by.gap_rows, basis)
     for k, (body1, body2) in enumerate(known.sides):
         if body1 >= 0:
             moment[body1] += _moment(first[k] - origins_slope[body1], known.forces[count + k])
@@ -264,7 +262,7 @@ def _balance(
         joint_efforts[joint] = (slide.conj() * subtree[joint]).real + (slide_slope.conj() * known.forces[joint]).real
     coupling_multipliers = np.zeros((len(plane.offsets), basis.shape[1]))
     tree = without_work(known.statics, subtree.conj())
-    torque = balance(known.statics, known.pose, tree, coupling_multipliers, efforts_by_rows(known.statics, joint_efforts))
+    torque = balance(known.statics, known.states.slopes.pose, tree, coupling_multipliers, efforts_by_rows(known.statics, joint_efforts))
     if plane.redundant:
         return torque, None, None
     bearings = np.array(tree.forces).conj()

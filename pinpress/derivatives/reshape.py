@@ -22,8 +22,8 @@ from ..engines.following import SingularPosition, follow
 from ..engines.joints import Coupling
 from ..engines.pinocchio.kinematics import PassiveJacobian
 from ..engines.pinocchio.kinematics import close as close_drivers
+from ..engines.planar.closing import close
 from ..engines.planar.engine import PlanarEngine
-from ..engines.planar.kinematics import close
 from ..engines.planar.model import Plane
 from ..linkage.linkage import Linkage
 from .motion import Displacements, Pivots, Shift, States, displaced, shift, shifted

@@ -21,8 +21,9 @@ from ..engines.forces import RANK
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.kinematics import PassiveJacobian, close, rank
 from ..engines.pinocchio.model import Rows, SpatialModel
+from ..engines.planar.closing import moves
 from ..engines.planar.engine import PlanarEngine
-from ..engines.planar.kinematics import moves, openings
+from ..engines.planar.kinematics import openings
 from ..engines.spatial.engine import SpatialEngine
 
 CLEAR = 1e-2  # smallest margin of a redundant linkage over a turn; below it all its equations are solved in one block

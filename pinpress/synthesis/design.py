@@ -25,7 +25,7 @@ from ..dynamics.applied_loads import apply, asked
 from ..dynamics.shaking import shaking
 from ..engines.engine import ClosedStates
 from ..engines.forces import AppliedConditions, Wrenches
-from ..engines.planar.balance import Statics, build_statics, pose_at
+from ..engines.planar.balance import Statics, build_statics
 from ..engines.planar.bodies import build_bodies
 from ..engines.planar.inverse_dynamics import inverse_dynamics
 from ..engines.planar.model import Plane, to_complex, to_world
@@ -334,8 +334,7 @@ class Design:
         press = self.start.press
         mass = np.array([inertia.mass for inertia in press.model.inertias][1:])
         sides = [(loop.joint1 - 1, loop.joint2 - 1) for loop in press.loops]
-        pose = pose_at(self._statics, self._states.basis, self.position)
-        return Balanced(self._states, self._rates, self._statics, pose, mass, to_complex(self.plane, self._wrenches.force), sides)
+        return Balanced(self._states, self._rates, self._statics, mass, to_complex(self.plane, self._wrenches.force), sides)
 
     def _pushes(self, place: int) -> Sequence[Push]:
         if not self.start.loads:

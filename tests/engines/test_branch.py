@@ -255,12 +255,13 @@ def test_a_drag_link_goes_round(bounded):
 
 
 @pytest.mark.one_in(2)
+@pytest.mark.parametrize(("seed", "nodes"), [(4, 560), (25, 950)])
 @pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
-def test_links_that_turn_fast_are_followed_in_shorter_steps(engine):
-    """Far from any singularity, but the coupler turns so fast that the walk's ordinary steps predict it badly."""
-    spec = Spec(groups=(Group("RRR", 0, (1, 0, 0)),), seed=4, tilted=True, stacked=False, solid=False, extra=False)
+def test_links_that_turn_fast_are_followed(engine, seed, nodes):
+    """Far from any singularity, but the coupler turns many times as fast as the crank; near one, in shorter steps."""
+    spec = Spec(groups=(Group("RRR", 0, (1, 0, 0)),), seed=seed, tilted=True, stacked=False, solid=False, extra=False)
     press = texts.load(drawn(spec).urdf("crank"))
-    assert len(press.branch.angles) > 2 * len(texts.shipped("zxn2_3000b").branch.angles) - 64
+    assert len(press.branch.angles) > nodes
     motion = pp.cycle(press, 5.0, points=720, engine=engine)
     assert motion.closure_error.max() < 1e-13
     turned = np.abs(np.diff(motion.joint_position, axis=0)).max()  # half a degree of the crank

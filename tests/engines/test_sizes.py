@@ -152,12 +152,11 @@ def test_order_of_blocks(system):
     """Each gives its joints from those before, also where there are too many loops and pairs for all groups to be tried; then there is an
     order exactly where trying all groups finds one."""
     joints, loops, pairs = system
-    owners = [(k, joint) for k, involved in enumerate(loops) for joint in sorted(involved)]
     couplings = [Coupling(str(one), one, other, 1.0, 0.0, 0) for one, other in pairs]
-    tried = ordered_blocks(owners, len(loops), couplings, 0, joints, one_block=False)
+    tried = ordered_blocks(loops, couplings, 0, joints, one_block=False)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("pinpress.engines.blocks.FEW", 0)
-        found = ordered_blocks(owners, len(loops), couplings, 0, joints, one_block=False)
+        found = ordered_blocks(loops, couplings, 0, joints, one_block=False)
     if 2 * len(loops) + len(couplings) == joints - 1:
         assert (found is None) == (tried is None)
     if found is None:

@@ -1,11 +1,10 @@
-"""The balance of forces of a planar linkage at n configurations: block by block backwards, in absolute angles.
+"""The balance of forces of a planar linkage at n configurations: block by block backwards.
 
 The power of a force f at a velocity v is Re(conj(f) v): the conjugates of forces are what appears everywhere, and here all forces are
 conjugates until they are written to the result. The *work* of a function (see `functions`) is that of all inertia forces less weights and
-loads on it: the force f at a point that moves with c times the function counts conj(f) c. The coordinates are the absolute angles of the
-links that turn and the ways along guides. A rotor u with the work W asks for the effort -Im(u W), a way along a guide with the rotor u for
-Re(u W). A block of loops and couplings supplies the efforts of the coordinates that it determines. With the inverses e1 and e2 of a dyad
-(see `dyads`) the force p of its loop is
+loads on it: the force f at a point that moves with c times the function counts conj(f) c. Coordinates are those of `equations`. A rotor u
+with the work W asks for the effort -Im(u W), a way along a guide with the rotor u for Re(u W). A block of loops and couplings supplies the
+efforts of the coordinates that it determines. With the inverses e1 and e2 of a dyad the force p of its loop is
 
     conj(p) = -(e1 effort1 + e2 effort2)
 
@@ -14,14 +13,11 @@ what carries it. What is left at the driver is the driving torque.
 
 Redundant equations of a block leave *idle* forces open, which the blocks before it balance: a lever supplies the effort of its rotor
 across itself, and along it any force is left open. `engines.forces` says how much of it is added.
-
-In a few linkages a block is closed on a link that moves itself and is determined later, or the driver stands on such a link. Absolute
-angles are then found only together: all equations are one block, and the driver *rides* on the link that carries it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -33,56 +29,14 @@ from ...common.quantities import Array, ComplexArray
 from ..forces import AppliedForce
 from .bodies import Bodies
 from .dyads import I
+from .equations import BlockRows, Equations, LoopRows, Pose, efforts_of_coupling, efforts_of_joint
 from .functions import Functions
 from .guide_moments import GuidedBody, guided_bodies
-from .model import Block, Plane, to_complex
+from .model import Plane, to_complex
 from .sharing import shares_of_idle_forces
 
 PIECE, SMALLEST_PIECE = 7200, 900  # most states that are worked through at a time, and those below which calls would take most of it
 IN_CACHE = 40_000  # states times blocks whose arrays stay in the cache
-
-
-class LoopRows(NamedTuple):
-    """What the force of a loop does, by rows of functions.
-
-    Attributes:
-        loop: its index.
-        coefficients: of all functions that move its gap.
-        relieved: coefficients of the functions that are known before it is closed.
-        turned: of the ways that it determines along guides whose rotors are known before: rotor, way and coefficient of the way.
-        carriers: the joints that carry one of its ends, with `Plane.incidence`.
-    """
-
-    loop: int
-    coefficients: Mapping[int, ComplexArray]
-    relieved: tuple[tuple[int, ComplexArray], ...]
-    turned: tuple[tuple[int, int, ComplexArray], ...]
-    carriers: tuple[tuple[int, float], ...]
-
-
-class BlockRows(NamedTuple):
-    """Equations that are balanced together.
-
-    Attributes:
-        joints: the joints whose coordinates they determine.
-        rows: rows of these joints' functions.
-        riding: pairs of a function and of the rotor that turns it, those furthest outside first: the ways of the block, and a driver that
-            rides on it.
-        loops: its loops.
-        couplings: its couplings.
-        closed: whether it is a dyad or a lever, which has inverses.
-        redundant: number of redundant equations.
-        balancing: places of the blocks before it that balance its idle forces, the last one first.
-    """
-
-    joints: tuple[int, ...]
-    rows: tuple[int, ...]
-    riding: tuple[tuple[int, int], ...]
-    loops: tuple[LoopRows, ...]
-    couplings: tuple[int, ...]
-    closed: bool
-    redundant: int
-    balancing: tuple[int, ...]
 
 
 class Tree(NamedTuple):
@@ -101,22 +55,6 @@ class Tree(NamedTuple):
     to_work: ComplexArray
     to_forces: ComplexArray
     single: tuple[ComplexArray, ...]
-
-
-class Pose(NamedTuple):
-    """n closed configurations, (n,) arrays by rows of functions.
-
-    Attributes:
-        functions: the functions; of ways along guides that do not turn they may be missing.
-        ways: travels along guides.
-        inverses: of the coordinates that a dyad or lever determines, see `dyads`.
-        slopes: by place of all other blocks with loops the matrix (n, equations, coordinates) of their slopes.
-    """
-
-    functions: Sequence[ComplexArray]
-    ways: Sequence[Array]
-    inverses: Sequence[ComplexArray]
-    slopes: Mapping[int, Array]
 
 
 class OpenTree(NamedTuple):
@@ -145,16 +83,14 @@ class Statics:
 
     Attributes:
         bodies: inertial constants of the linkage.
-        functions: rows of its functions.
-        blocks: its equations in the order in which they are closed.
+        equations: its equations.
         together: (work, forces of joints; rows) of all trees together.
         trees: the same tree by tree; empty where the joints of a tree are not consecutive.
         guided: the links on guides.
     """
 
     bodies: Bodies
-    functions: Functions
-    blocks: tuple[BlockRows, ...]
+    equations: Equations
     together: ComplexArray
     trees: tuple[Tree, ...]
     guided: tuple[GuidedBody, ...]
@@ -162,7 +98,17 @@ class Statics:
     @property
     def plane(self) -> Plane:
         """Constants of the linkage's geometry."""
-        return self.functions.plane
+        return self.bodies.plane
+
+    @property
+    def functions(self) -> Functions:
+        """Rows of the functions of its joints."""
+        return self.equations.functions
+
+    @property
+    def blocks(self) -> tuple[BlockRows, ...]:
+        """The blocks of its equations."""
+        return self.equations.blocks
 
     @cached_property
     def bearing_count(self) -> int:
@@ -194,7 +140,8 @@ class Statics:
 
 def build_statics(bodies: Bodies) -> Statics:
     """Constants of the balance of forces of a linkage with these bodies."""
-    functions = Functions(bodies.plane)
+    equations = bodies.plane.equations
+    functions = equations.functions
     count, joints = functions.count, len(functions.rows)
     together: ComplexArray = np.zeros((count + joints, count), complex)
     trees = []
@@ -208,188 +155,7 @@ def build_statics(bodies: Bodies) -> Statics:
         trees.append(Tree(of_joints, rows, to_work, to_forces, single))
         together[one + 1 : end, rows] = to_work
         together[count + carried[0] : count + carried[-1] + 1, rows] = to_forces
-    return Statics(bodies, functions, block_rows(functions), together, tuple(trees), guided_bodies(functions, bodies))
-
-
-# -------------------------------------------------------------------------------------------------------- blocks by rows of functions
-
-
-def block_rows(functions: Functions) -> tuple[BlockRows, ...]:
-    """The equations of a linkage in the order in which they are closed."""
-    plane = functions.plane
-    coefficients = [_coefficients(functions, loop) for loop in range(len(plane.loop_heights))]
-    blocks, follow = plane.blocks, _blocks_follow_each_other(functions, coefficients)
-    if not follow:
-        joints = tuple(j for j in range(len(plane.parents)) if j != plane.driver)
-        loops, couplings = tuple(range(len(plane.loop_heights))), tuple(range(len(plane.offsets)))
-        blocks = (Block(loops, couplings, joints, ((),) * len(loops), ((),) * len(loops)),)
-    found: list[BlockRows] = []
-    for block in blocks:
-        rows = tuple(functions.rows[joint] for joint in block.joints)
-        loops_of_block = tuple(_loop_rows(functions, loop, coefficients[loop], rows) for loop in block.loops)
-        riding = _riding(functions, rows, rides=not follow)
-        closed = follow and block.kind in ("dyad", "lever")
-        balancing = _balancing(plane, loops_of_block, block.couplings, rows, found) if block.redundant else ()
-        found.append(BlockRows(block.joints, rows, riding, loops_of_block, block.couplings, closed, block.redundant, balancing))
-    return tuple(found)
-
-
-def _coefficients(functions: Functions, loop: int) -> dict[int, ComplexArray]:
-    """The coefficients of a loop's gap that are not zero, by rows of functions."""
-    gap = functions.plane.gap_rows[loop]
-    return {functions.order[place]: np.array(gap[place]) for place in np.flatnonzero(gap).tolist() if place}
-
-
-def _blocks_follow_each_other(functions: Functions, coefficients: Sequence[Mapping[int, ComplexArray]]) -> bool:
-    """Whether every block needs only absolute angles that the driver and the blocks before it determine."""
-    plane, rows = functions.plane, functions.rows
-
-    def moving(joints: Iterable[int]) -> set[int]:
-        """Rows of the rotors that turn the frames of these joints."""
-        return {functions.order[carrier] for j in joints if (carrier := plane.rotor(plane.parents[j]))}
-
-    known = {rows[plane.driver]}
-    if not moving([plane.driver]) <= known:
-        return False
-    for block in plane.blocks:
-        known |= {rows[joint] for joint in block.joints}
-        coupled = [joint for coupling in block.couplings for joint in plane.coupling_rows[coupling]]
-        needed = set().union(moving([*block.joints, *coupled]), *(coefficients[loop] for loop in block.loops))
-        if not needed <= known:
-            return False
-    return True
-
-
-def _loop_rows(functions: Functions, loop: int, coefficients: Mapping[int, ComplexArray], determined: Sequence[int]) -> LoopRows:
-    plane = functions.plane
-    carriers = tuple((joint, signs[loop]) for joint, signs in enumerate(plane.loops_of_joint) if loop in signs)
-    turned = tuple(
-        (rotor, row, by)
-        for row, by in coefficients.items()
-        if row in determined and (rotor := functions.guides.get(row)) is not None and rotor not in determined
-    )
-    relieved = tuple((row, by) for row, by in coefficients.items() if row not in determined)
-    return LoopRows(loop, coefficients, relieved, turned, carriers)
-
-
-def _riding(functions: Functions, determined: Sequence[int], rides: bool) -> tuple[tuple[int, int], ...]:
-    """`BlockRows.riding` of a block that determines these rows; ``rides``: whether the driver rides on one of them."""
-    plane = functions.plane
-    driver = functions.rows[plane.driver]
-    carrier = plane.rotor(plane.parents[plane.driver])
-    pairs = []
-    if rides and plane.sense[plane.driver] and carrier:
-        pairs += [(way, driver) for way, rotor in functions.guides.items() if rotor == driver]
-        pairs.append((driver, functions.order[carrier]))
-    for way, rotor in functions.guides.items():
-        if rotor is not None and (way in determined or (rides and way == driver)) and (way, rotor) not in pairs:
-            pairs.append((way, rotor))
-    return tuple(pairs)
-
-
-def _balancing(
-    plane: Plane, loops: Sequence[LoopRows], couplings: Sequence[int], rows: Sequence[int], before: Sequence[BlockRows]
-) -> tuple[int, ...]:
-    """The places of the blocks before one that move its equations, the last one first."""
-    if couplings:
-        return tuple(reversed(range(len(before))))
-    moving, found = _moved_by(loops), []
-    for place in reversed(range(len(before))):
-        block = before[place]
-        if block.couplings or not moving.isdisjoint(block.rows):
-            found.append(place)
-            moving |= _moved_by(block.loops)
-    return tuple(found)
-
-
-def _moved_by(loops: Iterable[LoopRows]) -> set[int]:
-    """Rows of the functions that are known before loops are closed and move them."""
-    return {row for loop in loops for row, _ in loop.relieved} | {rotor for loop in loops for rotor, *_ in loop.turned}
-
-
-# ------------------------------------------------------------------------------------------------------------------------- configurations
-
-
-def pose_at(statics: Statics, basis: ComplexArray, position: Array) -> Pose:
-    """The configurations with this ``basis`` (nb, n) and these joint coordinates (nv, n)."""
-    functions, plane = statics.functions, statics.plane
-    ways: list[Array] = [position[0]] * functions.count
-    for joint in plane.prismatic:
-        ways[functions.rows[joint]] = position[joint]
-    rows: list[ComplexArray] = [basis[place] for place in functions.places]
-    inverses = list(rows)
-    for block in statics.blocks:
-        if block.closed:
-            of_rows = [_slope(functions, block, block.loops[0], row, rows) for row in block.rows]
-            for row, inverse in zip(block.rows, _inverses(*of_rows), strict=True):
-                inverses[row] = inverse
-    return pose_of(statics, rows, ways, inverses)
-
-
-def pose_of(statics: Statics, functions: Sequence[ComplexArray], ways: Sequence[Array], inverses: Sequence[ComplexArray]) -> Pose:
-    """The configurations with these (n,) functions, ways, and inverses of dyads and levers, by rows."""
-    slopes = {place: _slopes(statics, block, functions) for place, block in enumerate(statics.blocks) if not block.closed and block.rows}
-    return Pose(functions, ways, inverses, slopes)
-
-
-def _inverses(a: ComplexArray, b: ComplexArray | None = None) -> tuple[ComplexArray, ...]:
-    """The inverses of a dyad with the slopes a and b, or of a lever with one."""
-    first = a.conj()
-    if b is None:
-        return (first * (-1.0 / (a.real * a.real + a.imag * a.imag)),)
-    by_determinant = 1.0 / (first * b).imag
-    second = b.conj()
-    second *= by_determinant * -1j
-    first *= by_determinant * 1j
-    return second, first
-
-
-def _slope(functions: Functions, block: BlockRows, loop: LoopRows, row: int, values: Sequence[ComplexArray]) -> ComplexArray:
-    """The derivative (n,) of a loop's gap by a coordinate of the block; ``values``: functions by rows."""
-    if row in functions.guides:
-        by, rotor = loop.coefficients.get(row, np.array(0j)), functions.guides[row]
-        return by * values[rotor] if rotor is not None else np.full(values[row].shape, by)
-    turned = {row}
-    for rider, rotor in reversed(block.riding):
-        if rotor in turned:
-            turned.add(rider)
-    slope = np.zeros(values[row].shape, complex)
-    for moved in sorted(turned & loop.coefficients.keys()):
-        slope += loop.coefficients[moved] * values[moved]
-    slope *= I
-    return slope
-
-
-def _slopes(statics: Statics, block: BlockRows, values: Sequence[ComplexArray]) -> Array:
-    """`Pose.slopes` of a block: the real and imaginary part of every loop, then the couplings."""
-    functions, loops = statics.functions, 2 * len(block.loops)
-    matrix = np.zeros((len(values[0]), loops + len(block.couplings), len(block.rows)))
-    for k, loop in enumerate(block.loops):
-        for place, row in enumerate(block.rows):
-            slope = _slope(functions, block, loop, row, values)
-            matrix[:, 2 * k, place], matrix[:, 2 * k + 1, place] = slope.real, slope.imag
-    riding = dict(block.riding)
-    for k, coupling in enumerate(block.couplings, loops):
-        for row, by in _efforts_of_coupling(statics, coupling):
-            row = row if row in block.rows else riding.get(row, row)
-            if row in block.rows:
-                matrix[:, k, block.rows.index(row)] += by
-    return matrix
-
-
-def _efforts_of_coupling(statics: Statics, coupling: int) -> Iterator[tuple[int, float]]:
-    """Rows of coordinates, and the effort that a unit of a coupling's multiplier supplies to each; a row may come twice."""
-    for joint, by in statics.plane.coupling_rows[coupling].items():
-        yield from _efforts_of_joint(statics.functions, joint, by)
-
-
-def _efforts_of_joint(functions: Functions, joint: int, effort: float) -> Iterator[tuple[int, float]]:
-    """Rows of coordinates, and what an effort of a joint, along or about its axis, does to each."""
-    row, sense = functions.rows[joint], float(functions.plane.sense[joint])
-    yield row, effort * (sense or 1.0)
-    outer = functions.outer[joint]
-    if outer is not None:
-        yield outer, -effort * sense
+    return Statics(bodies, equations, together, tuple(trees), guided_bodies(functions, bodies))
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- balance
@@ -467,7 +233,7 @@ def efforts_by_rows(statics: Statics, efforts: Array) -> dict[int, Array]:
     """What efforts (nv, n) of the joints, along or about their axes, do to the coordinates (n,), by rows."""
     result: dict[int, Array] = {}
     for joint, effort in enumerate(efforts):
-        for row, part in _efforts_of_joint(statics.functions, joint, effort):
+        for row, part in efforts_of_joint(statics.functions, joint, effort):
             result[row] = result[row] + part if row in result else part
     return result
 
@@ -570,7 +336,7 @@ def _pass_on(statics: Statics, pose: Pose, block: BlockRows, tree: OpenTree, mul
     for loop in block.loops:
         _relieve(pose, loop, tree.forces[joints + loop.loop], tree)
     for coupling in block.couplings:
-        for row, by in _efforts_of_coupling(statics, coupling):
+        for row, by in efforts_of_coupling(statics.functions, coupling):
             efforts[row] = efforts.get(row, 0.0) - by * multipliers[coupling]
 
 

@@ -4,7 +4,7 @@ Most press linkages are a driver and dyads one after the other (`dyads`). Then p
 there is no guess, no table of the branch, no sine but those of the driver. Shafts on the frame that are geared to the driver turn with it,
 and levers, as a second rod to the same slide is one, follow the links at both their ends. `chain_of` looks whether a linkage is such a
 chain along its branch, and judges the closed form there by Newton's method; all others, and motions beyond change points, are closed by
-`kinematics.close`.
+`closing.close`.
 
 What the engine does not need for forces is computed when it is first read: angles of the joints (an arc tangent takes longer than all else
 that a dyad needs), their rates relative to each other, and gaps.
@@ -24,7 +24,7 @@ from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..branch import SUBDIVISION, Branch, nodes_before, predict
 from ..engine import ClosedStates
-from . import kinematics
+from . import closing
 from .dyads import ONE, ZERO, Along, Dyad, Guide, GuidedLink, I, Lever, SwingingGuide, TwoGuides, TwoLinks, rotor_rate
 from .functions import Functions
 from .model import Plane
@@ -352,7 +352,7 @@ def chain_of(plane: Plane, branch: Branch) -> Chain | None:
         return None
     angles = np.append(branch.angles[:-1:SUBDIVISION], branch.angles[-1])  # nodes of the walk, between which it looked at margins
     begin = int(np.argmin(np.abs(angles)))
-    judge = kinematics.close(plane, angles, predict(branch, angles), with_margins=True)
+    judge = closing.close(plane, angles, predict(branch, angles), with_margins=True)
     assert judge.basis is not None
     assert judge.margins is not None
     chain = _built(plane, judge.basis[:, begin])

@@ -16,7 +16,7 @@ from ...common.quantities import Array, ComplexArray
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..pinocchio.model import SpatialModel
-from . import kinematics
+from . import closing, kinematics
 from .bodies import Bodies, build_bodies, energies, power_balance
 from .chain import ChainStates
 from .model import Plane, build_plane, to_world
@@ -70,18 +70,18 @@ class PlanarEngine:
     # ----------------------------------------------------------------------------------------------------------------- equations
 
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
-        return kinematics.close(self.plane, angle, guess, with_margins)
+        return closing.close(self.plane, angle, guess, with_margins)
 
     def closing_function(self) -> CloseDrivers:
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
-            found, rate = kinematics.close(self.plane, drivers[0], guess, with_margins=True), along[0]
+            found, rate = closing.close(self.plane, drivers[0], guess, with_margins=True), along[0]
             return found if np.all(rate == 1.0) else replace(found, first=rate * found.first, second=rate**2 * found.second)
 
         return close
 
     def rates(self, position: Array, speed: Array, acceleration: Array) -> JointRates:
         basis = kinematics.basis_at(self.plane, position)
-        first, second = kinematics.influence(self.plane, basis)
+        first, second = closing.influence(self.plane, basis, position)
         return JointRates(first * speed, first * acceleration + second * speed**2, kinematics.gaps(self.plane, position, basis))
 
     def gaps(self, position: Array) -> Array:

@@ -19,7 +19,6 @@ from . import out_of_plane
 from .balance import (
     IdleForces,
     OpenTree,
-    Pose,
     Statics,
     add_idle_forces,
     balance,
@@ -27,10 +26,9 @@ from .balance import (
     efforts_by_rows,
     idle_forces,
     open_tree,
-    pose_at,
-    pose_of,
 )
 from .chain import Chain, ChainStates, Closed, all_functions, rate_of
+from .equations import Pose, pose_at, pose_of
 from .guide_moments import add_moments_of_guides
 from .kinematics import basis_acceleration, basis_at, gaps, known_basis
 from .model import Plane, put_normal
@@ -91,7 +89,7 @@ def _pieces(statics: Statics, states: ClosedStates) -> Iterator[tuple[slice, Mov
 
 def _of_chain(statics: Statics, chain: Chain, closed: Closed, speed: Array | float, acceleration: Array | float) -> Moving:
     along = closed.along
-    pose = pose_of(statics, along.functions, along.ways, along.inverses)
+    pose = pose_of(statics.equations, along.functions, along.ways, along.inverses)
 
     def basis() -> ComplexArray:
         return all_functions(chain, closed).take(chain.functions.order, axis=0)
@@ -104,7 +102,7 @@ def _of_states(statics: Statics, states: ClosedStates) -> Moving:
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
     second = second.take(statics.functions.places, axis=0)
-    return Moving(pose_at(statics, basis, states.position), np.conjugate(second, second), lambda: basis)
+    return Moving(pose_at(statics.equations, basis, states.position), np.conjugate(second, second), lambda: basis)
 
 
 def _second_derivatives(chain: Chain, closed: Closed, speed: Array | float, acceleration: Array | float) -> ComplexArray:

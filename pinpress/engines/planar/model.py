@@ -7,19 +7,19 @@ constant linear combination of a few functions of the configuration, its *basis*
     revolute      u of the link it turns  absolute rotor, 1 in the drawn pose
     prismatic     travel x u of its guide
 
-Positions, loop gaps and the columns of the loop Jacobian are ``rows @ basis``, velocities and accelerations ``rows`` times the derivatives
-of the basis: one matrix product for all links and all crank angles. The rows are read once from the Pinocchio model in its drawn pose (all
-joints at zero). Complex numbers are components along ``axes[0]`` and ``axes[1]``, which with ``normal`` make a right-handed frame.
+Positions and loop gaps are ``rows @ basis``, velocities and accelerations ``rows`` times the derivatives of the basis: one matrix product
+for all links and all crank angles. The rows are read once from the Pinocchio model in its drawn pose (all joints at zero). Complex numbers
+are components along ``axes[0]`` and ``axes[1]``, which with ``normal`` make a right-handed frame.
 
 The equations are solved block by block (`ordered_blocks`), because a press linkage is a chain of dyads.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -31,6 +31,9 @@ from ..engine import PIECE
 from ..joints import Coupling, Entries, LoopJoint, array_of, drawn_placements, joints_between
 from ..joints import axes as joint_axes
 from ..racks import Rack, racks
+
+if TYPE_CHECKING:
+    from .equations import Equations
 
 EPSILON = float(np.finfo(float).eps)
 COORDINATES = 40_960  # joint coordinates of the states that are worked through at a time: their arrays take some megabytes
@@ -46,26 +49,16 @@ class Block:
         loops: indices of the loops.
         couplings: indices of the couplings.
         joints: indices in v of the joints that this block determines; where there are more equations than joints, some are redundant.
-        own: for every loop (joint, row of `Plane.closure`) of each column of its Jacobian that belongs to one of these joints.
-        known: for every loop (joint, row of `Plane.closure`) of each column that belongs to a joint of an earlier block.
     """
 
     loops: tuple[int, ...]
     couplings: tuple[int, ...]
     joints: tuple[int, ...]
-    own: tuple[tuple[tuple[int, int], ...], ...]
-    known: tuple[tuple[tuple[int, int], ...], ...]
 
     @cached_property
     def redundant(self) -> int:
         """Number of redundant equations."""
         return 2 * len(self.loops) + len(self.couplings) - len(self.joints)
-
-    @cached_property
-    def pair(self) -> slice:
-        """The two joints of a dyad."""
-        first, second = self.joints
-        return slice(first, second + 1, second - first)
 
     @cached_property
     def kind(self) -> str:
@@ -99,7 +92,7 @@ class Plane:
         heights: (nv,) joint origins along the normal, from the world origin [m].
         center_heights: (nv,) centres of mass along the normal, from the world origin [m].
         directions: (np, nb) prismatic directions.
-        closure: (nl + columns, nb) loop gaps (point 2 less point 1), then the columns of the loop Jacobian.
+        gap_rows: (nl, nb) loop gaps, point 2 less point 1.
         loop_links: (nl,) joints of link 1 and link 2 of every loop, -1 for the frame.
         loop_points: (nl, nb) point 1 of every loop.
         loop_heights: (nl,) points of the loops along the normal, from the world origin [m].
@@ -110,7 +103,6 @@ class Plane:
         followers: (nc,) joints whose coordinates the couplings determine.
         racks: the couplings between whose joints teeth push.
         blocks: the equations in the order in which they are solved.
-        driven: (nl,) row of ``closure`` with the driver's column, None where the driver does not move the loop.
         subtree: (nv, nv) 1 where joint j (the row) carries the link of joint k.
         incidence: (nv, nl) +1 where joint j carries only end 2 of loop l, -1 where it carries only end 1.
         loops_of_joint: (nv,) entries of ``incidence`` by loops, rising.
@@ -134,7 +126,7 @@ class Plane:
     heights: Array
     center_heights: Array
     directions: ComplexArray
-    closure: ComplexArray
+    gap_rows: ComplexArray
     loop_links: tuple[tuple[int, int], ...]
     loop_points: ComplexArray
     loop_heights: Array
@@ -145,7 +137,6 @@ class Plane:
     followers: tuple[int, ...]
     racks: tuple[Rack, ...]
     blocks: tuple[Block, ...]
-    driven: tuple[int | None, ...]
     subtree: Array
     incidence: Array
     loops_of_joint: tuple[Mapping[int, float], ...]
@@ -167,6 +158,13 @@ class Plane:
         return max(PIECE, COORDINATES // len(self.parents))
 
     @cached_property
+    def equations(self) -> Equations:
+        """The equations of the loops and couplings in absolute coordinates."""
+        from .equations import Equations  # needs this class
+
+        return Equations.of(self)
+
+    @cached_property
     def guides(self) -> tuple[tuple[int, int, int], ...]:
         """For every prismatic joint its row of the basis, its index, and the row of the rotor that turns its direction (0: none)."""
         rows = range(1 + len(self.revolute), 1 + len(self.parents))
@@ -179,20 +177,9 @@ class Plane:
         return tuple((i, first, second, along) for i, first, second, along in parts)
 
     @cached_property
-    def gap_rows(self) -> ComplexArray:
-        """(nl, nb) the rows of ``closure`` with the gaps of the loops."""
-        return self.closure[: len(self.loop_heights)]
-
-    @cached_property
     def centripetal(self) -> ComplexArray:
         """(nl, nr) what the squared speeds of the rotors, times the rotors, add to the second derivatives of the gaps."""
         return -self.gap_rows[:, 1 : 1 + len(self.revolute)]
-
-    @cached_property
-    def dyad_columns(self) -> NDArray[np.intp]:
-        """(dyads, 2) rows of ``closure`` with the two columns of every dyad, the second column first, in the order of ``blocks``."""
-        rows = [[row for _, row in reversed(block.own[0])] for block in self.blocks if block.kind == "dyad"]
-        return np.array(rows, dtype=np.intp).reshape(-1, 2)
 
     @cached_property
     def redundant(self) -> bool:
@@ -261,10 +248,7 @@ def build_plane(
     if any(abs(first.height - second.height) > PARALLEL * _length(gap) for (first, second), gap in zip(ends, gaps, strict=True)):
         return None
     incidence = [joints_between(tree.parents, loop.joint1 - 1, loop.joint2 - 1) for loop in loops]
-    columns = {
-        (k, joint): _jacobian_column(tree, joint, sign, *ends[k]) for k, signs in enumerate(incidence) for joint, sign in signs.items()
-    }
-    blocks = ordered_blocks(list(columns), len(loops), couplings, driver, count, one_block)
+    blocks = ordered_blocks(incidence, couplings, driver, count, one_block)
     if blocks is None:
         return None
     revolute, prismatic = tree.revolute, tree.prismatic
@@ -275,7 +259,6 @@ def build_plane(
     size = size or 1.0
     units = [size if turning[coupling.follower] else 1.0 for coupling in couplings]
     coupling_rows = [_coupling_row(coupling, unit) for coupling, unit in zip(couplings, units, strict=True)]
-    driven = {k: len(loops) + row for row, (k, joint) in enumerate(columns) if joint == driver}
     carriers = [_ancestry(tree.parents, j) for j in range(count)]
     spin = [{k: tree.sense[k] for k in line if turning[k]} for line in carriers]
     centers = [{tree.rotors[j]: tree.flat(place[j + 1].rotation @ model.inertias[j + 1].lever)} for j in range(count)]
@@ -297,7 +280,7 @@ def build_plane(
         heights=np.array([p.translation @ tree.normal for p in place[1:]]),
         center_heights=np.array([place[j].act(model.inertias[j].lever) @ tree.normal for j in range(1, count + 1)]),
         directions=array_of([tree.guides[j] for j in prismatic], 1 + count),
-        closure=array_of([*gaps, *columns.values()], 1 + count),
+        gap_rows=array_of(gaps, 1 + count),
         loop_links=tuple((loop.joint1 - 1, loop.joint2 - 1) for loop in loops),
         loop_points=array_of([first.row for first, _ in ends], 1 + count),
         loop_heights=np.array([first.height for first, _ in ends]),
@@ -308,7 +291,6 @@ def build_plane(
         followers=tuple(coupling.follower for coupling in couplings),
         racks=racks(model, joint_axes(model), couplings),
         blocks=blocks,
-        driven=tuple(driven.get(k) for k in range(len(loops))),
         subtree=array_of(_transposed([dict.fromkeys(line, 1.0) for line in carriers], count), count, float),
         incidence=array_of(_transposed(incidence, count), len(loops), float),
         loops_of_joint=tuple(_transposed(incidence, count)),
@@ -423,14 +405,6 @@ def _axes_of_plane(normal: Array) -> tuple[Array, Array]:
     return normal, np.array([first, np.cross(normal, first)]) + 0.0  # + 0.0 turns -0.0 into 0.0
 
 
-def _jacobian_column(tree: _PlanarTree, joint: int, sign: float, first: _End, second: _End) -> dict[int, complex]:
-    """The row over the basis of a joint's column in the Jacobian of a loop's gap; ``sign``: as in `Plane.incidence`."""
-    if not tree.sense[joint]:
-        return {row: sign * entry for row, entry in tree.guides[joint].items()}
-    arm = _difference(second.row if sign > 0 else first.row, tree.origins[joint])
-    return {row: 1j * tree.sense[joint] * sign * entry for row, entry in arm.items()}
-
-
 def _coupling_row(coupling: Coupling, unit: float) -> dict[int, float]:
     """Coefficients of a coupling equation by joints, rising."""
     return dict(sorted({coupling.follower: unit, coupling.leader: -unit * coupling.multiplier}.items()))
@@ -474,31 +448,26 @@ def _ancestry(parents: Sequence[int], joint: int) -> list[int]:
 
 
 def ordered_blocks(
-    owners: list[tuple[int, int]], loops: int, couplings: Sequence[Coupling], driver: int, joints: int, one_block: bool
+    between: Sequence[Collection[int]], couplings: Sequence[Coupling], driver: int, joints: int, one_block: bool
 ) -> tuple[Block, ...] | None:
     """The equations in blocks as small as possible, ordered so that each needs only the joints of the ones before it.
 
     Among equally small blocks those without redundant equations come first. None where there is no such order.
 
     Args:
-        owners: (loop, joint) of every column of the loop Jacobian, in the order of `Plane.closure`.
-        loops: number of loops.
+        between: of every loop the joints between its ends.
         couplings: the gear pairs.
         driver: index of the driver joint.
         joints: number of joints.
         one_block: whether to put all equations into one block.
     """
-    rows = {owner: loops + row for row, owner in enumerate(owners)}
+    loops = len(between)
     # couplings stand first, so that redundant equations are found among the loops
-    involved: dict[int, set[int]] = {loops + k: {c.follower, c.leader} for k, c in enumerate(couplings)} | {k: set() for k in range(loops)}
-    for loop, joint in owners:
-        involved[loop].add(joint)
+    involved: dict[int, Collection[int]] = {loops + k: {c.follower, c.leader} for k, c in enumerate(couplings)} | dict(enumerate(between))
     known, blocks = {driver}, []
     for found, unknown in ordered_groups(involved, lambda k: 2 if k < loops else 1, known, one_block=one_block) or ():
         members = tuple(k for k in found if k < loops)
-        own = tuple(tuple((j, rows[k, j]) for j in unknown if j in involved[k]) for k in members)
-        before = tuple(tuple((j, rows[k, j]) for j in sorted(involved[k] & known - {driver})) for k in members)
-        blocks.append(Block(members, tuple(k - loops for k in found if k >= loops), unknown, own, before))
+        blocks.append(Block(members, tuple(k - loops for k in found if k >= loops), unknown))
         if blocks[-1].redundant and not members:
             return None  # a ring of gear pairs: its idle torques load no bearing, so that nothing decides how they are shared
         known |= set(unknown)

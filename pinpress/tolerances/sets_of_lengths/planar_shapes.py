@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,9 @@ from ...common import products
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ...derivatives.motion import Displacements, Rates, Shift, States, Tangent, guide_shift, planar, shift
-from ...engines.planar.kinematics import NO_SLIPS, basis_acceleration, basis_at, drive, factored, solve
+from ...engines.planar.closing import NO_SLIPS, Slopes
+from ...engines.planar.equations import Equations, nonzero
+from ...engines.planar.kinematics import basis_acceleration, basis_at
 from ...engines.planar.model import Plane
 from ...linkage.linkage import Linkage
 from .shapes import Evaluated, Shapes
@@ -31,7 +34,7 @@ class PlanarShapes(Shapes):
         tolerance: see `Shapes`.
         plane: constants of the nominal linkage.
         shifts: what each dimension adds to the rows, per unit of it.
-        places: (m, 2) the entries of `Plane.closure` that change.
+        places: (m, 2) the entries of `Plane.gap_rows` that change.
         slopes: (m, k) their derivatives by the dimensions.
     """
 
@@ -52,7 +55,7 @@ class PlanarShapes(Shapes):
         """
         plane, guide = planar(press), press.slide_guide.joint
         shifts = [shift(press, plane, each) for each in moved]
-        changes = np.array([each.closure for each in shifts])
+        changes = np.array([each.gap_rows for each in shifts])
         places = np.argwhere(changes.any(axis=0))
         guide_slopes = np.array([guide_shift(plane, each, guide) for each in shifts])
         slopes = changes[:, places[:, 0], places[:, 1]].T
@@ -63,35 +66,53 @@ class PlanarShapes(Shapes):
 
     def evaluated(self, x: Array, added: ComplexArray) -> Evaluated:
         plane = self.plane
-        loops = len(plane.loop_points)
         basis = basis_at(plane, x)
-        rows = self._rows(basis, added, len(plane.closure))
+        gaps = self._opened(basis, added)
         slips = plane.coupled @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
-        gap = np.abs(rows[:loops]).max(axis=0, initial=0.0)
+        gap = np.abs(gaps).max(axis=0, initial=0.0)
         if len(slips):
             gap = np.maximum(gap, np.abs(slips).max(axis=0))
-        factors = factored(plane, rows)
-        step, second = np.zeros_like(x), np.zeros_like(x)
-        first = np.empty_like(x)
-        solve(plane, rows, factors, [*rows[:loops], *slips], step)
-        drive(plane, rows, factors, first)
-        turning = self._rows(basis_acceleration(plane, basis, first, None), added, loops)
-        solve(plane, rows, factors, [*turning, *[None] * len(plane.offsets)], second)
-        return Evaluated(gap, step, first, second)
+        slopes = Slopes.at(self._equations(added), basis, x)
+        first = slopes.drive()
+        turning = self._opened(basis_acceleration(plane, basis, first, None), added)
+        second = slopes.solve([*turning, *[None] * len(plane.offsets)])
+        return Evaluated(gap, slopes.solve([*gaps, *slips]), first, second)
 
-    def _rows(self, basis: ComplexArray, added: ComplexArray, count: int) -> ComplexArray:
-        """The first ``count`` rows of every set's closure at a basis (nb, n); ``added``: (m, n) to the entries that change."""
-        rows = np.array(product(self.plane.closure[:count], basis))
+    def _opened(self, basis: ComplexArray, added: ComplexArray) -> ComplexArray:
+        """The gaps (loops, n) of every set at a basis (nb, n), or what its derivatives do to them; ``added``: (m, n) to the entries that
+        change."""
+        rows = np.array(product(self.plane.gap_rows, basis))
         for (row, column), values in zip(self.places, added, strict=True):
-            if row < count:
-                rows[row] += values * basis[column]
+            rows[row] += values * basis[column]
         return rows
+
+    def _equations(self, added: ComplexArray) -> Equations:
+        """The equations of every set."""
+        coefficients = [dict(gap) for gap in self._nominal]
+        order = self.plane.equations.functions.order
+        for (loop, place), values in zip(self.places.tolist(), added, strict=True):
+            if place:  # what moves on the frame moves no coordinate
+                coefficients[loop][order[place]] = coefficients[loop][order[place]] + values
+        return self._structure.with_coefficients(coefficients)
+
+    @cached_property
+    def _nominal(self) -> list[dict[int, ComplexArray]]:
+        """By loop the nominal coefficients of all functions whose coefficients are not zero in every set."""
+        functions = self.plane.equations.functions
+        coefficients = [nonzero(functions, gap) for gap in self.plane.gap_rows]
+        for loop, place in self.places.tolist():
+            if place:
+                coefficients[loop].setdefault(functions.order[place], np.array(0j))
+        return coefficients
+
+    @cached_property
+    def _structure(self) -> Equations:
+        """The equations of the nominal press, with all functions that move a gap of any set."""
+        return Equations.of(self.plane, self._nominal)
 
     def joint_slopes(self, start: Array) -> tuple[Array, Array]:
         states = States.of(self.plane, start[:, None])
-        first = np.empty((len(start), 1))
-        drive(self.plane, states.rows, states.factors, first)
-        return np.stack([states.slope(each)[:, 0] for each in self.shifts], axis=1), first
+        return np.stack([states.slope(each)[:, 0] for each in self.shifts], axis=1), states.slopes.drive()
 
     def slide_slopes(self, position: Array, v: Array) -> tuple[Array, Array]:
         states, rest = States.of(self.plane, position[:, None]), np.zeros((len(v), 1))
