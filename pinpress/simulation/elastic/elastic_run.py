@@ -278,8 +278,7 @@ class SolutionStates:
 def solution_states(solution: ElasticSolution, panel: Indices, share: Array, turns: Array | None, gain: Array) -> SolutionStates:
     """States at shares (n,) of panels (n,), some periods (n,) after the first."""
     mesh, equations = solution.panels.mesh, solution.equations
-    y, v, a = solution.panels.within(panel, share)
-    times = mesh.start[panel] + share * mesh.length[panel]
+    _, _, times, segments, y, v, a = solution.panels.states_at(panel, share)
     passed = np.zeros(len(panel)) if turns is None else turns
     free, rates = equations.whole(times, y, v)
     if turns is not None and turns.any():
@@ -287,7 +286,7 @@ def solution_states(solution: ElasticSolution, panel: Indices, share: Array, tur
         held = () if equations.crank is None else (equations.crank.speed * period,)
         free = free + passed[:, None] * np.concatenate([gain[equations.own : y.shape[1]], held])
     accelerations = a[:, equations.own :] if equations.crank is None else np.column_stack([a, np.zeros(len(a))])
-    return SolutionStates(panel, share, passed, times, mesh.segment[panel], y, v, a, equations.sprung.state(free, rates), accelerations)
+    return SolutionStates(panel, share, passed, times, segments, y, v, a, equations.sprung.state(free, rates), accelerations)
 
 
 def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:

@@ -164,6 +164,12 @@ class ElasticEquations:
         """The bodies at unknown coordinates and rates (n, size)."""
         return self.sprung.state(*self.whole(time, y, v))
 
+    def places(self, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
+        """Values and rates (n, paths) of all paths."""
+        state = self.state(time, y, v)
+        found = [path.over(self.sprung, state) for path in self.paths]
+        return np.stack([path.value for path in found], axis=1), np.stack([path.rate for path in found], axis=1)
+
     def linearised(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Linearised:
         state, n, own = self.state(time, y, v), self.size, self.own
         forces = self._forces(time, y, v, segments, self.body_forces(time, segments, state))

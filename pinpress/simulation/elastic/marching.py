@@ -21,9 +21,9 @@ from .acting.phases import Border as LoadBorder
 from .acting.phases import LoadPhases, Phase
 from .contact import HertzContact
 from .equations import CRANK_ANGLE, INSTANT, ElasticEquations, Event, MotionEvent, Release, Segment
-from .panels import Border, Mesh, PanelSolution, radau, solve
+from .panels import Border, Mesh, PanelSolution, PanelStates, radau, solve
 from .sprung_press import Springs, SprungPress
-from .task import FIRST_PANELS, LOOKS, MOST_STEPS, PAST_BORDER, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
+from .task import FIRST_PANELS, LOOKS, MOST_STEPS, PAST_BORDER, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 
 WINDOW = 6  # panels that are solved at a time on the way from a known state
 
@@ -140,17 +140,13 @@ class _March:
         return replace(self.task.equations, segments=(self.pieces[-1].laws,), modes=modes, events={}, lost=self.lost)
 
     def _places_now(self) -> Array:
-        return self._paths_now()[0]
-
-    def _rates_now(self) -> Array:
-        return self._paths_now()[1]
+        """Values (paths,) of all paths."""
+        return self._paths_now()[0][0]
 
     def _paths_now(self) -> tuple[Array, Array]:
-        """Values and rates (paths,) of all paths."""
-        equations, size = self.task.equations, len(self.state) // 2
-        state = equations.state(np.array([self.time]), self.state[None, :size], self.state[None, size:])
-        found = [path.over(equations.sprung, state) for path in equations.paths]
-        return np.array([each.value[0] for each in found]), np.array([each.rate[0] for each in found])
+        """Values and rates (1, paths) of all paths."""
+        size = len(self.state) // 2
+        return self.task.equations.places(np.array([self.time]), self.state[None, :size], self.state[None, size:])
 
     def step(self, until: float) -> None:
         """Go on by a window, or to the next event in it."""
@@ -213,15 +209,15 @@ class _March:
     def _first_event(self, found: PanelSolution, turning: float) -> _Passing | None:
         """What first changes the forces that act within a window, or angle of its own that a free crank passes; without such an event the
         phase goes on to its end."""
-        count, phases, phase = len(found.mesh.start), self.task.phases, self.phase
+        phases, phase, equations = self.task.phases, self.phase, self._equations()
         angles = [angle for angle in (turning, self.goal) if np.isfinite(angle)] if self.task.equations.crank is None else []
-        margins = self._margins(found)
+        seen = found.sample(np.arange(1, LOOKS + 1) / LOOKS)
+        margins = self._margins(seen)
         if not phases.borders and not angles and not margins:
             return None
-        panel, share = np.repeat(np.arange(count), LOOKS), np.tile(np.arange(1, LOOKS + 1) / LOOKS, count)
-        places, rates, crank = places_on(self._equations(), found, panel, share)
-        places, crank = np.concatenate([self._places_now()[None], places]), np.append(self.angle, crank)
-        times = np.append(self.time, found.mesh.start[panel] + share * found.mesh.length[panel])
+        places, rates = equations.places(seen.time, seen.y, seen.v)
+        crank = np.append(self.angle, equations.whole(seen.time, seen.y, seen.v)[0][:, -1])
+        places, times = np.concatenate([self._places_now()[None], places]), np.append(self.time, seen.time)
         acting = [(k, law) for k, law in enumerate(self.pieces[-1].laws) if isinstance(law, ForceInterval)]
         pushing = [(k, law) for k, law in acting if law.one_sided and law.heeds_velocity]
         contacts = [*pushing, *self.lost.items()]
@@ -280,18 +276,15 @@ class _March:
         share = margin[k - 1] / (margin[k - 1] - margin[k])
         return _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * share), None, train=event)
 
-    def _margins(self, found: PanelSolution) -> list[tuple[TrainEvent, Array]]:
+    def _margins(self, seen: PanelStates) -> list[tuple[TrainEvent, Array]]:
         """The events that may end the mode of the drive train, each with its margins at the start and at all places of a window."""
         if self.train is None or self.mode is None:
             return []
         events = self.train.events(self.mode, self.direction, self.angle)
         if not events:
             return []
-        count, mesh, size = len(found.mesh.start), found.mesh, len(self.state) // 2
-        panel, share = np.repeat(np.arange(count), LOOKS), np.tile(np.arange(1, LOOKS + 1) / LOOKS, count)
-        y, v, _ = found.within(panel, share)
-        y, v = np.vstack([self.state[:size], y]), np.vstack([self.state[size:], v])
-        times = np.append(self.time, mesh.start[panel] + share * mesh.length[panel])
+        size, times = len(self.state) // 2, np.append(self.time, seen.time)
+        y, v = np.vstack([self.state[:size], seen.y]), np.vstack([self.state[size:], seen.v])
         return [(event, self._margin(event, times, y, v)) for event in events]
 
     def _margin(self, event: TrainEvent, times: Array, y: Array, v: Array) -> Array:
@@ -395,7 +388,7 @@ class _March:
             if last.segment[number] is interval or number in self.lost:  # it goes on
                 found[number] = self.lost.get(number, last.laws[number])
                 continue
-            speeds = self._rates_now() if speeds is None else speeds
+            speeds = self._paths_now()[1][0] if speeds is None else speeds
             found[number] = interval.struck(abs(float(speeds[self.task.phases.forces[number].row])))
         return tuple(found)
 

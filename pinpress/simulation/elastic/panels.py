@@ -139,6 +139,28 @@ class Mesh:
         return starts, (self.high - self.low) * (before.astype(float) - after)
 
 
+class PanelStates(NamedTuple):
+    """States of a motion at n places on its panels.
+
+    Attributes:
+        panel: (n,) the panels.
+        share: (n,) places on them, from 0 to 1.
+        time: (n,) [s].
+        segment: (n,) of the mesh.
+        y: (n, f) coordinates.
+        v: (n, f) rates.
+        a: (n, f) accelerations.
+    """
+
+    panel: Indices
+    share: Array
+    time: Array
+    segment: Indices
+    y: Array
+    v: Array
+    a: Array
+
+
 @dataclass(frozen=True, eq=False)
 class PanelSolution:
     """A motion as polynomials on panels.
@@ -172,6 +194,16 @@ class PanelSolution:
         """Coordinates, rates and accelerations (n, f) at times (n,) within the motion [s]."""
         panel = np.clip(np.searchsorted(self.mesh.start, times, side="right") - 1, 0, len(self.mesh.start) - 1)
         return self.within(panel, (times - self.mesh.start[panel]) / self.mesh.length[panel])
+
+    def sample(self, shares: Array) -> PanelStates:
+        """The states at shares (m,) of every panel, panel by panel."""
+        count = len(self.mesh.start)
+        return self.states_at(np.repeat(np.arange(count), len(shares)), np.tile(shares, count))
+
+    def states_at(self, panel: Indices, share: Array) -> PanelStates:
+        """The states at shares (n,) of panels (n,)."""
+        time = self.mesh.start[panel] + share * self.mesh.length[panel]
+        return PanelStates(panel, share, time, self.mesh.segment[panel], *self.within(panel, share))
 
     def weights(self, share: Array) -> Array:
         """(n, s): values at the points of a panel to integrals from its start to shares (n,), on a panel of length 1."""

@@ -19,8 +19,9 @@ from .acting.phases import Plan
 from .equations import CRANK_ANGLE, ElasticEquations, Event, MotionEvent, Release
 from .marching import cut_to, march, telling_steps
 from .panels import Border, Indices, Mesh, PanelSolution, newton_step, radau, solve
-from .task import FEWEST, FIRST_PANELS, LOOKS, MOST_STEPS, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
+from .task import FEWEST, FIRST_PANELS, LOOKS, MOST_STEPS, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 
+MIDDLES = (np.arange(LOOKS) + 0.5) / LOOKS  # shares of a panel at which its forces are looked at
 MOST_PARTS = 4096  # panels on which vibrations are followed through a period
 STROKES = 6  # that are followed before a press counts as one that does not repeat its stroke
 
@@ -154,18 +155,15 @@ def _with_passage(task: Task, found: ElasticSolution) -> ElasticSolution:
 def _slow_decay(equations: ElasticEquations, panels: PanelSolution) -> float:
     """Factor by which a vibration shrinks at least in a period that takes very many of it: the pose changes so slowly that at each crank
     angle it decays as it would there."""
-    mesh, size = panels.mesh, equations.size
-    panel, share = np.repeat(np.arange(len(mesh.start)), LOOKS), np.tile((np.arange(LOOKS) + 0.5) / LOOKS, len(mesh.start))
-    y, v, a = panels.within(panel, share)
-    times = mesh.start[panel] + share * mesh.length[panel]
-    _, stiffness, damping, mass, _ = equations.linearised(times, y, v, a, mesh.segment[panel])
-    matrix = np.zeros((len(y), 2 * size, 2 * size))
+    size, seen = equations.size, panels.sample(MIDDLES)
+    _, stiffness, damping, mass, _ = equations.linearised(seen.time, seen.y, seen.v, seen.a, seen.segment)
+    matrix = np.zeros((len(seen.y), 2 * size, 2 * size))
     matrix[:, :size, size:] = np.eye(size)
     matrix[:, size:, :size], matrix[:, size:, size:] = -np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)
     values = np.linalg.eigvals(matrix)
     decays = np.abs(values.real) > 1e-10 * np.abs(values)  # less is rounding of a vibration without dampers
     slowest = np.where(decays, values.real, 0.0).max(axis=1)
-    return float(np.exp(slowest @ mesh.length[panel] / LOOKS))
+    return float(np.exp(slowest @ panels.mesh.length[seen.panel] / LOOKS))
 
 
 def _known(event: MotionEvent) -> bool:
@@ -189,10 +187,10 @@ def _observe(task: Task, found: ElasticSolution, start: float) -> Plan | None:
     """The segments, with the times of their knots, in which forces act by the places that the paths of a motion really reach, and by the
     speeds of the drive's shaft; None where no border tells why."""
     equations, mesh, phases = found.equations, found.panels.mesh, task.phases
-    panel, share = np.repeat(np.arange(len(mesh.start)), LOOKS), np.tile((np.arange(LOOKS) + 0.5) / LOOKS, len(mesh.start))
-    places, _, angles = places_on(equations, found.panels, panel, share)
-    beyond = _beyond_jumps(found, panel, share)
-    times, ahead = mesh.start[panel] + share * mesh.length[panel], phases.turnings_ahead(start)
+    seen, ahead = found.panels.sample(MIDDLES), phases.turnings_ahead(start)
+    times, (places, _) = seen.time, equations.places(seen.time, seen.y, seen.v)
+    angles = equations.whole(seen.time, seen.y, seen.v)[0][:, -1]
+    beyond = _beyond_jumps(equations, seen.v)
     turned, direction = np.searchsorted(ahead, np.abs(angles - start)), float(np.sign(task.speed))
     phase = phases.advance(phases.begin(start + PAST_TURNING * direction), places[0])
     segments, knots = [phases.active(phase, places[0])], [float(mesh.knots[0])]
@@ -226,12 +224,11 @@ def _observe(task: Task, found: ElasticSolution, start: float) -> Plan | None:
     return Plan(tuple(segments), events, np.array([*knots, mesh.knots[-1]]), tuple(mode for mode in modes if mode is not None))
 
 
-def _beyond_jumps(found: ElasticSolution, panel: Indices, share: Array) -> Array:
-    """(n, jumps) by how much the drive's shaft is faster than the speeds at which its torque jumps [rad/s]."""
-    train = found.equations.train
+def _beyond_jumps(equations: ElasticEquations, v: Array) -> Array:
+    """(n, jumps) by how much the drive's shaft is faster than the speeds at which its torque jumps [rad/s], of rates (n, size)."""
+    train = equations.train
     if train is None or not train.jumps:
-        return np.zeros((len(panel), 0))
-    _, v, _ = found.panels.within(panel, share)
+        return np.zeros((len(v), 0))
     return np.asarray(train.shaft_speed(v)[:, None] - train.jumps)
 
 
@@ -261,6 +258,5 @@ def _guess_for(plan: Plan, near: PanelSolution) -> PanelSolution:
 
 def _deepest(found: ElasticSolution) -> float:
     """Lowest place of the first path, the slide's [m]."""
-    count = len(found.panels.mesh.start)
-    places, _, _ = places_on(found.equations, found.panels, np.repeat(np.arange(count), LOOKS), np.tile(np.arange(LOOKS) / LOOKS, count))
-    return float(places[:, 0].min())
+    seen = found.panels.sample(np.arange(LOOKS) / LOOKS)
+    return float(found.equations.places(seen.time, seen.y, seen.v)[0][:, 0].min())

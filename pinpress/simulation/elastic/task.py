@@ -107,12 +107,3 @@ def even_mesh(knots: Array, counts: Indices) -> Mesh:
     low = np.concatenate([np.arange(count) / count for count in counts])
     high = np.concatenate([np.arange(1, count + 1) / count for count in counts])
     return Mesh(knots, np.repeat(np.arange(len(counts)), counts), low, high)
-
-
-def places_on(equations: ElasticEquations, panels: PanelSolution, panel: Indices, share: Array) -> tuple[Array, Array, Array]:
-    """Values and rates (n, paths) of all paths, and crank angles (n,), at shares (n,) of panels (n,)."""
-    y, v, _ = panels.within(panel, share)
-    times = panels.mesh.start[panel] + share * panels.mesh.length[panel]
-    state, angle = equations.state(times, y, v), equations.whole(times, y, v)[0][:, -1]
-    found = [path.over(equations.sprung, state) for path in equations.paths]
-    return np.stack([each.value for each in found], axis=1), np.stack([each.rate for each in found], axis=1), angle
