@@ -25,7 +25,7 @@ from ..simulation.elastic.acting.bearing_friction import bodies_of
 from ..simulation.elastic.contact import OpenPin
 from ..simulation.elastic.description import Elastic
 from ..simulation.elastic.elastic_run import ElasticRun, ElasticSegment, bearing_forces, journal_places, solution_states
-from ..simulation.elastic.plane import PlaneGeometry
+from ..simulation.elastic.geometry.plane import PlaneGeometry
 from ..simulation.elastic.yielding import bearing_number
 from ..simulation.simulate import simulate
 

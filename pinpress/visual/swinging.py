@@ -25,7 +25,7 @@ from ..kinematics.poses import Poses, poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.assembly import sprung_press
 from ..simulation.elastic.flexible_link import FlexibleBody
-from ..simulation.elastic.plane import PlaneGeometry
+from ..simulation.elastic.geometry.plane import PlaneGeometry
 from . import swinging_frame
 from .deflected import IN_SPACE, SEEN, displaced
 from .pages import meshcat, packed, page, write

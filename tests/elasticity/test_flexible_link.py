@@ -14,8 +14,8 @@ from pinpress.elasticity.straight_beam import _beam_stiffness
 from pinpress.engines.planar.model import to_complex
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.elastic.assembly import pins_of, rigid_inertia, sprung_press
+from pinpress.simulation.elastic.geometry.plane import DrawnBodies
 from pinpress.simulation.elastic.paths import load_path
-from pinpress.simulation.elastic.plane import DrawnBodies
 from pinpress.visual.reports.elastic_motion import elastic_in_words
 
 JF75G, SIX_BAR = "jf75g_125_plain", "zxn2_3000b"

@@ -25,7 +25,7 @@ from .assembly_in_space import press_in_space
 from .contact import Clearance, OpenPin
 from .description import Elastic, Rod
 from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
-from .plane import DrawnBodies, Lines, PlaneGeometry
+from .geometry.plane import DrawnBodies, Lines, PlaneGeometry
 from .preloaded_joint import JointSpring, PreloadedJoint
 from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
 from .yielding import (

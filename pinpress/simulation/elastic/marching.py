@@ -141,7 +141,7 @@ class _March:
 
     def _places_now(self) -> Array:
         """Values (paths,) of all paths."""
-        return self._paths_now()[0][0]
+        return np.asarray(self._paths_now()[0][0])
 
     def _paths_now(self) -> tuple[Array, Array]:
         """Values and rates (1, paths) of all paths."""

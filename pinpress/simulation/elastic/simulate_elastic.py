@@ -23,10 +23,10 @@ from .assembly import press_on_springs
 from .description import Elastic
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
+from .geometry.plane import PlaneGeometry
 from .marching import march, resting
 from .paths import LengthPath, LinePath, from_frame, load_path, refuse_on_flexible_links
 from .period import periodic, periodic_near
-from .plane import PlaneGeometry
 from .sprung_press import SprungPress
 from .task import ElasticSolution, Task, largest_deflection
 

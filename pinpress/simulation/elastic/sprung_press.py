@@ -1,9 +1,9 @@
 """A press on springs: bodies that the springs of its bearings join, in a plane or in space.
 
-How the bodies lie and how springs lengthen with them is a `Geometry` (`plane`, `space`). What follows from it is the same for both. A
-spring of the extension y pulls with k (y - rest) + c y', and pushes on the coordinates by the gradient of y; Newton's method also takes the
-second derivatives of y. Some springs have constant gradients: those of guides and shafts against turning, and those of the shapes of
-flexible links.
+How the bodies lie and how springs lengthen with them is a `Geometry` (`geometry.plane`, `geometry.space`). What follows from it is the same
+for both. A spring of the extension y pulls with k (y - rest) + c y', and pushes on the coordinates by the gradient of y; Newton's method
+also takes the second derivatives of y. Some springs have constant gradients: those of guides and shafts against turning, and those of the
+shapes of flexible links.
 
 What the springs do not join is kept rigidly: the crank by its angle, gear pairs by their ratio, a crown by its columns. These conditions
 are linear, so that the coordinates of all bodies are a constant matrix times the free ones: ``carry @ y + drawn``. The last of the free

@@ -21,7 +21,7 @@ import numpy as np
 from ....common.errors import PinpressError, shown
 from ....common.quantities import Array
 from ....engines.forces import FrictionLaw
-from ..plane import LineStrains, PlaneGeometry
+from ..geometry.plane import LineStrains, PlaneGeometry
 from ..sprung_press import BodyState, SpringForces, SprungPress
 
 

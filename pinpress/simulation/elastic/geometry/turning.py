@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...common.errors import PinpressError
-from ...common.quantities import Array, ComplexArray
-from ...kinematics.cycle import motion_through_change_points
-from ...kinematics.poses import poses
-from ...linkage.linkage import Linkage
+from ....common.errors import PinpressError
+from ....common.quantities import Array, ComplexArray
+from ....kinematics.cycle import motion_through_change_points
+from ....kinematics.poses import poses
+from ....linkage.linkage import Linkage
 
 FEWEST, MOST = 64, 8192  # places of a turn from which a series is found
 RESOLVED = 1e-15  # size of the last harmonics of a series that is fine enough

@@ -19,15 +19,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...common.errors import PinpressError, shown
-from ...common.quantities import Array, ComplexArray
-from ...engines.planar.engine import PlanarEngine
-from ...engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity
-from ...engines.planar.model import Plane, to_complex, to_world
-from ...kinematics.motion import Motion
-from ...linkage.linkage import Linkage
-from .flexible_link import FlexibleBody
-from .sprung_press import Indices, VaryingInertia
+from ....common.errors import PinpressError, shown
+from ....common.quantities import Array, ComplexArray
+from ....engines.planar.engine import PlanarEngine
+from ....engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity
+from ....engines.planar.model import Plane, to_complex, to_world
+from ....kinematics.motion import Motion
+from ....linkage.linkage import Linkage
+from ..flexible_link import FlexibleBody
+from ..sprung_press import Indices, VaryingInertia
 
 
 class Lines(NamedTuple):

@@ -23,11 +23,11 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ...common.quantities import Array
-from ...kinematics.motion import Motion
-from ...kinematics.poses import poses
-from ...linkage.linkage import Linkage
-from .sprung_press import Indices, VaryingInertia
+from ....common.quantities import Array
+from ....kinematics.motion import Motion
+from ....kinematics.poses import poses
+from ....linkage.linkage import Linkage
+from ..sprung_press import Indices, VaryingInertia
 from .turning import NominalTurns, Turned, turn_bodies
 
 
