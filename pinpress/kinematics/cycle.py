@@ -20,7 +20,7 @@ from ..engines.pinocchio.model import SpatialModel
 from ..engines.planar.chain import Chain, ChainClosure, ChainStates, chain_of
 from ..engines.planar.engine import PlanarEngine
 from ..engines.spatial.engine import SpatialEngine
-from ..linkage.assembly import MANY_PERIODS, closed, followed_from, refuse_far
+from ..linkage.assembly import MANY_PERIODS, close_on_branch, follow_drivers, refuse_far
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from .motion import Motion, SharedByMotions, closed_motion, shared_by_motions
@@ -164,7 +164,7 @@ def moved(
     if branch is not None:
         return _along_branch(press, _known(press), branch, angles, speeds, accelerations, times, chosen)
     with np.errstate(all="ignore"):  # what overflows is refused
-        position = followed_from(press.engine(), press.spatial_model, press.closed, angles, press.name)
+        position = follow_drivers(press.engine(), press.spatial_model, press.closed, angles, press.name)
         v, a, gap, solved = chosen.rates(position, np.transpose(speeds), np.transpose(accelerations))
         _refuse_too_fast(press, a)
     return closed_motion(press, shared_by_motions(press), ClosedStates(position, v, a, solved=solved), gap, times, None)
@@ -235,7 +235,7 @@ def _along_branch(
             states, gap = _on_chain(chain, known.branch, angles, speeds, accelerations)
             _refuse_too_fast(press, states.a)
         return closed_motion(press, known.fixed, states, gap, times, turns)
-    closure = closed(engine, known.spatial_model, branch, angles, known.fixed.linkage)
+    closure = close_on_branch(engine, known.spatial_model, branch, angles, known.fixed.linkage)
     with np.errstate(all="ignore"):
         v, a = _rates(closure, speeds, accelerations)
         _refuse_too_fast(press, a)

@@ -53,7 +53,7 @@ class Assembly(NamedTuple):
 
 def assemble(spatial_model: SpatialModel) -> Assembly:
     """The drawn pose of a linkage, closed by the fastest engine that can compute it."""
-    start, spatial_engine = as_drawn(spatial_model), PinocchioEngine(spatial_model)
+    start, spatial_engine = drawn_coordinates(spatial_model), PinocchioEngine(spatial_model)
     for one_block in (False, True) if len(spatial_model.drivers) == 1 else ():
         planar = PlanarEngine.of(spatial_model, one_block)
         if planar is None:
@@ -68,7 +68,7 @@ def assemble(spatial_model: SpatialModel) -> Assembly:
     return _in_space(spatial_engine, start)
 
 
-def followed(
+def walk_branch(
     engine: Engine,
     spatial_model: SpatialModel,
     start: Array,
@@ -84,7 +84,7 @@ def followed(
     return walk(close_angle, start, returning, spatial_model.size, tolerance, smallest_margin, gap, begin, _travel(spatial_model))
 
 
-def followed_beside(engine: Engine, spatial_model: SpatialModel, branch: Branch) -> Branch | None:
+def walk_branch_beside(engine: Engine, spatial_model: SpatialModel, branch: Branch) -> Branch | None:
     """The assembly of a linkage with one driver, found from that of one with nearly the same lengths; see `engines.branch.walk_beside`."""
     travel = _travel(spatial_model)
     if travel is not None and (travel.lower, travel.upper) != (branch.angles[0], branch.angles[-1]):
@@ -113,7 +113,7 @@ def _travel(spatial_model: SpatialModel) -> Travel | None:
     return Travel(lower, upper, min(spatial_model.size, (upper - lower) / (2 * np.pi)))
 
 
-def through_change_points(engine: Engine, spatial_model: SpatialModel, found: Branch) -> Branch:
+def walk_through_change_points(engine: Engine, spatial_model: SpatialModel, found: Branch) -> Branch:
     """A branch followed further, through change points; see `Linkage.branch_through_change_points`."""
     if found.period is not None or not any(found.locks):
         return found
@@ -122,11 +122,11 @@ def through_change_points(engine: Engine, spatial_model: SpatialModel, found: Br
         return found
     middle = 0.5 * float(found.angles[0] + found.angles[-1])  # the drawn pose may be beside a change point
     start = predict(found, np.array([middle]))[:, 0]
-    further = followed(engine, spatial_model, start, gap=engine.gaps, begin=middle)
+    further = walk_branch(engine, spatial_model, start, gap=engine.gaps, begin=middle)
     return further if further.change_points else found
 
 
-def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
+def close_on_branch(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
     """Closed configurations at crank angles (n,) on a branch, in pieces that stay in the cache.
 
     Args:
@@ -142,20 +142,20 @@ def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: 
         PinpressError: the linkage is not followed as far, see `engines.branch.predict`.
     """
     if branch.change_points:
-        return _closed_through_change_points(engine, spatial_model, branch, angles, name)
+        return _close_through_change_points(engine, spatial_model, branch, angles, name)
     ends = np.minimum.reduce(angles), np.maximum.reduce(angles)
     if branch.period is None and not branch.angles[0] <= ends[0] <= ends[1] <= branch.angles[-1]:
-        further = through_change_points(engine, spatial_model, branch)
+        further = walk_through_change_points(engine, spatial_model, branch)
         raise out_of_branch(branch, bool(ends[1] > branch.angles[-1]), further)
     if branch.period is not None and max(-ends[0], ends[1]) > MANY_PERIODS * branch.period:
-        return _closed_far_away(engine, spatial_model, branch, angles, name)
+        return _close_far_away(engine, spatial_model, branch, angles, name)
     if len(angles) <= engine.piece:
-        return _closed_piece(engine, spatial_model, angles, predict(branch, angles, ends), name)
+        return _close_piece(engine, spatial_model, angles, predict(branch, angles, ends), name)
     parts = (angles[start : start + engine.piece] for start in range(0, len(angles), engine.piece))
-    return joined((_closed_piece(engine, spatial_model, part, predict(branch, part), name) for part in parts), len(angles))
+    return joined((_close_piece(engine, spatial_model, part, predict(branch, part), name) for part in parts), len(angles))
 
 
-def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, angles: Array, name: str) -> Array:
+def follow_drivers(engine: Engine, spatial_model: SpatialModel, start: Array, angles: Array, name: str) -> Array:
     """Closed positions (nv, n) of a linkage with several drivers at driver positions (n, drivers), each followed from the one before.
 
     Args:
@@ -177,13 +177,13 @@ def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, ang
         found = follow_at_once(close_drivers, here, ahead, spatial_model.size, tolerance)
         tried = min(PIECE, max(1, 2 * found.shape[1]))
         if not found.shape[1]:
-            found = _followed_to(engine, spatial_model, here, path[0], path[1], name)[:, None]
+            found = _walk_between(engine, spatial_model, here, path[0], path[1], name)[:, None]
         pieces.append(found)
         path, here = path[found.shape[1] :], found[:, -1]
     return np.concatenate(pieces, axis=1)
 
 
-def _followed_to(engine: Engine, spatial_model: SpatialModel, start: Array, before: Array, after: Array, name: str) -> Array:
+def _walk_between(engine: Engine, spatial_model: SpatialModel, start: Array, before: Array, after: Array, name: str) -> Array:
     """Closed position (nv,) of a linkage with several drivers, walked to from a closed position (nv,) between two driver positions
     (drivers,); raises SingularityError."""
     close_drivers = engine.closing_function()
@@ -237,7 +237,7 @@ def refuse_far(name: str, angles: Array, coordinates: Sequence[DriverCoordinate]
     plausibility.angles(name, angles)
 
 
-def as_drawn(spatial_model: SpatialModel) -> Array:
+def drawn_coordinates(spatial_model: SpatialModel) -> Array:
     """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed: zero, but for joints that a gear pair with an offset
     moves away from zero while the drivers are there."""
     position, found = np.zeros(spatial_model.model.nv), set(spatial_model.drivers)
@@ -279,7 +279,7 @@ def _in_space(spatial_engine: PinocchioEngine, start: Array) -> Assembly:
 def _full_turn(planar: PlanarEngine, spatial_model: SpatialModel, drawn: Closure) -> Branch | None:
     """The branch, if the driver turns fully with the equations in the blocks of this engine and stays well away from locks; else None."""
     try:
-        walked = followed(planar, spatial_model, drawn.position[:, 0], smallest_margin=CLEAR)
+        walked = walk_branch(planar, spatial_model, drawn.position[:, 0], smallest_margin=CLEAR)
     except PinpressError:
         return None
     return walked if walked.period is not None else None
@@ -297,7 +297,7 @@ def _planar_gaps(planar: PlanarEngine, x: Array) -> Array:
     return np.concatenate([openings(planar.plane, x).ravel(), turns, slips])
 
 
-def _closed_piece(engine: Engine, spatial_model: SpatialModel, angles: Array, guess: Array, name: str) -> Closure:
+def _close_piece(engine: Engine, spatial_model: SpatialModel, angles: Array, guess: Array, name: str) -> Closure:
     """Closed configurations at crank angles (n,) from guesses (nv, n) on the branch; raises AssemblyError."""
     closure, tolerance = engine.close(angles, guess), ACCEPTED * engine.tolerance
     if closure.widest <= tolerance and closure.iterations == 0:
@@ -317,12 +317,12 @@ def _closed_piece(engine: Engine, spatial_model: SpatialModel, angles: Array, gu
     return closure
 
 
-def _closed_far_away(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
+def _close_far_away(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
     """Closed configurations many periods away. They are closed within one period, because the rounding of large angles would open the
     loops, and then moved by whole periods."""
     assert branch.period is not None
     turns = np.floor(angles / branch.period)
-    closure = closed(engine, spatial_model, branch, angles - turns * branch.period, name)
+    closure = close_on_branch(engine, spatial_model, branch, angles - turns * branch.period, name)
     position = closure.position + branch.gain_per_period[:, None] * turns
     position[spatial_model.drivers[0]] = angles
     if any(gain and not axis.turns for gain, axis in zip(branch.gain_per_period, spatial_model.axes, strict=True)):
@@ -330,7 +330,7 @@ def _closed_far_away(engine: Engine, spatial_model: SpatialModel, branch: Branch
     return replace(closure, position=position)
 
 
-def _closed_through_change_points(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
+def _close_through_change_points(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
     """Closed configurations of a branch with change points. Near these its polynomials replace the equations."""
     turns = np.zeros(len(angles)) if branch.period is None else np.floor((angles - branch.angles[0]) / branch.period)
     local = angles - turns * (branch.period or 0.0)
@@ -341,7 +341,7 @@ def _closed_through_change_points(engine: Engine, spatial_model: SpatialModel, b
         position[:, beside], first[:, beside], second[:, beside] = point.at(local[beside])
         regular &= ~beside
     if regular.any():
-        closure = closed(engine, spatial_model, replace(branch, change_points=()), local[regular], name)
+        closure = close_on_branch(engine, spatial_model, replace(branch, change_points=()), local[regular], name)
         position[:, regular], first[:, regular], second[:, regular] = closure.position, closure.first, closure.second
     gap = engine.gaps(position)
     if not gap.max() <= ACCEPTED * spatial_model.tolerance:

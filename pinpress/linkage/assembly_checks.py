@@ -17,7 +17,7 @@ from ..common.quantities import Array
 from ..engines.branch import MOST_TURNS, Branch, predict
 from ..engines.engine import ACCEPTED
 from ..engines.joints import LoopJoint, configuration, data_of, drawn_placements
-from ..engines.pinocchio.kinematics import PassiveJacobian, rank, singular_values
+from ..engines.pinocchio.kinematics import rank, singular_values
 from ..engines.pinocchio.model import Rows
 from ..engines.planar.model import PARALLEL
 from . import mobility
@@ -27,7 +27,6 @@ from .urdf import element_checks, units
 from .urdf.document import Finding
 
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
-AWAY = 1e-2  # how far from a pose that may be a change point closed poses are looked at [rad, lengths of the linkage]
 OPEN = 1e-6  # a loop drawn further open than this is reported [lengths of the linkage, rad]
 CLOSED = 1e-3  # a loop is closed if it is drawn less open than this [lengths of the linkage]
 ALONG = 0.999  # cosine of the angle between axes that are taken for one
@@ -45,7 +44,7 @@ def errors(press: Linkage) -> Iterator[Finding]:
     rows = press.closed_rows if assembled else press.equations(press.as_drawn)
     freedom = press.model.nv - rank(rows.columns)
     yield from _unseen(press)
-    if assembled and freedom > len(press.drivers) and _free_beside(press) == len(press.drivers):
+    if assembled and freedom > len(press.drivers) and mobility.freedom_beside(press) == len(press.drivers):
         yield _change_point(press, rows)
     elif freedom != len(press.drivers):
         yield _mobility(press, rows, freedom)
@@ -139,41 +138,17 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
     return Finding.of(UrdfError(press.file, _robot(press), None, problem, remedy))
 
 
-def _free_beside(press: Linkage) -> int:
-    """Degrees of freedom in a random pose near the drawn one, where no equation fails by chance."""
-    count = int(press.model.nv)
-    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
-    away = 1e-3 * lengths  # near to the drawn pose, and a thousand times the rounding of files
-    beside = press.closed + away * np.random.default_rng(0).uniform(-1, 1, count)
-    return count - rank(press.equations(beside).columns)
-
-
 def _change_point(press: Linkage, rows: Rows) -> Finding:
     """The error of a linkage drawn at a change point, such as a parallelogram drawn in one line."""
     problem = "two assemblies meet in the drawn pose, and the loops do not say which of them it is"
     remedy = "draw the linkage a little further on"
-    if _is_shaky(press):
+    if mobility.is_shaky(press):
         moving = _joints(mobility.undetermined(press, rows))
         problem = f"its loops hold {moving} only at second order, in this pose and beside it: it is shaky, and no forces follow"
         remedy = "another pose does not help: change lengths or guides that are equal or parallel, or leave out a link"
     smallest = float(singular_values(rows.columns)[press.model.nv - len(press.drivers) - 1])
     error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
     return Finding("error", _robot(press), None, problem, remedy, error)
-
-
-def _is_shaky(press: Linkage) -> bool:
-    """Whether the equations of a linkage that fail in the drawn pose fail in closed poses beside it too, as those of two equal trammels do
-    that a rod across them joins. Beside a change point the singular value that is zero there is about as large as the distance from it."""
-    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
-    random, last = np.random.default_rng(0), press.model.nv - len(press.drivers) - 1
-    largest = 0.0
-    for _ in range(POSES):
-        x = press.closed + AWAY * lengths * random.uniform(-1, 1, len(lengths))
-        for _ in range(40):  # at a double root steps of Newton's method halve the distance: from `AWAY` to rounding
-            rows = press.equations(x)
-            x = x - np.linalg.lstsq(rows.columns, rows.gaps, rcond=SEEN)[0]
-        largest = max(largest, float(singular_values(press.equations(x).columns)[last]))
-    return largest < 1e-3 * AWAY  # a double root is found to the square root of rounding, 1e-8
 
 
 def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
@@ -262,7 +237,7 @@ def _massless(press: Linkage) -> Iterator[Finding]:
     if all(masses[1:]):
         return
     # A single driver may be drawn where the only heavy link stands at its dead centre: its acceleration shows that it will move.
-    rates = np.hstack([press.drawn.first, press.drawn.second]) if len(press.drivers) == 1 else _rates(press)
+    rates = np.hstack([press.drawn.first, press.drawn.second]) if len(press.drivers) == 1 else mobility.rates_of_drivers(press)
     mass = pin.crba(press.model, data_of(press.model), configuration(press.slots, press.closed))
     resisted = rates.T @ mass @ rates
     values, ways = np.linalg.eigh(resisted if len(press.drivers) > 1 else resisted.diagonal().sum().reshape(1, 1))
@@ -275,15 +250,6 @@ def _massless(press: Linkage) -> Iterator[Finding]:
     problem = "it moves without a mass, as do all links that move with it: nothing resists the drive"
     error = UrdfError(press.file, press.document.called("link", press.link_of(body)), None, problem, "write its <mass> and <inertia>")
     yield Finding.of(error)
-
-
-def _rates(press: Linkage) -> Array:
-    """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
-    rows, drivers = press.closed_rows, list(press.driver_indices)
-    passive = PassiveJacobian(rows.columns, press.spatial_model)
-    rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
-    rates[drivers] = np.eye(len(drivers))
-    return rates
 
 
 def _robot(press: Linkage) -> str:

@@ -23,7 +23,17 @@ from ..engines.pinocchio.kinematics import rank
 from ..engines.pinocchio.model import Rows, SpatialModel, build_spatial_model, constraint_models
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
-from .assembly import Assembly, as_drawn, assemble, closed, followed, followed_beside, followed_from, refuse_far, through_change_points
+from .assembly import (
+    Assembly,
+    assemble,
+    close_on_branch,
+    drawn_coordinates,
+    follow_drivers,
+    refuse_far,
+    walk_branch,
+    walk_branch_beside,
+    walk_through_change_points,
+)
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .tool_point import ToolPoint, tool_point
 from .urdf.document import Document
@@ -270,7 +280,7 @@ class Linkage(Frozen):
     @per_linkage
     def as_drawn(self) -> Array:
         """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed; see `assembly`."""
-        return as_drawn(self.spatial_model)
+        return drawn_coordinates(self.spatial_model)
 
     @property
     def drawn(self) -> Closure:
@@ -366,13 +376,13 @@ class Linkage(Frozen):
         """
         remedy = f"give their angles over time to pp.servo_cycle(press, angle, time=time), angle (n, {len(self.drivers)})"
         self.refuse_several_drivers(f"one speed does not say how they move together; {remedy}")
-        return self._assembly.branch or followed(self.engine(), self.spatial_model, self.closed)
+        return self._assembly.branch or walk_branch(self.engine(), self.spatial_model, self.closed)
 
     def follow_beside(self, other: Linkage) -> None:
         """Find the branch of this linkage from that of another one with the same joints and nearly the same lengths, which takes a tenth of
         the time of walking it. Where they differ too much nothing is found, and the branch is walked when it is needed."""
         if self.joints == other.joints and self.drivers == other.drivers and len(self.drivers) == 1:
-            found = followed_beside(self.engine(), self.spatial_model, other.branch)
+            found = walk_branch_beside(self.engine(), self.spatial_model, other.branch)
             if found is not None:
                 keep_geometry_of(vars(Linkage)["branch"].fget, self, found)
 
@@ -381,7 +391,7 @@ class Linkage(Frozen):
     def branch_through_change_points(self) -> Branch:
         """The branch followed further, through change points: where two assemblies meet, a linkage in motion goes on in its own. Raises as
         `branch`."""
-        return through_change_points(self.engine(), self.spatial_model, self.branch)
+        return walk_through_change_points(self.engine(), self.spatial_model, self.branch)
 
     @property
     def period_turns(self) -> int:
@@ -485,7 +495,7 @@ class Linkage(Frozen):
             raise PinpressError(f"{self.name} cannot be drawn at another crank angle: it takes one driver that turns")
         angles = np.array([number("angle", angle)])
         refuse_far("angle", angles, self.driver_coordinates)
-        moved = closed(self.engine(), self.spatial_model, self.branch_through_change_points, angles, self.name).position[:, 0]
+        moved = close_on_branch(self.engine(), self.spatial_model, self.branch_through_change_points, angles, self.name).position[:, 0]
         model = self.model.copy()
         for joint, (axis, slot, coordinate) in enumerate(zip(self.axes, self.slots, moved, strict=True), 1):
             along = axis.direction * coordinate
@@ -523,9 +533,9 @@ class Linkage(Frozen):
             raise PinpressError(f"angle has shape {angles.shape}: give {wanted}")
         refuse_far("angle", positions, self.driver_coordinates)
         if several:
-            x = followed_from(self.engine(), self.spatial_model, self.closed, positions, self.name)
+            x = follow_drivers(self.engine(), self.spatial_model, self.closed, positions, self.name)
         else:
-            x = closed(self.engine(), self.spatial_model, self.branch, positions, self.name).position
+            x = close_on_branch(self.engine(), self.spatial_model, self.branch, positions, self.name).position
         q = np.ascontiguousarray(configuration(self.slots, x).T)
         return np.array(q[0]) if one else q
 

@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from ..common.quantities import Array
 from ..engines.joints import Coupling, LoopJoint, data_of
-from ..engines.pinocchio.kinematics import PassiveJacobian, rank
+from ..engines.pinocchio.kinematics import PassiveJacobian, rank, singular_values
 from ..engines.pinocchio.model import Rows
 from .linkage import Linkage
 from .planarity import planarity
@@ -192,3 +192,36 @@ def redundancy(press: Linkage, x: Array) -> Redundancy:
     idle = PassiveJacobian(equations @ rows.columns, press.spatial_model).idle
     taking = [each for each, share in zip(owners, np.linalg.norm(idle, axis=1), strict=True) if share > TAKES_PART]
     return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in constraints(press) if each in taking))
+
+
+def freedom_beside(press: Linkage) -> int:
+    """Degrees of freedom in a random pose near the drawn one, where no equation fails by chance."""
+    count = int(press.model.nv)
+    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
+    away = 1e-3 * lengths  # near to the drawn pose, and a thousand times the rounding of files
+    beside = press.closed + away * np.random.default_rng(0).uniform(-1, 1, count)
+    return count - rank(press.equations(beside).columns)
+
+
+def is_shaky(press: Linkage) -> bool:
+    """Whether the equations of a linkage that fail in the drawn pose fail in closed poses beside it too, as those of two equal trammels do
+    that a rod across them joins. Beside a change point the singular value that is zero there is about as large as the distance from it."""
+    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
+    random, last = np.random.default_rng(0), press.model.nv - len(press.drivers) - 1
+    away, largest = 1e-2, 0.0  # distance of the poses [rad, lengths of the linkage]
+    for _ in range(6):
+        x = press.closed + away * lengths * random.uniform(-1, 1, len(lengths))
+        for _ in range(40):  # at a double root steps of Newton's method halve the distance, here from 1e-2 to rounding
+            rows = press.equations(x)
+            x = x - np.linalg.lstsq(rows.columns, rows.gaps, rcond=1e-9)[0]
+        largest = max(largest, float(singular_values(press.equations(x).columns)[last]))
+    return largest < 1e-3 * away  # a double root is found to the square root of rounding, 1e-8
+
+
+def rates_of_drivers(press: Linkage) -> Array:
+    """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
+    rows, drivers = press.closed_rows, list(press.driver_indices)
+    passive = PassiveJacobian(rows.columns, press.spatial_model)
+    rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
+    rates[drivers] = np.eye(len(drivers))
+    return rates

@@ -199,7 +199,7 @@ def test_a_linkage_that_locks_is_not_walked_again(monkeypatch):
     press = texts.load(random_linkages.four_bar(0.5, 0.45, 0.2, 0.4, 0.5, bounded=False).urdf("O"))
     found = press.branch
     assert all(found.locks)
-    monkeypatch.setattr(assembly, "followed", lambda *given, **more: pytest.fail("walked again"))
+    monkeypatch.setattr(assembly, "walk_branch", lambda *given, **more: pytest.fail("walked again"))
     assert press.branch_through_change_points is found
 
 

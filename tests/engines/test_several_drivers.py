@@ -76,7 +76,7 @@ def walked(press, path):
     """Closed positions (nv, n), each walked to from the one before."""
     here, before, found = press.closed, np.zeros(path.shape[1]), []
     for after in path:
-        here, before = assembly._followed_to(press.engine("pinocchio"), press.spatial_model, here, before, after, "press"), after
+        here, before = assembly._walk_between(press.engine("pinocchio"), press.spatial_model, here, before, after, "press"), after
         found.append(here)
     return np.array(found).T
 
@@ -92,7 +92,7 @@ def walked(press, path):
 )
 def test_a_path_closed_at_once_is_the_path_walked(height, path):
     press, path = five_bar(height), np.array(path)  # its cranks turn fully
-    found = assembly.followed_from(press.engine(), press.spatial_model, press.closed, path, "press")
+    found = assembly.follow_drivers(press.engine(), press.spatial_model, press.closed, path, "press")
     np.testing.assert_allclose(found, walked(press, path), rtol=0, atol=1e-10)
     np.testing.assert_array_equal(found[list(press.driver_indices)].T, path)
 
@@ -104,8 +104,8 @@ def test_a_path_of_legs_is_closed_at_once(legs, monkeypatch):
     def refuse(*_):
         raise AssertionError("walked")
 
-    monkeypatch.setattr(assembly, "_followed_to", refuse)
-    found = assembly.followed_from(legs.engine(), legs.spatial_model, legs.closed, path, "press")
+    monkeypatch.setattr(assembly, "_walk_between", refuse)
+    found = assembly.follow_drivers(legs.engine(), legs.spatial_model, legs.closed, path, "press")
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
 
 
