@@ -361,6 +361,8 @@ def _dead_centres(press: Linkage) -> DeadCentres | None:
 
 def _extreme(name: str, values: Array, unit: str, choose: Callable[[Array], np.intp], places: Places) -> str:
     """A line with an extreme of a quantity [SI unit] and where the press is then."""
-    at, scale = int(choose(values)), tables.scale(unit, [float(np.abs(values).max())])
+    size = float(np.abs(values).max())
+    at = int(np.argmax(np.abs(values - values[choose(values)]) <= 1e-12 * size))  # of those that differ by rounding the first
+    scale = tables.scale(unit, [size])
     scale = scale._replace(decimals=scale.decimals + 1)  # where it is does not depend on the motion's states
     return tables.entry(name, scale.shown(float(values[at])), scale.unit, places.said(at))
