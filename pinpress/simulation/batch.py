@@ -48,7 +48,6 @@ from .solvers import checked_tolerance, refuse_many_turns
 Mask = NDArray[np.bool_]
 
 AT_ONCE = 334  # scenarios in one array: more make it no faster, but take more memory
-MOST_KEPT = 24  # panels beyond those of the model that are taken over into the next period
 MOST_CUTS = 24  # most rounds of cutting panels; scenarios that need more are run alone
 MOST_PANELS = 100_000  # panels beyond those of the model times scenarios: with more, runs alone are faster, and take less memory
 FINE = 5e-11  # with a smaller tolerance of panels, halving them until they resolve every corner may take longer than runs alone
@@ -373,7 +372,8 @@ class BatchSolver:
         through = going & (passed[-1] < until)
         for k, _, over_panels in forces:
             self.works[k] += np.where(through, over_panels.sum(axis=0), 0.0)
-        self.before = solution if len(solution.mesh.kinds) < len(self.driven.model.borders) + MOST_KEPT else None
+        # a mesh with many more panels than the model, cut for this period alone, would cost every later one
+        self.before = solution if len(solution.mesh.kinds) < len(self.driven.model.borders) + 24 else None
         self.clock = np.where(going, passed[-1], self.clock)
         self.energy = np.where(going, solution.ends[-1], self.energy)
 

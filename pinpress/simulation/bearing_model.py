@@ -34,10 +34,7 @@ from .reduced_model import ReducedModel
 
 POWERS = np.arange(NODES)
 BY_ACCELERATION, BY_SQUARED_SPEED, BY_WEIGHT, BY_LOADS = 0, 1, 2, 3  # parts of the radial vectors: A, B, G and the first L
-SETTLED = 1e-9  # relative step of Newton's method that ends it: the next would be about its square
-STILL = 1e-11  # share of a bearing's largest speed that is rounding
 NOTHING = 1e-13  # share of the largest vector of a part below which a component is rounding throughout
-RESTING = 1e-10  # share of the fastest bearing's speed below which that of one that rests is rounding, which is larger near a lock
 
 UnitForce = Callable[[Motion], Sequence[AppliedForce]]
 """The forces on links over a motion for which a generalized force of 1 along a coordinate stands."""
@@ -111,7 +108,8 @@ class BearingModel(Panels):
             except np.linalg.LinAlgError:
                 break
             efforts = efforts + step
-            if np.abs(step).max() <= SETTLED * np.abs(efforts).max():
+            # Newton's method squares the error: the next step would be about 1e-18.
+            if np.abs(step).max() <= 1e-9 * np.abs(efforts).max():
                 # beyond a gain of 1 friction would have to support itself
                 if np.abs(slopes).sum(axis=1).max() < 1.0 or np.abs(np.linalg.eigvals(slopes)).max() < 1.0:
                     return -way * float(lever @ efforts)
@@ -124,7 +122,8 @@ class BearingModel(Panels):
 
     @cached_property
     def _rest(self) -> Array:
-        return np.asarray(STILL * np.abs(self.coefficients[:, : len(self.law.arm), 0]).max(axis=0))
+        # Less than this share of the largest speed is rounding.
+        return np.asarray(1e-11 * np.abs(self.coefficients[:, : len(self.law.arm), 0]).max(axis=0))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -212,7 +211,8 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
     coefficients = sampled.coefficients
     speeds = np.abs(coefficients[:, :count]).max(axis=2) / np.where(some.turns, 1.0, press.size)
     fastest = speeds.max(axis=1).clip(min=1.0 if press.driver_coordinates[0].turns else 1.0 / press.size)  # near a lock without bounds
-    still = (speeds <= RESTING * fastest[:, None]).all(axis=0)
+    # Next to the fastest bearing, the speed of one that rests is rounding, which is larger near a lock.
+    still = (speeds <= 1e-10 * fastest[:, None]).all(axis=0)
     coefficients[:, np.flatnonzero(still)] = 0.0  # speeds of bearings that do not move are rounding
     vectors = coefficients[:, count:].reshape(len(coefficients), -1, count, 3, NODES)  # (p, parts, K, 3, q)
     size = np.abs(vectors).max(axis=(0, 4))

@@ -45,7 +45,6 @@ from .reduced_model import (
 if TYPE_CHECKING:
     from ..engines.pinocchio.forward_dynamics import ForwardDynamics
 
-THIN = 1e-8  # thinnest interval of a load that crank angles tell apart [lengths of the linkage]
 
 End = tuple[int, Array]
 """Pinocchio joint (0: the frame) and a point in its frame [m]."""
@@ -503,7 +502,8 @@ def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None
     zero = datum(caller_laws.as_given(load), press)
     intervals = [*((True, each) for each in falling), *((False, each) for each in rising)]
     applied_loads.warn_of_load(caller_laws.name(load), press, intervals, zero, applied_loads.turning_points(press))
-    least = THIN * press.size
+    # Crank angles cannot distinguish the ends of a thinner interval.
+    least = 1e-8 * press.size
     for interval in (*rising, *falling):
         if interval.upper - interval.lower < least:
             raise PinpressError(

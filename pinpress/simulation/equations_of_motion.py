@@ -22,11 +22,6 @@ from .reduced_model import COORDINATES, INERTIA, WEIGHT, ReducedModel
 if TYPE_CHECKING:
     from ..engines.pinocchio.forward_dynamics import ForwardDynamics
 
-LOOSE = 1e-6  # rounding of many turns by which an angle may lie outside the range of a reduced model [rad]
-STANDING = 1e-6  # speed of a joint up to which it stands [m/s]
-ELSEWHERE = 0.1  # distance of a joint from the drawn assembly from which on the linkage is in another one [rad, lengths of the linkage]
-MOVING = 1e3  # a joint that is faster than the crank by more than this factor moves though the crank stands
-
 
 class Dynamics(Protocol):
     """The linkage as it is integrated: its crank alone, or all its joints.
@@ -104,7 +99,8 @@ class ReducedDynamics:
         period, local, loose, turns = self.table.period, angle, 0.0, 0.0
         if period is not None:
             turns = (angle - self.first) // period
-            local, loose = angle - turns * period, LOOSE
+            # The rounding of many turns may leave an angle just outside the range.
+            local, loose = angle - turns * period, 1e-6
         if not self.first - loose <= local <= self.last + loose:
             count = self.table.coefficients.shape[1] - COORDINATES  # NaN makes an integrator that looks ahead try a shorter step
             return CrankState(angle, rate, [(math.nan, math.nan)] * count, math.nan, math.nan, math.nan, [math.nan] * count)
@@ -247,7 +243,8 @@ class FullDynamics:
 
     def stands(self, instant: LinkageState) -> bool:
         crank = self.units[self.crank] * abs(instant.speed)
-        return bool(np.abs(self.units * instant.v).max() <= max(MOVING * crank, STANDING))
+        # A joint that is a thousand times as fast as the crank moves though the crank stands; one below 1e-6 m/s stands in any case.
+        return bool(np.abs(self.units * instant.v).max() <= max(1e3 * crank, 1e-6))
 
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
         closure = self.press.engine("pinocchio").close(np.array([position[self.crank] + angle]), position[:, None])
@@ -273,7 +270,8 @@ class FullDynamics:
                 at, first, second = (values[:, 0] for values in point.at(np.array([angle])))
                 at = at + turns * self.press.branch_through_change_points.gain_per_period
                 at[self.crank] = position[self.crank]
-                if np.abs(self.units * (at - position)).max() > ELSEWHERE * self.press.size:
+                # A joint this far from the drawn assembly [rad, lengths of the linkage] is in another assembly.
+                if np.abs(self.units * (at - position)).max() > 0.1 * self.press.size:
                     raise SingularityError("the linkage comes to a change point in another assembly than the drawn one", angle, 0.0)
                 return at, first, second
         return None

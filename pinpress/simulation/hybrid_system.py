@@ -29,10 +29,8 @@ from .trajectory import INTEGRALS
 
 AHEAD = 1e-9  # time looked ahead to see into which interval a force goes, with several drivers, and what a clutch that closes does [s]
 LITTLE = 1e-7  # crank angle looked ahead to see into which interval a force goes [rad]
-JUST_INSIDE = 1e-6  # share of the way from a border into its interval at which a stop that has just been touched pushes
 # What holds at its limit lets go beyond this share more: without it rounding would decide, and it would hold and let go without end.
 LETS_GO = 1e-9
-BESIDE = 1e-12  # share of a speed at which the drive's torque jumps, and of 1 rad/s at rest: the torque is asked this far on its side
 
 
 class Snapshot(NamedTuple):
@@ -118,7 +116,7 @@ def force_mode(force: GeneralizedForce, inside: float, rising: bool, value: floa
     high = min((b for b in borders if b >= inside), default=math.inf)
     interval = next((s for s in force.intervals(rising) if s.lower < inside - force.datum <= s.upper), None)
     if value in (low, high):  # where a stop is touched its force is zero, and rounding would tell whether it pushes
-        value += JUST_INSIDE * (inside - value)
+        value += 1e-6 * (inside - value)
     pushing = interval is None or not interval.one_sided or interval.pushes(float(interval.force(value - force.datum, rate)))
     return ForceMode(low, high, rising, interval, pushing)
 
@@ -326,7 +324,9 @@ class HybridSystem:
         for k, corner in self._jumps:
             side = mode.sides[k]
             if side:
-                beside = corner + side * BESIDE * (abs(corner) or 1.0)
+                # At the speed of a jump rounding would choose the side: the torque is asked this share of the speed, or
+                # rad/s at rest, away from it.
+                beside = corner + side * 1e-12 * (abs(corner) or 1.0)
                 speed = max(speed, beside) if side > 0 else min(speed, beside)
         return speed
 

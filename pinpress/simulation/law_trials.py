@@ -27,14 +27,10 @@ from ..loads.caller_laws import Asked, AskedLoad, Law, LawError
 from ..loads.caller_laws import name as name_of
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 
-SHARES = np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])  # a drive is tried at these multiples of the run's speed
-LEAST = 10.0  # speed assumed for a run that begins more slowly [rad/s]
 ANGLES, TIMES = (0.7, 2.1, -4.0, 9.5), (0.01, 0.3, 2.0, 11.0)  # a drive is tried at these crank angles [rad] and times [s]
 INSIDE = np.linspace(0.02, 0.98, 9)  # a load is tried at these shares of an interval
 VELOCITIES = (0.0, -1.0, -0.1, -1e-3, 1e-3, 0.1, 1.0)  # a load is tried at these velocities [m/s]
-SAME = 1e-9  # relative difference up to which two answers are equal but for rounding
 ANSWERS = np.array([-1.0, 0.5, 2.0])  # speeds or heights at which a law is asked at once, to see whether it takes arrays
-MOST_CONFIRMED = 100  # most states of a run at which a torque is asked again
 
 
 def asked_drive(drive: Any, speed: float) -> Any:
@@ -43,7 +39,8 @@ def asked_drive(drive: Any, speed: float) -> Any:
         return {joint: asked_drive(one, speed) for joint, one in drive.items()}
     if drive is None or _is_known(drive) or isinstance(drive, type) or not isinstance(drive, Drive):
         return drive
-    return AskedDrive(drive, np.geterr(), max(abs(speed), LEAST))
+    # A run that begins more slowly than 10 rad/s may still reach that.
+    return AskedDrive(drive, np.geterr(), max(abs(speed), 10.0))
 
 
 def _is_known(drive: object) -> bool:
@@ -209,7 +206,8 @@ def _asked(what: str, ask: Callable[[], Any]) -> Any:
 
 def _try_drive(drive: AskedDrive) -> None:
     """Raise PinpressError where a drive depends on more than it declares, or gives other values for arrays than for numbers."""
-    what, speeds, states, timed = name_of(drive), drive.about * SHARES, tuple(map(float, drive.state)), drive.timed
+    what, states, timed = name_of(drive), tuple(map(float, drive.state)), drive.timed
+    speeds = drive.about * np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])
     if timed and len(drive.corners):
         raise PinpressError(f"{what}: corners is {shown(drive.corners)}; a drive that is timed has none: let corners be ()")
     for law in ("torque", "motor_torque"):
@@ -267,7 +265,8 @@ def confirm_torques(drive: object, times: Array, angles: Array, speeds: Array, t
     moving = np.flatnonzero(speeds)  # at rest a torque that jumps there, as behind gears with losses, is that of either side
     if not len(moving):
         return
-    some = moving[np.unique(np.linspace(0, len(moving) - 1, MOST_CONFIRMED).astype(int))[::-1]]
+    # of a long run a hundred states are asked again
+    some = moving[np.unique(np.linspace(0, len(moving) - 1, 100).astype(int))[::-1]]
     again = [drive.torque(float(speeds[k]), float(angles[k]), float(times[k])) for k in some]
     by_speed = [drive.torque(float(speeds[k])) for k in some]
     if _differ(torques[some], np.array([again, by_speed]).reshape(2, -1)):
@@ -291,4 +290,5 @@ def _as_numbers(what: str, numbers: Array, array: Any) -> None:
 
 
 def _differ(some: Array, others: Any) -> bool:
-    return bool(np.abs(some - np.asarray(others, dtype=float)).max() > SAME * np.abs(some).max())
+    # Up to this relative difference two answers are equal within rounding error.
+    return bool(np.abs(some - np.asarray(others, dtype=float)).max() > 1e-9 * np.abs(some).max())

@@ -34,11 +34,7 @@ from .trajectory import Sample, Trajectory
 LOSSES = ("slip", "load", "constant", "gears", "inverter", "resistor")
 FLOWS = ("mains", "drive", *LOSSES, "heat")
 """Powers of a motor: from the mains, of the drive on the crank, those lost on the way, and of these what warms the motor."""
-TOLD = 1e-9  # share of the largest power on the motor's shaft up to which torque x speed may differ from what it tells
-ROUGH = 1e-11  # share of all work by which both halves of an interval may differ from it
 MOST_HALVINGS = 20
-ROUNDED = 1e-14  # share of the power on the crank below which a loss in gears is rounding
-EMPTY = 1e-9  # share of a link's swing of energy that may be missing at its lower voltage
 MOST_PIECES = 1_000_000  # into which a run is cut, no longer than a time constant each
 MAINS, DRIVE, SLIP, HEAT = FLOWS.index("mains"), FLOWS.index("drive"), FLOWS.index("slip"), FLOWS.index("heat")
 
@@ -157,7 +153,8 @@ def flows(driven: DrivenPress, times: Array, sample: Sample) -> Array:
     with np.errstate(all="ignore"):  # what is not finite is refused below
         power = _power(motor, ratio * sample.drive_speed, ratio * angle, times, tuple(sample.drive_states))
     given = sample.drive_torque * sample.drive_speed
-    in_gears = np.where(np.abs(power.shaft - given) > ROUNDED * np.abs(given), power.shaft - given, 0.0)
+    # A smaller loss in gears is the rounding of both powers.
+    in_gears = np.where(np.abs(power.shaft - given) > 1e-14 * np.abs(given), power.shaft - given, 0.0)
     parts = (power.mains, given, power.slip, power.load, power.constant, in_gears, power.inverter, power.resistor, power.heat)
     found = np.array([np.broadcast_to(part, times.shape) for part in parts])
     if not np.isfinite(found).all():
@@ -188,7 +185,7 @@ def _power(motor: Any, speed: Array, angle: Array, times: Array, states: tuple[A
             raise PinpressError(f"{type(motor).__name__}: {name} of its power has shape {values.shape}: {wanted}")
     shaft = motor.torque(speed, angle, times, states) * speed
     apart = np.abs(power.shaft - shaft)
-    if (apart > TOLD * np.abs(shaft).max()).any():
+    if (apart > 1e-9 * np.abs(shaft).max()).any():  # less is the rounding of the caller's formulas
         at = int(np.argmax(np.broadcast_to(apart, times.shape)))
         raise PinpressError(
             f"{type(motor).__name__}: shaft of its power is {np.broadcast_to(power.shaft, times.shape)[at]:.6g} W at {speed[at]:.6g} rad/s,"
@@ -241,7 +238,8 @@ def _at_nodes(driven: DrivenPress, trajectory: Trajectory, starts: Array, ends: 
 
 
 def _halved(driven: DrivenPress, trajectory: Trajectory, edges: Array) -> Array:
-    """Edges (n,) with more of them where the powers are not smooth: an interval is halved until both halves together agree with it."""
+    """Edges (n,) with more of them where the powers are not smooth: an interval is halved until both halves together agree with it, to a
+    share of all work."""
 
     def works(starts: Array, ends: Array) -> Array:
         return np.asarray(0.5 * (ends - starts) * (_at_nodes(driven, trajectory, starts, ends)[1] @ gauss_rule().weights))
@@ -252,7 +250,7 @@ def _halved(driven: DrivenPress, trajectory: Trajectory, edges: Array) -> Array:
     for _ in range(MOST_HALVINGS):
         middle = 0.5 * (starts + ends)
         first, second = works(starts, middle), works(middle, ends)
-        rough = (np.abs(first + second - whole) > ROUGH * largest).any(axis=0)
+        rough = (np.abs(first + second - whole) > 1e-11 * largest).any(axis=0)
         if not rough.any():
             break
         found.append(middle[rough])
@@ -346,7 +344,8 @@ def _course(driven: DrivenPress, trajectory: Trajectory, found: Spent, link: Lin
         )
     course, lowest = linked.course(begin), given.energy_at(given.lower_voltage)
     short = lowest - float(course.energy.min())
-    if short > EMPTY * float(np.ptp(course.energy)):
+    # Less than this share of the link's swing of energy is rounding.
+    if short > 1e-9 * float(np.ptp(course.energy)):
         at = float(course.times[int(np.argmin(course.energy))])
         angle = float(_crank_angle(driven, trajectory.at(np.array([at]), complete=False))[0])
         raise PinpressError(

@@ -27,13 +27,7 @@ from ..linkage.memo import per_linkage
 from .failures import failure
 from .panels import Panels, last_terms, resolve
 
-PANELS = 16  # panels a turn to begin with
 SLACK = 1e-9  # rounding by which an angle may lie outside the range of the model [rad]
-FLAT = 1e-13  # range of the potential energy that is rounding, as a share of its size
-HEIGHT = 1e-3  # the range of the potential energy, and its slope, count as at least this share of its size
-PARTS = (
-    1e-6  # and as at least this share of what lifting all links by the linkage's size takes: they may balance each other but for rounding
-)
 ALIKE, FAR, SAME = 36, 1000, 1e-9  # angles of a period that are compared with those so many periods away, and the share that is rounding
 INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a model
 
@@ -135,9 +129,12 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
     period = None if branch.period is None else branch.period * _periods(press, branch.gain_per_period)
     low, high = (0.0, period) if period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
     turns = (high - low) / (2 * np.pi) if branch.coordinate.turns else 1.0
-    count = panels or max(2, math.ceil(PANELS * turns - 1e-9))
+    # 16 panels a turn resolve most presses at once.
+    count = panels or max(2, math.ceil(16 * turns - 1e-9))
     weight = sum(inertia.mass for inertia in list(press.model.inertias)[1:]) * float(np.linalg.norm(press.model.gravity.linear))
-    measured = _Sizes(len(coordinates), PARTS * weight * press.size).missed
+    # Weights may balance each other. Then only rounding is left, which must not decide how fine the table is: weights count as at
+    # least 1e-6 of what lifting all links by the linkage's size takes.
+    measured = _Sizes(len(coordinates), 1e-6 * weight * press.size).missed
     missed = measured if panels is None else lambda values: np.zeros(values.shape[2])
     sampled, points = resolve(lambda angles: sample_rows(press, angles, coordinates), np.linspace(low, high, count + 1), missed)
     gains = np.zeros(COORDINATES + len(coordinates)) if period is None else _gains(press, coordinates, low, period)
@@ -176,8 +173,9 @@ class _Sizes:
         self.scale = np.maximum(self.scale, np.abs(values).max(axis=(0, 2)))
         self.lowest = np.minimum(self.lowest, values[:, POTENTIAL].min())
         self.highest = np.maximum(self.highest, values[:, POTENTIAL].max())
-        # The potential energy of a balanced press is constant, and its slope the rounding of the links' parts.
-        least = max(self.least, HEIGHT * float(max(abs(self.lowest), abs(self.highest))))
+        # The potential energy of a balanced press is constant, and its slope the rounding of the links' parts: both count as at least a
+        # thousandth of the energy's size.
+        least = max(self.least, 1e-3 * float(max(abs(self.lowest), abs(self.highest))))
         self.scale[WEIGHT] = max(float(self.scale[WEIGHT]), least)
         self.scale[POTENTIAL] = max(float(self.highest - self.lowest), least)
         tail = last_terms(values)
@@ -189,7 +187,8 @@ class _Sizes:
 def _centred(polynomials: Array) -> Array:
     """Polynomials (p, rows, q) whose potential energy is zero in the middle of its range; it is zero throughout where it is constant."""
     values = polynomials[:, POTENTIAL, 0]
-    middle, flat = 0.5 * float(values.min() + values.max()), bool(np.ptp(values) <= FLAT * np.abs(values).max())
+    # A range this small, as a share of the energy, is rounding: the press is balanced.
+    middle, flat = 0.5 * float(values.min() + values.max()), bool(np.ptp(values) <= 1e-13 * np.abs(values).max())
     polynomials[:, POTENTIAL, 0] -= middle  # its zero is arbitrary, and this one costs no digits
     if flat:
         polynomials[:, [POTENTIAL, WEIGHT]] = 0.0

@@ -33,13 +33,10 @@ if TYPE_CHECKING:  # reports know runs, and need no solvers
     from .time_solver import TimeSegment
 
 POINTS = 120  # states returned per turn of the crank, and at least
-MOST_POINTS = 1_000_000  # most states returned by default
 LOOSE = 1e3  # energy error accepted, in multiples of the tolerance
 BALANCED = 1e-6  # energy error accepted of a run with steps by error, unless a large tolerance is asked for
-ROUNDED = 1e-6  # least size that energies are compared with, as a share of the potential energy
 ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # roundings of a stiff drive's angle and speed that may show in the energy
 BETWEEN = 1.1  # by which the crank may be faster between the ends of long steps than there
-BEYOND = 1e-9  # travel of a driver that slides, beyond its end, that is rounding [lengths of the linkage]
 
 
 @dataclass(frozen=True, repr=False)
@@ -208,7 +205,8 @@ def _refuse_beyond_travel(press: Linkage, motion: Motion) -> None:
             continue
         place = press.slots[joint].start
         low, high = float(press.model.lowerPositionLimit[place]), float(press.model.upperPositionLimit[place])
-        beyond = np.maximum(low - columns[k], columns[k] - high) > BEYOND * press.size
+        # Less than this share of the size of the linkage is rounding.
+        beyond = np.maximum(low - columns[k], columns[k] - high) > 1e-9 * press.size
         if beyond.any():
             first = int(np.argmax(beyond))
             ends = {"low": f"{low * coordinate.scale:.6g}", "high": coordinate.shown(high)}
@@ -258,7 +256,7 @@ def energy_size(kinetic: Array, potential: Array, *works: Array) -> Any:
     size = kinetic.max(axis=0)
     for work in works:
         size = np.maximum(size, np.abs(work).max(axis=0))
-    size = np.maximum(size, ROUNDED * np.abs(potential).max(axis=0))  # at rest all that is missing is rounding of the potential energy
+    size = np.maximum(size, 1e-6 * np.abs(potential).max(axis=0))  # at rest all that is missing is rounding of the potential energy
     return np.where(size > 0, size, 1.0)
 
 
@@ -325,9 +323,9 @@ def allowed_error(tolerance: float) -> float:
 
 
 def state_count(points: int | None, turns: float) -> int:
-    """Number of states to return: that asked for, or by the turns of the crank."""
+    """Number of states to return: that asked for, or by the turns of the crank, up to a million."""
     if points is None:
-        return int(min(MOST_POINTS, max(POINTS, math.ceil(POINTS * turns)))) + 1
+        return int(min(1_000_000, max(POINTS, math.ceil(POINTS * turns)))) + 1
     return whole_number("points", points, 2, 10**7)
 
 

@@ -20,8 +20,6 @@ from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
 
 MOVED = 1e-6  # a rest is stable or unstable by the accelerations this far on either side of it [rad]
 PUSHED, CREEPING = 1e-4, 1e-9  # displacement [rad] and speed [rad/s] by which a press at rest is pushed
-ASTRAY = 1e3  # largest sensitivity to the start of a run that counts as determined
-LOST = np.pi  # difference between a run that ends in an error and one that does not [rad]
 
 
 def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> float | None:
@@ -67,9 +65,11 @@ def _sensitivity(problem: SimulationProblem, trajectory: Trajectory, model: Redu
             moved = march(replace(problem, angle=problem.angle + angle_by, speed=problem.speed + speed_by))
             astray = max(astray, float(np.abs(_crank_angles(press, moved, times) - angles).max()))
         except SimulationError:
-            astray = max(astray, LOST)
+            # A run that ends in an error differs by as much as two crank angles can.
+            astray = max(astray, np.pi)
     found = astray / (tolerance * (1.0 + speed * until))
-    if found > ASTRAY:
+    # A run that multiplies an error of its start by more than this is not determined.
+    if found > 1e3:
         caution(
             "the run is not determined to its tolerance: it passes an unstable rest so closely that a start moved by"
             f" {tolerance:.3g} of its sizes leads {astray:.3g} rad astray; start it farther from the rest, or with another speed"

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from .time_solver import TimeSegment
 
 AGAIN = 4.0  # the crank is followed over its angle again from this multiple of the kinetic energy at which it was no longer sure to turn
-LITTLE = 1e-4  # share of the range of the potential energy: a crank with less kinetic energy is not followed over its angle
-BESIDE_END = 1e-5  # share of the range of a crank that locks: steps over time that find no way on as near to its end have come to the lock
 LEAST_TOLERANCE = 1e-13
 TOLERANCE, ELASTIC_TOLERANCE = 1e-11, 1e-5  # by default, of a rigid and of an elastic motion
 
@@ -221,7 +219,8 @@ class OverTime:
 def _end_at(model: ReducedModel, angle: float) -> float | None:
     """The end of a model without a period at which a crank angle is, or beyond which; None where it is at none."""
     low, high = float(model.borders[0]), float(model.borders[-1])
-    beside = BESIDE_END * (high - low)
+    # Steps over time that find no way on this near to the end of the range have come to the lock.
+    beside = 1e-5 * (high - low)
     if model.period is not None or low + beside < angle < high - beside:
         return None
     return low if angle <= low + beside else high
@@ -254,7 +253,8 @@ def _turning_energy(driven: DrivenPress, state: State, before: Sequence[Segment]
     """Kinetic energy from which a crank that has stopped turns for sure again [J]."""
     states = (state, *(segment.last() for segment in before if isinstance(segment, AngleSegment)))
     fastest = max(_energy(driven, s.angle, s.speed) for s in states)
-    return max(AGAIN * LEAST * fastest, LITTLE * driven.model.potential_range)
+    # With less than 1e-4 of the range of the potential energy a crank is not sure to turn.
+    return max(AGAIN * LEAST * fastest, 1e-4 * driven.model.potential_range)
 
 
 def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, until: float) -> "list[Segment] | None":

@@ -48,9 +48,6 @@ PERIODS, MOST_PERIODS = 3, 60
 BESIDE = 1e-6  # relative change of speed and states by which their effect after a period is found
 SHARES = np.geomspace(0.25, 4.0, 33)  # multiples of the given speed among which the steady state is searched
 NEARBY = SHARES[14:19]  # those that are tried first
-NARROWED = 3  # the range of speeds is narrowed so often, to a 32nd each time
-CLOSER = 4  # Newton steps to the end of a period
-PATIENCE = 20.0  # a period is given up after as much time as so many periods take at the first speed
 COMES_BACK = 1e-10  # relative difference accepted between the speeds at start and end of a period
 
 
@@ -271,7 +268,8 @@ def _energy_near(driven: DrivenPress, mesh: Mesh, speed: float) -> Array | None:
         SimulationError: nothing depends on the speed.
     """
     speeds = speed * SHARES
-    for _ in range(NARROWED):
+    # Each round narrows the range of speeds to a 32nd.
+    for _ in range(3):
         tried = collocation.solve(driven, mesh, _energies(driven, mesh, speeds))
         if tried.speed_free:  # no speed is better than another
             raise _no_steady_state(speed)
@@ -374,7 +372,8 @@ def _period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -
     assert driven.model.period is not None
     system = reduced_system(driven)
     direction = 1.0 if start[0] > 0 else -1.0
-    target, patience = angle + direction * driven.model.period, PATIENCE * driven.model.period / abs(float(start[0]))
+    target = angle + direction * driven.model.period
+    patience = 20.0 * driven.model.period / abs(float(start[0]))  # at a twentieth of the first speed it does not get through
     mode, y = system.begin(0.0, np.array([angle]), start[:1], np.zeros(len(INTEGRALS)), tuple(start[1:].tolist()))
 
     def beyond(y: Array) -> bool:
@@ -386,7 +385,8 @@ def _period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -
     # steps are made to end at the target, because the integrator's interpolation is less exact than its steps
     since, mode, at, end = most.before(lambda y: float((y[0] - target) * direction))
     segments, y = [most], at
-    for _ in range(CLOSER):
+    # Newton's method on the time of the period's end.
+    for _ in range(4):
         if end <= since:  # an event has ended the step before at the target
             break
         last, y = integrate(system, mode, since, at, end, Settings(tolerance, crank_sizes(driven, at)))

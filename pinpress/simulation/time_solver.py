@@ -33,20 +33,11 @@ WINDOW = 5  # the pace of a method is measured over this many steps, after as ma
 # Multiples of the shortest time constant: DOP853 is hardly the slower method with shorter steps, Radau IIA with longer ones.
 SWIFT, SLOW = 1.0, 10.0
 LONG, LESS_SWIFT = 200, 0.3  # after this many steps a run is long enough to try Radau IIA from this smaller multiple on
-DEARER = 1.5  # cost of an evaluation of the implicit method, with its algebra, in evaluations of the explicit one
-ASIDE = 1e-3  # share of a first step from rest after which the crank moves
 LEAST_RELATIVE = 3e-14  # smallest relative tolerance that SciPy takes: errors of angles must not grow with the angles
-LOOKS = 200  # a press that stands is looked at this often in a run
-MOST_TRIES = 4  # most attempts to end a step at a corner of the drive's torque
-MOST_AT_ONCE = 100  # most events one after the other without time going on
 LOOK, PATIENCE = 12_000, 3  # the pace is checked after so many evaluations; a run is given up after so many slow checks in a row
-MOST_EVALUATIONS = 15_000_000  # most evaluations of a run whose crank moves on
 # A press that moves by less between two checks creeps or vibrates [rad]; most evaluations of such a run.
 CREEPING, MOST_CREEPING = 1.0, 150_000
-VIBRATING = 0.5  # the fastest motion is a vibration if the imaginary part of its rate is a larger share of the rate than this
 MOST_STEPS = 1_000_000  # most steps of one run: each takes some memory
-SHORTEST = 1e-15  # shortest step, as a share of the duration
-EPS = float(np.finfo(float).eps)
 
 
 @dataclass(eq=False, repr=False)
@@ -125,7 +116,7 @@ class TimeSegment:
         """Times at which the crank stopped, where it is integrated alone; with the start where it began at rest [s]."""
         found, since = [], self.start
         if self.from_rest:  # search behind the start, where the speed is rounding
-            found, since = [self.start], self.start + ASIDE * (self.times[0] - self.start)
+            found, since = [self.start], self.start + 1e-3 * (self.times[0] - self.start)
         for piece, end in zip(self.pieces, self.times, strict=True):
             if float(piece(since)[1]) * float(piece(end)[1]) < 0:
                 found.append(float(brentq(lambda t, piece=piece: float(piece(t)[1]), since, end, xtol=1e-300, rtol=1e-15)))
@@ -219,13 +210,13 @@ class Integration:
         self.pacer = Pacer() if settings.step is None and settings.method == BY_STIFFNESS else None
         self.first_step: float | None = None
         self.at_once = 0  # events so far one after the other without time going on
-        self.shortest = SHORTEST * (until - start)
+        self.shortest = 1e-15 * (until - start)  # less is rounding of the time
 
     @property
     def goes_on(self) -> bool:
         """Whether the end is not reached yet. Once it is, the segment is made to end there exactly, even if an event came a rounding
         before."""
-        if self.time < self.until - 8 * EPS * abs(self.until):
+        if self.time < self.until - 8 * float(np.finfo(float).eps) * abs(self.until):
             return True
         if self.segment.times:
             self.segment.times[-1] = self.until
@@ -245,7 +236,8 @@ class Integration:
                 raise trials.error or self.system.cannot_go_on(self.time, self.y, message)
             piece = stepper.dense_output()
             event, at = watch.first(piece, stepper.t_old, stepper.t)
-            if isinstance(event, CornerPassed) and self.tries < MOST_TRIES and at > self.time + self.shortest:
+            # after 4 attempts to end a step at a corner, the corner cuts it
+            if isinstance(event, CornerPassed) and self.tries < 4 and at > self.time + self.shortest:
                 self.corner, self.tries = at, self.tries + 1
                 self.segment.evaluations += stepper.nfev
                 return False  # the step is repeated, to end there
@@ -268,7 +260,7 @@ class Integration:
         method = FIXED if settings.step is not None else self.pacer.using if self.pacer is not None else settings.method
         end = min(next(b for b in self.ends if b > self.time), self.corner)
         if self.mode.rests and self.system.varies:  # steps must not pass over what starts a press that stands
-            end = min(end, self.time + (self.until - self.start) / LOOKS)
+            end = min(end, self.time + (self.until - self.start) / 200)
         stepper = _stepper(trials, self.time, self.y, end, settings, method, self.first_step)
         if not np.isfinite(stepper.f).all():
             raise trials.error or failure("not finite", self.time, self.angle)
@@ -308,7 +300,7 @@ class Integration:
     def _switch(self, event: "Event | None") -> None:
         """Change to the mode after an event, or to the other side of the corner at which the step has ended."""
         if event is not None:
-            if self.at_once > MOST_AT_ONCE:
+            if self.at_once > 100:  # events one after the other
                 raise failure("chatters", self.time, self.angle)
             self.mode, self.y = event.after(self.system, self.mode, self.time, self.y)
         elif self.time >= self.corner:
@@ -386,7 +378,8 @@ class Pacer:
         if self.taken == WINDOW:
             self.since = time, evaluations
         if self.taken == 2 * WINDOW and self.since is not None and time > self.since[0]:
-            dearer = DEARER if self.using == IMPLICIT else 1.0
+            # An evaluation of the implicit method, with its algebra, costs as much as 1.5 of the explicit one.
+            dearer = 1.5 if self.using == IMPLICIT else 1.0
             self.cost[self.using] = dearer * (evaluations - self.since[1]) / (time - self.since[0])
         if self.taken < 2 * WINDOW:
             return False
@@ -415,7 +408,7 @@ class Pace:
         if evaluations - asked < LOOK:
             return False
         coming = (evaluations - asked) * (self.until - time) / max(time - since, np.finfo(float).tiny)
-        most = MOST_CREEPING if travelled - turned < CREEPING else MOST_EVALUATIONS
+        most = MOST_CREEPING if travelled - turned < CREEPING else 15_000_000
         self.slow = self.slow + 1 if coming > most else 0
         self.before = time, evaluations, travelled
         return self.slow >= PATIENCE
@@ -426,7 +419,8 @@ def _hopeless(integrator: OdeSolver, time: float, y: Array, sizes: Array, until:
     size = len(y) - len(INTEGRALS)
     jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size], rounding(integrator.fun, time, y, integrator.f))[:size]
     swiftest = max(np.linalg.eigvals(jacobian), key=abs) if np.isfinite(jacobian).all() else 0.0
-    if abs(swiftest.imag) > VIBRATING * abs(swiftest):
+    # A rate whose imaginary part is more than half of its size is that of a vibration.
+    if abs(swiftest.imag) > 0.5 * abs(swiftest):
         frequency = abs(swiftest.imag) / (2 * np.pi)
         return failure("vibrates", time, angle, frequency=frequency, swings=frequency * (until - time))
     return failure("too slow", time, angle)

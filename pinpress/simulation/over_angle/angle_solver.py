@@ -20,15 +20,7 @@ from .mesh import FROM_REST, SAME, STEADY, TO_REST, Mesh, angle_to, build_mesh, 
 from .refinement import cuts, solve_period, stopping_panels
 from .segment import angle_segment
 
-SMALL = 1e-2  # shorter swings are followed over time: their forces are small differences [rad]
-REST = 0.2  # angle before a stop that is solved over its square root [rad]
-NOTHING = 3e-11  # share of the range of the potential energy a radian: a smaller force does not move a crank at rest
-LITTLE = 1e-7  # share of the range of the potential energy: a start with less kinetic energy is followed over time
-USED_UP = 1e-9  # share of the largest kinetic energy on the way: what is left at a stop is rounding below it
 MOST_PERIODS = 200_000  # most periods of one run: each takes some memory
-NOTICED = 1e-6  # share of a swing: two stops further apart are different places
-MOST_KEPT = 150  # panels beyond those of the model that are taken over into the next period
-AT_ONCE = 8  # most periods solved at once: more would hardly save anything
 
 
 # --------------------------------------------------------------------------------------------------------------------- from stop to stop
@@ -133,8 +125,8 @@ class AngleSolver:
             return False
         elif self.model.period is None and self.state.time < self.until:
             raise lock_reached(self.model, self.state.angle, self.state.time)
-        elif self.model.repeats and kinds[0] == STEADY and len(kinds) < solution.mesh.periods * len(self.model.borders) + MOST_KEPT:
-            self.before = solution
+        elif self.model.repeats and kinds[0] == STEADY and len(kinds) < solution.mesh.periods * len(self.model.borders) + 150:
+            self.before = solution  # a mesh with more panels, cut for this period alone, would cost every later one
         return True
 
     def _period(self, direction: int) -> tuple[CollocationSolution, int] | None:
@@ -147,7 +139,8 @@ class AngleSolver:
         if extent <= 2 * SAME:
             raise lock_reached(model, self.state.angle, self.state.time)
         energy = self._energy()
-        if 0 < energy[0] < LITTLE * model.potential_range:
+        # A start with hardly any kinetic energy may come to rest at once: it is followed over time.
+        if 0 < energy[0] < 1e-7 * model.potential_range:
             return None
         if self.before is not None:
             return self._resolved(self.before.mesh, energy, self.before)
@@ -170,7 +163,8 @@ class AngleSolver:
             return 1
         lasts = float((gauss_rule().weights @ (mesh.measure * np.sqrt((mesh.inertia + self.driven.inertia) / (2 * left)))).sum())
         ahead = (self.until - self.state.time) / lasts
-        return math.ceil(ahead / math.ceil(ahead / AT_ONCE))
+        # More than 8 periods at once would hardly save time.
+        return math.ceil(ahead / math.ceil(ahead / 8))
 
     def _resolved(self, mesh: Mesh, energy: Array, beside: CollocationSolution | None) -> tuple[CollocationSolution, int] | None:
         """Solve a period, and where it stops in it, again over a mesh that ends there. Returns as `_period`.
@@ -188,7 +182,8 @@ class AngleSolver:
         if stopping and found.solution.speed_free and not len(found.coarse):  # only from panels that are right it is known where it stops
             edges = angle_to(self.model, driven.switch_angles, self.anchor, direction)
             borders = _with_rest(found.solution, count, edges, self.state.speed == 0)
-            if borders[-1] < SMALL:
+            # The forces of a shorter swing are small differences: it is followed over time.
+            if borders[-1] < 1e-2:
                 return None
             mesh = build_mesh(driven, self.anchor, direction, borders, (self.state.speed == 0, True), mesh.periods)
             found = solve_period(driven, mesh, energy, self._coarse)
@@ -234,7 +229,8 @@ class _Swings:
         if len(self.stops) < 3 or not self.same_both_ways:
             return None
         (count, first, at), (_, _, beyond) = self.stops[-3:-1]
-        if abs(stop.angle - at) > NOTICED * abs(beyond - at) or not first < stop.time < until:
+        # Two stops that are further apart are different places.
+        if abs(stop.angle - at) > 1e-6 * abs(beyond - at) or not first < stop.time < until:
             return None
         return RepetitionSegment(Trajectory(segments[count:]), first, stop.time, until)
 
@@ -251,7 +247,7 @@ def _direction(driven: DrivenPress, state: State) -> int:
             continue
         beside = build_mesh(driven, state.angle, direction, ends, (True, False))
         force = collocation.solve(driven, beside, np.zeros(1)).force
-        if force[0, 0, 0] > NOTHING * scale:
+        if force[0, 0, 0] > 3e-11 * scale:  # a smaller force does not move a crank at rest
             return direction
     return 0
 
@@ -259,7 +255,7 @@ def _direction(driven: DrivenPress, state: State) -> int:
 def _comes_to_rest(solution: CollocationSolution) -> bool:
     """Whether the crank comes to rest at the end of the panels: no force depends on its speed, and all its energy is used up."""
     left = float(solution.ends[0, 0] + (gauss_rule().weights @ (solution.force[:, :, 0] * solution.mesh.measure)).sum())
-    return solution.speed_free and abs(left) <= USED_UP * float(solution.ends.max())
+    return solution.speed_free and abs(left) <= 1e-9 * float(solution.ends.max())  # less is rounding of the energies on the way
 
 
 def _before_stop(solution: CollocationSolution, time: float, until: float) -> tuple[int, bool]:
@@ -279,7 +275,8 @@ def _with_rest(solution: CollocationSolution, panel: int, edges: Array, from_res
     mesh = solution.mesh
     stop = float(mesh.travelled(np.array([panel]), np.array([_stop_in(solution, panel)]))[0][0])
     edges = edges[edges < stop - SAME]
-    begin = max(stop - REST, float(edges.max(initial=0.0)))
+    # the last 0.2 rad before the stop, or less
+    begin = max(stop - 0.2, float(edges.max(initial=0.0)))
     if from_rest:
         begin = max(begin, min(float(mesh.borders[1]), 0.5 * stop))
     return np.concatenate([mesh.borders[mesh.borders < begin - SAME], [begin, stop]]) if begin > 0 else np.array([0.0, stop])

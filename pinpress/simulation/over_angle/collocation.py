@@ -26,7 +26,6 @@ SETTLED = 1e-8  # relative change of the kinetic energy that ends Newton's metho
 ROUGHLY = 1e-4  # relative change that ends it where a solution only has to tell where to look for another
 FLOOR = 1e-6  # share of the kinetic energy at the start: forces are not computed at the speeds of less
 TINY = float(np.finfo(float).tiny)
-STIFF = 2.0  # where the energy changes the force by more over half a panel, the panel's own linear equations are solved
 FURTHEST = 100.0  # largest factor by which a round may change the kinetic energy
 BESIDE = 1e-7  # relative change of a speed by which the slopes of the forces are found
 LEAST = 1e-3  # share of the period's largest kinetic energy: with less, a drive that depends on speed may be about to stop the crank
@@ -294,7 +293,8 @@ def _growth(mesh: Mesh, change: Array, above: Array) -> Growth:
     slopes = change / (2 * BESIDE * above)
     exponents = slopes * mesh.measure[:, :, None]
     stiffness = np.maximum(exponents.max(axis=(0, 2)), -exponents.min(axis=(0, 2)))
-    if not stiffness.max() <= STIFF:
+    # Where the energy changes the force by more than this over half a panel, polynomials do not resolve an integrating factor.
+    if not stiffness.max() <= 2.0:
         return Growth(slopes, stiffness, None, None)
     growth = np.exp(_to_end(exponents))
     return Growth(slopes, 0.0 * stiffness, growth[:-1], growth[-1])

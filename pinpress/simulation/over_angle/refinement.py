@@ -22,8 +22,6 @@ from .collocation import FLOOR, LEAST, CollocationSolution
 from .forces import along_travel, along_travel_at_ends
 from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce, build_mesh
 
-NARROWEST = 1e-9  # narrowest panel that is cut [rad]
-ROUNDED = 5e-14  # last terms of a polynomial up to this share of the whole may be rounding, which no cut reduces
 LAYER = 10.0  # e-folds of half a panel that holds what dies away at its start under a stiff drive
 
 
@@ -125,9 +123,10 @@ def cuts(
     """
     mesh = solution.mesh
     corners = () if drive is None else corners_of(drive)
-    least = max(tolerance, ROUNDED)
+    # Smaller last terms may be rounding, which no cut reduces.
+    least = max(tolerance, 5e-14)
     coarse = _coarse(solution, upto, least, which) | _bent_at_borders(solution, upto, least, drive if corners else None, which)
-    bad = coarse & (np.diff(mesh.borders[: upto + 1]) > NARROWEST)
+    bad = coarse & (np.diff(mesh.borders[: upto + 1]) > 1e-9)  # [rad]
     if solution.stiffness.any():  # under a stiff drive an unresolved panel disturbs those that follow it
         bad[1:] &= (solution.stiffness[1:upto] <= LAYER) | ~bad[:-1]
     found = {panel: _cut_within(solution, panel) for panel in np.flatnonzero(bad).tolist()}

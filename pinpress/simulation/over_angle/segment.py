@@ -18,7 +18,6 @@ from .mesh import Indices, Mesh
 # A crank is nearly at rest where its kinetic energy, and what the potential energy may still rise, are below this share of the latter's
 # range.
 NEAR = 1e-5
-CLOSE = 1e-8  # a step in x of Newton's method after which the place is right to rounding: the next one would be its square
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -189,6 +188,7 @@ def place_at(elapsed: Array, since: Array, took: Array) -> Array:
         value, slope = values_and_slopes(elapsed, x)
         step = (value - since) / slope
         x = np.clip(x - step, -1.0, 1.0)
-        if np.abs(step).max(initial=0.0) < CLOSE:
+        # Newton's method squares the error: after a step of 1e-8 the next one would be rounding.
+        if np.abs(step).max(initial=0.0) < 1e-8:
             break
     return np.where(since > 0, x, -1.0)  # a press that starts from rest stands still there, without rounding
