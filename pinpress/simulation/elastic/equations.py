@@ -216,8 +216,8 @@ class ElasticEquations:
         sides that hold each other, too."""
         if self.train is None:
             return bodies
-        front = (self.own, 0)
-        force, stiffness, damping = (np.pad(part, ((0, 0), *(front,) * (part.ndim - 1))) for part in bodies)
+        own, (force, stiffness, damping) = self.own, (np.zeros((len(y), *(self.size,) * (part.ndim - 1))) for part in bodies)
+        force[:, own:], stiffness[:, own:, own:], damping[:, own:, own:] = bodies
         for mode, there in self._by_mode(segments):
             parts = (force[there], stiffness[there], damping[there])
             self.train.add(mode, time[there], y[there], v[there], parts, held=held)
