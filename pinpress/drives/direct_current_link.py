@@ -207,8 +207,8 @@ class LinkedPower:
         self, piece: _Piece, x: float, time: float, energy: float, mains: float, burnt: float
     ) -> tuple[Feeding, float, tuple[float, float, float, float]]:
         """How the link is fed from a place of a piece on, the place up to which it is, and time, energy and works there."""
-        fed, target = self._fed(energy, piece.side)
-        given, end = self._power_given(fed), piece.high
+        fed, target = self._feeding(energy, piece.side)
+        given, end = self._mains_power(fed), piece.high
         before = piece.taken(x)
         if fed in (HELD, BURNT):
             work = piece.taken(end) - before
@@ -225,7 +225,7 @@ class LinkedPower:
         mains += given * piece.half * (end - x)
         return fed, end, (piece.time(end), after, mains, burnt)
 
-    def _fed(self, energy: float, side: int) -> tuple[Feeding, float | None]:
+    def _feeding(self, energy: float, side: int) -> tuple[Feeding, float | None]:
         """How the link is fed at an energy, and the energy at which that ends."""
         if energy < 0:
             return AT_LIMIT, None if side > 0 else 0.0
@@ -239,7 +239,7 @@ class LinkedPower:
     def _full(self) -> float:
         return self.link.energy_at(self.link.upper_voltage)
 
-    def _power_given(self, fed: Feeding) -> float:
+    def _mains_power(self, fed: Feeding) -> float:
         """Power from the mains where it does not follow that of the drive [W]."""
         return self.link.mains_power if fed is AT_LIMIT and self.link.mains_power is not None else 0.0
 
@@ -253,7 +253,7 @@ class LinkedPower:
         for interval, values, integral in zip(ends, self.power, work.tolist(), strict=True):
             cuts, series = {-1.0, 1.0}, rule.legendre @ values
             for level in (0.0,) if limit is None else (0.0, limit):
-                cuts |= set(_passed(series, level))
+                cuts |= set(_crossings(series, level))
             for low, high in itertools.pairwise(sorted(cuts)):
                 inside = np.polynomial.legendre.legval(0.5 * (low + high), series)
                 side = -1 if inside < 0 else int(limit is not None and inside > limit)
@@ -261,7 +261,7 @@ class LinkedPower:
         return found
 
 
-def _passed(series: Array, level: float) -> list[float]:
+def _crossings(series: Array, level: float) -> list[float]:
     """Places between -1 and 1 at which a Legendre series passes or touches a level."""
     series = series.copy()
     series[0] -= level

@@ -152,9 +152,9 @@ class SlipClutchMotor(ElectricMotor):
 
     def excitation(self, speed: Values, integral: Values = 0.0) -> Values:
         """Excitation current that the amplifier demands, residual_current to 1; ``integral``: of the control."""
-        return limited(self.residual_current, self._amplified(speed) + integral, 1.0)
+        return limited(self.residual_current, self._amplify(speed) + integral, 1.0)
 
-    def _amplified(self, speed: Values) -> Values:
+    def _amplify(self, speed: Values) -> Values:
         return self.gain * (self.set_speed - self.feedback * speed)
 
     def _current(self, speed: Values, state: tuple[Values, ...]) -> Values:

@@ -121,7 +121,7 @@ class Geared(Checked):
         torque = self.drive.torque(fast, self.ratio * angle, time, state)
         if self.efficiency == 1.0:
             return self.ratio * torque
-        return self.ratio * torque * self._passed(torque * fast)
+        return self.ratio * torque * self._gain(torque * fast)
 
     def rates(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> tuple[Values, ...]:
         return self.drive.rates(self.ratio * speed, self.ratio * angle, time, state)
@@ -132,7 +132,7 @@ class Geared(Checked):
     def motor_torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
         return self.drive.motor_torque(self.ratio * speed, self.ratio * angle, time, state)
 
-    def _passed(self, power: Values) -> Values:
+    def _gain(self, power: Values) -> Values:
         """Torque behind the gears by that before them. At standstill the drive counts as delivering power."""
         if isinstance(power, float):
             return self.efficiency if power >= 0.0 else 1.0 / self.efficiency

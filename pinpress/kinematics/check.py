@@ -139,20 +139,20 @@ class CheckResult(Tabular):
 
     @property
     def title(self) -> str:
-        return f"CheckResult of {self.file}: {_counted(self)}"
+        return f"CheckResult of {self.file}: {_count_findings(self)}"
 
     def columns(self) -> dict[str, Column]:
         """The findings as columns, None where one has no line."""
         return self.findings.columns()
 
     def __str__(self) -> str:
-        lines = [f"{self.file}: {_counted(self)}"]
+        lines = [f"{self.file}: {_count_findings(self)}"]
         lines += ["", f"  {self.elements}"] if self.elements else []
         if self.facts is not None:
-            lines += ["", *_described(self.facts)]
+            lines += ["", *_describe(self.facts)]
         for severity in SEVERITIES:
             found = self._of(severity)
-            lines += [""] * bool(found) + [line for finding in found for line in _said(self.file, finding)]
+            lines += [""] * bool(found) + [line for finding in found for line in _lines_of(self.file, finding)]
         return "\n".join(lines)
 
 
@@ -207,7 +207,7 @@ def check_document(
         except UrdfError as error:
             findings.append(Finding.of(error))
     ordered = sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))
-    return CheckResult(file, Records(Finding, ordered), facts, "" if facts else _counted_elements(document))
+    return CheckResult(file, Records(Finding, ordered), facts, "" if facts else _count_elements(document))
 
 
 def _put_together(
@@ -306,7 +306,7 @@ def _in_order(press: Linkage) -> Iterator[tuple[int, mobility.Constraint, tuple[
         yield k, owners[k], tuple(press.joints[joint] for joint in joints)
 
 
-def _counted(result: CheckResult) -> str:
+def _count_findings(result: CheckResult) -> str:
     numbers = [
         f"{len(found) or 'no'} {word}{'' if len(found) == 1 else 's'}"
         for found, word in ((result.errors, "error"), (result.warnings, "warning"), (result.notes, "note"))
@@ -314,7 +314,7 @@ def _counted(result: CheckResult) -> str:
     return ", ".join(numbers)
 
 
-def _counted_elements(document: Document) -> str:
+def _count_elements(document: Document) -> str:
     """Links, joints and loops of a file that cannot be put together, and its masses as far as they are numbers."""
     counts = [(len(document.robot.all(tag)), word) for tag, word in (("link", "link"), ("joint", "joint"), ("loop_joint", "loop"))]
     masses = [mass.get("value") for link in document.robot.all("link") for part in link.all("inertial") for mass in part.all("mass")]
@@ -327,7 +327,7 @@ def _counted_elements(document: Document) -> str:
     return f"as far as it can be read: {named}, {scale.shown(known)} {scale.unit}"
 
 
-def _described(facts: Facts) -> list[str]:
+def _describe(facts: Facts) -> list[str]:
     lines = [*main_lines(facts.data, facts.drivers), *_mobility(facts), "", *_bearings(facts)]
     if facts.dyads:
         lines += ["", "Least transmission angles (between the two links of a dyad; best at 90 deg, at 0 they are in line and lock)"]
@@ -377,7 +377,7 @@ def _bearings(facts: Facts) -> list[str]:
     closings = {each.name: each for each in facts.closings}
     together = {each.name: before.setdefault(each.joints, each.name) for each in facts.closings}
 
-    def closed(each: Closing) -> list[str]:
+    def closing_cells(each: Closing) -> list[str]:
         first = together[each.name]
         joints = ", ".join(each.joints) if first == each.name else f"(with {first})"
         return [open_in_words(each.gap, each.misalignment, facts.data.size) or "closed", joints or "nothing new"]
@@ -386,15 +386,15 @@ def _bearings(facts: Facts) -> list[str]:
         each = closings.get(place.name)
         between = " - ".join(place.between)
         if each is not None and each.type != "gear pair":
-            rows.append([place.name, f"{place.type} loop", between, *closed(each)])
+            rows.append([place.name, f"{place.type} loop", between, *closing_cells(each)])
             continue
         rows.append([place.name, place.type, between, "", "driver" if place.name in facts.drivers else ""])
         if each is not None:
-            rows.append(["", "gear pair", " - ".join(each.between), *closed(each)])
+            rows.append(["", "gear pair", " - ".join(each.between), *closing_cells(each)])
     return ["Bearings in the order of the drawing", *tables.fitted_words(rows)]
 
 
-def _said(file: str, finding: Finding) -> list[str]:
+def _lines_of(file: str, finding: Finding) -> list[str]:
     place = "" if finding.line is None else f"{file}:{finding.line}: "
     element = "" if finding.element is None or finding.element.startswith(WHOLE) else f"{finding.element}: "
     wrapper = textwrap.TextWrapper(WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)

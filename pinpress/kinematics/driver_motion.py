@@ -209,7 +209,7 @@ class _InTime:
         elif not begin:
             _refuse(self.drivers, timing, angles, 0, angles, speeds, accelerations, advance)
         if accelerations is None:
-            return DriverMotion(angles, speeds, self._derived(timing, speeds), self.time)
+            return DriverMotion(angles, speeds, self._derive_accelerations(timing, speeds), self.time)
         if acceleration is not None and _is_zero(acceleration):
             if np.any(speeds != speeds[0]):
                 caution(
@@ -291,7 +291,7 @@ class _InTime:
             )
         return advance
 
-    def _derived(self, timing: _Timing, speeds: Array) -> Array:
+    def _derive_accelerations(self, timing: _Timing, speeds: Array) -> Array:
         """Accelerations of all states, derived from the speeds."""
         if np.all(speeds == speeds[0]):
             return np.zeros_like(speeds)
@@ -498,7 +498,7 @@ def _of_few(time: Array, value: Array, rate: Array, bend: Array | None) -> tuple
     way = float(np.maximum(np.abs(gained), np.abs(summed)).sum())
     if not missed.sum() > AMISS * way:
         return None
-    return _step_said(int(missed.argmax()), gained, summed)
+    return _step_in_words(int(missed.argmax()), gained, summed)
 
 
 def _of_many(timing: _Timing, value: Array, rate: Array, advance: float) -> tuple[int, str] | None:
@@ -520,7 +520,7 @@ def _of_many(timing: _Timing, value: Array, rate: Array, advance: float) -> tupl
     missed = np.minimum(np.abs(gained - summed), np.abs(gained - of_rate.trapezoids))
     beyond = missed - off - least * steps - 2 * float(of_value.value_error) - rounding
     if beyond.max() > 0:
-        return _step_said(int(beyond.argmax()), gained, summed)
+        return _step_in_words(int(beyond.argmax()), gained, summed)
     drift = np.minimum(np.abs(np.cumsum(gained - summed)), np.abs(np.cumsum(gained - of_rate.trapezoids)))
     beyond = drift - np.cumsum(off + least * steps) - off.max() - 2 * float(of_value.value_error) - rounding * np.arange(1, len(drift) + 1)
     if beyond.max() > 0:
@@ -533,5 +533,5 @@ def _of_many(timing: _Timing, value: Array, rate: Array, advance: float) -> tupl
     return None
 
 
-def _step_said(step: int, gained: Array, summed: Array) -> tuple[int, str]:
+def _step_in_words(step: int, gained: Array, summed: Array) -> tuple[int, str]:
     return step, f"{{of}} changes by {gained[step]:.6g} {{unit}} to the next state, but {{by}} makes {summed[step]:.6g} {{unit}} of it"

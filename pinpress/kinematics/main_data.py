@@ -109,11 +109,11 @@ def sense_of_rotation(press: Linkage, speed: float = 1.0, driver: int = 0) -> st
     joint = press.driver_indices[driver]
     axis = drawn_placements(press.model)[joint + 1].rotation @ press.axes[joint].direction
     if not press.driver_coordinates[driver].turns:
-        return f"along ({_directed(axis, speed)})"
+        return f"along ({_direction_in_words(axis, speed)})"
     across = -float(axis[1]) * (1.0 if speed > 0 else -1.0)  # towards the reader
     if abs(across) > ALONG:
         return "counter-clockwise" if across > 0 else "clockwise"
-    return f"about the axis ({_directed(axis, speed)})"
+    return f"about the axis ({_direction_in_words(axis, speed)})"
 
 
 def _in_words(rotation: str) -> str:
@@ -123,7 +123,7 @@ def _in_words(rotation: str) -> str:
     return f"turns it {rotation}" + ("" if rotation.startswith("about") else ", seen with x to the right and z up")
 
 
-def _directed(axis: Array, speed: float) -> str:
+def _direction_in_words(axis: Array, speed: float) -> str:
     return ", ".join(f"{part:.3g}" for part in np.round(axis, 6) * (1.0 if speed > 0 else -1.0) + 0.0)
 
 

@@ -48,7 +48,7 @@ class SampledColumn:
         """First or second derivatives by time, of the shape of the values."""
         trend = self._trend if order == 1 else 0.0
         if self._harmonics_die_away:
-            found = np.fft.irfft(_stretched(self._rates, self._harmonics) ** order * self._harmonics, len(self.time), axis=0)
+            found = np.fft.irfft(_stretch(self._rates, self._harmonics) ** order * self._harmonics, len(self.time), axis=0)
             return np.asarray(found + trend)
         return np.asarray(self._splines[0](self.time, order) + trend)
 
@@ -65,7 +65,7 @@ class SampledColumn:
     def derivative_error(self) -> Array:
         """Bounds for the errors of the first derivatives, with regard to corners, rounded values and noise, of the shape of the values."""
         rough, steps = self.roughness(1), np.diff(self._knots)
-        slopes = np.diff(self._extended, axis=0) / _stretched(steps, self.values)
+        slopes = np.diff(self._extended, axis=0) / _stretch(steps, self.values)
         bent = self._off_the_line(self._knots[:-1] + 0.5 * steps, slopes)
         beside = np.concatenate([bent[-1:] if self.period else bent[:1], bent, bent[-1:]])[: len(self.time) + 1]
         corner = np.minimum(
@@ -81,7 +81,7 @@ class SampledColumn:
     @cached_property
     def value_error(self) -> Array:
         """Bound for the error of each value of a smooth column that is rounded or has white noise, a number or (drivers,)."""
-        steps = _stretched(np.gradient(self.time), self.values)
+        steps = _stretch(np.gradient(self.time), self.values)
         return np.asarray(NOISE * np.median(self.roughness(1) * steps, axis=0) + self._graduation)
 
     def roughness(self, order: int) -> Array:
@@ -103,7 +103,7 @@ class SampledColumn:
     @cached_property
     def gains(self) -> tuple[Array, Array]:
         """Integrals over the steps, for a periodic column also over the step to the next period, and bounds for their errors."""
-        steps = _stretched(np.diff(self._knots), self.values)
+        steps = _stretch(np.diff(self._knots), self.values)
         gained = np.diff(self._splines[0].antiderivative()(self._knots), axis=0) + steps * self.values[0]
         cubic = np.diff(self._splines[1].antiderivative()(self._knots), axis=0) + steps * self.values[0]
         bent = self._off_the_line(self._knots, self._extended)
@@ -116,18 +116,18 @@ class SampledColumn:
     @property
     def trapezoids(self) -> Array:
         """Integrals over the steps by the trapezoidal rule."""
-        return np.asarray(0.5 * _stretched(np.diff(self._knots), self.values) * (self._extended[1:] + self._extended[:-1]))
+        return np.asarray(0.5 * _stretch(np.diff(self._knots), self.values) * (self._extended[1:] + self._extended[:-1]))
 
     @cached_property
     def integral(self) -> Array:
         """The integrals from the first state to each, of the shape of the values."""
         if self._harmonics_die_away:
-            rates = _stretched(self._rates, self._harmonics)
+            rates = _stretch(self._rates, self._harmonics)
             waves = np.fft.irfft(
                 np.divide(self._harmonics, rates, out=np.zeros_like(self._harmonics), where=rates != 0), axis=0, n=len(self.time)
             )
             mean = self._harmonics[:1].real / len(self.time) + self.values[0]
-            return np.asarray(waves - waves[:1] + mean * _stretched(self.time - self.time[0], self.values))
+            return np.asarray(waves - waves[:1] + mean * _stretch(self.time - self.time[0], self.values))
         gained = self.gains[0][: len(self.time) - 1]
         return np.concatenate([np.zeros_like(self.values[:1]), np.cumsum(gained, axis=0)])
 
@@ -182,13 +182,13 @@ class SampledColumn:
             return False
         rates, harmonics = np.abs(self._rates), np.abs(self._harmonics)
         last = -max(2, len(rates) // LAST)
-        left = 2 / len(self.time) * np.sum(_stretched(rates[last:], harmonics) * harmonics[last:], axis=0)
+        left = 2 / len(self.time) * np.sum(_stretch(rates[last:], harmonics) * harmonics[last:], axis=0)
         return bool(np.all(left <= self.roughness(1).max(axis=0)))
 
     @cached_property
     def _graduation(self) -> Array:
         """Step to which the values are rounded, as in a table or by an encoder, if they show it; a number or (drivers,)."""
-        steps = _stretched(np.gradient(self.time), self.values)
+        steps = _stretch(np.gradient(self.time), self.values)
         # Steps of a rounded column are no larger than 12 times the largest difference between the two splines.
         largest = 12.0 * np.max(self.roughness(1) * steps, axis=0)
         common = np.array([_common_step(values) for values in self.values.reshape(len(self.time), -1).T])
@@ -196,7 +196,7 @@ class SampledColumn:
 
     def _off_the_line(self, at: Array, values: Array) -> Array:
         """Distances of values from the line between their neighbours; those at the ends are taken from beside them."""
-        part = _stretched((at[1:-1] - at[:-2]) / (at[2:] - at[:-2]), values)
+        part = _stretch((at[1:-1] - at[:-2]) / (at[2:] - at[:-2]), values)
         off = np.abs(values[1:-1] - (1 - part) * values[:-2] - part * values[2:])
         return np.concatenate([off[:1], off, off[-1:]])
 
@@ -207,7 +207,7 @@ class SampledColumn:
         return np.asarray(np.max([padded[shift : shift + len(values)] for shift in range(2 * ABOUT + 1)], axis=0))
 
 
-def _stretched(along: Any, values: Any) -> Any:
+def _stretch(along: Any, values: Any) -> Any:
     """Numbers (n,) in a shape that multiplies values (n,) or (n, drivers)."""
     return along.reshape(-1, *([1] * (values.ndim - 1)))
 

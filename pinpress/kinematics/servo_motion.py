@@ -154,7 +154,7 @@ def _over_travel(press: Linkage, ends: DeadCentres, heights: Array, flank: objec
     positions = np.where(at_bottom, ends.bottom_angle, ends.top_angle)
     between = ~at_bottom & ~at_top
     if between.any():
-        positions[between] = _inverted(press, ends, heights[between], low, high)
+        positions[between] = _invert_path(press, ends, heights[between], low, high)
     return positions
 
 
@@ -226,7 +226,7 @@ def _on_flanks(press: Linkage, ends: DeadCentres, heights: Array, down: NDArray[
     for chosen, low, high in ((down, top, bottom), (~down, bottom, top + period)):
         between = chosen & ~at_bottom & ~at_top
         if between.any():
-            angles[between] = _inverted(press, ends, heights[between], low, high)
+            angles[between] = _invert_path(press, ends, heights[between], low, high)
     turned = np.zeros(len(heights))
     for state in np.flatnonzero(down[1:] != down[:-1]) + 1:
         upwards = at_top[state - 1] or (not at_bottom[state - 1] and heights[state - 1] + heights[state] > ends.stroke)
@@ -242,7 +242,7 @@ def angle_on_flank(press: Linkage, ends: DeadCentres, height: float, down: bool)
     return float(_on_flanks(press, ends, np.array([height]), np.array([down]))[0])
 
 
-def _inverted(press: Linkage, ends: DeadCentres, heights: Array, low: float, high: float) -> Array:
+def _invert_path(press: Linkage, ends: DeadCentres, heights: Array, low: float, high: float) -> Array:
     """Crank angles (m,) between two dead centres at which the slide is at heights between them, to rounding.
 
     Raises:

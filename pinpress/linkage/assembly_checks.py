@@ -88,7 +88,7 @@ def _short(number: float) -> str:
     return f"{number:.0f}" if 100 <= number < 1e9 else f"{number:.3g}"
 
 
-def rounded(press: Linkage) -> str | None:
+def remedy_of_rounded_axes(press: Linkage) -> str | None:
     """The remedy for axes that are nearly but not quite parallel; None where they are parallel, or far from it."""
     off = planarity(press).farthest_off
     if not PARALLEL < off < 1e-2:  # axes as near to parallel as half a degree are meant to be parallel
@@ -101,7 +101,7 @@ def _unseen(press: Linkage) -> Iterator[Finding]:
     plane, called = planarity(press), press.document.called
     off = plane.farthest_off
     # Axes that miss each other by less than 1e-8 rad change the rank of no equations.
-    if PARALLEL < off < 1e-8 and press.loops and (remedy := rounded(press)):
+    if PARALLEL < off < 1e-8 and press.loops and (remedy := remedy_of_rounded_axes(press)):
         if off in plane.joints_off:
             element, line = called("joint", press.joints[plane.joints_off.index(off)]), None
         else:
@@ -115,7 +115,7 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
     drive = "one joint drives" if len(press.drivers) == 1 else f"{len(press.drivers)} joints drive"
     problem = f"mobility is {freedom}, but {drive}"
     if freedom > len(press.drivers):
-        problem += f": with {_joints(press.drivers)} held still, {_joints(mobility.undetermined(press, rows))} can move"
+        problem += f": with {_joints(press.drivers)} held still, {_joints(mobility.undetermined_joints(press, rows))} can move"
         read = ((each, _read_otherwise(press, each)) for each in mobility.constraints(press))
         exchanged = next((f"{each.title}: {likely}" for each, likely in read if likely), None)
         remedy = _without_axis(press) or exchanged or "a <loop_joint> is missing, a link hangs free, or a driver is missing"
@@ -129,7 +129,7 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
             problem += f": {' or '.join(each.title for each in alone)} contradicts the others"
         elif freedom == 0 and (locking := mobility.locking(press, rows)):
             problem += f": held by {', '.join(each.title for each in locking)}"
-        stuck = _without_axis(press) or rounded(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
+        stuck = _without_axis(press) or remedy_of_rounded_axes(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
         remedy = "drive fewer joints" if freedom > 0 else stuck
         least = float(singular_values(rows.columns)[press.model.nv - len(press.drivers)])
         if least < 1e-3:  # equations that are clearly independent have singular values of about 1
@@ -143,7 +143,7 @@ def _change_point(press: Linkage, rows: Rows) -> Finding:
     problem = "two assemblies meet in the drawn pose, and the loops do not say which of them it is"
     remedy = "draw the linkage a little further on"
     if mobility.is_shaky(press):
-        moving = _joints(mobility.undetermined(press, rows))
+        moving = _joints(mobility.undetermined_joints(press, rows))
         problem = f"its loops hold {moving} only at second order, in this pose and beside it: it is shaky, and no forces follow"
         remedy = "another pose does not help: change lengths or guides that are equal or parallel, or leave out a link"
     smallest = float(singular_values(rows.columns)[press.model.nv - len(press.drivers) - 1])
@@ -161,7 +161,7 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     still_open = still_open or [int(np.argmax(gaps))]
     robot = press.document.robot
     other_units = next((f"{found.problem}; {found.remedy}" for found in (*units.angles(robot), *units.length(robot, press.size))), None)
-    common = other_units or _without_axis(press) or rounded(press)
+    common = other_units or _without_axis(press) or remedy_of_rounded_axes(press)
     fit = "; loops hold each other here, so that lengths and angles must fit to all digits"
     beside = fit if press.engine().redundant(press.as_drawn) else ""
     for k in sorted(still_open, key=lambda k: -gaps[k]):
@@ -224,7 +224,7 @@ def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
     if rank(columns) == columns.shape[1]:
         return
     problem = f"{_joints(press.drivers)} {'does' if len(press.drivers) == 1 else 'do'} not determine the drawn pose"
-    free = _joints(mobility.undetermined(press, rows))
+    free = _joints(mobility.undetermined_joints(press, rows))
     remedy = _without_axis(press) or f"draw the linkage away from its dead point ({free} can move with the driver held still)"
     smallest = float(values.min()) if len(values) == columns.shape[1] else 0.0
     error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
@@ -477,7 +477,7 @@ def _equations(count: int) -> str:
 def _engine(press: Linkage) -> Iterator[Finding]:
     if "plane" not in press.engines:
         problem = f"engine 'space' computes it, not 'plane': {_not_planar(press)}"
-        remedy, slower = rounded(press), "results are as exact, and take ten to twenty times longer"
+        remedy, slower = remedy_of_rounded_axes(press), "results are as exact, and take ten to twenty times longer"
         yield Finding("warning" if remedy else "note", _robot(press), None, problem, remedy or slower)
 
 

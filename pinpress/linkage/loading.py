@@ -91,7 +91,7 @@ def _load(
         refuse_errors(assembly_checks.too_far_open(press), command)
     severe = [finding for finding in document.remarks if finding.severity == "warning"]
     if in_file:
-        severe += element_checks.unknown(document.robot)
+        severe += element_checks.find_unknown(document.robot)
     for finding in (*severe, *assembly_checks.severe(press, centres=in_file)):
         caution((finding if in_file else replace(finding, line=None)).message(press.file))
     return press

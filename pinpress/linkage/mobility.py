@@ -82,7 +82,7 @@ def opening(press: Linkage, each: Constraint, gaps: Array) -> tuple[float, float
     return distance, float(np.arcsin(min(angle, 1.0))) if isinstance(each.by, LoopJoint) and each.by.type == "revolute" else angle
 
 
-def undetermined(press: Linkage, rows: Rows) -> list[str]:
+def undetermined_joints(press: Linkage, rows: Rows) -> list[str]:
     """Names of the joints that can still move while the drivers stand still."""
     passive = PassiveJacobian(rows.columns, press.spatial_model)
     shares = np.linalg.norm(passive.right[passive.rank :], axis=0)

@@ -79,7 +79,7 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     template = press.document
     before = loading.build_linkage(template, press.drivers, press.slide)
     _check(press, before)
-    text = edited(template, before, press)
+    text = edit_text(template, before, press)
     reached = loading.build_linkage(_read(text, unwritten), None, press.slide)
     for what, gap in _gaps(press, reached).items():
         if not gap <= ACCEPTED:
@@ -113,11 +113,11 @@ def added_ballasts(press: Linkage) -> dict[int, AddedBallast]:
     if list(before.model.names) != list(press.model.names):
         return {}
     was, now, balls, size = before.model.inertias, press.model.inertias, _balls(press.document, before.model), press.size
-    found = ((joint, _added(_without_balls(was[joint], balls.get(joint, ())), now[joint], size)) for joint in range(len(now)))
+    found = ((joint, _find_added(_without_balls(was[joint], balls.get(joint, ())), now[joint], size)) for joint in range(len(now)))
     return {joint: added for joint, added in found if added is not None}
 
 
-def _added(was: pin.Inertia, now: pin.Inertia, size: float) -> AddedBallast | None:
+def _find_added(was: pin.Inertia, now: pin.Inertia, size: float) -> AddedBallast | None:
     """What was added to a body of a linkage of this size [m]; None for less than is `SEEN`."""
     mass = now.mass - was.mass
     if not mass > SEEN * now.mass:
@@ -262,7 +262,7 @@ DYNAMICS = {"damping": "damping", "friction": "upperDryFrictionLimit"}
 _FIRST = (1.0, 0.0, 0.0)  # axis of a loop's end about which the loop turns
 
 
-def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
+def edit_text(document: Document, before: Linkage, now: Linkage) -> bytes:
     """The URDF's text with the numbers of ``now`` wherever they differ from those ``before``, of the linkage as the text loads."""
     text, read = Text(document), document.description
     old_model, new_model, place_of = before.model, now.model, {name: j for j, name in enumerate(before.joints)}
@@ -272,12 +272,12 @@ def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
     movable = list(zip(axes(old_model), axes(new_model), slots(new_model), strict=True))
     for joint, element in joints:
         j = place_of.get(joint.name, -1)
-        text.set_child(element, "origin", _changed_place(_origin(old_model, joint, j), _origin(new_model, joint, j)))
+        text.set_child(element, "origin", _attributes_of_place(_origin(old_model, joint, j), _origin(new_model, joint, j)))
         if joint.type != "fixed":
             _edit_joint(text, element, j, old_model, new_model, *movable[j])
     mimics = [element.all("mimic")[0] for joint, element in joints if joint.mimic]
     for mimic, was, pair in zip(mimics, before.couplings, now.couplings, strict=True):
-        text.set(mimic, _changed({"multiplier": (was.multiplier, pair.multiplier), "offset": (was.offset, pair.offset)}))
+        text.set(mimic, _attributes_of_changes({"multiplier": (was.multiplier, pair.multiplier), "offset": (was.offset, pair.offset)}))
         if pair.leader != was.leader:
             text.set(mimic, {"joint": now.joints[pair.leader]})
     for k, (loop, element) in enumerate(zip(read.loops, text.robot.all("loop_joint"), strict=True)):
@@ -295,7 +295,7 @@ def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
             if new != old:
                 for visual in (visual for link in links for visual in filter(is_ballast, link.element.all("visual"))):
                     text.remove(visual)
-                added = _added(_without_balls(old, balls.get(carrier, ())), new, now.size)
+                added = _find_added(_without_balls(old, balls.get(carrier, ())), new, now.size)
                 if added is not None and np.linalg.norm(added.centre - added.before.lever) > ASIDE * now.size:
                     ball = _ball(added, links[0].now)
             _edit_body(text, links, old, new, ball)
@@ -321,7 +321,7 @@ def _edit_joint(text: Text, element: Element, j: int, before: pin.Model, now: pi
         text.set_child(element, "axis", {"xyz": written(axis.direction)})
     for child, names, at in (("limit", POSITION_LIMITS, slot.start), ("limit", LIMITS, j), ("dynamics", DYNAMICS, j)):
         limits = {name: (getattr(before, array)[at], getattr(now, array)[at]) for name, array in names.items()}
-        text.set_child(element, child, _changed(limits))
+        text.set_child(element, child, _attributes_of_changes(limits))
 
 
 def _edit_loop(
@@ -334,7 +334,7 @@ def _edit_loop(
         for only_of_revolute in element.all("axis"):
             text.remove(only_of_revolute)
     for end, was, place in zip(("link1", "link2"), _ends(old_model, loop, old, loop.axis), _ends(new_model, loop, new, axis), strict=True):
-        text.set(element.all(end)[0], _changed_place(was, place))
+        text.set(element.all(end)[0], _attributes_of_place(was, place))
 
 
 def _ends(model: pin.Model, loop: description.Loop, bearing: LoopJoint, axis: tuple[float, float, float]) -> tuple[pin.SE3, pin.SE3]:
@@ -391,18 +391,18 @@ def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Ine
     the first of them gets."""
     heavy = sorted((link for link in links if link.inertia), key=lambda link: -link.inertia.mass)
     if not heavy:
-        text.append(links[0].element, _inertial(_moved(now, links[0].now.inverse())) + visual)
+        text.append(links[0].element, _inertial(_move(now, links[0].now.inverse())) + visual)
         return
     if visual:
         text.append(links[0].element, visual)
     for carrier in heavy:
         others = [link for link in heavy if link is not carrier]
         new = _rest(now, [(link.inertia, link.now) for link in others], carrier.now)
-        if not others or _sound(new):
+        if not others or _is_sound(new):
             break
     else:
         carrier, *dropped = heavy
-        new = _moved(now, carrier.now.inverse())
+        new = _move(now, carrier.now.inverse())
         for link in dropped:
             text.remove(link.element.all("inertial")[0])
     others = [link for link in heavy if link is not carrier]
@@ -411,13 +411,13 @@ def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Ine
 
 
 def _edit_inertial(text: Text, inertial: Element, old: pin.Inertia, new: pin.Inertia) -> None:
-    text.set(inertial.all("mass")[0], _changed({"value": (old.mass, new.mass)}))
+    text.set(inertial.all("mass")[0], _attributes_of_changes({"value": (old.mass, new.mass)}))
     origin = {} if np.array_equal(old.lever, new.lever) else {"xyz": written(new.lever)}
     if not np.array_equal(old.inertia, new.inertia):
         turned = any(any(element.numbers("rpy")) for element in inertial.all("origin"))
         origin |= {"rpy": "0 0 0"} if turned else {}
         moments = {name: (np.nan if turned else old.inertia[i, j], new.inertia[i, j]) for name, i, j in MOMENTS}
-        text.set(inertial.all("inertia")[0], _changed(moments))
+        text.set(inertial.all("inertia")[0], _attributes_of_changes(moments))
     text.set_child(inertial, "origin", origin)
 
 
@@ -435,18 +435,18 @@ def _inertia(inertial: Element) -> pin.Inertia:
     for origin in inertial.all("origin"):
         xyz, rpy = (np.array(origin.numbers(name) or (0.0, 0.0, 0.0)) for name in ("xyz", "rpy"))
         place = pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
-    return _moved(_body(inertial.all("mass")[0].numbers("value")[0], np.zeros(3), tensor), place)
+    return _move(_body(inertial.all("mass")[0].numbers("value")[0], np.zeros(3), tensor), place)
 
 
 def _rest(total: pin.Inertia, others: Iterable[tuple[pin.Inertia, pin.SE3]], place: pin.SE3) -> pin.Inertia:
     """The inertia that is left for the link with this ``place``, in its frame: the ``total`` of the body less ``others``, given with
     theirs."""
     for inertia, at in others:
-        total = total - _moved(inertia, at)
-    return _moved(total, place.inverse())
+        total = total - _move(inertia, at)
+    return _move(total, place.inverse())
 
 
-def _moved(inertia: pin.Inertia, place: pin.SE3) -> pin.Inertia:
+def _move(inertia: pin.Inertia, place: pin.SE3) -> pin.Inertia:
     """``place.act(inertia)``, but exact where the place is the identity."""
     return _body(inertia.mass, place.act(inertia.lever), place.rotation @ inertia.inertia @ place.rotation.T)
 
@@ -457,7 +457,7 @@ def _body(mass: float, lever: Array, tensor: Array) -> pin.Inertia:
     return body
 
 
-def _sound(inertia: pin.Inertia) -> bool:
+def _is_sound(inertia: pin.Inertia) -> bool:
     """Whether a body can have this inertia."""
     smallest, middle, largest = np.linalg.eigvalsh(inertia.inertia)
     return bool(inertia.mass > 0 and smallest + middle >= (1 - SOUND) * largest)  # so the smallest is not negative either
@@ -466,12 +466,12 @@ def _sound(inertia: pin.Inertia) -> bool:
 # -------------------------------------------------------------------------------------------------------------------------------- numbers
 
 
-def _changed_place(old: pin.SE3, new: pin.SE3) -> dict[str, str]:
+def _attributes_of_place(old: pin.SE3, new: pin.SE3) -> dict[str, str]:
     """The attributes of a placement that have changed, as text."""
     xyz = {} if np.array_equal(old.translation, new.translation) else {"xyz": written(new.translation)}
     return xyz if np.array_equal(old.rotation, new.rotation) else xyz | {"rpy": written(pin.rpy.matrixToRpy(new.rotation))}
 
 
-def _changed(numbers: Mapping[str, tuple[float, float]]) -> dict[str, str]:
+def _attributes_of_changes(numbers: Mapping[str, tuple[float, float]]) -> dict[str, str]:
     """The attributes whose old and new numbers differ, as text of the new ones."""
     return {name: written([new]) for name, (old, new) in numbers.items() if old != new}

@@ -127,28 +127,28 @@ class Law:
         except LawError:  # another law, within this one, has said what is wrong
             raise
         except Exception as error:
-            raise LawError(f"{self._said(at)} cannot be worked out: {said(error)}") from error
+            raise LawError(f"{self._in_words(at)} cannot be worked out: {said(error)}") from error
         if isinstance(value, float) and math.isfinite(value):
             return value
-        return self._checked(value, at)
+        return self._check(value, at)
 
-    def _checked(self, value: Any, at: tuple[Any, ...]) -> Any:
+    def _check(self, value: Any, at: tuple[Any, ...]) -> Any:
         try:
             numbers = np.asarray(value)
         except ValueError:  # rows of different lengths
             numbers = np.asarray(None)
         if numbers.dtype.kind not in "iuf":
             what = f"holds {value.dtype} values" if isinstance(value, np.ndarray) else f"is {shown(value)}"
-            raise LawError(f"{self._said(at)} {what}; give finite numbers")
+            raise LawError(f"{self._in_words(at)} {what}; give finite numbers")
         shape = np.broadcast_shapes(*(np.shape(one) for one in at if not isinstance(one, tuple)))
         wanted = shape or (() if self.scenarios is None or not numbers.ndim else (self.scenarios,))
-        if not _fits(numbers.shape, wanted):
-            raise LawError(f"{self._said(at)} has shape {numbers.shape}; give {wanted}, as many as it is asked for")
+        if not _is_broadcast_to(numbers.shape, wanted):
+            raise LawError(f"{self._in_words(at)} has shape {numbers.shape}; give {wanted}, as many as it is asked for")
         if not np.isfinite(numbers).all() and all(np.isfinite(one).all() for one in at if not isinstance(one, tuple)):
-            raise LawError(f"{self._said(at, np.isfinite(numbers))} is {_first(numbers)}; give finite numbers")
+            raise LawError(f"{self._in_words(at, np.isfinite(numbers))} is {_first_not_finite(numbers)}; give finite numbers")
         return value
 
-    def _said(self, at: tuple[Any, ...], good: Any = None) -> str:
+    def _in_words(self, at: tuple[Any, ...], good: Any = None) -> str:
         """The law with its arguments; of arrays those of the first answer that is not ``good``."""
         parts = []
         for (label, unit), one in zip(self.names, at, strict=False):
@@ -162,14 +162,14 @@ class Law:
         return f"{self.what}{' at ' if parts else ''}{', '.join(parts)}"
 
 
-def _fits(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
+def _is_broadcast_to(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
     try:
         return np.broadcast_shapes(shape, wanted) == wanted
     except ValueError:
         return False
 
 
-def _first(numbers: Any) -> float:
+def _first_not_finite(numbers: Any) -> float:
     return float(numbers[~np.isfinite(numbers)].flat[0])
 
 

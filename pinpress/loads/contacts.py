@@ -142,8 +142,8 @@ def _below(load: Impact | TwoSidedStop, touching: float) -> tuple[ForceInterval,
     if not np.any(load.damping) or load.depth is None:
         return (ForceInterval(touching, -math.inf, partial(_push, touching, 1, spring), one_sided=True, heeds_velocity=False),)
     full = touching - load.depth
-    growing = partial(_damped, touching, 1, spring, load.damping, load.depth)
-    grown = partial(_damped, touching, 1, spring, load.damping, None)
+    growing = partial(_spring_and_damper, touching, 1, spring, load.damping, load.depth)
+    grown = partial(_spring_and_damper, touching, 1, spring, load.damping, None)
     return ForceInterval(touching, full, growing, one_sided=True), ForceInterval(full, -math.inf, grown, one_sided=True)
 
 
@@ -154,8 +154,8 @@ def _above(load: TwoSidedStop, touching: float) -> tuple[ForceInterval, ...]:
         law = partial(_push, touching, -1, spring)
         return (ForceInterval(math.inf, touching, law, one_sided=True, heeds_velocity=False, sense=-1),)
     full = touching + load.depth
-    growing = partial(_damped, touching, -1, spring, load.damping, load.depth)
-    grown = partial(_damped, touching, -1, spring, load.damping, None)
+    growing = partial(_spring_and_damper, touching, -1, spring, load.damping, load.depth)
+    grown = partial(_spring_and_damper, touching, -1, spring, load.damping, None)
     return ForceInterval(full, touching, growing, one_sided=True, sense=-1), ForceInterval(math.inf, full, grown, one_sided=True, sense=-1)
 
 
@@ -176,7 +176,7 @@ def _push(touching: float, sense: int, spring: Any, height: Any, velocity: Any) 
     return sense * spring(sense * (touching - height)) + 0.0 * velocity
 
 
-def _damped(touching: float, sense: int, spring: Any, damping: Any, growth: float | None, height: Any, velocity: Any) -> Any:
+def _spring_and_damper(touching: float, sense: int, spring: Any, damping: Any, growth: float | None, height: Any, velocity: Any) -> Any:
     """Force of spring and damper; ``growth``: depth over which the damper grows by the cubic of STEP, None where it is full."""
     depth = sense * (touching - height)
     if growth is not None:

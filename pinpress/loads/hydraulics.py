@@ -75,7 +75,7 @@ class ImpactDamper(Checked):
         values = np.asarray(self.coefficients)
         points = list(zip(np.asarray(self.heights).tolist(), list(values) if values.ndim == 2 else values.tolist(), strict=True))
         return tuple(
-            ForceInterval(upper, lower, partial(_throttled, low, (high - low) / (upper - lower), lower, self.exponent), one_sided=True)
+            ForceInterval(upper, lower, partial(_orifice, low, (high - low) / (upper - lower), lower, self.exponent), one_sided=True)
             for (lower, low), (upper, high) in itertools.pairwise(points)
         )
 
@@ -115,7 +115,7 @@ class HydraulicCushion(Checked):
         full = ForceInterval(self.height - self.rise, -math.inf, constant_law(self.force), heeds_velocity=False)
         if not self.rise:
             return (full,)
-        law = partial(_rising, np.asarray(self.force) / self.rise if np.ndim(self.force) else self.force / self.rise, self.height)
+        law = partial(_ramp, np.asarray(self.force) / self.rise if np.ndim(self.force) else self.force / self.rise, self.height)
         return ForceInterval(self.height, self.height - self.rise, law, heeds_velocity=False), full
 
 
@@ -148,7 +148,7 @@ def orifice_coefficient(piston: float, orifice: float, *, density: float = 870.0
 # Module functions that `partial` binds, not closures: loads can then be sent to other processes.
 
 
-def _throttled(low: Any, slope: Any, lower: float, exponent: float, height: Any, velocity: Any) -> Any:
+def _orifice(low: Any, slope: Any, lower: float, exponent: float, height: Any, velocity: Any) -> Any:
     """c |v|^e against the velocity; upwards it would pull, and the contact is lost."""
     coefficient = low + slope * (height - lower)
     if exponent == 1.0:
@@ -159,5 +159,5 @@ def _throttled(low: Any, slope: Any, lower: float, exponent: float, height: Any,
     return coefficient * sign * (-sign * velocity) ** exponent
 
 
-def _rising(rate: Any, height: float, at: Any, velocity: Any) -> Any:
+def _ramp(rate: Any, height: float, at: Any, velocity: Any) -> Any:
     return rate * (height - at)

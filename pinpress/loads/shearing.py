@@ -86,10 +86,10 @@ class RateSensitiveBlanking(Checked):
         peak = self.end if self.peak is None else self.peak
         rate = partial(_rate_factor, self.force, self.sensitivity, self.reference_speed)
         feels = bool(np.any(self.sensitivity))
-        rising = ForceInterval(self.start, peak, partial(_rising, rate, self.start, 0.5 * math.pi / (self.start - peak)), False, feels)
+        rising = ForceInterval(self.start, peak, partial(_sine_rise, rate, self.start, 0.5 * math.pi / (self.start - peak)), False, feels)
         if peak == self.end:
             return (rising,)
-        falling = partial(_falling, rate, peak, 0.5 * math.pi / (peak - self.end), self.remaining)
+        falling = partial(_cosine_fall, rate, peak, 0.5 * math.pi / (peak - self.end), self.remaining)
         return rising, ForceInterval(peak, self.end, falling, heeds_velocity=feels)
 
 
@@ -101,12 +101,12 @@ def _rate_factor(force: Any, sensitivity: Any, reference: float, velocity: Any) 
     return force * (1.0 + sensitivity * (math.asinh(share) if isinstance(share, float) else np.arcsinh(share)))
 
 
-def _rising(rate: Any, start: float, slope: float, height: Any, velocity: Any) -> Any:
+def _sine_rise(rate: Any, start: float, slope: float, height: Any, velocity: Any) -> Any:
     angle = slope * (start - height)
     return rate(velocity) * (math.sin(angle) if isinstance(angle, float) else np.sin(angle))
 
 
-def _falling(rate: Any, peak: float, slope: float, remaining: float, height: Any, velocity: Any) -> Any:
+def _cosine_fall(rate: Any, peak: float, slope: float, remaining: float, height: Any, velocity: Any) -> Any:
     angle = slope * (peak - height)
     cosine = math.cos(angle) if isinstance(angle, float) else np.cos(angle)
     return rate(velocity) * (remaining + (1.0 - remaining) * cosine)

@@ -84,7 +84,7 @@ def test_robots_of_other_programs_are_read_in_silence():
     every = [path for path in files("example-robot-data") if path.suffix == ".urdf"]
     assert len(every) > 50
     for path in every:
-        assert list(element_checks.unknown(read_document(path.locate()).robot)) == []
+        assert list(element_checks.find_unknown(read_document(path.locate()).robot)) == []
 
 
 LOOP = """<loop name="W" type="spherical"><predecessor link="rod"><origin xyz="0 0 -0.4"/></predecessor>

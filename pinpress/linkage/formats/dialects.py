@@ -97,7 +97,7 @@ def _remarks(robot: Element) -> Iterator[Finding]:
 def _ball(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
     ends = [(body.get("name"), pin.SE3(np.eye(3), point)) for body, point in ball_ends(file, element, _value)]
     name = element.get("name") or unused(f"ball_{ends[0][0]}_{ends[1][0]}", taken)
-    return Loop(name, "spherical", (ends[0], ends[1]), None, _called(element, name))
+    return Loop(name, "spherical", (ends[0], ends[1]), None, _origin_of(element, name))
 
 
 def _bushing(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
@@ -106,7 +106,7 @@ def _bushing(file: str, robot: Element, element: Element, taken: set[str]) -> Lo
     ends = [frames.get(name) or (name, pin.SE3.Identity()) for name in named]  # a link's own frame has its name
     axis = bushing_axis(file, element, _value)
     name = element.get("name") or unused(f"bushing_{ends[0][0]}_{ends[1][0]}", taken)
-    return Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, _called(element, name))
+    return Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, _origin_of(element, name))
 
 
 def _value(element: Element) -> str:
@@ -180,13 +180,13 @@ def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]
         end = needed(file, element, side)
         refuse_unknown(file, end, ("origin",))
         origin = optional(file, end, "origin")
-        ends.append((end.get("link"), pin.SE3.Identity() if origin is None else _placed(file, origin)))
+        ends.append((end.get("link"), pin.SE3.Identity() if origin is None else _pose(file, origin)))
     axis = None
     if kind == "revolute":
         found = optional(file, element, "axis")
         axis = np.array([1.0, 0.0, 0.0]) if found is None else direction(file, found, found.get("xyz"))
     name = element.get("name") or unused(f"loop_{ends[0][0]}_{ends[1][0]}", taken)
-    return Loop(name, kind, (ends[0], ends[1]), axis, _called(element, name))
+    return Loop(name, kind, (ends[0], ends[1]), axis, _origin_of(element, name))
 
 
 # ----------------------------------------------------------------------------------------------------------------------------------- Gazebo
@@ -222,7 +222,7 @@ def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
     for joint in robot.all("joint"):
         for parent, child in zip(joint.all("parent"), joint.all("child"), strict=False):
             origin = optional(file, joint, "origin")
-            place = pin.SE3.Identity() if origin is None else _placed(file, origin)
+            place = pin.SE3.Identity() if origin is None else _pose(file, origin)
             joints.setdefault(parent.get("link"), []).append((child.get("link"), place))
     children = {child for carried in joints.values() for child, _ in carried}
     places = {link: pin.SE3.Identity() for link in names(robot, "link") if link not in children}
@@ -235,12 +235,12 @@ def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
     return places
 
 
-def _placed(file: str, origin: Element) -> pin.SE3:
+def _pose(file: str, origin: Element) -> pin.SE3:
     refuse_unknown_attributes(file, origin, ("xyz", "rpy"))
     xyz, rpy = (numbers(file, origin, origin.attributes.get(name, "0 0 0"), 3) for name in ("xyz", "rpy"))
     return pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
 
 
-def _called(element: Element, name: str) -> Origin:
+def _origin_of(element: Element, name: str) -> Origin:
     """The origin of an element; one without a name gets that of its loop."""
     return Origin(f'<{element.tag} name="{element.get("name")}">' if element.get("name") else f"<{element.tag}> {name}", element.line)

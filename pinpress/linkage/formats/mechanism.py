@@ -320,7 +320,7 @@ def _joint(joint: Joint) -> Iterator[Line]:
 
 def loop_element(loop: Loop) -> str:
     """Its ``<loop_joint>``."""
-    content = "".join(tag(f"link{k}", {"link": link} | _placed(place)) for k, (link, place) in enumerate(loop.ends, 1))
+    content = "".join(tag(f"link{k}", {"link": link} | _attributes_of_pose(place)) for k, (link, place) in enumerate(loop.ends, 1))
     if loop.axis is not None:
         content += tag("axis", {"xyz": written(loop.axis)})
     return tag("loop_joint", {"name": loop.name, "type": loop.type}, content)
@@ -332,10 +332,10 @@ def _opening(name: str, attributes: Mapping[str, str]) -> str:
 
 
 def _origin(place: pin.SE3) -> str:
-    return tag("origin", _placed(place))
+    return tag("origin", _attributes_of_pose(place))
 
 
-def _placed(place: pin.SE3) -> dict[str, str]:
+def _attributes_of_pose(place: pin.SE3) -> dict[str, str]:
     turned = not np.array_equal(place.rotation, np.eye(3))
     return {"xyz": written(place.translation)} | ({"rpy": written(pin.rpy.matrixToRpy(place.rotation))} if turned else {})
 

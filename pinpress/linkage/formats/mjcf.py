@@ -49,7 +49,7 @@ def read(document: Document) -> Document:
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(warned.append)  # else they are written to stderr, and to a file in the working directory
     try:
-        spec = _parsed(mujoco, document)
+        spec = _parse(mujoco, document)
         spec.compiler.fusestatic = False
         model = spec.compile()
     except (ValueError, RuntimeError) as error:
@@ -79,7 +79,7 @@ def _refuse_odd_files(document: Document, root: Element, folder: Path, seen: set
             _refuse_odd_files(document, tree(str(path), read_text(path)), folder, seen)
 
 
-def _parsed(mujoco: Any, document: Document) -> Any:
+def _parse(mujoco: Any, document: Document) -> Any:
     """MuJoCo's specification of a file. MuJoCo reads the file itself if its name ends in .xml, so that it finds included files."""
     if document.file.endswith(".xml"):
         return mujoco.MjSpec.from_file(document.file)
@@ -125,7 +125,7 @@ class _Reader:
 
     def mechanism(self) -> Mechanism:
         self._refuse_what_moves_otherwise()
-        held = self._held()
+        held = self._held_body()
         links = [self._link(body) for body in range(self.model.nbody)]
         joints: list[Joint] = []
         for body in range(1, self.model.nbody):
@@ -151,7 +151,7 @@ class _Reader:
         if self.model.nplugin:
             self.remarks.append(remark("warning", self.root, "plugins are not read", "give what they do as drives and loads"))
 
-    def _held(self) -> int | None:
+    def _held_body(self) -> int | None:
         """The body whose free joint is removed, if it has the only one and the model is joined to the world nowhere else; None where there
         is no free joint."""
         model, free_type = self.model, int(self.mujoco.mjtJoint.mjJNT_FREE)
@@ -357,7 +357,7 @@ class _Reader:
                 loops.append(self._loop(k, name, origin))
                 self.taken.add(name)
             elif tag == "joint":
-                joint = self._geared(k, by_name, origin)
+                joint = self._gear(k, by_name, origin)
                 by_name[joint.name] = joint
             else:
                 refuse(self.file, origin, f"<equality><{tag}> cannot be read", "write <connect>, <weld> or <joint>")
@@ -380,7 +380,7 @@ class _Reader:
         ends = [(self.body_names[body], self._inside(body, *place)) for body, place in zip((one, two), places, strict=True)]
         return Loop(name, "spherical" if turns else "fixed", (ends[0], ends[1]), None, origin)
 
-    def _geared(self, k: int, joints: Mapping[str, Joint], origin: Origin) -> Joint:
+    def _gear(self, k: int, joints: Mapping[str, Joint], origin: Origin) -> Joint:
         """Joint 1 as an equality of joints moves it: its position from the drawn pose is a polynomial of that of joint 2."""
         model = self.model
         offset, ratio, *higher = (float(value) for value in model.eq_data[k][:5])

@@ -124,9 +124,9 @@ class _Reader:
             refuse(file, element, "a gripper cannot be read", "write a fixed joint")
         if self._true(self.model, "static"):
             refuse(file, self.model.all("static")[0], "a static model does not move", "remove <static>")
-        self.links = self._named("link")
-        self.joints = self._named("joint")
-        self.frames = self._named("frame")
+        self.links = self._by_name("link")
+        self.joints = self._by_name("joint")
+        self.frames = self._by_name("frame")
         self.posed: dict[str, pin.SE3] = {}
         _ = self.model_place  # raises where it is none
 
@@ -165,7 +165,7 @@ class _Reader:
             if child.tag not in _UNSEARCHED and ":" not in child.tag:
                 self._refuse_attributes(child)
 
-    def _named(self, tag: str) -> dict[str, Element]:
+    def _by_name(self, tag: str) -> dict[str, Element]:
         found: dict[str, Element] = {}
         elements, most = self.model.all(tag), MOST["joint"]
         if len(elements) > most:

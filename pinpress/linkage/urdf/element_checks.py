@@ -385,7 +385,7 @@ def _tree_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Proble
 def _inertia_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Problem]:
     frame = next(iter(bodies), None)
     heavy = {bodies.get(link.get("name")) for link in robot.all("link") if link.all("inertial")}
-    connected = _connected(robot, bodies)
+    connected = _count_bearings(robot, bodies)
     for link in robot.all("link"):
         name = link.get("name")
         moving = bodies.get(name, frame) != frame
@@ -395,7 +395,7 @@ def _inertia_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Pro
         for inertial in link.all("inertial"):
             for element in inertial.all("mass"):
                 for mass in element.numbers("value"):
-                    if moving and (mass < 0 or (mass == 0 and not _idealised(inertial, bodies[name], connected))):
+                    if moving and (mass < 0 or (mass == 0 and not _is_idealised(inertial, bodies[name], connected))):
                         remedy = (
                             "write it in kg, or remove <inertial>; a link between two bearings may have none, without moments of inertia"
                         )
@@ -407,7 +407,7 @@ def _inertia_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Pro
                     yield element, problem, "write the moments about the centre of mass [kg m2], products with the sign of -integral xy dm"
 
 
-def _connected(robot: Element, bodies: Mapping[str, str]) -> Counter[str]:
+def _count_bearings(robot: Element, bodies: Mapping[str, str]) -> Counter[str]:
     """Number of bearings, joints and loops, of every body."""
     found: Counter[str] = Counter()
     for element in robot.all("joint", "loop_joint"):
@@ -417,7 +417,7 @@ def _connected(robot: Element, bodies: Mapping[str, str]) -> Counter[str]:
     return found
 
 
-def _idealised(inertial: Element, body: str, connected: Counter[str]) -> bool:
+def _is_idealised(inertial: Element, body: str, connected: Counter[str]) -> bool:
     """Whether an inertia without mass is meant: that of a cross piece or rod between two bearings."""
     return connected[body] > 1 and not any(principal_moments(tensor) != (0.0, 0.0, 0.0) for tensor in inertial.all("inertia"))
 
@@ -470,7 +470,7 @@ def _end_problems(element: Element, tag1: str, tag2: str, links: Sequence[str]) 
         yield element, f"{tag1} and {tag2} are the same link {name1!r}", "write the two links that it connects"
 
 
-def unknown(robot: Element) -> Iterator[Finding]:
+def find_unknown(robot: Element) -> Iterator[Finding]:
     """Warnings of attributes and elements that nothing reads, where `problems` lets them pass: they may be misspelt, or stand in the wrong
     element. What other programs are known to write, and whatever has a namespace prefix, is left alone."""
     tag = robot.tag
@@ -483,7 +483,7 @@ def unknown(robot: Element) -> Iterator[Finding]:
     known = [word.rstrip("?*") for word in _CHILDREN.get(tag, "").split()]
     for child in robot.children:
         if child.tag in known:
-            yield from unknown(child)
+            yield from find_unknown(child)
         elif tag in _WHOLE and ":" not in child.tag:
             write = ", ".join(word.rstrip("?") for word in _ATTRIBUTES[tag].split())
             yield _warning(robot, f"<{child.tag}> in it is not read", f"write what it says as attributes of <{tag}>: {write}")
@@ -508,7 +508,7 @@ def _unknown_attributes(element: Element, known: Sequence[str], all_of_them: boo
 
 def remarks(robot: Element) -> Iterator[Finding]:
     """Warnings and notes of a URDF; it may have errors too."""
-    yield from unknown(robot)
+    yield from find_unknown(robot)
     yield from _names(robot, "link")
     yield from _names(robot, "joint", "loop_joint")
     yield from _drawn_limits(robot)
