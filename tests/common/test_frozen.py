@@ -25,7 +25,8 @@ KINDS = sorted(every_result.public(), key=lambda kind: kind.__name__)
 def parts(value):
     """What a value consists of, under names: all fields of ours, private ones too, but not what is kept when it is first asked for."""
     if dataclasses.is_dataclass(value):
-        return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+        kept = ("_closed_for",)  # what an engine kept of a motion for the linkage that it closed, which copies do not know
+        return {field.name: getattr(value, field.name) for field in dataclasses.fields(value) if field.name not in kept}
     if isinstance(value, Mapping):
         return dict(value)
     if isinstance(value, tuple | list):
