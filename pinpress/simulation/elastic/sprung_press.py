@@ -20,7 +20,6 @@ from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...common.errors import PinpressError
 from ...common.products import product
@@ -30,9 +29,8 @@ from ...kinematics.motion import Motion
 from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from .contact import OpenPin
+from .panels import Indices
 from .preloaded_joint import JointSpring, OpenJoint
-
-Indices = NDArray[np.intp]
 
 
 class Springs(NamedTuple):
@@ -163,16 +161,16 @@ class Geometry(Protocol):
     def strains(self, state: Any) -> Any:
         """`Strains` of the lines."""
 
-    def gradient(self, at: Any) -> Array:
+    def gradient(self, strains: Any) -> Array:
         """(n, S, k) gradients of the extensions."""
 
-    def gradient_rate(self, at: Any) -> Array:
+    def gradient_rate(self, strains: Any) -> Array:
         """(n, S, k) rates of the gradients, which are the gradients of the rates of the extensions."""
 
-    def bend(self, at: Any, pull: Array) -> Array:
+    def bend(self, strains: Any, pull: Array) -> Array:
         """(n, k, k): second derivatives of the extensions times the pulls (n, S), summed."""
 
-    def along(self, at: Any) -> Array:
+    def along(self, strains: Any) -> Array:
         """(n, S, 3) directions of the lines in world axes."""
 
     def alone(self, line: int) -> Any:
@@ -382,24 +380,24 @@ class SprungPress:
 
     # --------------------------------------------------------------------------------------------------------------------- springs
 
-    def pulls(self, at: Strains) -> Array:
+    def pulls(self, strains: Strains) -> Array:
         """(n, S) forces of the springs on their second bodies along the lines [N]."""
         springs = self.springs
-        return np.asarray(-(springs.stiffness * (at.extension - springs.rest) + springs.damping * at.opening))
+        return np.asarray(-(springs.stiffness * (strains.extension - springs.rest) + springs.damping * strains.opening))
 
     def spring_forces(self, state: BodyState, derivatives: bool = True) -> SpringForces:
         """Forces of all springs and of weight on the free coordinates."""
         geometry, springs, linear, turning = self.geometry, self.springs, self.linear, self._turning
-        at = geometry.strains(state)
-        pull, gradient = self.pulls(at), self.to_free(geometry.gradient(at))
+        strains = geometry.strains(state)
+        pull, gradient = self.pulls(strains), self.to_free(geometry.gradient(strains))
         moment = -(self.linear_rates(state.coordinates) * linear.stiffness + self.linear_rates(state.rates) * linear.damping)
         force = np.matmul(pull[:, None, :], gradient)[:, 0] + product(moment, turning) + self.free_weight
         if not derivatives:
             return SpringForces(force, None, None)
-        rate = self.to_free(geometry.gradient_rate(at))
+        rate = self.to_free(geometry.gradient_rate(strains))
         yielding = springs.stiffness[:, None] * gradient + springs.damping[:, None] * rate
         transposed = gradient.transpose(0, 2, 1)
-        stiffness = np.matmul(transposed, yielding) - self.to_free_twice(geometry.bend(at, pull))
+        stiffness = np.matmul(transposed, yielding) - self.to_free_twice(geometry.bend(strains, pull))
         damping = np.matmul(transposed, springs.damping[:, None] * gradient)
         stiffness += turning.T @ (linear.stiffness[:, None] * turning)
         damping += turning.T @ (linear.damping[:, None] * turning)
@@ -433,17 +431,17 @@ class SprungPress:
         """The preloaded joints that may open."""
         if not self.open_joints:
             return []
-        at = self.geometry.strains(state)
-        pull, along = self.pulls(at), self.springs.sign[:, None] * self.geometry.along(at)
+        strains = self.geometry.strains(state)
+        pull, along = self.pulls(strains), self.springs.sign[:, None] * self.geometry.along(strains)
         return [
-            JointMotion(joint, at.extension[:, joint.spring], at.opening[:, joint.spring], -pull[:, joint.spring], along[:, joint.spring])
-            for joint in self.open_joints
+            JointMotion(joint, strains.extension[:, k], strains.opening[:, k], -pull[:, k], along[:, k])
+            for joint, k in ((joint, joint.spring) for joint in self.open_joints)
         ]
 
     def bearing_forces(self, state: BodyState) -> Array:
         """Forces (bearings, n, 3) of the springs, parent on child or link1 on link2, in world axes [N]."""
-        at, springs = self.geometry.strains(state), self.springs
-        forces = (springs.sign * self.pulls(at))[..., None] * self.geometry.along(at)
+        strains, springs = self.geometry.strains(state), self.springs
+        forces = (springs.sign * self.pulls(strains))[..., None] * self.geometry.along(strains)
         return np.array([forces[:, springs.bearing == same].sum(axis=1) for same in self.alike])
 
     def lost_power(self, state: BodyState) -> Array:

@@ -1,4 +1,4 @@
-"""The lengths along which loads act, of bodies in a plane, on mounts and in space: rates, gradients and second derivatives by differences."""
+"""The lengths along which loads act, in a plane, on mounts and in space: rates, gradients and second derivatives by differences."""
 
 from typing import Any
 

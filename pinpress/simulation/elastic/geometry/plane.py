@@ -27,7 +27,8 @@ from ....engines.planar.model import Plane, to_complex, to_world
 from ....kinematics.motion import Motion
 from ....linkage.linkage import Linkage
 from ..flexible_link import FlexibleBody
-from ..sprung_press import Indices, VaryingInertia
+from ..panels import Indices
+from ..sprung_press import VaryingInertia
 
 
 class Lines(NamedTuple):
@@ -246,28 +247,28 @@ class PlaneGeometry:
             opening += np.einsum("nsq,nq->ns", (bends[1] - bends[0]).real, rates[:, self.rigid_size :])
         return LineStrains(gap.real, opening, rates, against, lever1, lever2, apart, spin1, spin2, bends)
 
-    def along(self, at: LineStrains) -> Array:
-        return to_world(self.plane, at.against.conj())
+    def along(self, strains: LineStrains) -> Array:
+        return to_world(self.plane, strains.against.conj())
 
-    def gradient(self, at: LineStrains) -> Array:
-        bent = None if at.bends is None else (at.bends[1] - at.bends[0]).real
-        return self._place(at.against.real, -at.against.imag, -at.lever2.imag, at.lever1.imag, bent)
+    def gradient(self, strains: LineStrains) -> Array:
+        bent = None if strains.bends is None else (strains.bends[1] - strains.bends[0]).real
+        return self._place(strains.against.real, -strains.against.imag, -strains.lever2.imag, strains.lever1.imag, bent)
 
-    def gradient_rate(self, at: LineStrains) -> Array:
+    def gradient_rate(self, strains: LineStrains) -> Array:
         turning = self.lines.turning
-        spin = at.spin1 * turning
+        spin = strains.spin1 * turning
         first = np.where(
             turning > 0,
-            at.apart.imag + at.spin2 * at.lever2.real - at.spin1 * at.lever1.real,
-            at.spin1 * at.lever1.real,
+            strains.apart.imag + strains.spin2 * strains.lever2.real - strains.spin1 * strains.lever1.real,
+            strains.spin1 * strains.lever1.real,
         )
-        rate = -1j * spin * at.against
-        second = (spin - at.spin2) * at.lever2.real
-        if at.bends is None:
+        rate = -1j * spin * strains.against
+        second = (spin - strains.spin2) * strains.lever2.real
+        if strains.bends is None:
             return self._place(rate.real, -rate.imag, second, first, None)
-        flow1, flow2 = (np.einsum("nsq,nq->ns", bend, at.rates[:, self.rigid_size :]).imag for bend in at.bends)
+        flow1, flow2 = (np.einsum("nsq,nq->ns", bend, strains.rates[:, self.rigid_size :]).imag for bend in strains.bends)
         first, second = first + np.where(turning > 0, flow2, flow1), second - flow2
-        bent = at.spin1[:, :, None] * at.bends[0].imag - (at.spin2 - spin)[:, :, None] * at.bends[1].imag
+        bent = strains.spin1[:, :, None] * strains.bends[0].imag - (strains.spin2 - spin)[:, :, None] * strains.bends[1].imag
         return self._place(rate.real, -rate.imag, second, first, bent)
 
     def _place(self, x: Array, z: Array, second: Array, first: Array, bent: Array | None) -> Array:
@@ -285,28 +286,28 @@ class PlaneGeometry:
             found[:, :, self.rigid_size :] = bent
         return found
 
-    def bend(self, at: LineStrains, pull: Array) -> Array:
+    def bend(self, strains: LineStrains, pull: Array) -> Array:
         lines, size = self.lines, len(self.inertia)
         found = np.zeros((len(pull), size, size))
-        by_turn1 = np.where(lines.turning > 0, -at.lever1.real, at.lever1.real) * pull
-        by_turn2 = -at.lever2.real * pull
+        by_turn1 = np.where(lines.turning > 0, -strains.lever1.real, strains.lever1.real) * pull
+        by_turn2 = -strains.lever2.real * pull
         angles = np.arange(2, self.rigid_size, 3)
         found[:, angles, angles] = by_turn1 @ self._at_first + by_turn2 @ self._at_second
         for k in np.flatnonzero(lines.turning):
             a, b = 3 * int(lines.first[k]), 3 * int(lines.second[k])
-            along = 1j * at.against[:, k].conj() * pull[:, k]
+            along = 1j * strains.against[:, k].conj() * pull[:, k]
             for row, values in ((b, along.real), (b + 1, along.imag), (a, -along.real), (a + 1, -along.imag), (b + 2, -by_turn2[:, k])):
                 found[:, row, a + 2] += values
                 found[:, a + 2, row] += values
-        if at.bends is not None:
-            self._add_bent(at, pull, found)
+        if strains.bends is not None:
+            self._add_bent(strains, pull, found)
         return found
 
-    def _add_bent(self, at: LineStrains, pull: Array, found: Array) -> None:
+    def _add_bent(self, strains: LineStrains, pull: Array, found: Array) -> None:
         """Add the second derivatives by turns and shapes' coordinates, times the pulls (n, S), to a matrix (n, k, k)."""
-        assert at.bends is not None
+        assert strains.bends is not None
         rigid, shapes = self.rigid_size, slice(self.rigid_size, None)
-        pulled1, pulled2 = (pull[:, :, None] * bend.imag for bend in at.bends)
+        pulled1, pulled2 = (pull[:, :, None] * bend.imag for bend in strains.bends)
         firsts = np.where(self.lines.turning[:, None] > 0, pulled2, pulled1)  # a direction that turns sees point 2 move
         for bodies, values in ((self._at_first, firsts), (self._at_second, -pulled2)):
             by_turn = np.einsum("nsq,sb->nbq", values, bodies)
@@ -338,24 +339,24 @@ class PlaneGeometry:
         force = np.zeros((count, size))
         by_place, by_rate, by_acceleration = (np.zeros((count, size, size)) for _ in range(3))
         for link in self.flexible:
-            phi, at = 3 * link.body + 2, link.columns
-            q, dq, ddq = (values[:, at] for values in (state.coordinates, state.rates, accelerations))
+            phi, columns = 3 * link.body + 2, link.columns
+            q, dq, ddq = (values[:, columns] for values in (state.coordinates, state.rates, accelerations))
             spin, growing = state.rates[:, phi, None], accelerations[:, phi, None]
             lever, around, whirl = link.stretch + link.mass * q, q @ link.swirl.T, dq @ link.swirl.T
             excess = 2 * q @ link.stretch + link.mass * (q**2).sum(axis=1)
-            shapes = np.arange(at.start, at.stop)
+            shapes = np.arange(columns.start, columns.stop)
             force[:, phi] += excess * growing[:, 0] + 2 * spin[:, 0] * (lever * dq).sum(axis=1) - (around * ddq).sum(axis=1)
-            force[:, at] -= growing * around + 2 * spin * whirl + spin**2 * lever
-            by_place[:, phi, at] += 2 * growing * lever + 2 * link.mass * spin * dq + ddq @ link.swirl.T
-            by_place[:, at, at] -= growing[:, :, None] * link.swirl
+            force[:, columns] -= growing * around + 2 * spin * whirl + spin**2 * lever
+            by_place[:, phi, columns] += 2 * growing * lever + 2 * link.mass * spin * dq + ddq @ link.swirl.T
+            by_place[:, columns, columns] -= growing[:, :, None] * link.swirl
             by_place[:, shapes, shapes] -= link.mass * spin**2
-            by_rate[:, phi, at] += 2 * spin * lever
+            by_rate[:, phi, columns] += 2 * spin * lever
             by_rate[:, phi, phi] += 2 * (lever * dq).sum(axis=1)
-            by_rate[:, at, at] -= 2 * spin[:, :, None] * link.swirl
-            by_rate[:, at, phi] -= 2 * whirl + 2 * spin * lever
+            by_rate[:, columns, columns] -= 2 * spin[:, :, None] * link.swirl
+            by_rate[:, columns, phi] -= 2 * whirl + 2 * spin * lever
             by_acceleration[:, phi, phi] += excess
-            by_acceleration[:, phi, at] -= around
-            by_acceleration[:, at, phi] -= around
+            by_acceleration[:, phi, columns] -= around
+            by_acceleration[:, columns, phi] -= around
         return VaryingInertia(force, by_place, by_rate, by_acceleration)
 
 

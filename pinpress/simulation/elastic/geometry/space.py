@@ -27,7 +27,8 @@ from ....common.quantities import Array
 from ....kinematics.motion import Motion
 from ....kinematics.poses import poses
 from ....linkage.linkage import Linkage
-from ..sprung_press import Indices, VaryingInertia
+from ..panels import Indices
+from ..sprung_press import VaryingInertia
 from .turning import NominalTurns, Turned, turn_bodies
 
 
@@ -224,14 +225,14 @@ class SpaceGeometry:
         return SpaceState(coordinates, rates, turn_bodies(self.nominal, w, coordinates[:, -1], w_rate, rates[:, -1], derivatives))
 
     def point(self, state: SpaceState, body: int, arm: Array) -> PointInSpace:
-        at, first = state.turned, 6 * body
-        assert at.by_twice is not None
+        turned, first = state.turned, 6 * body
+        assert turned.by_twice is not None
         n, k = state.coordinates.shape
-        place = self.places(state.coordinates)[:, body] + at.matrix[:, body].reshape(n, 3, 3) @ arm
+        place = self.places(state.coordinates)[:, body] + turned.matrix[:, body].reshape(n, 3, 3) @ arm
         by, columns = np.zeros((n, k, 3)), np.array([first + 3, first + 4, first + 5, k - 1])
         by[:, first : first + 3] = np.eye(3)
-        by[:, columns] = at.by[:, body].reshape(n, 4, 3, 3) @ arm
-        return PointInSpace(place, by, columns, at.by_twice[:, body].reshape(n, 4, 4, 3, 3) @ arm)
+        by[:, columns] = turned.by[:, body].reshape(n, 4, 3, 3) @ arm
+        return PointInSpace(place, by, columns, turned.by_twice[:, body].reshape(n, 4, 4, 3, 3) @ arm)
 
     def alone(self, line: int) -> SpaceGeometry:
         return replace(self, lines=LinesInSpace._make(column[line : line + 1] for column in self.lines))
@@ -239,16 +240,16 @@ class SpaceGeometry:
     # --------------------------------------------------------------------------------------------------------------------- inertia
 
     def varying_inertia(self, state: SpaceState, accelerations: Array) -> VaryingInertia:
-        at, b, n = state.turned, self.count, len(accelerations)
-        assert at.by_twice is not None
-        assert at.curve_by is not None
-        by, by_twice = at.by[:, :b], at.by_twice[:, :b]
+        turned, b, n = state.turned, self.count, len(accelerations)
+        assert turned.by_twice is not None
+        assert turned.curve_by is not None
+        by, by_twice = turned.by[:, :b], turned.by_twice[:, :b]
         turning = accelerations[:, : 6 * b].reshape(n, b, 6)[:, :, 3:]
         own = np.concatenate([turning, np.broadcast_to(accelerations[:, None, -1:], (n, b, 1))], axis=2)
-        pushed = self.weigh((own[:, :, None] @ by)[:, :, 0] + at.curve[:, :b])[..., None]
-        changed = (own[:, :, None] @ by_twice.reshape(n, b, 4, 36)).reshape(n, b, 4, 9) + at.curve_by[:, :b]
+        pushed = self.weigh((own[:, :, None] @ by)[:, :, 0] + turned.curve[:, :b])[..., None]
+        changed = (own[:, :, None] @ by_twice.reshape(n, b, 4, 36)).reshape(n, b, 4, 9) + turned.curve_by[:, :b]
         by_place = (by_twice.reshape(n, b, 16, 9) @ pushed).reshape(n, b, 4, 4) + by @ self.weigh(changed).swapaxes(2, 3)
-        others = (by @ self.weigh(each).swapaxes(2, 3) for each in (2 * at.rate_by[:, :b], by))
+        others = (by @ self.weigh(each).swapaxes(2, 3) for each in (2 * turned.rate_by[:, :b], by))
         force, rows = (by @ pushed)[..., 0], np.zeros((n, self.size))
         rows[:, : 6 * b].reshape(n, b, 6)[:, :, 3:] = force[:, :, :3]
         rows[:, -1] = force[:, :, 3].sum(axis=1)
@@ -295,15 +296,15 @@ class SpaceGeometry:
         opening = (along_rate * gap + along * gap_rate).sum(axis=2)
         return StrainsInSpace(extension, opening, state.turned, along, gap, along_rate, gap_rate)
 
-    def along(self, at: StrainsInSpace) -> Array:
-        return at.along
+    def along(self, strains: StrainsInSpace) -> Array:
+        return strains.along
 
-    def gradient(self, at: StrainsInSpace) -> Array:
-        return self._place(self._parts(at.turned.by, self._push(at.along, at.gap)), at.along)
+    def gradient(self, strains: StrainsInSpace) -> Array:
+        return self._place(self._parts(strains.turned.by, self._push(strains.along, strains.gap)), strains.along)
 
-    def gradient_rate(self, at: StrainsInSpace) -> Array:
-        pushed, pushed_rate = self._push(at.along, at.gap), self._push(at.along_rate, at.gap_rate)
-        return self._place(self._parts(at.turned.rate_by, pushed) + self._parts(at.turned.by, pushed_rate), at.along_rate)
+    def gradient_rate(self, strains: StrainsInSpace) -> Array:
+        pushed, pushed_rate = self._push(strains.along, strains.gap), self._push(strains.along_rate, strains.gap_rate)
+        return self._place(self._parts(strains.turned.rate_by, pushed) + self._parts(strains.turned.by, pushed_rate), strains.along_rate)
 
     def _push(self, along: Array, gap: Array) -> tuple[Array, Array]:
         """Derivatives (n, S, 9) of the extensions by the matrices of their bodies 1 and 2."""
@@ -329,14 +330,14 @@ class SpaceGeometry:
         found[:, :, -1] = parts[:, :, :, 3].sum(axis=2)
         return found
 
-    def bend(self, at: StrainsInSpace, pull: Array) -> Array:
-        lines, by, n = self.lines, at.turned.by, len(pull)
-        assert at.turned.by_twice is not None
+    def bend(self, strains: StrainsInSpace, pull: Array) -> Array:
+        lines, by, n = self.lines, strains.turned.by, len(pull)
+        assert strains.turned.by_twice is not None
         on_second, on_first, on_axis = self._spread
-        sideways = (pull[..., None] * at.along).swapaxes(1, 2)
-        pushed = sideways @ on_second - sideways @ on_first + (pull[..., None] * at.gap).swapaxes(1, 2) @ on_axis
+        sideways = (pull[..., None] * strains.along).swapaxes(1, 2)
+        pushed = sideways @ on_second - sideways @ on_first + (pull[..., None] * strains.gap).swapaxes(1, 2) @ on_axis
         pushed = pushed.reshape(n, 3, self.count + 1, 3).swapaxes(1, 2).reshape(n, self.count + 1, 9, 1)
-        found = self._scatter((at.turned.by_twice.reshape(n, self.count + 1, 16, 9) @ pushed).reshape(n, self.count + 1, 4, 4))
+        found = self._scatter((strains.turned.by_twice.reshape(n, self.count + 1, 16, 9) @ pushed).reshape(n, self.count + 1, 4, 4))
         some = np.flatnonzero(lines.turning)
         first, second = lines.first[some], lines.second[some]
         own = pull[:, some, None, None] * _apply(by[:, first], lines.direction[some, None])  # (n, T, 4, 3)
