@@ -47,7 +47,6 @@ if TYPE_CHECKING:
 PERIODS, MOST_PERIODS = 3, 60
 BESIDE = 1e-6  # relative change of speed and states by which their effect after a period is found
 SHARES = np.geomspace(0.25, 4.0, 33)  # multiples of the given speed among which the steady state is searched
-NEARBY = SHARES[14:19]  # those that are tried first
 COMES_BACK = 1e-10  # relative difference accepted between the speeds at start and end of a period
 
 
@@ -205,29 +204,28 @@ def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: floa
     model, direction = driven.model, 1 if speed > 0 else -1
     assert model.period is not None
     mesh = build_mesh(driven, angle, direction, mesh_borders(driven, angle, direction, model.period))
-    found = _found_nearby(driven, mesh, speed, tolerance)
-    if found is None:
-        energy = _energy_near(driven, mesh, speed)
-        if energy is None:
+    speeds = speed * SHARES[14:19]  # mostly it is this near
+    tried = collocation.solve(driven, mesh, _energies(driven, mesh, speeds), roughly=True)
+    bounds = None if tried.speed_free else _bounds(tried, speeds, speed)  # at speeds further off a force may depend on the speed
+    for attempt in range(4):  # each narrows the range of speeds to a 32nd
+        if bounds is not None:
+            gained, starts = (tried.ends[-1] - tried.ends[0])[bounds], tried.ends[0, bounds]
+            weights = np.array([-gained[1], gained[0]]) / (gained[0] - gained[1])  # between the bounds nothing is gained
+            guess = (tried.energy[:, :, bounds] @ weights)[:, :, None]
+            found = _periodic(driven, mesh, (starts @ weights)[None], guess, tolerance)
+            # Newton's method may also end at a motion that the press leaves when it is disturbed, or far off. In the narrowest range the
+            # bounds of a coarse mesh are not exact enough to tell.
+            near = found is not None and (attempt == 3 or starts.min() <= found.ends[0, 0] <= starts.max())
+            if found is not None and near and found.exponent[0] < 0:
+                return _as_trajectory(driven, found, angle)
+        speeds = speed * SHARES if bounds is None else np.linspace(*speeds[bounds], len(SHARES))
+        tried = collocation.solve(driven, mesh, _energies(driven, mesh, speeds))
+        if tried.speed_free:  # no speed is better than another
+            raise _no_steady_state(speed)
+        bounds = _bounds(tried, speeds, speed)
+        if bounds is None:
             return None
-        # the guess must have the course of the speed: a drive's torque may have no slope at the mean speed
-        found = _periodic(driven, mesh, energy, collocation.solve(driven, mesh, energy).energy, tolerance)
-    # Newton's method may also end at a motion that the press leaves when it is disturbed
-    return None if found is None or found.exponent[0] >= 0 else _as_trajectory(driven, found, angle)
-
-
-def _found_nearby(driven: DrivenPress, mesh: Mesh, speed: float, tolerance: float) -> CollocationSolution | None:
-    """The periodic solution from few speeds about the given one; None where it takes a search among all speeds."""
-    tried = collocation.solve(driven, mesh, _energies(driven, mesh, speed * NEARBY), roughly=True)
-    bounds = _bounds(tried, speed * NEARBY, speed)
-    if bounds is None or tried.speed_free:  # at speeds further off a force may depend on the speed
-        return None
-    gained, starts = (tried.ends[-1] - tried.ends[0])[bounds], tried.ends[0, bounds]
-    weights = np.array([-gained[1], gained[0]]) / (gained[0] - gained[1])  # between the bounds nothing is gained
-    found = _periodic(driven, mesh, (starts @ weights)[None], (tried.energy[:, :, bounds] @ weights)[:, :, None], tolerance)
-    # between the bounds may also lie a periodic motion that the press leaves when it is disturbed
-    good = found is not None and starts.min() <= found.ends[0, 0] <= starts.max() and found.exponent[0] < 0
-    return found if good else None
+    return None
 
 
 def _as_trajectory(driven: DrivenPress, solution: CollocationSolution, angle: float) -> Trajectory:
@@ -259,25 +257,6 @@ def _periodic(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array, tole
 def _comes_back(solution: CollocationSolution) -> bool:
     """Whether the kinetic energy at the end of a period is that of its start."""
     return abs(float(solution.ends[-1, 0] - solution.ends[0, 0])) / float(solution.ends.max()) < COMES_BACK
-
-
-def _energy_near(driven: DrivenPress, mesh: Mesh, speed: float) -> Array | None:
-    """Kinetic energy (1,) at the start of a period, close to that of the steady state nearest to ``speed`` [J]; None where there is none.
-
-    Raises:
-        SimulationError: nothing depends on the speed.
-    """
-    speeds = speed * SHARES
-    # Each round narrows the range of speeds to a 32nd.
-    for _ in range(3):
-        tried = collocation.solve(driven, mesh, _energies(driven, mesh, speeds))
-        if tried.speed_free:  # no speed is better than another
-            raise _no_steady_state(speed)
-        bounds = _bounds(tried, speeds, speed)
-        if bounds is None:
-            return None
-        speeds = np.linspace(float(speeds[bounds[0]]), float(speeds[bounds[1]]), len(SHARES))
-    return _energies(driven, mesh, speeds[len(speeds) // 2, None])
 
 
 def _energies(driven: DrivenPress, mesh: Mesh, speeds: Array) -> Array:
