@@ -17,11 +17,11 @@ import pinocchio as pin
 from ..common.arguments import typed
 from ..common.errors import AssemblyError, SingularityError
 from ..common.quantities import Array
-from ..engines.engine import ACCEPTED, Closure, Engine
+from ..engines.engine import ACCEPTED, Closure, Engine, joined
 from ..engines.following import SingularPosition, follow
 from ..engines.joints import Coupling
+from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.kinematics import PassiveJacobian
-from ..engines.pinocchio.kinematics import close as close_drivers
 from ..engines.planar.closing import close
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
@@ -116,15 +116,18 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
     """
     drivers, target = np.zeros((len(press.drivers), 1)), _placed(press, moved).spatial_model.equations()
 
-    def close_part_way(share: Array, guess: Array) -> Closure:
-        here = _placed(press, moved, float(share[0])).spatial_model
-        closure = close_drivers(here, here.equations(), drivers, np.zeros_like(drivers), guess)
+    def close_at(share: float, guess: Array) -> Closure:
+        here = _placed(press, moved, share).spatial_model
+        closure = PinocchioEngine(here).closing_function()(drivers, np.zeros_like(drivers), guess)
         if not np.isfinite(closure.widest):
             return closure
         start, rows = press.equations(closure.position[:, 0]), here.equations().at(closure.position[:, 0])
         # Gaps change in proportion to displacements, as long as no joint moves.
         opened = target.at(closure.position[:, 0]).gaps - start.gaps
         return replace(closure, first=PassiveJacobian(rows.columns, here).rates(-opened)[:, None])
+
+    def close_part_way(shares: Array, guesses: Array) -> Closure:
+        return joined((close_at(float(share), guess[:, None]) for share, guess in zip(shares, guesses.T, strict=True)), len(shares))
 
     end = follow(close_part_way, press.closed, 1.0, press.size, ACCEPTED * press.spatial_model.tolerance)
     if isinstance(end, SingularPosition):

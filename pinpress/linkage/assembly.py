@@ -19,7 +19,7 @@ from ..engines.engine import ACCEPTED, PIECE, Close, Closure, Engine, joined
 from ..engines.following import SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
 from ..engines.forces import RANK
 from ..engines.pinocchio.engine import PinocchioEngine
-from ..engines.pinocchio.kinematics import PassiveJacobian, close, rank
+from ..engines.pinocchio.kinematics import PassiveJacobian, rank
 from ..engines.pinocchio.model import Rows, SpatialModel
 from ..engines.planar.closing import moves
 from ..engines.planar.engine import PlanarEngine
@@ -267,7 +267,7 @@ def _in_space(spatial_engine: PinocchioEngine, start: Array) -> Assembly:
     engines: dict[str, Engine] = {engine.name: engine, spatial_engine.name: spatial_engine}
     zero, along = np.zeros((count, 1)), np.eye(count)[:, :1]
     one_by_one = spatial_model.equations()
-    drawn = close(spatial_model, one_by_one, zero, along, start[:, None])
+    drawn = engine.closing_function()(zero, along, start[:, None])
     gaps, rows, determined = one_by_one.at(start).gaps, None, False
     if np.isfinite(drawn.position).all():
         rows = one_by_one.at(drawn.position[:, 0])

@@ -57,18 +57,24 @@ class PinocchioEngine:
     # ----------------------------------------------------------------------------------------------------------------- equations
 
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
-        return kinematics.close(self.spatial, self.spatial.equations(), angle[None], np.ones((1, len(angle))), guess)
+        return self.closing_function()(angle[None], np.ones((1, len(angle))), guess)
 
     def closing_function(self) -> CloseDrivers:
-        equations = self.spatial.equations()
+        from ..spatial import closing  # its engine stands on this one
+        from .equations import one_by_one
+
+        kinematics = one_by_one(self.spatial)
 
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
-            return kinematics.close(self.spatial, equations, drivers, along, guess)
+            return closing.close(self.loops, drivers, along, guess, True, kinematics)
 
         return close
 
     def rates(self, position: Array, speed: Array, acceleration: Array) -> JointRates:
-        return JointRates(*kinematics.rates(self.spatial, position, speed, acceleration))
+        from ..spatial import closing  # as above
+        from .equations import one_by_one
+
+        return closing.rates(self.loops, position, speed, acceleration, one_by_one(self.spatial))
 
     def gaps(self, position: Array) -> Array:
         equations = self.spatial.equations()
@@ -93,21 +99,21 @@ class PinocchioEngine:
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
         from ..spatial.inverse_dynamics import inverse_dynamics  # slow to import, and not needed to load
-        from .inverse_dynamics import ONE_BY_ONE
+        from .inverse_dynamics import by_pinocchio
 
-        return inverse_dynamics(self.loops, states, conditions, bearings, ONE_BY_ONE)
+        return inverse_dynamics(self.loops, states, conditions, bearings, by_pinocchio(self.spatial))
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
         from ..spatial.inverse_dynamics import bearing_loads  # slow to import, and not needed to load
-        from .inverse_dynamics import ONE_BY_ONE
+        from .inverse_dynamics import by_pinocchio
 
-        return bearing_loads(self.loops, states, loads, efforts, rates, ONE_BY_ONE)
+        return bearing_loads(self.loops, states, loads, efforts, rates, by_pinocchio(self.spatial))
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         from ..spatial.inverse_dynamics import indeterminate  # slow to import, and not needed to load
-        from .inverse_dynamics import ONE_BY_ONE
+        from .inverse_dynamics import by_pinocchio
 
-        return indeterminate(self.loops, position, axes, ONE_BY_ONE)
+        return indeterminate(self.loops, position, axes, by_pinocchio(self.spatial))
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
         return kinematics.power_balance(self.spatial, states, loads)

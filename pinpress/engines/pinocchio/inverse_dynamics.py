@@ -11,34 +11,19 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from ...common.quantities import Array
 from ..engine import ClosedStates
 from ..forces import AppliedForce
 from ..joints import configuration, data_of
-from ..spatial.bodies import Placements, components_first, turned, turned_back
+from ..spatial.bodies import components_first, turned, turned_back
 from ..spatial.equations import Equations, Loops
 from ..spatial.inverse_dynamics import Method, OpenTree
+from .equations import one_by_one
+from .model import SpatialModel
 
 
-def _equations(loops: Loops, x: Array) -> Equations:
-    """The equations of a linkage at joint coordinates (nv, n)."""
-    spatial, (count, n) = loops.spatial, x.shape
-    one = spatial.equations()
-    gaps, entries = np.empty((loops.rows, n)), np.zeros((loops.entries.shape[1] + 1, n))
-    rotation, origin = np.empty((count + 1, 3, 3, n)), np.empty((count + 1, 3, n))
-    held = [np.empty((3, loop.held_rotations, n)) for loop in spatial.loops]
-    row, joint = loops.entries
-    for i in range(n):
-        rows = one.at(np.ascontiguousarray(x[:, i]))
-        gaps[:, i], entries[:-1, i] = rows.gaps, rows.columns[row, joint]
-        for body, placement in enumerate(one.placements):
-            rotation[body, ..., i], origin[body, :, i] = placement.rotation, placement.translation
-        for prevented, directions in zip(held, rows.held_directions, strict=True):
-            prevented[..., i] = directions
-    directions = np.array([axis.direction for axis in spatial.axes])
-    placed = Placements(rotation, origin, np.einsum("jikn,jk->jin", rotation[1:], directions))
-    ends = origin[loops.joint] + np.einsum("elikn,elk->elin", rotation[loops.joint], loops.point)
-    return Equations(loops, placed, ends, gaps, entries, held)
+def by_pinocchio(spatial: SpatialModel) -> Method:
+    """How Pinocchio's engine computes, for use within one call."""
+    return Method(one_by_one(spatial), _open_tree)
 
 
 def _open_tree(loops: Loops, found: Equations, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
@@ -60,6 +45,3 @@ def _open_tree(loops: Loops, found: Equations, states: ClosedStates, loads: Sequ
             wrench = wrenches[joint + 1]
             local[0, joint, :, i], local[1, joint, :, i] = wrench.linear, wrench.angular
     return OpenTree(effort, turned(rotation[1:], local[0]), turned(rotation[1:], local[1]))
-
-
-ONE_BY_ONE = Method(_equations, _open_tree, in_blocks=False)

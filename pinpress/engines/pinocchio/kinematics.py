@@ -1,4 +1,4 @@
-"""Closing any linkage, one configuration at a time, by the singular value decomposition of its equations; motions of points; energies."""
+"""Rank of the equations of any linkage at one configuration, by singular values; motions of points and energies by Pinocchio."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 import pinocchio as pin
 
 from ...common.quantities import Array
-from ..engine import ACCEPTED, MOST_NEWTON_STEPS, ClosedStates, Closure, EnergyRates, PowerBalance
+from ..engine import ClosedStates, EnergyRates, PowerBalance
 from ..forces import RANK, AppliedForce
 from ..joints import configuration, data_of
-from .model import Equations, Rows, SpatialModel, cross
+from .model import SpatialModel, cross
 
 
 def rank(columns: Array) -> int:
@@ -32,63 +32,6 @@ def redundant(spatial: SpatialModel, x: Array) -> bool:
     return rank(rows.columns) < len(rows.gaps)
 
 
-def close(spatial: SpatialModel, equations: Equations, drivers: Array, along: Array, guess: Array) -> Closure:
-    """Close all loops by Newton's method, with margins. It never raises: the caller judges gap and margins.
-
-    Args:
-        spatial: constants of the linkage.
-        equations: its equations.
-        drivers: (drivers, n) driver positions [rad].
-        along: (drivers, n) rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
-        guess: (nv, n) joint coordinates from which Newton's method starts.
-    """
-    results = []
-    for i in range(guess.shape[1]):
-        start = guess[:, i].copy()
-        start[list(spatial.drivers)] = drivers[:, i]
-        x, rows, gap, steps = _closed(spatial, equations, start)
-        passive = PassiveJacobian(rows.columns, spatial) if np.isfinite(gap) else None
-        first = second = np.full_like(x, np.nan)
-        if passive is not None:
-            first = passive.rates(-rows.columns[:, spatial.drivers] @ along[:, i])
-            first[list(spatial.drivers)] = along[:, i]
-            second = passive.rates(-equations.drift(rows, first))
-        results.append((x, first, second, gap, steps, 0.0 if passive is None else passive.margin()))
-    position, first, second = (np.array([r[k] for r in results]).T.reshape(guess.shape) for k in range(3))
-    gaps, counts, margins = (np.array([r[k] for r in results]) for k in (3, 4, 5))
-    return Closure(position, first, second, gaps, float(gaps.max()), int(counts.max(initial=0)), margins[None, :])
-
-
-def rates(spatial: SpatialModel, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
-    """Joint rates and accelerations (nv, n) at closed positions (nv, n) from those (drivers, n) of the drivers, and the gaps (n,)."""
-    equations, drivers = spatial.equations(), list(spatial.drivers)
-    v, a, gaps = np.empty_like(position), np.empty_like(position), np.empty(position.shape[1])
-    for i, x in enumerate(position.T):
-        rows = equations.at(x)
-        passive, columns = PassiveJacobian(rows.columns, spatial), rows.columns[:, drivers]
-        v[:, i] = passive.rates(-columns @ speed[:, i])
-        v[drivers, i] = speed[:, i]
-        a[:, i] = passive.rates(-columns @ acceleration[:, i] - equations.drift(rows, v[:, i].copy()))
-        a[drivers, i] = acceleration[:, i]
-        gaps[i] = equations.widest(rows.gaps)
-    return v, a, gaps
-
-
-def _closed(spatial: SpatialModel, equations: Equations, start: Array) -> tuple[Array, Rows, float, int]:
-    """Joint coordinates, the equations there, their largest gap [m] (not finite where Newton's method failed), and the number of steps."""
-    x, worst, steps = start, np.inf, 0
-    while True:
-        rows = equations.at(x)
-        if not np.all(np.isfinite(rows.columns)):
-            return x, rows, np.inf, steps
-        before, worst = worst, equations.widest(rows.gaps)
-        stalled = worst > 0.5 * before and worst < ACCEPTED * spatial.tolerance
-        if worst <= spatial.tolerance or stalled or steps == MOST_NEWTON_STEPS:
-            return x, rows, worst, steps
-        x = x + PassiveJacobian(rows.columns, spatial).rates(-rows.gaps)
-        steps += 1
-
-
 class PassiveJacobian:
     """The columns of the passive joints in the equations' Jacobian, scaled to unit length, by their singular value decomposition."""
 
@@ -106,22 +49,10 @@ class PassiveJacobian:
         result[self.joints] = self.right[:r].T @ ((self.left[:, :r].T @ target) / self.values[:r]) / self.lengths
         return result
 
-    def multipliers(self, effort: Array) -> Array:
-        """Multipliers (rows,) of least norm that balance the efforts (nv,) of the passive joints."""
-        r = self.rank
-        return np.asarray(self.left[:, :r] @ ((self.right[:r] @ (effort[self.joints] / self.lengths)) / self.values[:r]))
-
     @property
     def idle(self) -> Array:
         """Orthonormal basis (rows, k) of the idle multipliers, which balance each other on the passive joints."""
         return np.asarray(self.left[:, self.rank :])
-
-    def margin(self) -> float:
-        """`Closure.margins` of the whole linkage. It has no sign, because redundant equations have no determinant."""
-        count = len(self.joints)
-        if count == 0:
-            return 1.0
-        return float(self.values[count - 1]) if len(self.values) >= count else 0.0
 
 
 def _unit_columns(columns: Array) -> tuple[Array, Array]:

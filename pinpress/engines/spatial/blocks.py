@@ -7,6 +7,7 @@ each block is, and a solution costs as much as those of all blocks by themselves
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -105,7 +106,7 @@ def build_blocks(places: NDArray[np.intp], values: Array, members: NDArray[np.in
         blocks.append(Block(rows_at, joints, known_at, shape, len(alike) - 1, slice(start, len(coupling))))
     return Blocks(
         blocks=tuple(blocks),
-        own=tuple(np.array(each, dtype=np.intp).reshape(-1, *shape).transpose(1, 2, 0).copy() for shape, each in own.items()),
+        own=tuple(np.array(each, dtype=np.intp).reshape(len(each), *shape).transpose(1, 2, 0).copy() for shape, each in own.items()),
         coupling=np.array(coupling, dtype=np.intp),
         rows=len(members),
         idle=len(members) - len(passive),
@@ -150,7 +151,7 @@ class InBlocks:
         m, k, *last = columns.shape
         still = lengths <= RANK * longest  # rounding: these joints move nothing here
         columns /= np.where(still, np.inf, lengths)
-        inverse, idle = _triangularised(columns.reshape(m, k, -1))
+        inverse, idle = _triangularised(columns.reshape(m, k, math.prod(last)))
         good = CERTAINLY * np.sqrt(np.einsum("kmn,kmn->n", inverse, inverse)) < 1.0
         self.regular &= good.reshape(last).all(axis=0)
         inverse = inverse.reshape(k, m, *last)

@@ -16,8 +16,7 @@ from ...common.quantities import Array
 from ..engine import ACCEPTED, MOST_NEWTON_STEPS, Closure, JointRates, joined
 from ..forces import RANK
 from .blocks import InBlocks
-from .bodies import motion_axes
-from .equations import Equations, Loops, drift, equations
+from .equations import Equations, Kinematics, Loops
 
 
 class PassiveColumns:
@@ -154,7 +153,7 @@ class Solved(NamedTuple):
     passive: PassiveColumns
 
 
-def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool) -> Closure:
+def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool, by: Kinematics) -> Closure:
     """Close all loops by Newton's method at all configurations. It never raises: the caller judges gap and margins.
 
     Args:
@@ -163,41 +162,43 @@ def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins
         along: (drivers, n) rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
         guess: (nv, n) joint coordinates from which Newton's method starts.
         with_margins: whether margins are wanted.
+        by: how the equations are computed and solved.
     """
     n, step = guess.shape[1], loops.piece
     with np.errstate(all="ignore"):
         if n <= step:
-            return _close(loops, drivers, along, guess, with_margins)
+            return _close(loops, drivers, along, guess, with_margins, by)
         parts = (slice(k, k + step) for k in range(0, n, step))
-        pieces = (_close(loops, drivers[:, some], along[:, some], guess[:, some], with_margins) for some in parts)
+        pieces = (_close(loops, drivers[:, some], along[:, some], guess[:, some], with_margins, by) for some in parts)
         return joined(pieces, n)
 
 
-def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool) -> Closure:
+def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool, by: Kinematics) -> Closure:
     moving = list(loops.spatial.drivers)
     x = guess.copy()
     x[moving] = drivers
-    found, gap, steps = _solved(loops, x)
+    found, gap, steps = _solved(loops, x, by)
     failed = ~np.isfinite(gap)
     if failed.any():
         found.entries[:, failed] = 0.0
-    passive = PassiveColumns(loops, found.entries)
+    passive = PassiveColumns(loops, found.entries, by.in_blocks)
     first = passive.rates(-np.einsum("rdn,dn->rn", found.driving, along))
     first[moving] = along
-    axes = motion_axes(loops.bodies, found.placed)
-    second = passive.rates(-drift(loops, found, axes, first))
+    second = passive.rates(-by.drift(loops, found, first))
     first[:, failed] = second[:, failed] = np.nan
     margins = np.where(failed, 0.0, passive.margins()) if with_margins else None
-    return Closure(x, first, second, gap, float(gap.max(initial=0.0)), steps, margins, solved=Solved(found, passive))
+    return Closure(
+        x, first, second, gap, float(gap.max(initial=0.0)), steps, margins, solved=Solved(found, passive) if by.in_blocks else None
+    )
 
 
-def _solved(loops: Loops, x: Array) -> tuple[Equations, Array, int]:
+def _solved(loops: Loops, x: Array, by: Kinematics) -> tuple[Equations, Array, int]:
     """The equations where Newton's method ends, from joint coordinates (nv, n), which it changes; their largest gaps (n,) [m], not finite
     where it failed; and the number of steps."""
     tolerance = loops.spatial.tolerance
     before, steps = np.full(x.shape[1], np.inf), 0
     while True:
-        found = equations(loops, x)
+        found = by.equations(loops, x)
         gap = found.widest()
         gap[~np.isfinite(found.entries).all(axis=0)] = np.inf
         stalled = (gap > 0.5 * before) & (gap < ACCEPTED * tolerance)
@@ -206,21 +207,20 @@ def _solved(loops: Loops, x: Array) -> tuple[Equations, Array, int]:
             return found, gap, steps
         some = slice(None) if len(open_states) == len(gap) else open_states  # without copies where all are open
         before[some] = gap[some]
-        x[:, some] -= PassiveColumns(loops, found.entries[:, some]).rates(found.gaps[:, some])
+        x[:, some] -= PassiveColumns(loops, found.entries[:, some], by.in_blocks).rates(found.gaps[:, some])
         steps += 1
 
 
-def rates(loops: Loops, position: Array, speed: Array, acceleration: Array) -> JointRates:
+def rates(loops: Loops, position: Array, speed: Array, acceleration: Array, by: Kinematics) -> JointRates:
     """See `Engine.rates`."""
     n, step = position.shape[1], loops.piece
     if n > step:
-        parts = [rates(loops, *(values[:, k : k + step] for values in (position, speed, acceleration))) for k in range(0, n, step)]
+        parts = [rates(loops, *(values[:, k : k + step] for values in (position, speed, acceleration)), by) for k in range(0, n, step)]
         return JointRates(*(np.concatenate([part[k] for part in parts], axis=-1) for k in range(3)))
-    moving, found = list(loops.spatial.drivers), equations(loops, position)
-    passive, columns = PassiveColumns(loops, found.entries), found.driving
+    moving, found = list(loops.spatial.drivers), by.equations(loops, position)
+    passive, columns = PassiveColumns(loops, found.entries, by.in_blocks), found.driving
     v = passive.rates(-np.einsum("rdn,dn->rn", columns, speed))
     v[moving] = speed
-    axes = motion_axes(loops.bodies, found.placed)
-    a = passive.rates(-np.einsum("rdn,dn->rn", columns, acceleration) - drift(loops, found, axes, v))
+    a = passive.rates(-np.einsum("rdn,dn->rn", columns, acceleration) - by.drift(loops, found, v))
     a[moving] = acceleration
-    return JointRates(v, a, found.widest(), Solved(found, passive))
+    return JointRates(v, a, found.widest(), Solved(found, passive) if by.in_blocks else None)

@@ -14,9 +14,7 @@ from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, EnergyRates, Jo
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..pinocchio.engine import PinocchioEngine
 from . import bodies, closing, equations
-from .equations import Loops, build_loops
-
-FEW = 3  # up to so many configurations Pinocchio closes them faster, one at a time
+from .equations import AT_ONCE, Loops, build_loops
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,7 +22,7 @@ class SpatialEngine:
     """The engine of a linkage in space; see `Engine`.
 
     Attributes:
-        one_by_one: Pinocchio's engine of the linkage, which takes over where there are few configurations.
+        one_by_one: Pinocchio's engine of the linkage.
     """
 
     one_by_one: PinocchioEngine
@@ -54,24 +52,16 @@ class SpatialEngine:
     # ----------------------------------------------------------------------------------------------------------------- equations
 
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
-        if len(angle) <= FEW:
-            return self.one_by_one.close(angle, guess, with_margins)
-        return closing.close(self.loops, angle[None], np.ones((1, len(angle))), guess, with_margins)
+        return closing.close(self.loops, angle[None], np.ones((1, len(angle))), guess, with_margins, AT_ONCE)
 
     def closing_function(self) -> CloseDrivers:
-        close_few = self.one_by_one.closing_function()
-
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
-            if guess.shape[1] <= FEW:
-                return close_few(drivers, along, guess)
-            return closing.close(self.loops, drivers, along, guess, with_margins=True)
+            return closing.close(self.loops, drivers, along, guess, True, AT_ONCE)
 
         return close
 
     def rates(self, position: Array, speed: Array, acceleration: Array) -> JointRates:
-        if position.shape[1] <= FEW:
-            return self.one_by_one.rates(position, speed, acceleration)
-        return closing.rates(self.loops, position, speed, acceleration)
+        return closing.rates(self.loops, position, speed, acceleration, AT_ONCE)
 
     def gaps(self, position: Array) -> Array:
         return equations.gaps(self.loops, position)
@@ -106,19 +96,19 @@ class SpatialEngine:
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
-        from .inverse_dynamics import AT_ONCE, inverse_dynamics  # not needed to load
+        from .inverse_dynamics import IN_SPACE, inverse_dynamics  # not needed to load
 
-        return inverse_dynamics(self.loops, states, conditions, bearings, AT_ONCE)
+        return inverse_dynamics(self.loops, states, conditions, bearings, IN_SPACE)
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
-        from .inverse_dynamics import AT_ONCE, bearing_loads  # not needed to load
+        from .inverse_dynamics import IN_SPACE, bearing_loads  # not needed to load
 
-        return bearing_loads(self.loops, states, loads, efforts, rates, AT_ONCE)
+        return bearing_loads(self.loops, states, loads, efforts, rates, IN_SPACE)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        from .inverse_dynamics import AT_ONCE, indeterminate  # not needed to load
+        from .inverse_dynamics import IN_SPACE, indeterminate  # not needed to load
 
-        return indeterminate(self.loops, position, axes, AT_ONCE)
+        return indeterminate(self.loops, position, axes, IN_SPACE)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
         return bodies.power_balance(self.loops.bodies, states, loads)

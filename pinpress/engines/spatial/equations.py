@@ -6,6 +6,7 @@ from zero: a joint moves only the loops that it is on.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -22,7 +23,7 @@ from ..forces import REST
 from ..joints import array_of
 from ..pinocchio.model import PARALLEL_TO_ROUNDING, SpatialModel, coupling_equations
 from .blocks import Blocks, build_blocks
-from .bodies import Bodies, Placements, accelerations, build_bodies, cross, displaced, placements, turned, velocities
+from .bodies import Bodies, Placements, accelerations, build_bodies, cross, displaced, motion_axes, placements, turned, velocities
 
 JACOBIANS = 500_000  # entries of the Jacobians of all configurations that are worked through at a time
 HALF_TURN = -0.99  # cosine of an angle from which on the logarithm of a rotation needs care
@@ -163,6 +164,7 @@ class Equations:
 
     Attributes:
         loops: constants of the equations.
+        x: (nv, n) joint coordinates.
         placed: where the bodies are.
         ends: (2, nl, 3, n) world positions of the ends of the loops [m].
         gaps: (rows, n) what each equation misses [m].
@@ -171,6 +173,7 @@ class Equations:
     """
 
     loops: Loops
+    x: Array
     placed: Placements
     ends: Array
     gaps: Array
@@ -220,7 +223,7 @@ def equations(loops: Loops, x: Array, moved: Moved | None = None) -> Equations:
     if len(loops.offsets):
         entries[-1 - len(loops.fixed_entries) : -1] = loops.fixed_entries
         gaps[-len(loops.offsets) :] = loops.coupled @ x - loops.offsets[:, None]
-    return Equations(loops, placed, ends, gaps, entries, held)
+    return Equations(loops, x, placed, ends, gaps, entries, held)
 
 
 def _moving_pairs(loops: Loops, placed: Placements, ends: Array) -> Array:
@@ -319,3 +322,25 @@ def loop_turning(loops: Loops, placed: Placements, v: Array) -> tuple[Array, Arr
             axes[k] = np.einsum("ikn,k->in", placed.rotation[loop.joint1], loop.rotation1[:, 0])
             speeds[k] = (axes[k] * spins[k]).sum(axis=0)
     return speeds, axes
+
+
+class Kinematics(NamedTuple):
+    """How the equations of a linkage are computed and solved.
+
+    Attributes:
+        equations: of constants and joint coordinates (nv, n).
+        drift: of constants, equations and joint rates (nv, n) the second derivative (rows, n) of the gaps without joint acceleration.
+        in_blocks: whether they are solved block by block, and kept for inverse dynamics; else each configuration by the singular values of
+            the whole.
+    """
+
+    equations: Callable[[Loops, Array], Equations]
+    drift: Callable[[Loops, Equations, Array], Array]
+    in_blocks: bool
+
+
+def _drift(loops: Loops, found: Equations, v: Array) -> Array:
+    return drift(loops, found, motion_axes(loops.bodies, found.placed), v)
+
+
+AT_ONCE = Kinematics(equations, _drift, in_blocks=True)

@@ -19,7 +19,7 @@ from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
 from .bodies import Placements, accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
 from .closing import PassiveColumns
-from .equations import Equations, Loops, equations, loop_turning
+from .equations import AT_ONCE, Equations, Kinematics, Loops, loop_turning
 from .sharing import Shared, share
 
 
@@ -41,15 +41,12 @@ class Method(NamedTuple):
     """How equations and forces of the open tree are computed.
 
     Attributes:
-        equations: of constants and joint coordinates (nv, n).
+        kinematics: of the equations.
         open_tree: of constants, equations at closed states, these states and the loads.
-        in_blocks: whether equations are solved block by block, and those that closing the states has left are taken; else each state by
-            the singular values of the whole.
     """
 
-    equations: Callable[[Loops, Array], Equations]
+    kinematics: Kinematics
     open_tree: Callable[[Loops, Equations, ClosedStates, Sequence[AppliedForce]], OpenTree]
-    in_blocks: bool
 
 
 def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedConditions, bearings: bool, by: Method) -> Wrenches:
@@ -93,8 +90,8 @@ def indeterminate(loops: Loops, position: Array, axes: Array, by: Method) -> tup
     spatial = loops.spatial
     marks, couplings = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
     for start in range(0, position.shape[1], loops.piece):
-        found = by.equations(loops, position[:, start : start + loops.piece])
-        for part in PassiveColumns(loops, found.entries, by.in_blocks).parts:
+        found = by.kinematics.equations(loops, position[:, start : start + loops.piece])
+        for part in PassiveColumns(loops, found.entries, by.kinematics.in_blocks).parts:
             if not part.idle.shape[2] or not len(part.idle):
                 continue
             idle = _configurations_last(part.idle)
@@ -129,7 +126,7 @@ def _open_tree(loops: Loops, found: Equations, states: ClosedStates, loads: Sequ
     return OpenTree(np.einsum("jin,jin->jn", placed.axis, along), force, moment)
 
 
-AT_ONCE = Method(equations, _open_tree, in_blocks=True)
+IN_SPACE = Method(AT_ONCE, _open_tree)
 
 
 class _Friction(NamedTuple):
@@ -163,10 +160,10 @@ class _Balance:
         self.loops, self.states, self.compliance = loops, states, compliance
         self.sharing: list[Shared] | None = None
         self.count, self.n = states.v.shape
-        if states.solved is None or not by.in_blocks:
-            self.found = by.equations(loops, states.position)
+        if states.solved is None or not by.kinematics.in_blocks:
+            self.found = by.kinematics.equations(loops, states.position)
             self._refuse_open(self.found)
-            self.passive = PassiveColumns(loops, self.found.entries, by.in_blocks)
+            self.passive = PassiveColumns(loops, self.found.entries, by.kinematics.in_blocks)
         else:
             self.found, self.passive = states.solved
         self.effort, self.force, self.moment = by.open_tree(loops, self.found, states, loads)
@@ -327,7 +324,7 @@ class _Balance:
 
 def _speeds(loops: Loops, states: ClosedStates, pieces: Sequence[slice], by: Method) -> Array:
     """Speeds (bearings, n) of all bearings, those of loops as of `loop_turning`."""
-    parts = ((by.equations(loops, states.position[:, some]).placed, states.v[:, some]) for some in pieces)
+    parts = ((by.kinematics.equations(loops, states.position[:, some]).placed, states.v[:, some]) for some in pieces)
     return np.concatenate([_all_speeds(loops, *part) for part in parts], axis=1)
 
 
