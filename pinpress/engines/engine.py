@@ -27,18 +27,6 @@ KEPT = 1 << 24  # freed memory of a process up to which it is kept for the next 
 np.empty(KEPT, dtype=np.uint8)
 
 
-class Jacobian(NamedTuple):
-    """The planar engine's loop equations at n configurations.
-
-    Attributes:
-        rows: (rows, n) of `planar.model.Plane.closure`: gaps of the loops, then columns of their Jacobian.
-        factors: what `planar.kinematics.factored` made of them.
-    """
-
-    rows: ComplexArray
-    factors: Sequence[Any]
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Closure:
     """Closed configurations and their first-order and second-order influence coefficients.
@@ -54,7 +42,6 @@ class Closure:
             are scaled to unit length, with the sign of its determinant. It is zero where two assemblies meet. The engines in space have one
             block, and no sign. None unless asked for.
         basis: (nb, n) the planar engine's basis functions, see `planar.model`; None from the other engines.
-        jacobian: of the planar engine's equations there; None where it is not kept.
         solved: `spatial.equations.Solved`, what the engine in space keeps from closing; None from the other engines.
     """
 
@@ -66,7 +53,6 @@ class Closure:
     iterations: int
     margins: Array | None = None
     basis: ComplexArray | None = None
-    jacobian: Jacobian | None = None
     solved: Any = None
 
 
@@ -106,7 +92,6 @@ class ClosedStates:
         a: (nv, n) joint accelerations [rad/s2 or m/s2].
         basis: (nb, n) the planar engine's basis functions, kept from closing these positions, see `planar.model`; None where the planar
             engine did not close them.
-        jacobian: of the planar engine's equations there, where it is kept from closing these positions.
         solved: what the engine in space keeps from closing these positions, see `Closure`; None where it did not close them all at once.
     """
 
@@ -114,24 +99,21 @@ class ClosedStates:
     v: Array
     a: Array
     basis: ComplexArray | None
-    jacobian: Jacobian | None
     solved: Any
 
-    def __init__(
-        self, position: Array, v: Array, a: Array, basis: ComplexArray | None = None, jacobian: Jacobian | None = None, solved: Any = None
-    ) -> None:
+    def __init__(self, position: Array, v: Array, a: Array, basis: ComplexArray | None = None, solved: Any = None) -> None:
         self.position, self.v, self.a = position, v, a
-        self.basis, self.jacobian, self.solved = basis, jacobian, solved
+        self.basis, self.solved = basis, solved
 
     def part(self, points: slice) -> ClosedStates:
-        """The states of a part of the motion, without their Jacobian."""
+        """The states of a part of the motion, without what the engine in space keeps."""
         return ClosedStates(
             self.position[:, points], self.v[:, points], self.a[:, points], None if self.basis is None else self.basis[:, points]
         )
 
     def with_rates(self, v: Array, a: Array) -> ClosedStates:
         """The same positions with other rates."""
-        return ClosedStates(self.position, v, a, self.basis, self.jacobian, self.solved)
+        return ClosedStates(self.position, v, a, self.basis, self.solved)
 
 
 class JointRates(NamedTuple):

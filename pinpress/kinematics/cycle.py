@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike
 from ..common import plausibility
 from ..common.arguments import numbers, typed, whole_number
 from ..common.errors import PinpressError
-from ..common.frozen import read_only
 from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure, Engine
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.model import SpatialModel
-from ..engines.planar.chain import Chain, ChainClosure, ChainStates, chain_of
+from ..engines.planar.chain import Chain, chain_of, states_along
 from ..engines.planar.engine import PlanarEngine
 from ..engines.spatial.engine import SpatialEngine
 from ..linkage.assembly import MANY_PERIODS, close_on_branch, follow_drivers, refuse_far
@@ -232,38 +231,15 @@ def _along_branch(
     chain = known.chain if branch is known.branch and engine is known.engine else None
     if chain is not None and (one_period or _reaches(chain, known.branch, angles)):
         with np.errstate(all="ignore"):  # what overflows is refused
-            states, gap = _on_chain(chain, known.branch, angles, speeds, accelerations)
+            states, gap = states_along(chain, branch, angles, speeds, accelerations)
             _refuse_too_fast(press, states.a)
         return closed_motion(press, known.fixed, states, gap, times, turns)
     closure = close_on_branch(engine, known.spatial_model, branch, angles, known.fixed.linkage)
     with np.errstate(all="ignore"):
         v, a = _rates(closure, speeds, accelerations)
         _refuse_too_fast(press, a)
-    states = ClosedStates(closure.position, v, a, closure.basis, closure.jacobian, closure.solved)
+    states = ClosedStates(closure.position, v, a, closure.basis, closure.solved)
     return closed_motion(press, known.fixed, states, closure.gap, times, turns)
-
-
-def _on_chain(
-    chain: Chain, branch: Branch, angles: Array, speeds: Array | float, accelerations: Array | float
-) -> tuple[ChainStates, Array]:
-    """States of a chain of dyads, and the largest gaps (n,), found in pieces that stay in the cache."""
-    closure = ChainClosure(chain, branch, read_only(angles.copy()))
-    n, states = len(angles), ChainStates(closure, _copied(speeds), _copied(accelerations))
-    if n <= chain.piece:
-        return states, states.gap
-    states.position, states.v, states.a = np.empty((3, len(chain.plane.parents), n))
-    gap = np.empty(n)
-    for start in range(0, n, chain.piece):
-        some = slice(start, start + chain.piece)
-        speed, acceleration = (rates[some] if isinstance(rates, np.ndarray) else rates for rates in (speeds, accelerations))
-        part = ChainStates(ChainClosure(chain, branch, angles[some]), speed, acceleration)
-        states.position[:, some], states.v[:, some], states.a[:, some], gap[some] = part.position, part.v, part.a, part.gap
-    return states, read_only(gap)
-
-
-def _copied(rates: Array | float) -> Array | float:
-    """Rates that stay what they are where the caller changes his array later."""
-    return read_only(rates.copy()) if isinstance(rates, np.ndarray) else rates
 
 
 def _reaches(chain: Chain, branch: Branch, angles: Array) -> bool:

@@ -326,7 +326,7 @@ def _close_far_away(engine: Engine, spatial_model: SpatialModel, branch: Branch,
     position = closure.position + branch.gain_per_period[:, None] * turns
     position[spatial_model.drivers[0]] = angles
     if any(gain and not axis.turns for gain, axis in zip(branch.gain_per_period, spatial_model.axes, strict=True)):
-        return replace(closure, position=position, basis=None, jacobian=None, solved=None)  # these are of where its slides were
+        return replace(closure, position=position, basis=None, solved=None)  # these are of where its slides were
     return replace(closure, position=position)
 
 

@@ -20,7 +20,7 @@ the rate o, a complex number as well:
 
     e1 = conj(arm2) / d,   e2 = conj(arm1) / d,   d = -Im(conj(arm1) arm2)
 
-The arm of a link is the link itself, that of a way along D is -i D. The same two *inverses* e1 and e2 give accelerations and forces.
+The arm of a link is the link itself, that of a way along D is -i D. The same two *inverses* e1 and e2 give accelerations.
 The inverse of a lever is e1 = i conj(arm1) / |arm1|^2, with which x1 closes what opens across it.
 
 Of a function of the crank angle its *inward* part is minus its second derivative while the driver moves at the rate 1: that of a rotor u
@@ -30,6 +30,7 @@ same way. Constants are arrays without axes, which NumPy multiplies by in half t
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Protocol
@@ -46,26 +47,22 @@ class Along(NamedTuple):
     `chain.Chain`. Dyads fill in the rows of their two unknowns.
 
     Attributes:
+        needed: rows of the functions whose derivatives later dyads need.
         functions: (n,) complex functions: rotors of links that turn, ways times the rotors of their guides.
-        inward: (n,) minus their second derivatives.
-        rates: (n,) their first derivatives, of functions that later dyads need.
+        rates: (n,) first derivatives of those that are needed.
+        inward: (n,) minus second derivatives of those that are needed.
         ways: (n,) travels along guides.
-        inverses: (n,) of the unknowns.
         first: (n,) rates of angles and ways.
         second: (n,) minus their second derivatives.
     """
 
+    needed: Collection[int]
     functions: list[ComplexArray]
-    inward: list[ComplexArray]
     rates: dict[int, ComplexArray]
+    inward: dict[int, ComplexArray]
     ways: list[Array]
-    inverses: list[ComplexArray]
     first: list[Array]
     second: list[Array]
-
-
-Inverses = tuple[ComplexArray, ...]
-"""One (n,) for every unknown."""
 
 
 class Dyad(Protocol):
@@ -77,8 +74,8 @@ class Dyad(Protocol):
     def guides(self) -> tuple[Guide, ...]:
         """The guides whose directions are known before the dyad is closed."""
 
-    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> Inverses:
-        """Fill in the unknowns, and return their inverses.
+    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> None:
+        """Fill in the unknowns.
 
         Args:
             known: (n,) the vector K.
@@ -116,7 +113,7 @@ class TwoLinks:
         half = 0.5 * (abs(b) - abs(a)) * (abs(b) + abs(a))
         return TwoLinks(one, other, np.array(1.0 / a), np.array(-1.0 / b), np.array(abs(a) ** 2), np.array(half))
 
-    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> Inverses:
+    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> None:
         functions = along.functions
         conjugate = known.conj()
         by_square = ONE / (conjugate * known).real
@@ -143,7 +140,6 @@ class TwoLinks:
         inward -= known
         _finished(self.one, inward * e1, bent1, along)
         _finished(self.other, np.multiply(inward, e2, inward), bent2, along)
-        return e1, e2
 
 
 def _started(rotor: int, rate: ComplexArray, along: Along) -> ComplexArray:
@@ -151,7 +147,7 @@ def _started(rotor: int, rate: ComplexArray, along: Along) -> ComplexArray:
     speed = along.first[rotor] = rate.real
     bent = np.zeros(rate.shape, complex)
     np.multiply(speed, speed, bent.real)
-    if rotor in along.rates:
+    if rotor in along.needed:
         along.rates[rotor] = rotor_rate(speed, along.functions[rotor])
     return bent
 
@@ -166,8 +162,10 @@ def rotor_rate(speed: Array, rotor: ComplexArray) -> ComplexArray:
 
 def _finished(rotor: int, bending: ComplexArray, bent: ComplexArray, along: Along) -> None:
     """Fill in the inward part of a rotor, whose angular acceleration is minus the real part of ``bending``."""
-    bent.imag = along.second[rotor] = bending.real
-    np.multiply(bent, along.functions[rotor], along.inward[rotor])
+    along.second[rotor] = bending.real
+    if rotor in along.needed:
+        bent.imag = bending.real
+        along.inward[rotor] = bent * along.functions[rotor]
 
 
 class Guide(NamedTuple):
@@ -191,8 +189,7 @@ class Guide(NamedTuple):
         """Keep the way (n,), and add the rate at which the guide's turning moves the point there to ``opening``."""
         along.ways[self.way] = way
         if self.rotor is None:
-            if self.way in along.rates:
-                along.functions[self.way][:] = way
+            along.functions[self.way][:] = way
             return
         np.multiply(along.functions[self.rotor], way, along.functions[self.way])
         opening += along.rates[self.rotor] * way * self.direction
@@ -201,23 +198,25 @@ class Guide(NamedTuple):
         """Keep the speed (n,) along the guide, and add what the guide's turning and Coriolis' term contribute to ``inward``."""
         along.first[self.way] = speed
         if self.rotor is None:
-            if self.way in along.rates:
+            if self.way in along.needed:
                 along.rates[self.way] = np.asarray(speed + 0j)
             return
         way, rate, function = along.ways[self.way], along.rates[self.rotor], along.functions[self.rotor]
-        turning = np.multiply(along.inward[self.rotor], way, along.inward[self.way])
-        turning -= 2.0 * speed * rate
+        turning = along.inward[self.rotor] * way - 2.0 * speed * rate
         inward += turning * self.direction
-        if self.way in along.rates:
+        if self.way in along.needed:
+            along.inward[self.way] = turning
             along.rates[self.way] = speed * function + way * rate
 
     def finish(self, bending: Array, along: Along) -> None:
         """Fill in the inward part of the way, whose second derivative is minus ``bending`` (n,)."""
-        along.second[self.way], inward = bending, along.inward[self.way]
+        along.second[self.way] = bending
+        if self.way not in along.needed:
+            return
         if self.rotor is None:
-            inward.real, inward.imag = bending, 0.0
+            along.inward[self.way] = np.asarray(bending + 0j)
         else:
-            inward += bending * along.functions[self.rotor]
+            along.inward[self.way] += bending * along.functions[self.rotor]
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,7 +263,7 @@ class GuidedLink:
         """The dyad with the link a in the drawn pose."""
         return GuidedLink(one, guide, np.array(1.0 / a), np.array(abs(a) ** 2), ahead)
 
-    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> Inverses:
+    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> None:
         guide = self.guide
         direction, across, turned_across = self._still if guide.rotor is None else self._axes(guide.along(along))
         a = np.empty(known.shape, complex)
@@ -288,7 +287,6 @@ class GuidedLink:
         inward += a
         _finished(self.one, inward * e1, bent, along)
         guide.finish((inward * e2).real, along)
-        return e1, e2
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,7 +317,7 @@ class SwingingGuide:
         foot = a / b
         return SwingingGuide(one, other, np.array(b), np.array(foot.real), foot.imag, foot.real + way > 0.0)
 
-    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> Inverses:
+    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> None:
         functions, one, other = along.functions, self.one, self.other
         arm = np.negative(known)
         square = (arm.real * arm.real) + arm.imag * arm.imag
@@ -348,13 +346,12 @@ class SwingingGuide:
         inward -= 2.0 * turning * speed * slide
         _finished(one, inward * e1, bent, along)
         bending = along.second[other] = (inward * e2).real
-        moving = np.empty(known.shape, complex)
-        moving.real, moving.imag = bending, -2.0 * turning * speed
-        moving *= rotor
-        np.add(moving, along.inward[one] * way, along.inward[other])
-        if other in along.rates:
+        if other in along.needed:
+            moving = np.empty(known.shape, complex)
+            moving.real, moving.imag = bending, -2.0 * turning * speed
+            moving *= rotor
+            along.inward[other] = moving + (turning * turning + 1j * along.second[one]) * rotor * way
             along.rates[other] = speed * rotor + way * rotor_rate(turning, rotor)
-        return e1, e2
 
 
 @dataclass(frozen=True, eq=False)
@@ -381,7 +378,7 @@ class TwoGuides:
     def guides(self) -> tuple[Guide, ...]:
         return self.first, self.second
 
-    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> Inverses:
+    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> None:
         arm1, arm2 = -I * self.first.along(along), I * self.second.along(along)
         inverse = -1.0 / (arm1.conj() * arm2).imag
         e1, e2 = arm2.conj() * inverse, arm1.conj() * inverse
@@ -391,7 +388,6 @@ class TwoGuides:
         self.second.bend((opening * e2).real, inward, along)
         self.first.finish((inward * e1).real, along)
         self.second.finish((inward * e2).real, along)
-        return e1, e2
 
 
 @dataclass(frozen=True, eq=False)
@@ -415,7 +411,7 @@ class Lever:
         """The lever a in the drawn pose."""
         return Lever(one, np.array(-abs(a) / a), np.array(-1j / abs(a)))
 
-    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> Inverses:
+    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> None:
         conjugate = known.conj()
         by_length = ONE / np.sqrt((conjugate * known).real)
         conjugate *= by_length
@@ -425,4 +421,3 @@ class Lever:
         known *= bent
         inward -= known
         _finished(self.one, np.multiply(inward, e1, inward), bent, along)
-        return (e1,)

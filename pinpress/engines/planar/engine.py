@@ -18,7 +18,6 @@ from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..pinocchio.model import SpatialModel
 from . import closing, kinematics
 from .bodies import Bodies, build_bodies, energies, power_balance
-from .chain import ChainStates
 from .model import Plane, build_plane, to_world
 
 if TYPE_CHECKING:
@@ -117,9 +116,7 @@ class PlanarEngine:
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
-        if not isinstance(states, ChainStates):
-            states = self._closed(states)
-        return self._forces.inverse_dynamics(self._statics, states, conditions, bearings)
+        return self._forces.inverse_dynamics(self._statics, self._closed(states), conditions, bearings)
 
     @cached_property
     def _statics(self) -> Statics:

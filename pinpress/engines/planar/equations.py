@@ -109,7 +109,7 @@ class Pose(NamedTuple):
     """n closed configurations, (n,) arrays by rows of functions.
 
     Attributes:
-        functions: the functions; of ways along guides that do not turn they may be missing.
+        functions: the functions.
         ways: travels along guides.
         inverses: of the coordinates that a dyad or lever determines.
         slopes: by place of all other blocks with loops the matrix (n, equations, coordinates) of their slopes.
@@ -250,14 +250,9 @@ def pose_at(equations: Equations, basis: ComplexArray, position: Array) -> Pose:
         if block.closed:
             for row, inverse in zip(block.rows, _inverses(*slopes_of_dyad(block, rows)), strict=True):
                 inverses[row] = inverse
-    return pose_of(equations, rows, ways, inverses)
-
-
-def pose_of(equations: Equations, functions: Sequence[ComplexArray], ways: Sequence[Array], inverses: Sequence[ComplexArray]) -> Pose:
-    """The configurations with these (n,) functions, ways, and inverses of dyads and levers, by rows."""
     blocks = enumerate(equations.blocks)
-    slopes = {place: matrix_of(equations, block, functions) for place, block in blocks if not block.closed and block.rows}
-    return Pose(functions, ways, inverses, slopes)
+    slopes = {place: matrix_of(equations, block, rows) for place, block in blocks if not block.closed and block.rows}
+    return Pose(rows, ways, inverses, slopes)
 
 
 def _inverses(a: ComplexArray, b: ComplexArray | None = None) -> tuple[ComplexArray, ...]:

@@ -39,12 +39,6 @@ class Functions:
         self.guides: Mapping[int, int | None] = {self.order[way]: self.order[rotor] if rotor else None for way, _, rotor in plane.guides}
 
     @cached_property
-    def ones_at(self) -> slice | list[int]:
-        """Index of the rows of ones; a slice where they are equally far from each other, which NumPy fills at once."""
-        steps = {after - before for before, after in zip(self.ones, self.ones[1:], strict=False)}
-        return list(self.ones) if len(steps) > 1 else slice(self.ones[0], self.ones[-1] + 1, *steps)
-
-    @cached_property
     def places(self) -> tuple[int, ...]:
         """(count,) place of every row in the basis."""
         places = {row: place for place, row in enumerate(self.order)} | dict.fromkeys(self.ones, 0)

@@ -7,7 +7,7 @@ Signs: forces and moments of a joint are the action of parent on child, of a loo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,8 +27,7 @@ from .balance import (
     idle_forces,
     open_tree,
 )
-from .chain import Chain, ChainStates, Closed, all_functions, rate_of
-from .equations import Pose, pose_at, pose_of
+from .equations import Pose, pose_at
 from .guide_moments import add_moments_of_guides
 from .kinematics import basis_acceleration, basis_at, gaps, known_basis
 from .model import Plane, put_normal
@@ -40,12 +39,12 @@ class Moving(NamedTuple):
     Attributes:
         pose: the configurations.
         second: (rows, n) conjugate second derivatives of the functions, 1 in the rows of ones.
-        basis: returns the basis (nb, n).
+        basis: (nb, n) the basis.
     """
 
     pose: Pose
     second: ComplexArray
-    basis: Callable[[], ComplexArray]
+    basis: ComplexArray
 
 
 def inverse_dynamics(statics: Statics, states: ClosedStates, conditions: AppliedConditions, bearings: bool) -> Wrenches:
@@ -58,61 +57,25 @@ def inverse_dynamics(statics: Statics, states: ClosedStates, conditions: Applied
         bearings: whether to find forces and moments of the bearings, too.
     """
     plane, law = statics.plane, conditions.law
-    n = len(states.closure.angle) if isinstance(states, ChainStates) else states.v.shape[1]
+    n = states.v.shape[1]
     # In memory the states are next to each other: components along one axis are filled in, and read, at once.
     force, moment = (make((3, statics.bearing_count if bearings else 0, n)).transpose(1, 2, 0) for make in (np.empty, np.zeros))
     result = Wrenches(np.empty((1, n)), np.zeros((len(plane.offsets), n)), np.zeros((statics.bearing_count, n)), force, moment)
     speeds = None if law is None else law.moving(_bearing_speeds(plane, states.v))
-    for s, moving in _pieces(statics, states):
-        friction = None
-        if law is not None and speeds is not None:
-            angle = states.closure.angle if isinstance(states, ChainStates) else states.position[plane.driver]
-            friction = FrictionState(law, speeds[:, s], angle[s])
-        acting, filled = (conditions, result) if s.stop - s.start == n else (conditions.part(s), result.part(s))
-        _fill(statics, moving, acting, friction, bearings, filled)
+    for start in range(0, n, statics.piece):
+        s = slice(start, min(start + statics.piece, n))
+        part, acting, filled = (states, conditions, result) if n <= statics.piece else (states.part(s), conditions.part(s), result.part(s))
+        friction = None if law is None or speeds is None else FrictionState(law, speeds[:, s], states.position[plane.driver, s])
+        _fill(statics, _moving(statics, part), acting, friction, bearings, filled)
     return result
 
 
-def _pieces(statics: Statics, states: ClosedStates) -> Iterator[tuple[slice, Moving]]:
-    """The motion in pieces that stay in the cache."""
-    if isinstance(states, ChainStates):
-        chain = states.closure.chain
-        for s, closed in states.closure.pieces():
-            speed, acceleration = (of[s] if isinstance(of, np.ndarray) else of for of in (states.speed, states.acceleration))
-            yield s, _of_chain(statics, chain, closed, speed, acceleration)
-        return
-    n = states.v.shape[1]
-    for start in range(0, n, statics.piece):
-        s = slice(start, min(start + statics.piece, n))
-        yield s, _of_states(statics, states if s.stop - s.start == n else states.part(s))
-
-
-def _of_chain(statics: Statics, chain: Chain, closed: Closed, speed: Array | float, acceleration: Array | float) -> Moving:
-    along = closed.along
-    pose = pose_of(statics.equations, along.functions, along.ways, along.inverses)
-
-    def basis() -> ComplexArray:
-        return all_functions(chain, closed).take(chain.functions.order, axis=0)
-
-    return Moving(pose, _second_derivatives(chain, closed, speed, acceleration), basis)
-
-
-def _of_states(statics: Statics, states: ClosedStates) -> Moving:
+def _moving(statics: Statics, states: ClosedStates) -> Moving:
     plane, basis = statics.plane, known_basis(states)
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
     second = second.take(statics.functions.places, axis=0)
-    return Moving(pose_at(statics.equations, basis, states.position), np.conjugate(second, second), lambda: basis)
-
-
-def _second_derivatives(chain: Chain, closed: Closed, speed: Array | float, acceleration: Array | float) -> ComplexArray:
-    """Conjugate second derivatives (rows, n) of the functions, 1 in the rows of ones."""
-    second: ComplexArray = np.multiply(closed.inward, np.asarray(-speed * speed, complex))  # NumPy takes longer for two types
-    if isinstance(acceleration, np.ndarray):
-        for row in chain.functions.rows:
-            second[row] += rate_of(chain, closed, row) * acceleration
-    second[chain.functions.ones_at] = 1.0
-    return np.conjugate(second, second)
+    return Moving(pose_at(statics.equations, basis, states.position), np.conjugate(second, second), basis)
 
 
 def _fill(
@@ -225,7 +188,7 @@ def _friction(balanced: Balanced, friction: FrictionState, tree: OpenTree, axial
 def bearing_loads(statics: Statics, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
     """See `Engine.bearing_loads`; the states have their basis."""
     plane, bodies, n = statics.plane, statics.bodies, states.v.shape[1]
-    moving = _of_states(statics, states)
+    moving = _moving(statics, states)
     balanced = Balanced(statics, moving.pose, idle_forces(statics, moving.pose), None)
     forces = balanced.pressing(open_tree(statics, moving.second, loads), efforts)
     radial = np.stack([forces.real, -forces.imag, np.zeros(forces.shape)], axis=2)

@@ -9,7 +9,7 @@ With the axes of `Plane`, normal x f is i f, and r x normal is -i r, for complex
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,7 @@ def forces(bodies: Bodies, loads: Sequence[AppliedForce], compliance: Array | No
 
 def add(
     bodies: Bodies,
-    basis: Callable[[], ComplexArray],
+    basis: ComplexArray,
     second: ComplexArray,
     pins: ComplexArray,
     loads: Sequence[AppliedForce],
@@ -63,7 +63,7 @@ def add(
 
     Args:
         bodies: inertial constants of the linkage.
-        basis: returns the basis (nb, n) of the states, which only forces along the normal need.
+        basis: (nb, n) of the states.
         second: (nb, n) second derivative of the basis by time, its first row 1.
         pins: (loops, n) complex forces of the loops in the plane [N].
         loads: forces on links.
@@ -74,7 +74,7 @@ def add(
     plane = bodies.plane
     moments = _tilting_moments(bodies, second, pins, loads)
     if axial is not None:
-        moments += _moments_of_axial_forces(bodies, basis(), loads, axial)
+        moments += _moments_of_axial_forces(bodies, basis, loads, axial)
     tilting = product(bodies.moment_sharing.astype(complex), moments)
     for i, (along, first, other) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
         # most presses stand in a coordinate plane: axes without a component there cost nothing
