@@ -120,7 +120,8 @@ def extend_walk(follower: Follower, nodes: list[Node], target: float) -> Singula
         if margin < follower.smallest_margin:
             return SingularPosition(last.angle + direction * min(ahead, follower.longest), margin)
         step = min(step, share * ahead)
-        angles = last.angle + direction * step * np.arange(1 + (tried if step == follower.longest else 1))
+        count = tried if step == follower.longest else 1
+        angles = last.angle + direction * step * np.arange(1 + count, dtype=np.float64)
         ends = np.flatnonzero(np.abs(target - angles[:-1]) <= 1.01 * step)
         if len(ends):  # the last step of a turn is stretched or cut to end on it exactly
             angles = np.append(angles[: ends[0] + 1], target)

@@ -102,8 +102,9 @@ def _unseen(press: Linkage) -> Iterator[Finding]:
     off = plane.farthest_off
     # Axes that miss each other by less than 1e-8 rad change the rank of no equations.
     if PARALLEL < off < 1e-8 and press.loops and (remedy := remedy_of_rounded_axes(press)):
+        line: int | None = None
         if off in plane.joints_off:
-            element, line = called("joint", press.joints[plane.joints_off.index(off)]), None
+            element = called("joint", press.joints[plane.joints_off.index(off)])
         else:
             loop = press.loops[plane.loops_off.index(off)]
             element, line = called("loop_joint", loop.name), loop.line
