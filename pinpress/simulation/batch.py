@@ -355,7 +355,9 @@ class BatchSolver:
             if solution is None:
                 break
             passed = running_sums(self.clock, solution.durations)
-            self.alone |= going & self._beside_rest(solution, passed, until)
+            # those that come nearly to rest are run alone, which shows whether that rest is unstable
+            slow = nearly_at_rest(solution.energy, solution.force, self.driven.model.potential_range)
+            self.alone |= going & (slow & (passed[:-1] < until)).any(axis=(0, 1))
             self._advance(solution, passed, going & ~self.alone, until)
             self.at = self.anchor + self.direction * periods * period
 
@@ -412,11 +414,6 @@ class BatchSolver:
             places = cuts(solution, upto, tolerance, driven.drive, slice(None) if len(which) == len(going) else which)
         too_many = (len(mesh.kinds) + len(places) - len(driven.model.borders)) * len(going) > MOST_PANELS
         return None if len(places) and too_many else places
-
-    def _beside_rest(self, solution: CollocationSolution, passed: Array, until: float) -> Mask:
-        """Which scenarios (S,) come nearly to rest. They are run alone, which shows whether that rest is unstable."""
-        slow = nearly_at_rest(solution.energy, solution.force, self.driven.model.potential_range)
-        return np.asarray((slow & (passed[:-1] < until)).any(axis=(0, 1)))
 
     def drive_and_loads(self, solution: CollocationSolution) -> list[tuple[int, Array]]:
         """Forces of the drive along the travel, and of loads and friction against it, if there are any, each with its row in ``works``."""

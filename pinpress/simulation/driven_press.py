@@ -427,7 +427,7 @@ def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Se
         if name in drives:
             check_drive(drives[name])
             inertias[k] += drives[name].inertia
-            forces.append(_driving_force(len(coordinates), drives[name]))
+            forces.append(GeneralizedForce(len(coordinates), 0.0, drive=drives[name]))
             coordinates.append(JointPosition(joint))
     return DrivenPress(press, float(inertias[0]), inertias, tuple(coordinates), tuple(forces), flywheels=dict(flywheels))
 
@@ -476,11 +476,6 @@ def _of_load(press: Linkage, load: Load, row: int) -> tuple[Coordinate | None, G
     if isinstance(load, ProcessLoad) and not isinstance(load, type):
         return None, _process_force(press, load)
     raise PinpressError(f"load {shown(load)} is no load: give a PointForce, a SpringDamper or one of pinpress.loads")
-
-
-def _driving_force(row: int, drive: Drive) -> GeneralizedForce:
-    """The torque of a drive along the angle of its joint, coordinate ``row``."""
-    return GeneralizedForce(row, 0.0, drive=drive)
 
 
 def _slide_row(press: Linkage) -> int:

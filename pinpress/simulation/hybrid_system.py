@@ -372,7 +372,8 @@ class HybridSystem:
         loads_hold = any(
             a is not None and b is not None and a.interval is not b.interval for a, b in zip(forward.forces, back.forces, strict=True)
         )
-        if loads_hold and driven.friction is None and not self._may_start_later:
+        may_start_later = self.varies or driven.clutch is not None or driven.brake is not None
+        if loads_hold and driven.friction is None and not may_start_later:
             raise failure("stalls", time, linkage.angle)
         return mode._replace(way=0, sides=self._sides_of_crank(mode, 0))
 
@@ -422,11 +423,6 @@ class HybridSystem:
         if clutch is not None and not mode.clutch.capacity(clutch, time):
             time, y = time + AHEAD, y + AHEAD * self.rates(mode, time, y)
         return time, self.at(y)
-
-    @cached_property
-    def _may_start_later(self) -> bool:
-        """Whether a press at rest may be started later: by the drive, a force in time, clutch or brake."""
-        return self.varies or self.driven.clutch is not None or self.driven.brake is not None
 
     @cached_property
     def varies(self) -> bool:

@@ -156,7 +156,8 @@ def check_load(load: ProcessLoad | TimeForce) -> None:
         value = _asked(f"{name}: force", lambda: load.force(np.array([0.0])))
         if value.size != 1 or not np.isfinite(value).all():
             raise PinpressError(f"{name}: force at time 0 is {value}; give a finite number [N]")
-        _try_in_time(load.force)
+        times, remedy = np.array([0.0, *TIMES]), "let it depend on the time alone"
+        _as_numbers(f"{name}: force", _in_turn(f"{name}: force", load.force, [(t,) for t in times.tolist()], remedy), load.force(times))
         return
     datum = load.datum
     if datum is not None:
@@ -249,12 +250,6 @@ def _try_load(load: AskedLoad) -> None:
                 raise PinpressError(f"{name_of(load)}: force depends on the velocity; let heeds_velocity of its interval be True")
             heights, velocities = (np.broadcast_to(np.array(one), first.T.shape).T for one in zip(*at, strict=True))
             _as_numbers(f"{name_of(load)}: force", first, interval.force(heights, velocities))
-
-
-def _try_in_time(force: Callable[..., Any]) -> None:
-    """Raise PinpressError where a force in time depends on more than the time, or gives other values for arrays than for numbers."""
-    first = _in_turn("TimeForce: force", force, [(t,) for t in (0.0, *TIMES)], "let it depend on the time alone")
-    _as_numbers("TimeForce: force", first, force(np.array([0.0, *TIMES])))
 
 
 def confirm_torques(drive: object, times: Array, angles: Array, speeds: Array, torques: Array) -> None:

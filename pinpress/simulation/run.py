@@ -98,7 +98,9 @@ class Run(Motion):
 
     def at_times(self, times: Array) -> Run:
         """The same run in the states at other times (n,), rising, from 0 to its end [s]."""
-        return _in_other_states(self, times)
+        driven, sample = self.problem.driven, self.trajectory.at(times)
+        motion = _closed(driven.press, times, sample)
+        return _as_run(self.problem, self.trajectory, motion, self.stats, _with_torques(driven, motion, sample))
 
     @property
     def jumps(self) -> Array | None:
@@ -157,13 +159,6 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
         sensitivity=sensitivity,
     )
     return _as_run(problem, trajectory, motion, stats, _with_torques(driven, motion, sample))
-
-
-def _in_other_states(run: Run, times: Array) -> Run:
-    """A run in its states at other times (n,), rising [s]."""
-    driven, sample = run.problem.driven, run.trajectory.at(times)
-    motion = _closed(driven.press, times, sample)
-    return _as_run(run.problem, run.trajectory, motion, run.stats, _with_torques(driven, motion, sample))
 
 
 def _with_torques(driven: DrivenPress, motion: Motion, sample: Sample) -> Sample:
@@ -295,6 +290,10 @@ def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, 
     """The run of a motion that is closed and checked."""
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
+    solution = None
+    if problem.method == "constraint":
+        segment = cast("TimeSegment", trajectory.segments[0])
+        solution = cast("FullDynamics", segment.system.dynamics).solution()
     run = Run(
         **kept,
         stats=stats,
@@ -303,18 +302,10 @@ def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, 
         **integrals,
         problem=problem,
         trajectory=trajectory,
-        constraint_solution=_constraint_solution(problem, trajectory),
+        constraint_solution=solution,
     )
     vars(run)["_closed_for"] = motion._closed_for
     return run
-
-
-def _constraint_solution(problem: SimulationProblem, trajectory: Trajectory) -> ConstraintSolution | None:
-    """What has found the accelerations of all joints; None where the crank alone was integrated."""
-    if problem.method != "constraint":
-        return None
-    segment = cast("TimeSegment", trajectory.segments[0])
-    return cast("FullDynamics", segment.system.dynamics).solution()
 
 
 def allowed_error(tolerance: float) -> float:

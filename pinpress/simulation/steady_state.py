@@ -217,7 +217,9 @@ def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: floa
             # bounds of a coarse mesh are not exact enough to tell.
             near = found is not None and (attempt == 3 or starts.min() <= found.ends[0, 0] <= starts.max())
             if found is not None and near and found.exponent[0] < 0:
-                return _as_trajectory(driven, found, angle)
+                begin = float(direction * np.sqrt(2 * found.ends[0, 0] / (found.mesh.inertia_ends[0] + driven.inertia)))
+                state = State(0.0, angle, begin, np.zeros(len(INTEGRALS)))
+                return Trajectory([angle_segment(driven, found, len(found.mesh.kinds), state)])
         speeds = speed * SHARES if bounds is None else np.linspace(*speeds[bounds], len(SHARES))
         tried = collocation.solve(driven, mesh, _energies(driven, mesh, speeds))
         if tried.speed_free:  # no speed is better than another
@@ -226,12 +228,6 @@ def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: floa
         if bounds is None:
             return None
     return None
-
-
-def _as_trajectory(driven: DrivenPress, solution: CollocationSolution, angle: float) -> Trajectory:
-    mesh = solution.mesh
-    speed = float(mesh.direction * np.sqrt(2 * solution.ends[0, 0] / (mesh.inertia_ends[0] + driven.inertia)))
-    return Trajectory([angle_segment(driven, solution, len(mesh.kinds), State(0.0, angle, speed, np.zeros(len(INTEGRALS))))])
 
 
 def _periodic(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array, tolerance: float) -> CollocationSolution | None:
@@ -251,12 +247,10 @@ def _periodic(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array, tole
         return cuts(solution, len(solution.mesh.kinds), 0.1 * tolerance, driven.drive)
 
     found = solve_period(driven, mesh, energy, places, guess, periodic=True)
-    return None if found is None or len(found.coarse) or not _comes_back(found.solution) else found.solution
-
-
-def _comes_back(solution: CollocationSolution) -> bool:
-    """Whether the kinetic energy at the end of a period is that of its start."""
-    return abs(float(solution.ends[-1, 0] - solution.ends[0, 0])) / float(solution.ends.max()) < COMES_BACK
+    if found is None or len(found.coarse):
+        return None
+    ends = found.solution.ends[:, 0]
+    return found.solution if abs(ends[-1] - ends[0]) / ends.max() < COMES_BACK else None
 
 
 def _energies(driven: DrivenPress, mesh: Mesh, speeds: Array) -> Array:

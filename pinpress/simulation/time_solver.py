@@ -248,8 +248,10 @@ class Integration:
             if finished is not None and finished(self.y):
                 self.segment.evaluations += stepper.nfev
                 return True
-            if event is None and self._changes_method(stepper):
-                break
+            if event is None and self.pacer is not None:
+                swiftness = partial(_swiftness, stepper, self.time, self.y, self.settings.sizes)
+                if self.pacer.changes(self.time, self.segment.evaluations + stepper.nfev, swiftness):
+                    break
         self.segment.evaluations += stepper.nfev
         self._switch(event)
         return False
@@ -292,10 +294,6 @@ class Integration:
             raise _hopeless(stepper, self.time, self.y, self.settings.sizes, self.until, self.angle)
         if self.segment.steps == MOST_STEPS:
             raise failure("too many steps", self.time, self.angle, most=MOST_STEPS)
-
-    def _changes_method(self, stepper: OdeSolver) -> bool:
-        swiftness = partial(_swiftness, stepper, self.time, self.y, self.settings.sizes)
-        return self.pacer is not None and self.pacer.changes(self.time, self.segment.evaluations + stepper.nfev, swiftness)
 
     def _switch(self, event: "Event | None") -> None:
         """Change to the mode after an event, or to the other side of the corner at which the step has ended."""

@@ -126,13 +126,15 @@ def build_mesh(
         rests: whether the crank starts from rest in the first panel, and comes to rest in the last.
         periods: see `Mesh`.
     """
-    kinds = _kinds(len(borders) - 1, *rests)
+    from_rest, to_rest = rests
+    kinds = np.full(len(borders) - 1, STEADY)
+    kinds[0] = FROM_REST if from_rest else STEADY
+    kinds[-1] = TO_REST if to_rest else kinds[-1]
     along, measure = _run(borders, kinds, np.arange(len(kinds)), gauss_rule().nodes[:, None])
     middle = 0.5 * (borders[:-1] + borders[1:])
     angle, nodes = start + direction * along, along.size
-    values, slopes = driven.model.at(
-        start + direction * np.concatenate([along.ravel(), middle, borders])
-    )  # all at once: half as many calls
+    # all at once: half as many calls
+    values, slopes = driven.model.at(start + direction * np.concatenate([along.ravel(), middle, borders]))
     at_middle, slopes_middle = (rows[:, nodes : nodes + len(middle)] for rows in (values, slopes))
     at_ends, slopes_ends = (rows[:, nodes + len(middle) :] for rows in (values, slopes))
     at_nodes, slopes_nodes = (rows[:, :nodes].reshape(len(rows), *along.shape) for rows in (values, slopes))
@@ -192,13 +194,6 @@ def repeated(mesh: Mesh, periods: int) -> Mesh:
         forces=tuple(force._replace(panels=(first + force.panels).ravel()) for force in mesh.forces),
         periods=periods,
     )
-
-
-def _kinds(count: int, from_rest: bool, to_rest: bool) -> Indices:
-    kinds = np.full(count, STEADY)
-    kinds[0] = FROM_REST if from_rest else STEADY
-    kinds[-1] = TO_REST if to_rest else kinds[-1]
-    return kinds
 
 
 def _panel_forces(driven: DrivenPress, position: Array, rising: NDArray[np.bool_]) -> tuple[PanelForce, ...]:
