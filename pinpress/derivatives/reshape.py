@@ -21,10 +21,10 @@ from ..engines.engine import ACCEPTED, Closure, Engine, joined
 from ..engines.following import SingularPosition, follow
 from ..engines.joints import Coupling
 from ..engines.pinocchio.engine import PinocchioEngine
-from ..engines.pinocchio.kinematics import PassiveJacobian
 from ..engines.planar.closing import close
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
+from ..engines.rank import PassiveJacobian
 from ..linkage.linkage import Linkage
 from .motion import Displacements, Pivots, Shift, States, displaced, shift, shifted
 
@@ -124,7 +124,7 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
         start, rows = press.equations(closure.position[:, 0]), here.equations().at(closure.position[:, 0])
         # Gaps change in proportion to displacements, as long as no joint moves.
         opened = target.at(closure.position[:, 0]).gaps - start.gaps
-        return replace(closure, first=PassiveJacobian(rows.columns, here).rates(-opened)[:, None])
+        return replace(closure, first=PassiveJacobian(rows.columns, here.passive_joints).rates(-opened)[:, None])
 
     def close_part_way(shares: Array, guesses: Array) -> Closure:
         return joined((close_at(float(share), guess[:, None]) for share, guess in zip(shares, guesses.T, strict=True)), len(shares))

@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 from ..common.arguments import number
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
+from .rank import RANK
 
 REST = 1e-12  # share of the motion's largest speed below which a bearing rests: at a dead centre its speed is rounding
 MOST_ITERATIONS = 200  # of friction efforts and bearing forces in turn: many are needed only where friction nearly locks the linkage
-RANK = 1e-9  # singular values below this share of the largest count as zero, columns scaled to unit length
 INVERTIBLE = 1e-7  # share of the squared size of a matrix above which its smallest squared singular value is certainly no rounding
 WELL_CONDITIONED = 1e-3  # share of the largest squared singular value above which normal equations lose hardly a digit
 

@@ -17,7 +17,7 @@ from ..common.errors import PinpressError, UrdfError
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..engines.joints import LoopJoint
-from ..engines.pinocchio.kinematics import rank as rank_of
+from ..engines.rank import rank as rank_of
 from ..linkage import assembly_checks, mobility
 from ..linkage.assembly_checks import open_in_words
 from ..linkage.linkage import Linkage

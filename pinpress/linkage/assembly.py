@@ -17,13 +17,12 @@ from ..engines.branch import LARGEST_CORRECTION, Branch, Returning, Travel, lead
 from ..engines.change_points import Gap
 from ..engines.engine import ACCEPTED, PIECE, Close, Closure, Engine, joined
 from ..engines.following import SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
-from ..engines.forces import RANK
 from ..engines.pinocchio.engine import PinocchioEngine
-from ..engines.pinocchio.kinematics import PassiveJacobian, rank
 from ..engines.pinocchio.model import Rows, SpatialModel
 from ..engines.planar.closing import moves
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import openings
+from ..engines.rank import RANK, PassiveJacobian, rank
 from ..engines.spatial.engine import SpatialEngine
 
 CLEAR = 1e-2  # smallest margin of a redundant linkage over a turn; below it all its equations are solved in one block
@@ -272,7 +271,8 @@ def _in_space(spatial_engine: PinocchioEngine, start: Array) -> Assembly:
     if np.isfinite(drawn.position).all():
         rows = one_by_one.at(drawn.position[:, 0])
         mobility = spatial_model.model.nv - rank(rows.columns)
-        determined = mobility == count and PassiveJacobian(rows.columns, spatial_model).rank == len(spatial_model.passive_joints)
+        passive = spatial_model.passive_joints
+        determined = mobility == count and PassiveJacobian(rows.columns, passive).rank == len(passive)
     return Assembly(engines, drawn, gaps, determined, rows, None)
 
 

@@ -17,9 +17,9 @@ from ..common.quantities import Array
 from ..engines.branch import MOST_TURNS, Branch, predict
 from ..engines.engine import ACCEPTED
 from ..engines.joints import LoopJoint, configuration, data_of, drawn_placements
-from ..engines.pinocchio.kinematics import rank, singular_values
 from ..engines.pinocchio.model import Rows
 from ..engines.planar.model import PARALLEL
+from ..engines.rank import rank, singular_values
 from . import mobility
 from .linkage import LEVEL, Linkage
 from .planarity import planarity

@@ -19,10 +19,10 @@ from ..engines import branch
 from ..engines.branch import Branch
 from ..engines.engine import Closure, Engine
 from ..engines.joints import Axis, Coupling, LoopJoint, Slot, configuration
-from ..engines.pinocchio.kinematics import rank
 from ..engines.pinocchio.model import Rows, SpatialModel, build_spatial_model, constraint_models
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
+from ..engines.rank import rank
 from .assembly import (
     Assembly,
     assemble,

@@ -11,8 +11,8 @@ import pinocchio as pin
 
 from ..common.quantities import Array
 from ..engines.joints import Coupling, LoopJoint, data_of
-from ..engines.pinocchio.kinematics import PassiveJacobian, rank, singular_values
 from ..engines.pinocchio.model import Rows
+from ..engines.rank import PassiveJacobian, rank, singular_values
 from .linkage import Linkage
 from .planarity import planarity
 
@@ -84,7 +84,7 @@ def opening(press: Linkage, each: Constraint, gaps: Array) -> tuple[float, float
 
 def undetermined_joints(press: Linkage, rows: Rows) -> list[str]:
     """Names of the joints that can still move while the drivers stand still."""
-    passive = PassiveJacobian(rows.columns, press.spatial_model)
+    passive = PassiveJacobian(rows.columns, press.spatial_model.passive_joints)
     shares = np.linalg.norm(passive.right[passive.rank :], axis=0)
     return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
 
@@ -114,7 +114,7 @@ def spins(press: Linkage, rows: Rows) -> list[Spin]:
     A free motion is a spin if only one body with a mass moves in it, and turns about a line on which its centre of mass lies, to rounding
     or nearly.
     """
-    passive = PassiveJacobian(rows.columns, press.spatial_model)
+    passive = PassiveJacobian(rows.columns, press.spatial_model.passive_joints)
     free = passive.right[passive.rank :] / passive.lengths
     if not len(free) or press.model.nv - rank(rows.columns) != len(press.drivers) + len(free):
         return []
@@ -189,7 +189,7 @@ def redundancy(press: Linkage, x: Array) -> Redundancy:
         parts.append(part)
         owners += [each] * len(part)
     equations = np.vstack(parts) if parts else single
-    idle = PassiveJacobian(equations @ rows.columns, press.spatial_model).idle
+    idle = PassiveJacobian(equations @ rows.columns, press.spatial_model.passive_joints).idle
     taking = [each for each, share in zip(owners, np.linalg.norm(idle, axis=1), strict=True) if share > TAKES_PART]
     return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in constraints(press) if each in taking))
 
@@ -221,7 +221,7 @@ def is_shaky(press: Linkage) -> bool:
 def rates_of_drivers(press: Linkage) -> Array:
     """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
     rows, drivers = press.closed_rows, list(press.driver_indices)
-    passive = PassiveJacobian(rows.columns, press.spatial_model)
+    passive = PassiveJacobian(rows.columns, press.spatial_model.passive_joints)
     rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
     rates[drivers] = np.eye(len(drivers))
     return rates

@@ -11,8 +11,8 @@ import numpy as np
 
 from ...common.errors import PinpressError, SimulationError
 from ...common.quantities import Array, ComplexArray
-from ...engines.forces import RANK
 from ...engines.joints import LoopJoint
+from ...engines.rank import RANK
 from ...linkage.linkage import Linkage
 
 SAMPLES = 512  # states of the turn that is walked when the model is made; Newton's method starts from them later

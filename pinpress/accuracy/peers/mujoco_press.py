@@ -27,7 +27,7 @@ from mujoco import rollout
 
 from ...common.errors import PinpressError, SimulationError
 from ...common.quantities import Array
-from ...engines.forces import RANK
+from ...engines.rank import RANK
 from ...kinematics.cycle import cycle
 from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage

@@ -1,4 +1,4 @@
-"""Rank of the equations of any linkage at one configuration, by singular values; motions of points and energies by Pinocchio."""
+"""Motions of points, energies and powers by Pinocchio, one configuration at a time."""
 
 from __future__ import annotations
 
@@ -10,57 +10,16 @@ import pinocchio as pin
 
 from ...common.quantities import Array
 from ..engine import ClosedStates, EnergyRates, PowerBalance
-from ..forces import RANK, AppliedForce
+from ..forces import AppliedForce
 from ..joints import configuration, data_of
+from ..rank import rank
 from .model import SpatialModel, cross
-
-
-def rank(columns: Array) -> int:
-    """Rank of a Jacobian (rows, columns) of the equations."""
-    values = singular_values(columns)
-    return int(np.count_nonzero(values > RANK * max(1.0, values.max(initial=0.0))))
-
-
-def singular_values(columns: Array) -> Array:
-    """Singular values of a Jacobian (rows, columns) whose columns are scaled to unit length, largest first."""
-    return np.asarray(np.linalg.svd(_unit_columns(columns)[0], compute_uv=False))
 
 
 def redundant(spatial: SpatialModel, x: Array) -> bool:
     """Whether some of the equations are redundant at joint coordinates (nv,)."""
     rows = spatial.equations().at(x)
     return rank(rows.columns) < len(rows.gaps)
-
-
-class PassiveJacobian:
-    """The columns of the passive joints in the equations' Jacobian, scaled to unit length, by their singular value decomposition."""
-
-    def __init__(self, columns: Array, spatial: SpatialModel) -> None:
-        self.joints = list(spatial.passive_joints)
-        self.scaled, self.lengths = _unit_columns(columns[:, self.joints])
-        self.left, self.values, self.right = np.linalg.svd(self.scaled, full_matrices=True)
-        self.rank = int(np.count_nonzero(self.values > RANK * max(1.0, self.values.max(initial=0.0))))
-        self.count = columns.shape[1]
-
-    def rates(self, target: Array) -> Array:
-        """Joint rates (nv,), those of drivers zero, that change the gaps by ``target`` (rows,) in the least-squares sense."""
-        r = self.rank
-        result = np.zeros(self.count)
-        result[self.joints] = self.right[:r].T @ ((self.left[:, :r].T @ target) / self.values[:r]) / self.lengths
-        return result
-
-    @property
-    def idle(self) -> Array:
-        """Orthonormal basis (rows, k) of the idle multipliers, which balance each other on the passive joints."""
-        return np.asarray(self.left[:, self.rank :])
-
-
-def _unit_columns(columns: Array) -> tuple[Array, Array]:
-    """The columns scaled to unit length, and the lengths that they had."""
-    lengths = np.linalg.norm(columns, axis=0)
-    still = lengths <= RANK * lengths.max(initial=0.0)  # rounding: these joints move nothing here
-    lengths[still] = 1.0
-    return np.where(still, 0.0, columns / lengths), lengths
 
 
 def point_motion(spatial: SpatialModel, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:

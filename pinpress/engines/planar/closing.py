@@ -17,7 +17,7 @@ import numpy as np
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import ACCEPTED, MOST_NEWTON_STEPS, Closure
-from ..forces import RANK
+from ..rank import RANK
 from .equations import BlockRows, Equations, Pose, efforts_of_coupling, matrix_of, pose_at, slope, slopes_of_dyad
 from .kinematics import basis_acceleration, basis_at, basis_velocity
 from .model import Plane

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
-from ..forces import RANK, AppliedForce
+from ..forces import AppliedForce
+from ..rank import RANK
 from .bodies import Bodies, share_forces
 from .kinematics import basis_at
 from .model import Plane, to_complex, to_world

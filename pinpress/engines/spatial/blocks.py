@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...common.frozen import Frozen
 from ...common.quantities import Array
 from ..blocks import Group, ordered_groups
-from ..forces import RANK
+from ..rank import RANK
 
 CERTAINLY = 1e-5  # smallest singular value that is certainly above this shows full rank; so does RANK, but rounding is closer there
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import ACCEPTED, MOST_NEWTON_STEPS, Closure, JointRates, joined
-from ..forces import RANK
+from ..rank import Decomposed, singular_values
 from .blocks import InBlocks
 from .equations import Equations, Kinematics, Loops
 
@@ -34,9 +34,13 @@ class PassiveColumns:
         self.regular = not len(self._others)
 
     @cached_property
-    def _decomposed(self) -> _Decomposed:
+    def _decomposed(self) -> Decomposed:
         """The configurations at which some columns may be dependent."""
-        return _Decomposed(self.loops, self._entries[:, self._others])
+        return Decomposed(self._columns(self._others))
+
+    def _columns(self, states: NDArray[np.intp] | slice) -> Array:
+        """The columns (m, rows, columns) at some configurations."""
+        return self._entries[:, states].take(self.loops.passive_places, axis=0).transpose(2, 0, 1)
 
     @cached_property
     def parts(self) -> list[Part]:
@@ -72,7 +76,7 @@ class PassiveColumns:
             return np.ones((1, self.n))
         if count > self.loops.rows:
             return np.zeros((1, self.n))
-        return np.asarray(np.linalg.svd(_scaled(self.loops, self._entries)[0], compute_uv=False)[None, :, count - 1])
+        return np.asarray(singular_values(self._columns(slice(None)))[None, :, count - 1])
 
 
 class Part(NamedTuple):
@@ -85,60 +89,6 @@ class Part(NamedTuple):
 
     states: NDArray[np.intp] | slice
     idle: Array
-
-
-class _Decomposition(NamedTuple):
-    """Singular value decompositions of some of the configurations, of one rank r.
-
-    Attributes:
-        states: which configurations, m of them.
-        rank: their rank.
-        left: (m, rows, rows) singular vectors.
-        inverse: (m, columns, r) from components along the first of them to the shortest combination of the columns.
-    """
-
-    states: NDArray[np.intp]
-    rank: int
-    left: Array
-    inverse: Array
-
-
-class _Decomposed:
-    """All columns of the passive joints, scaled to unit length, by their singular value decompositions."""
-
-    def __init__(self, loops: Loops, entries: Array) -> None:
-        scaled, self.lengths = _scaled(loops, entries)
-        left, values, right = np.linalg.svd(scaled, full_matrices=True)
-        rank = np.count_nonzero(values > RANK * np.maximum(1.0, values.max(axis=1, initial=0.0))[:, None], axis=1)
-        self.parts = []
-        for r in np.unique(rank).tolist():
-            some = np.flatnonzero(rank == r)
-            self.parts.append(_Decomposition(some, r, left[some], right[some, :r].swapaxes(1, 2) / values[some, None, :r]))
-
-    def rates(self, target: Array) -> Array:
-        """Rates (columns, n) of the passive joints."""
-        found = np.empty_like(self.lengths)
-        for part in self.parts:
-            wanted = target[:, part.states].T[:, :, None]
-            found[:, part.states] = (part.inverse @ (part.left[:, :, : part.rank].swapaxes(1, 2) @ wanted))[:, :, 0].T
-        return found / self.lengths
-
-    def multipliers(self, effort: Array) -> Array:
-        """Multipliers (rows, n) from the efforts (columns, n) of the passive joints."""
-        wanted, found = effort / self.lengths, np.empty((self.parts[0].left.shape[1], effort.shape[1]))
-        for part in self.parts:
-            along = part.inverse.swapaxes(1, 2) @ wanted[:, part.states].T[:, :, None]
-            found[:, part.states] = (part.left[:, :, : part.rank] @ along)[:, :, 0].T
-        return found
-
-
-def _scaled(loops: Loops, entries: Array) -> tuple[Array, Array]:
-    """The columns (n, rows, columns) of the passive joints, scaled to unit length, and their lengths (columns, n)."""
-    passive = entries.take(loops.passive_places, axis=0)
-    lengths = np.sqrt((passive * passive).sum(axis=0))
-    still = lengths <= RANK * lengths.max(axis=0, initial=0.0)  # rounding: these joints move nothing here
-    lengths = np.where(still, 1.0, lengths)
-    return np.where(still, 0.0, passive / lengths).transpose(2, 0, 1).copy(), lengths
 
 
 class Solved(NamedTuple):

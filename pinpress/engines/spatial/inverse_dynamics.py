@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import LOOSEST, ClosedStates, other_linkage
-from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
+from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
+from ..rank import RANK
 from .bodies import Placements, accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
 from .closing import PassiveColumns
 from .equations import AT_ONCE, Equations, Kinematics, Loops, loop_turning
