@@ -19,8 +19,9 @@ from ...engines.planar.model import to_world
 from ...kinematics.cycle import motion_through_change_points
 from ...kinematics.motion import Motion
 from ..driven_press import WorkOfForce
+from ..failures import failure
 from ..law_trials import confirm_torques
-from ..run import Run, Stats
+from ..run import Run, Stats, allowed_error, energy_error
 from ..solvers import SimulationProblem
 from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 from .contact import OpenPin
@@ -316,6 +317,9 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
         elastic: what yields.
         points: number of states.
         began: time of the clock at which the call began [s].
+
+    Raises:
+        SimulationError: the energy does not balance.
     """
     press, solution = problem.driven.press, segment.solution
     sprung, trajectory = solution.equations.sprung, Trajectory([segment])
@@ -334,7 +338,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
         evaluations=trajectory.evaluations,
         wall_time=clock.perf_counter() - began,
         closure_error=float(motion.closure_error.max()),
-        energy_error=_energy_error(segment),
+        energy_error=_audit(segment, problem.tolerance),
     )
     return ElasticRun(
         **kept,
@@ -441,8 +445,12 @@ def _slide(solution: ElasticSolution, at: SolutionStates) -> Array:
     return read_only(np.stack([path.value, path.rate, acceleration], axis=1))
 
 
-def _energy_error(segment: ElasticSegment) -> float:
-    """Largest energy missing at the borders of panels, as a share of the largest kinetic energy or work."""
+def _audit(segment: ElasticSegment, tolerance: float) -> float:
+    """Largest energy missing at the borders of panels, as a share of the largest kinetic energy or work.
+
+    Raises:
+        SimulationError: the energy does not balance.
+    """
     solution, panels = segment.solution, segment.solution.panels
     equations, sprung = solution.equations, solution.equations.sprung
     count = len(panels.mesh.start)
@@ -450,10 +458,12 @@ def _energy_error(segment: ElasticSegment) -> float:
     shaft = equations.shaft_speed(at.times, at.y, at.v)
     kinetic = sprung.geometry.kinetic_energy(at.bodies) + equations.driven.inertia * shaft**2 / 2
     _, works = segment._powers
-    gained = works[:, DRIVE_WORK] - works[:, LOAD_WORK] - works[:, LOST]
-    energy = kinetic + sprung.stored_energy(at.bodies)
-    size = max(float(kinetic.max()), float(np.abs(works[:, [DRIVE_WORK, LOAD_WORK, LOST]]).max()), 1e-300)
-    return float(np.abs(energy - energy[0] - gained).max() / size)
+    error = energy_error(kinetic, sprung.stored_energy(at.bodies), *works[:, [DRIVE_WORK, LOAD_WORK, LOST]].T)
+    largest = float(error.max())
+    if not largest <= allowed_error(tolerance):
+        worst = int(error.argmax())
+        raise failure("unbalanced", float(at.times[worst]), float(segment.crank(at)[0][worst]))
+    return largest
 
 
 def _extremes(segment: ElasticSegment) -> Extremes:

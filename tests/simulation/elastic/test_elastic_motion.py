@@ -8,7 +8,7 @@ import pytest
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.simulation.elastic import panels
+from pinpress.simulation.elastic import elastic_run, panels
 from pinpress.simulation.elastic.assembly import sprung_press
 
 JF75G, SIX_BAR = ("jf75g_125_plain", 300.0), ("zxn2_3000b", 70.0)
@@ -209,3 +209,13 @@ def test_a_run_that_begins_on_the_way_up_is_stripped_from_where_it_begins(height
     begun, ended = run.slide_position[[0, -1]] - bottom
     assert ended > 0.004
     assert run.load_work[-1] == pytest.approx(3e4 * np.clip(0.004 - max(begun, 0.002), 0.0, None), abs=1e-6)
+
+
+def test_a_run_whose_energy_does_not_balance_is_refused(monkeypatch):
+    """Works and energies are those of the result: no run comes out of which more is missing than the tolerance allows."""
+    press = shipped(JF75G[0])
+    given = {"drive": pp.drives.PrescribedSpeed(300 * pp.RPM), "elastic": pp.elasticity.Elastic(springs(press)), "points": 11}
+    error = pp.simulate(press, 0.01, **given).stats.energy_error
+    monkeypatch.setattr(elastic_run, "allowed_error", lambda tolerance: 0.1 * error)
+    with pytest.raises(pp.SimulationError, match="the energy does not balance"):
+        pp.simulate(press, 0.01, **given)
