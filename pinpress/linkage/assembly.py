@@ -112,17 +112,17 @@ def _travel(spatial_model: SpatialModel) -> Travel | None:
     return Travel(lower, upper, min(spatial_model.size, (upper - lower) / (2 * np.pi)))
 
 
-def walk_through_change_points(engine: Engine, spatial_model: SpatialModel, found: Branch) -> Branch:
+def walk_through_change_points(engine: Engine, spatial_model: SpatialModel, walked: Branch) -> Branch:
     """A branch followed further, through change points; see `Linkage.branch_through_change_points`."""
-    if found.period is not None or not any(found.locks):
-        return found
+    if walked.period is not None or not any(walked.locks):
+        return walked
     tolerance = ACCEPTED * engine.tolerance
-    if found.coordinate.turns and not leads_on(_closing_function(engine), found, spatial_model.size, tolerance, engine.gaps):
-        return found
-    middle = 0.5 * float(found.angles[0] + found.angles[-1])  # the drawn pose may be beside a change point
-    start = predict(found, np.array([middle]))[:, 0]
+    if walked.coordinate.turns and not leads_on(_closing_function(engine), walked, spatial_model.size, tolerance, engine.gaps):
+        return walked
+    middle = 0.5 * float(walked.angles[0] + walked.angles[-1])  # the drawn pose may be beside a change point
+    start = predict(walked, np.array([middle]))[:, 0]
     further = walk_branch(engine, spatial_model, start, gap=engine.gaps, begin=middle)
-    return further if further.change_points else found
+    return further if further.change_points else walked
 
 
 def close_on_branch(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
@@ -173,12 +173,12 @@ def follow_drivers(engine: Engine, spatial_model: SpatialModel, start: Array, an
     path, here, pieces, tried = np.concatenate([np.zeros_like(angles[:1]), angles]), start, [], PIECE
     while len(path) > 1:
         ahead = path_between(path[: 1 + tried], _counted_as_angle(spatial_model), PIECE)
-        found = follow_at_once(close_drivers, here, ahead, spatial_model.size, tolerance)
-        tried = min(PIECE, max(1, 2 * found.shape[1]))
-        if not found.shape[1]:
-            found = _walk_between(engine, spatial_model, here, path[0], path[1], name)[:, None]
-        pieces.append(found)
-        path, here = path[found.shape[1] :], found[:, -1]
+        reached = follow_at_once(close_drivers, here, ahead, spatial_model.size, tolerance)
+        tried = min(PIECE, max(1, 2 * reached.shape[1]))
+        if not reached.shape[1]:
+            reached = _walk_between(engine, spatial_model, here, path[0], path[1], name)[:, None]
+        pieces.append(reached)
+        path, here = path[reached.shape[1] :], reached[:, -1]
     return np.concatenate(pieces, axis=1)
 
 
@@ -239,7 +239,7 @@ def refuse_far(name: str, angles: Array, coordinates: Sequence[DriverCoordinate]
 def drawn_coordinates(spatial_model: SpatialModel) -> Array:
     """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed: zero, but for joints that a gear pair with an offset
     moves away from zero while the drivers are there."""
-    position, found = np.zeros(spatial_model.model.nv), set(spatial_model.drivers)
+    position, placed = np.zeros(spatial_model.model.nv), set(spatial_model.drivers)
     meshed: dict[int, list[tuple[int, float, float]]] = {}
     for each in spatial_model.couplings:
         meshed.setdefault(each.leader, []).append((each.follower, each.multiplier, each.offset))
@@ -247,14 +247,14 @@ def drawn_coordinates(spatial_model: SpatialModel) -> Array:
             meshed.setdefault(each.follower, []).append((each.leader, 1 / each.multiplier, -each.offset / each.multiplier))
     followers = {each.follower for each in spatial_model.couplings}
     leaders = sorted({each.leader for each in spatial_model.couplings}, key=lambda joint: (joint in followers, joint))
-    for start in (*sorted(found), *leaders):
+    for start in (*sorted(placed), *leaders):
         reached = [start]
-        found.add(start)
+        placed.add(start)
         for joint in reached:  # grows as it goes
             for other, multiplier, offset in meshed.get(joint, ()):
-                if other not in found:
+                if other not in placed:
                     position[other] = multiplier * position[joint] + offset
-                    found.add(other)
+                    placed.add(other)
                     reached.append(other)
     return position
 

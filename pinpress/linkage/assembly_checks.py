@@ -120,8 +120,8 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
         read = ((each, _read_otherwise(press, each)) for each in mobility.constraints(press))
         exchanged = next((f"{each.title}: {likely}" for each, likely in read if likely), None)
         remedy = _without_axis(press) or exchanged or "a <loop_joint> is missing, a link hangs free, or a driver is missing"
-        if found := mobility.spins(press, rows):  # those in balance are held
-            problem += f": {' and '.join(map(_spin_in_words, found))}"
+        if spins := mobility.spins(press, rows):  # those in balance are held
+            problem += f": {' and '.join(map(_spin_in_words, spins))}"
             remedy = (
                 "its weight would turn it: put its centre of mass on the line, or make one of its ball joints a universal one, of two pins"
             )
@@ -161,7 +161,8 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.spatial_model.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
     robot = press.document.robot
-    other_units = next((f"{found.problem}; {found.remedy}" for found in (*units.angles(robot), *units.length(robot, press.size))), None)
+    wrong_units = (*units.angles(robot), *units.length(robot, press.size))
+    other_units = next((f"{finding.problem}; {finding.remedy}" for finding in wrong_units), None)
     common = other_units or _without_axis(press) or remedy_of_rounded_axes(press)
     fit = "; loops hold each other here, so that lengths and angles must fit to all digits"
     beside = fit if press.engine().redundant(press.as_drawn) else ""
@@ -266,14 +267,14 @@ def remarks(press: Linkage, allow_open: bool) -> Iterator[Finding]:
     refused = [] if allow_open else list(too_far_open(press))
     yield from refused
     said = {error.element for error in refused}
-    yield from (found for found in _drawn_open(press, _open_beyond(press, OPEN)) if found.element not in said)
+    yield from (finding for finding in _drawn_open(press, _open_beyond(press, OPEN)) if finding.element not in said)
     yield from units_remarks(press)
     yield from _slide_axis(press)
     yield from _stroke(press)
     poses = press.closed[:, None]
     if len(press.drivers) == 1:
-        branch, found = _driver(press)
-        yield from found
+        branch, findings = _driver(press)
+        yield from findings
         if branch is not None:
             poses = np.hstack([poses, predict(branch, np.linspace(branch.angles[0], branch.angles[-1], POSES))])
             yield from _limits(press, branch)
@@ -462,11 +463,10 @@ def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
         problem = f"{_equations(out_of_plane)} redundant across the plane of the linkage, as in any with parallel pins"
         yield Finding("note", robot, None, problem, f"nothing is wrong; what bearings carry across the plane {shared}")
     if further:
-        found = [*among, *(each for x in poses.T for each in mobility.redundancy(press, x).among)]
+        taking_part = [*among, *(each for x in poses.T for each in mobility.redundancy(press, x).among)]
         where = "in the plane" if planarity(press).is_planar else "in space"
-        problem = (
-            f"{_equations(further)} redundant {where}, of {', '.join(each.title for each in mobility.constraints(press) if each in found)}"
-        )
+        named = ", ".join(each.title for each in mobility.constraints(press) if each in taking_part)
+        problem = f"{_equations(further)} redundant {where}, of {named}"
         remedy = f"their load {shared}; or give inverse_dynamics a stiffness=. Write lengths and angles with all digits"
         yield Finding("note", robot, None, problem, remedy)
 

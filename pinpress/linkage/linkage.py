@@ -180,15 +180,15 @@ class Linkage(Frozen):
     def bearings_as_drawn(self) -> tuple[str, ...]:
         """Names of all bearings in the order of the drawing: joints as the file lists them, each loop where it closes, which is behind the
         joints that carry its two links."""
-        found, carried, left = [], {0}, list(self.loops)
+        names_in_order, carried, left = [], {0}, list(self.loops)
         listed = (joint.get("name") for joint in self.document.robot.all("joint"))
         for name in (name for name in listed if name in self.joints):
-            found.append(name)
+            names_in_order.append(name)
             carried.add(self.joints.index(name) + 1)
             closing = [loop for loop in left if {loop.joint1, loop.joint2} <= carried]
-            found += [loop.name for loop in closing]
+            names_in_order += [loop.name for loop in closing]
             left = [loop for loop in left if loop not in closing]
-        return tuple(found)
+        return tuple(names_in_order)
 
     @property
     def mobility(self) -> int:
@@ -382,9 +382,9 @@ class Linkage(Frozen):
         """Find the branch of this linkage from that of another one with the same joints and nearly the same lengths, which takes a tenth of
         the time of walking it. Where they differ too much nothing is found, and the branch is walked when it is needed."""
         if self.joints == other.joints and self.drivers == other.drivers and len(self.drivers) == 1:
-            found = walk_branch_beside(self.engine(), self.spatial_model, other.branch)
-            if found is not None:
-                keep_geometry_of(vars(Linkage)["branch"].fget, self, found)
+            nearby = walk_branch_beside(self.engine(), self.spatial_model, other.branch)
+            if nearby is not None:
+                keep_geometry_of(vars(Linkage)["branch"].fget, self, nearby)
 
     @property
     @per_linkage(of_geometry=True)
@@ -410,8 +410,8 @@ class Linkage(Frozen):
             raise branch.out_of_branch(self.branch_through_change_points, upwards=self.branch_through_change_points.locks[True] is not None)
         if self.advancing.any():
             joint = int(np.flatnonzero(self.advancing)[0])
-            found = self.branch_through_change_points
-            gained = 1e3 * float(found.gain_per_period[joint]) * 2 * np.pi / (found.period or np.inf)
+            walked = self.branch_through_change_points
+            gained = 1e3 * float(walked.gain_per_period[joint]) * 2 * np.pi / (walked.period or np.inf)
             raise PinpressError(
                 f"{self.name} has no period: {self.joints[joint]!r} slides on by {gained:.6g} mm in every turn, as on a screw or a rack;"
                 " give crank angles, servo_cycle(press, angle, speed=...), and to a command --motion"
@@ -437,8 +437,8 @@ class Linkage(Frozen):
         """Turns of the driver in one period, None where the linkage is not back after many turns, or has several drivers."""
         if len(self.drivers) > 1:
             return None
-        found = self.branch_through_change_points
-        if found.period is None:
+        walked = self.branch_through_change_points
+        if walked.period is None:
             return None
         model, size, carrying = self.model, self.size, set(self.model.parents)
         guide = -1 if self.slide is None else self.slide_guide.joint
@@ -449,15 +449,15 @@ class Linkage(Frozen):
             axis.turns and (body in carrying or not _is_balanced(model.inertias[body], axis.direction, size))
             for body, axis in enumerate(self.axes, 1)
         ]
-        periods = branch.periods_until_back(found.gain_per_period[counts])
-        return None if periods is None else periods * round(found.period / (2 * np.pi))
+        periods = branch.periods_until_back(walked.gain_per_period[counts])
+        return None if periods is None else periods * round(walked.period / (2 * np.pi))
 
     @property
     def advancing(self) -> NDArray[np.bool_]:
         """(nv,) which joints of a linkage with one driver slide on in every period, as on a screw or a rack, and do not come back."""
-        found = self.branch_through_change_points
+        walked = self.branch_through_change_points
         slides = np.array([not axis.turns for axis in self.axes])
-        return slides & (np.abs(found.gain_per_period) > 1e-9 * self.size) & (found.period is not None)  # less is rounding
+        return slides & (np.abs(walked.gain_per_period) > 1e-9 * self.size) & (walked.period is not None)  # less is rounding
 
     def with_inertias(self, inertias: Sequence[pin.Inertia], name: str | None = None) -> Linkage:
         """The linkage with other masses. What is known of its geometry is kept, because it does not depend on masses.

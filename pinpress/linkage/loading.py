@@ -129,20 +129,20 @@ def read_document(path: str | os.PathLike[str]) -> Document:
     """The URDF that a file is, or that says the same; raises UrdfError where there is none."""
     if path_of("path", path).endswith((".yaml", ".yml")):
         raise UrdfError(path_of("path", path), None, None, "this is a table of pins, not a URDF", "make a press of it by pp.build(path)")
-    found = Document(path_of("path", path), read(path))
-    root = found.robot
+    document = Document(path_of("path", path), read(path))
+    root = document.robot
     if root.tag == "robot":
-        return dialects.plain(found)
+        return dialects.plain(document)
     if root.tag == "sdf":
         from .formats import sdf  # seldom needed
 
-        return sdf.read(found)
+        return sdf.read(document)
     if root.tag == "mujoco":
         from .formats import mjcf  # seldom needed, and it takes the package mujoco
 
-        return mjcf.read(found)
+        return mjcf.read(document)
     remedy = "give a URDF, an SDF or an MJCF file"
-    raise UrdfError(found.file, str(root), root.line, "the root element is not <robot>, <sdf> or <mujoco>", remedy)
+    raise UrdfError(document.file, str(root), root.line, "the root element is not <robot>, <sdf> or <mujoco>", remedy)
 
 
 def build_linkage(
@@ -203,10 +203,10 @@ def hold_spins(press: Linkage) -> Linkage:
     """The linkage with the idle spins of its rods held: those about the line of two ball joints, which no driver determines."""
     if press.determined or not assembly_checks.closes(press):
         return press
-    found = mobility.spins(press, press.closed_rows)
-    if any(spin.eccentricity > mobility.BALANCED * press.size for spin in found):
+    spins = mobility.spins(press, press.closed_rows)
+    if any(spin.eccentricity > mobility.BALANCED * press.size for spin in spins):
         return press  # its weight would turn it
-    return replace(press, held_spins=tuple(press.joints[spin.joint] for spin in found)) if found else press
+    return replace(press, held_spins=tuple(press.joints[spin.joint] for spin in spins)) if spins else press
 
 
 def _library() -> Path:

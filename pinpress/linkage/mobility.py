@@ -118,7 +118,7 @@ def spins(press: Linkage, rows: Rows) -> list[Spin]:
     free = passive.right[passive.rank :] / passive.lengths
     if not len(free) or press.model.nv - rank(rows.columns) != len(press.drivers) + len(free):
         return []
-    found: list[Spin] = []
+    all_spins: list[Spin] = []
     while len(free):  # each joint that is held leaves a free motion less
         way, joint = np.unravel_index(int(np.abs(free).argmax()), free.shape)
         motion = free[way] / free[way, joint]
@@ -126,8 +126,8 @@ def spins(press: Linkage, rows: Rows) -> list[Spin]:
         spin = _spin(press, rows, passive.joints, motion, int(joint))
         if spin is None or not press.spatial_model.on_loop[spin.joint]:  # a link on no loop hangs free: a loop was forgotten
             return []
-        found.append(spin)
-    return found
+        all_spins.append(spin)
+    return all_spins
 
 
 def _spin(press: Linkage, rows: Rows, joints: list[int], motion: Array, held: int) -> Spin | None:

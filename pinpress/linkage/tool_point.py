@@ -62,12 +62,12 @@ def middle_of_outermost(pins: Mapping[str, Array], along: Array, size: float) ->
         along: (3,) unit vector along the guide in that frame.
         size: the linkage's size [m].
     """
-    farthest, found = ALIKE * size, None
+    farthest, centre = ALIKE * size, None
     for first, second in itertools.combinations(pins, 2):
         apart = float(np.linalg.norm(_across(pins[first] - pins[second], along)))
         if apart > farthest * (1 + ALIKE):  # of diagonals that differ by rounding the first
-            farthest, found = apart, (0.5 * (pins[first] + pins[second]), f"the middle of {first} and {second}")
-    return found
+            farthest, centre = apart, (0.5 * (pins[first] + pins[second]), f"the middle of {first} and {second}")
+    return centre
 
 
 def _across(vector: Array, along: Array) -> Array:
