@@ -23,9 +23,10 @@ from ..common.errors import PinpressError, said, shown
 from ..common.products import product
 from ..common.quantities import Array, ComplexArray
 from ..dynamics.applied_loads import apply, asked
-from ..engines.forces import REST, AppliedForce
+from ..engines.friction import REST
 from ..engines.planar.balance import Statics, balance, efforts_by_rows, without_work
 from ..engines.planar.model import Plane, to_complex
+from ..engines.wrenches import AppliedForce
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.caller_laws import LawError, is_known

@@ -13,7 +13,8 @@ from ..common import plausibility
 from ..common.arguments import numbers, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.quantities import GRAVITY, Array
-from ..engines.forces import REST, AppliedForce
+from ..engines.friction import REST
+from ..engines.wrenches import AppliedForce
 from ..kinematics.poses import point_motion
 from ..kinematics.slide_path import dead_centres
 from ..loads import caller_laws

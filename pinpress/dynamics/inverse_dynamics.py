@@ -14,8 +14,9 @@ from ..common.quantities import Array
 from ..engines.branch import Branch
 from ..engines.change_points import at_change_point
 from ..engines.engine import Engine
-from ..engines.forces import AppliedConditions, Wrenches, compliances
 from ..engines.racks import PlacedAxis, between_teeth
+from ..engines.sharing import compliances
+from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import Motion, refuse_other_joints
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load

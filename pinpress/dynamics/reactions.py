@@ -22,7 +22,7 @@ from ..common.frozen import NamedArrays, read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..engines.engine import Engine
-from ..engines.forces import AppliedConditions, Wrenches
+from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import MOST_IN_TITLE, Motion
 from ..linkage.linkage import Linkage
 from ..linkage.planarity import planarity

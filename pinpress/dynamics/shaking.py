@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.quantities import Array
-from ..engines.forces import AppliedForce
+from ..engines.wrenches import AppliedForce
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import AssemblyError
 from ..common.quantities import Array, ComplexArray
-from .forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
+from .wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 
 PIECE = 2048  # crank angles that are worked through at a time: their arrays stay in the cache
 MOST_NEWTON_STEPS = 12  # of one closure: from a good guess it takes one or two

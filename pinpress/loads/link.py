@@ -22,7 +22,7 @@ from ..common import plausibility
 from ..common.arguments import suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.parameters import in_declared_units, parameter
-from ..engines.forces import FrictionLaw
+from ..engines.friction import FrictionLaw
 from .pneumatics import BalanceCylinder
 from .process import ProcessLoad, TimeForce
 

@@ -24,7 +24,8 @@ from ..common.errors import PinpressError
 from ..common.numerics import NODES
 from ..common.quantities import Array
 from ..engines.engine import ClosedStates
-from ..engines.forces import MOST_ITERATIONS, AppliedForce, FrictionLaw
+from ..engines.friction import MOST_ITERATIONS, FrictionLaw
+from ..engines.wrenches import AppliedForce
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage

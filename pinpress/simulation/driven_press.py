@@ -23,7 +23,8 @@ from ..drives.protocol import Drive, corners_of
 from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, innermost
 from ..dynamics import applied_loads
 from ..dynamics.inverse_dynamics import NONE_GIVEN
-from ..engines.forces import AppliedForce, FrictionLaw
+from ..engines.friction import FrictionLaw
+from ..engines.wrenches import AppliedForce
 from ..kinematics.cycle import slide_at
 from ..kinematics.motion import Motion
 from ..kinematics.poses import point_motion

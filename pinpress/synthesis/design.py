@@ -24,11 +24,11 @@ from ..derivatives.reshape import continue_geometry, redrawn
 from ..dynamics.applied_loads import apply, asked
 from ..dynamics.shaking import shaking
 from ..engines.engine import ClosedStates
-from ..engines.forces import AppliedConditions, Wrenches
 from ..engines.planar.balance import Statics, build_statics
 from ..engines.planar.bodies import build_bodies
 from ..engines.planar.inverse_dynamics import inverse_dynamics
 from ..engines.planar.model import Plane, to_complex, to_world
+from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import Motion, of_states
 from ..linkage.linkage import Linkage, SlideGuide
 from ..loads.link import Load

@@ -13,10 +13,10 @@ from support.generators.random_linkages import Drawing, drawn, four_bar, linkage
 
 import pinpress as pp
 from pinpress.engines.engine import ClosedStates
-from pinpress.engines.forces import AppliedConditions
 from pinpress.engines.planar import balance
 from pinpress.engines.planar import chain as chains
 from pinpress.engines.planar.engine import PlanarEngine
+from pinpress.engines.wrenches import AppliedConditions
 from pinpress.kinematics import cycle as cycles
 
 

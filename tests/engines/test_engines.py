@@ -11,10 +11,10 @@ from support.generators.spatial_linkages import four_bar
 
 import pinpress as pp
 from pinpress.engines.engine import ClosedStates, Engine
-from pinpress.engines.forces import AppliedConditions, AppliedForce
 from pinpress.engines.pinocchio.engine import PinocchioEngine
 from pinpress.engines.planar.engine import PlanarEngine
 from pinpress.engines.spatial.engine import SpatialEngine
+from pinpress.engines.wrenches import AppliedConditions, AppliedForce
 
 PRESSES = ["crank_slide", "zxn2_3000b", "jf75g_125_symmetric", "thin_wall"]
 SPEED = 7.0

@@ -19,7 +19,7 @@ from support.oracles.cut_free import cut_free, gears
 from support.texts import load
 
 import pinpress as pp
-from pinpress.engines.forces import Objective, lexicographic_least_squares
+from pinpress.engines.sharing import Objective, lexicographic_least_squares
 
 ENGINES = ("plane", "space", "pinocchio")
 ZERO = 1e-9  # share of the largest below which a singular value, or a component of an idle force, is zero

@@ -27,7 +27,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.dynamics import inverse_dynamics, reactions
-from pinpress.engines.forces import FrictionLaw
+from pinpress.engines.friction import FrictionLaw
 from pinpress.engines.planar import bodies, out_of_plane
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
 from pinpress.engines.spatial import inverse_dynamics as spatial_dynamics

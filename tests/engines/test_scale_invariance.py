@@ -18,7 +18,7 @@ import pinpress as pp
 from pinpress.drives import electric, motors, slip_clutch, transmission
 from pinpress.dynamics import applied_loads
 from pinpress.engines import forces as engine_forces
-from pinpress.engines.forces import REST
+from pinpress.engines.friction import REST
 from pinpress.loads import contacts, hydraulics, link, pneumatics, process, shearing
 
 pytestmark = pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is as large, dense or fast

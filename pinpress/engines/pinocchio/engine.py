@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
-from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
+from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import kinematics
 from .model import SpatialModel
 

@@ -12,11 +12,11 @@ import numpy as np
 import pinocchio as pin
 
 from ..engine import ClosedStates
-from ..forces import AppliedForce
 from ..joints import configuration, data_of
 from ..spatial.bodies import components_first, turned, turned_back
 from ..spatial.equations import Equations, Loops
 from ..spatial.inverse_dynamics import Method, OpenTree
+from ..wrenches import AppliedForce
 from .equations import one_by_one
 from .model import SpatialModel
 

@@ -10,9 +10,9 @@ import pinocchio as pin
 
 from ...common.quantities import Array
 from ..engine import ClosedStates, EnergyRates, PowerBalance
-from ..forces import AppliedForce
 from ..joints import configuration, data_of
 from ..rank import rank
+from ..wrenches import AppliedForce
 from .model import SpatialModel, cross
 
 

@@ -12,7 +12,7 @@ It takes c conj(p) from the work of every function that has the coefficient c in
 what carries it. What is left at the driver is the driving torque.
 
 Redundant equations of a block leave *idle* forces open, which the blocks before it balance: a lever supplies the effort of its rotor
-across itself, and along it any force is left open. `engines.forces` says how much of it is added.
+across itself, and along it any force is left open. `engines.sharing` says how much of it is added.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ import numpy as np
 
 from ...common.products import SERIAL_COMPLEX
 from ...common.quantities import Array, ComplexArray
-from ..forces import AppliedForce
+from ..wrenches import AppliedForce
 from .bodies import Bodies
 from .dyads import I
 from .equations import BlockRows, Equations, LoopRows, Pose, efforts_of_coupling, efforts_of_joint

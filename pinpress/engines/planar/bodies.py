@@ -15,8 +15,9 @@ import pinocchio as pin
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import ClosedStates, EnergyRates, PowerBalance
-from ..forces import AppliedForce, Objective, lexicographic_least_squares
 from ..joints import array_of
+from ..sharing import Objective, lexicographic_least_squares
+from ..wrenches import AppliedForce
 from .kinematics import basis_acceleration, basis_velocity, known_basis
 from .model import Plane, to_complex
 

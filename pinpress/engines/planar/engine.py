@@ -14,8 +14,8 @@ from ...common.frozen import read_only
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
-from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..pinocchio.model import SpatialModel
+from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import closing, kinematics
 from .bodies import Bodies, build_bodies, energies, power_balance
 from .model import Plane, build_plane, to_world

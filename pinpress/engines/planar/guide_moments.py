@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...common.quantities import Array, ComplexArray
-from ..forces import AppliedForce
+from ..wrenches import AppliedForce
 from .bodies import Bodies
 from .functions import Functions
 from .model import Plane, to_complex

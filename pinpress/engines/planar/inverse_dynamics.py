@@ -14,7 +14,8 @@ import numpy as np
 
 from ...common.quantities import Array, ComplexArray
 from ..engine import LOOSEST, ClosedStates, other_linkage
-from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
+from ..friction import FrictionLaw
+from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import out_of_plane
 from .balance import (
     IdleForces,

@@ -1,8 +1,8 @@
 """Forces of a planar linkage along the normal of its plane, and moments that tilt its links.
 
 They come from links in parallel planes, products of inertia, and gravity or loads out of the plane. Rigid mechanics does not decide how the
-loops share a force along the normal, nor how several bearings of a link share its tilting moment: they are shared as `engines.forces` says,
-and `Reactions.indeterminate` marks them.
+loops share a force along the normal, nor how several bearings of a link share its tilting moment: they are shared as `engines.sharing`
+says, and `Reactions.indeterminate` marks them.
 
 With the axes of `Plane`, normal x f is i f, and r x normal is -i r, for complex f and r.
 """
@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
-from ..forces import AppliedForce
 from ..rank import RANK
+from ..wrenches import AppliedForce
 from .bodies import Bodies, share_forces
 from .kinematics import basis_at
 from .model import Plane, to_complex, to_world

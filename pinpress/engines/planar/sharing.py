@@ -1,11 +1,11 @@
-"""How the bearings of a planar linkage share idle forces in its plane, see `engines.forces`."""
+"""How the bearings of a planar linkage share idle forces in its plane, see `engines.sharing`."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ...common.quantities import Array, ComplexArray
-from ..forces import Objective, lexicographic_least_squares
+from ..sharing import Objective, lexicographic_least_squares
 
 
 def shares_of_idle_forces(parts: ComplexArray, compliance: Array | None) -> Array:

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from ...common.frozen import Frozen
 from ...common.quantities import Array
 from ..engine import ClosedStates, EnergyRates, PowerBalance
-from ..forces import AppliedForce
 from ..pinocchio.model import SpatialModel
+from ..wrenches import AppliedForce
 
 ACROSS = (slice(1, 3), slice(2, None, -2), slice(0, 2))  # the other two axes of a frame, in cyclic order after each
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
-from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..pinocchio.engine import PinocchioEngine
+from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import bodies, closing, equations
 from .equations import AT_ONCE, Loops, build_loops
 

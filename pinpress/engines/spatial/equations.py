@@ -19,7 +19,7 @@ from ...common.frozen import Frozen
 from ...common.products import product
 from ...common.quantities import Array
 from ..engine import PIECE
-from ..forces import REST
+from ..friction import REST
 from ..joints import array_of
 from ..pinocchio.model import PARALLEL_TO_ROUNDING, SpatialModel, coupling_equations
 from .blocks import Blocks, build_blocks

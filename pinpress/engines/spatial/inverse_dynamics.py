@@ -1,7 +1,7 @@
 """Inverse dynamics of linkages in space, all configurations at once: driving torque and the wrenches of the bearings.
 
 The forces of the open tree are sums over the bodies that a joint carries. The multipliers of the equations balance the efforts of its
-passive joints; what they leave open is shared as `engines.forces` says. A bearing's force is that of the open tree less the loop forces
+passive joints; what they leave open is shared as `engines.sharing` says. A bearing's force is that of the open tree less the loop forces
 that cross it. Pinocchio's engine has equations and forces of the open tree by its own algorithms, and all else from here.
 """
 
@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import LOOSEST, ClosedStates, other_linkage
-from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
+from ..friction import FrictionLaw
 from ..rank import RANK
+from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from .bodies import Placements, accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
 from .closing import PassiveColumns
 from .equations import AT_ONCE, Equations, Kinematics, Loops, loop_turning
@@ -250,8 +251,8 @@ class _Balance:
 
         Args:
             friction: of the bearings.
-            shared: whether to share idle forces as `engines.forces` says, on which the driving torque does not depend; else the multipliers
-                are those of least norm.
+            shared: whether to share idle forces as `engines.sharing` says; else the multipliers are those of least norm, which give the same
+                driving torque.
         """
         found = self.passive.multipliers(self._needed(friction))
         if not shared:

@@ -1,4 +1,4 @@
-"""How bearings share idle forces in space, as `engines.forces` says."""
+"""How bearings share idle forces in space, as `engines.sharing` says."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..forces import lexicographic_responses
+from ..sharing import lexicographic_responses
 
 
 class Shared(NamedTuple):

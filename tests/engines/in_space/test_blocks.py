@@ -8,10 +8,10 @@ from support.oracles import cassie, n_four_bar
 
 import pinpress as pp
 from pinpress.engines.engine import ClosedStates
-from pinpress.engines.forces import AppliedConditions, AppliedForce
 from pinpress.engines.spatial.closing import PassiveColumns
 from pinpress.engines.spatial.engine import SpatialEngine
 from pinpress.engines.spatial.equations import Equations, equations
+from pinpress.engines.wrenches import AppliedConditions, AppliedForce
 
 
 def in_space(press: pp.Linkage) -> SpatialEngine:

@@ -20,7 +20,7 @@ import numpy as np
 
 from ....common.errors import PinpressError, shown
 from ....common.quantities import Array
-from ....engines.forces import FrictionLaw
+from ....engines.friction import FrictionLaw
 from ..geometry.plane import LineStrains, PlaneGeometry
 from ..sprung_press import BodyState, SpringForces, SprungPress
 

@@ -1,0 +1,74 @@
+"""Friction of bearings: efforts that depend on the bearing forces, which depend on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import PinpressError
+from ..common.quantities import Array
+
+REST = 1e-12  # share of the motion's largest speed below which a bearing rests: at a dead centre its speed is rounding
+MOST_ITERATIONS = 200  # of friction efforts and bearing forces in turn: many are needed only where friction nearly locks the linkage
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionLaw:
+    """The friction of all bearings, joints in Pinocchio's order, then loops.
+
+    Attributes:
+        arm: (bearings,) effort of dry friction by the bearing's radial force: mu r of a pin [m], mu of a guide [-].
+        viscous: (bearings,) effort by speed [N m s, of a guide N s/m].
+        preload: (bearings,) force with which the gibs of a guide press on it without a load; zero of all others [N].
+        turns: (bearings,) False for guides, True for all others.
+        size: length of the linkage [m].
+    """
+
+    arm: Array
+    viscous: Array
+    preload: Array
+    turns: NDArray[np.bool_]
+    size: float
+
+    def moving(self, speeds: Array) -> Array:
+        """Speeds (bearings, n), set to zero where they are rounding beside the fastest of the motion."""
+        turning = np.abs(speeds[self.turns]).max(initial=0.0)
+        sliding = max(self.size * turning, np.abs(speeds[~self.turns]).max(initial=0.0))
+        return np.where(np.abs(speeds) <= REST * np.where(self.turns, turning, sliding)[:, None], 0.0, speeds)
+
+    def efforts(self, speeds: Array, forces: Callable[[Array], Array], place: Callable[[int], str]) -> Array:
+        """Friction efforts (bearings, n), opposed to the speeds: negative where the speed is positive [N m, of a guide N].
+
+        Bearing forces depend on friction and friction on them: both are found in turn until they no longer change.
+
+        Args:
+            speeds: (bearings, n) speeds of the bearings [rad/s, of a guide m/s], exactly zero where one rests.
+            forces: function of friction efforts (bearings, n) that returns the radial forces (bearings, n) under them [N].
+            place: gives where the drivers are in a state, in words, for the message of an error.
+
+        Raises:
+            PinpressError: there are no consistent forces, because friction locks the linkage, or nearly so.
+        """
+        steady = -self.viscous[:, None] * speeds
+        against = -self.arm[:, None] * np.sign(speeds)
+        found, change = steady, np.full(speeds.shape[1], np.inf)
+        for _ in range(MOST_ITERATIONS):
+            pressing = np.maximum(forces(found), self.preload[:, None])
+            following = steady + against * pressing
+            before, change = change, np.abs(following - found).max(axis=0)
+            # measured also by what the largest force could do: the force of a single guide may be nothing but rounding
+            size = np.maximum(np.abs(following).max(axis=0), self.arm.max() * pressing.max(axis=0))
+            found = following
+            # rounding can keep the last digits moving: stop where the change no longer shrinks
+            if np.all((change <= 1e-15 * size) | ((change <= 1e-12 * size) & (change >= before))):
+                return found
+            if not np.isfinite(size).all():
+                break
+        worst = int(np.argmax(np.where(np.isfinite(change), change, np.inf)))
+        raise PinpressError(
+            f"friction locks the linkage, or nearly so, at {place(worst)}: no consistent bearing forces are found;"
+            " lower the coefficients of friction, or keep away from the dead point"
+        )

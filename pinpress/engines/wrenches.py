@@ -1,0 +1,98 @@
+"""Forces as arrays, as every engine takes and returns them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.quantities import Array
+from .friction import FrictionLaw
+
+
+@dataclass(frozen=True)
+class AppliedForce:
+    """The force of one load over a motion.
+
+    Attributes:
+        joint: Pinocchio joint on whose body the force acts, 0 for the frame.
+        point: (3,) where it acts, in that joint's frame [m].
+        force: (n, 3) in world axes [N].
+    """
+
+    joint: int
+    point: Array
+    force: Array
+
+    def part(self, points: slice) -> AppliedForce:
+        """The load over a part of the motion."""
+        return AppliedForce(self.joint, self.point, self.force[points])
+
+
+class AppliedConditions(NamedTuple):
+    """What acts on a linkage in motion.
+
+    Attributes:
+        loads: forces on links.
+        law: friction of the bearings; None for none.
+        compliance: (bearings,) compliances by which bearings share redundant forces [m/N]; None where no stiffness is given.
+    """
+
+    loads: list[AppliedForce]
+    law: FrictionLaw | None
+    compliance: Array | None
+
+    def part(self, points: slice) -> AppliedConditions:
+        """The conditions over a part of the motion."""
+        return self._replace(loads=[load.part(points) for load in self.loads])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Wrenches:
+    """Driving torques, and the forces and moments of the bearings.
+
+    Bearings are the joints in Pinocchio's order, then the loops as declared. Forces and moments are in world axes, the action of parent on
+    child (of link1 on link2).
+
+    Attributes:
+        torque: (drivers, n) on the driver joints, positive along their axes [N m, of a driver that slides N].
+        coupling: (couplings, n) torque on the follower of every coupling, positive along its axis [N m, or N where it slides]. Without the
+            bearings it is one of several solutions that balance, where rigid mechanics leaves it open.
+        friction: (bearings, n) power lost in every bearing [W].
+        force: (bearings, n, 3) forces [N]; (0, n, 3) where the bearings are left out.
+        moment: (bearings, n, 3) moments about the origin of the child's joint frame, of a loop about its point [N m]; (0, n, 3) as above.
+            Along the axis in which a joint is free the moment is the effort of drive, gear pairs and friction.
+    """
+
+    torque: Array
+    coupling: Array
+    friction: Array
+    force: Array
+    moment: Array
+
+    @staticmethod
+    def zeros(drivers: int, couplings: int, bearings: int, n: int, with_bearings: bool) -> Wrenches:
+        """Wrenches to be filled in, of n states, with the forces and moments of the bearings or without; arguments are numbers of each.
+
+        In memory the states are next to each other: components along one axis are filled in, and read, at once.
+        """
+        force, moment = np.zeros((2, 3, bearings if with_bearings else 0, n)).transpose(0, 2, 3, 1)
+        return Wrenches(np.zeros((drivers, n)), np.zeros((couplings, n)), np.zeros((bearings, n)), force, moment)
+
+    def part(self, points: slice) -> Wrenches:
+        """Views of a part of the motion."""
+        torque, coupling, friction = (array[:, points] for array in (self.torque, self.coupling, self.friction))
+        return Wrenches(torque, coupling, friction, self.force[:, points], self.moment[:, points])
+
+
+class BearingLoads(NamedTuple):
+    """What friction depends on in every bearing, joints in Pinocchio's order, then loops.
+
+    Attributes:
+        speed: (bearings, n) speeds of the bearings [rad/s, of a guide m/s].
+        radial: (bearings, n, 3) vectors whose lengths are the radial forces; they are affine in accelerations, loads and efforts [N].
+    """
+
+    speed: Array
+    radial: Array
