@@ -251,7 +251,7 @@ class _Balance:
 
         Args:
             friction: of the bearings.
-            shared: whether to share idle forces as `engines.sharing` says; else the multipliers are those of least norm, which give the same
+            shared: whether to share idle forces as `engines.sharing` says; else they are those of least norm, which give the same
                 driving torque.
         """
         found = self.passive.multipliers(self._needed(friction))
