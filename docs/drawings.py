@@ -101,6 +101,48 @@ def dyads() -> Figure:
     return figure
 
 
+def blocks() -> Figure:
+    """The blocks in which the equations of two presses are solved, each to the right of those that it needs."""
+    figure = Figure(figsize=(6.6, 3.9), layout="constrained")
+    for axes, name in zip(figure.subplots(2, 1, height_ratios=(1.0, 3.0)), ("zxn2_3000b", "jf75g_125_symmetric"), strict=True):
+        press = pp.load(name)
+        texts, needs = _blocks(press)
+        columns: list[int] = []
+        for before in needs:
+            columns.append(1 + max((columns[place] for place in before), default=-1))
+        places = [(float(column), -columns[:place].count(column)) for place, column in enumerate(columns)]
+        for place, before in zip(places, needs, strict=True):
+            for other in before:
+                axes.annotate("", place, places[other], arrowprops={"arrowstyle": "->", "color": GREY, "shrinkA": 34, "shrinkB": 52})
+        for place, text in zip(places, texts, strict=True):
+            box = {"boxstyle": "round,pad=0.35", "facecolor": "white", "edgecolor": CUT if place[0] == 0.0 else "black", "linewidth": 1.2}
+            axes.text(*place, text, ha="center", va="center", fontsize=8, bbox=box)
+        axes.set(xlim=(-0.35, 2.45), ylim=(min(y for _, y in places) - 0.5, 0.5))
+        axes.set_title(name, fontsize=9, loc="left")
+        axes.set_axis_off()
+    return figure
+
+
+def _blocks(press: pp.Linkage) -> tuple[list[str], list[set[int]]]:
+    """What the driver and every block of a press determine, and for each the places of those that it needs."""
+    equations = press.engine("plane").plane.equations
+    rows = equations.functions.rows
+    texts, needs = [f"driver\n{press.drivers[0]}"], [set[int]()]
+    found_by = {rows[press.driver_indices[0]]: 0}
+    for block in equations.blocks:
+        turning = all(press.axes[joint].turns for joint in block.joints)
+        kinds = {(1, 2): "dyad: two circles" if turning else "dyad: circle and line", (1, 1): "lever", (0, 1): "gear pair"}
+        before = {row for loop in block.loops for row, _ in loop.relieved}
+        coupled = {joint for coupling in block.couplings for joint in equations.functions.plane.coupling_rows[coupling]}
+        before |= {rows[joint] for joint in coupled.difference(block.joints)}
+        needs.append({found_by[row] for row in before})
+        found_by |= dict.fromkeys(block.rows, len(texts))
+        joints = ", ".join(press.joints[joint] for joint in block.joints)
+        loops = "".join(f"\nloop {press.loops[loop.loop].name}" for loop in block.loops)
+        texts.append(f"{kinds[len(block.loops), len(block.joints)]}\n{joints}{loops}")
+    return texts, needs
+
+
 def forces() -> Figure:
     """The cut bearings under load: the same force, in opposite directions, on both links; and what the guide gives."""
     press = six_bar()
@@ -228,7 +270,7 @@ def _arrow(axes: Any, place: Any, along: Any, colour: str) -> None:
     axes.plot(*np.array([place, place + along]).T, alpha=0.0)  # the axes make room for it
 
 
-DRAWINGS: tuple[Callable[[], Figure], ...] = (tree, dyads, forces, sharing, estimates)
+DRAWINGS: tuple[Callable[[], Figure], ...] = (tree, dyads, blocks, forces, sharing, estimates)
 
 
 def main(names: list[str]) -> None:

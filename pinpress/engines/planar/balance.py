@@ -116,12 +116,6 @@ class Statics:
         return len(self.plane.parents) + len(self.plane.loop_heights)
 
     @cached_property
-    def turned(self) -> tuple[int, ...]:
-        """The joints that transmit moments about the normal without friction: the driver, if it turns, geared shafts, and all guides."""
-        plane = self.plane
-        return tuple(sorted({*plane.prismatic, *self.bodies.geared, *([plane.driver] if plane.sense[plane.driver] else [])}))
-
-    @cached_property
     def backwards(self) -> tuple[int, ...]:
         """Places of all blocks, the last one first."""
         return tuple(reversed(range(len(self.blocks))))
