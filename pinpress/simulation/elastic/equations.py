@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +23,6 @@ from .panels import Indices, Linearised
 from .paths import LoadPath, PathMotion
 from .sprung_press import BodyState, SpringForces, SprungPress, VaryingInertia, some_of
 
-STEP = 1e-6  # share of a load's extent, or of the size of a speed, by which its slope is found
 INSTANT = 1e-9  # [s] with which slopes by time are found, and within which two times are one
 CRANK_ANGLE = -1  # in place of a path's number
 
@@ -284,7 +283,9 @@ class ElasticEquations:
                 continue
             there = segments == segment
             if isinstance(interval, TimeSpan):
-                values[there] = _at_time(law, interval, time[there])
+                assert law.time is not None
+                # At the span's ends rounding would tell otherwise: the force is asked on its own side of them.
+                values[there] = law.time(np.clip(time[there], interval.begin + INSTANT, interval.end - INSTANT))
                 continue
             values[there], by_place[there], by_rate[there] = _values(interval, path.value[there] - law.datum, path.rate[there])
             if interval.one_sided and not 0 <= number - len(self.driven.forces) < len(self.sprung.open_pins):
@@ -414,30 +415,15 @@ class Driving(NamedTuple):
 
 def _values(interval: ForceInterval, place: Array, rate: Array) -> tuple[Array, Array, Array]:
     """Force (n,) of an interval, and its slopes by place and rate."""
-    force = interval.force
-    by_place = _slope(partial(_by_place, force, rate), place, _extent(interval))
+    force, extent = interval.force, interval.upper - interval.lower
+    by_place = _slope(lambda places: force(places, rate), place, extent if np.isfinite(extent) else 1e-3)
     by_rate = np.zeros(len(rate))
     if interval.heeds_velocity:  # its slope is found with steps for 1 mm/s at least
-        by_rate = _slope(partial(force, place), rate, max(1e-3, float(np.abs(rate).max())))
+        by_rate = _slope(lambda rates: force(place, rates), rate, max(1e-3, float(np.abs(rate).max())))
     return np.broadcast_to(force(place, rate), place.shape), by_place, by_rate
 
 
-def _slope(law: Callable[[Any], Any], at: Array, size: float) -> Array:
+def _slope(law: Callable[[Array], Any], at: Array, size: float) -> Array:
     """Slope of a law by a central difference."""
-    step = STEP * size
+    step = 1e-6 * size
     return np.asarray((np.asarray(law(at + step)) - np.asarray(law(at - step))) / (2 * step) + 0.0 * at)
-
-
-def _at_time(law: GeneralizedForce, span: TimeSpan, time: Array) -> Array:
-    """Force (n,) in time, on its own side of the span's ends where rounding would tell otherwise."""
-    assert law.time is not None
-    return np.asarray(law.time(np.clip(time, span.begin + INSTANT, span.end - INSTANT)) + 0.0 * time)
-
-
-def _by_place(force: Callable[[Array, Array], Array], rate: Array, place: Array) -> Array:
-    return force(place, rate)
-
-
-def _extent(interval: ForceInterval) -> float:
-    extent = interval.upper - interval.lower
-    return float(extent) if np.isfinite(extent) else 1e-3

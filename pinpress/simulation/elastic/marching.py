@@ -305,16 +305,11 @@ class _March:
             if event.kind != "slips":
                 continue
             margin = self._margin(event, np.array([self.time]), self.state[None, :size], self.state[None, size:])
-            if margin[0] < -1e-9 * self._capacity(event):  # less is rounding of a coupling that just holds
+            coupling = self.train.coupling(event.side)
+            if coupling is not None and margin[0] < -1e-9 * coupling.torque:  # less is rounding of a coupling that just holds
                 self._switch(event)
                 return True
         return False
-
-    def _capacity(self, event: TrainEvent) -> float:
-        assert self.train is not None
-        coupling = self.train.coupling(event.side)
-        assert coupling is not None
-        return coupling.torque
 
     def _switch(self, event: TrainEvent) -> None:
         """Go on after an event of the drive train."""

@@ -19,7 +19,7 @@ import numpy as np
 
 from ....common.quantities import Array
 from ....drives.protocol import Drive, corners_of
-from ....drives.transmission import Coupling, SwitchPoint
+from ....drives.transmission import Coupling
 from ...coupling import HOLDING, OPEN, SLIPPING, CouplingMode, Side, coupling_at_start
 from ...driven_press import DrivenPress
 
@@ -116,17 +116,14 @@ class DriveTrain:
     @cached_property
     def switch_times(self) -> Array:
         """Times at which a coupling is switched [s], rising."""
-        points = [point for side in SIDES for point in self._switch_points(side)]
+        couplings = [coupling for coupling in map(self.coupling, SIDES) if coupling is not None]
+        points = [point for coupling in couplings for point in (coupling.closes, coupling.opens) if point is not None]
         return np.unique([point.time for point in points if point.time is not None])
 
     def risen(self, mode: TrainMode) -> list[float]:
         """Times at which closed couplings have their whole torque [s]."""
         both = [(self.coupling("clutch"), mode.clutch), (self.coupling("brake"), mode.brake)]
         return [own.since + each.rise for each, own in both if each is not None and each.rise and np.isfinite(own.since)]
-
-    def _switch_points(self, side: Side) -> list[SwitchPoint]:
-        coupling = self.coupling(side)
-        return [] if coupling is None else [point for point in (coupling.closes, coupling.opens) if point is not None]
 
     def coupling(self, side: Side) -> Coupling | None:
         return self.driven.clutch if side == "clutch" else self.driven.brake
