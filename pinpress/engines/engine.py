@@ -83,6 +83,7 @@ CloseDrivers = Callable[[Array, Array, Array], Closure]
 with its margins. It never raises: the caller judges gap and margins."""
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class ClosedStates:
     """Positions, rates and accelerations of a linkage whose loops are closed.
 
@@ -98,22 +99,14 @@ class ClosedStates:
     position: Array
     v: Array
     a: Array
-    basis: ComplexArray | None
-    solved: Any
-
-    def __init__(self, position: Array, v: Array, a: Array, basis: ComplexArray | None = None, solved: Any = None) -> None:
-        self.position, self.v, self.a = position, v, a
-        self.basis, self.solved = basis, solved
+    basis: ComplexArray | None = None
+    solved: Any = None
 
     def part(self, points: slice) -> ClosedStates:
         """The states of a part of the motion, without what the engine in space keeps."""
         return ClosedStates(
             self.position[:, points], self.v[:, points], self.a[:, points], None if self.basis is None else self.basis[:, points]
         )
-
-    def with_rates(self, v: Array, a: Array) -> ClosedStates:
-        """The same positions with other rates."""
-        return ClosedStates(self.position, v, a, self.basis, self.solved)
 
 
 class JointRates(NamedTuple):

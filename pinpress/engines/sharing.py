@@ -19,6 +19,7 @@ from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.arguments import number
 from ..common.errors import PinpressError, UnknownNameError, shown
@@ -117,6 +118,41 @@ def _by_singular_values(matrix: Array, size: Array) -> tuple[Array, Array]:
     kept = values > RANK * size[..., None]
     inverse = right.swapaxes(-1, -2) * np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)[..., None, :] @ left.swapaxes(-1, -2)
     return inverse, np.eye(matrix.shape[-1]) - inverse @ matrix
+
+
+class Shared(NamedTuple):
+    """How the idle forces of m states are shared, from decompositions of what they do to all bearings.
+
+    Attributes:
+        states: which states.
+        idle: (k, rows, m) multipliers that balance each other.
+        responses: (m, k, 3 bearings) see `lexicographic_responses`.
+    """
+
+    states: NDArray[np.intp] | slice
+    idle: Array
+    responses: list[Array]
+
+    @property
+    def objectives(self) -> int:
+        """How many objectives decide."""
+        return len(self.responses)
+
+    def added(self, starts: Sequence[Array]) -> Array:
+        """The multipliers (rows, m) to be added where objectives (bearings, 3, n) are these without idle ones."""
+        parts = zip(self.responses, starts, strict=False)
+        y = np.sum([response @ _configurations_first(start[None, ..., self.states]) for response, start in parts], axis=0)
+        return np.asarray(np.einsum("krm,mk->rm", self.idle, -y[:, :, 0]))
+
+
+def share(states: NDArray[np.intp] | slice, idle: Array, objectives: Iterable[tuple[Array, float]]) -> Shared:
+    """Idle multipliers (k, rows, m) of some states, shared by objectives (k, bearings, 3, m) of a scale each, see `Objective`."""
+    return Shared(states, idle, lexicographic_responses((_configurations_first(each), scale) for each, scale in objectives))
+
+
+def _configurations_first(vectors: Array) -> Array:
+    """(m, 3 bearings, k) of vectors (k, bearings, 3, m)."""
+    return vectors.transpose(3, 1, 2, 0).reshape(vectors.shape[3], -1, len(vectors))
 
 
 def compliances(stiffness: Mapping[str, float], bearings: Sequence[str]) -> Array | None:
