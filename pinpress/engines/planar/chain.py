@@ -170,17 +170,21 @@ def states_along(
     """
     n = len(angle)
     position, v, a = np.empty((3, len(chain.plane.parents), n))
-    basis, gap = np.empty((len(chain.functions.order), n), complex), np.empty(n)
+    basis: ComplexArray = np.empty((len(chain.functions.order), n), complex)
+    gap = np.empty(n)
     size = -(-n // -(-n // chain.piece))  # of equal pieces
     for start in range(0, n, size):
         s = slice(start, min(start + size, n))
         along = close(chain, angle[s], basis[:, s])
         _fill_positions(chain, branch, angle[s], along, position[:, s])
-        rates = (of[s] if isinstance(of, np.ndarray) else of for of in (speed, acceleration))
-        _fill_rates(chain, along, *rates, v[:, s], a[:, s])
+        _fill_rates(chain, along, _part(speed, s), _part(acceleration, s), v[:, s], a[:, s])
         gaps = product(chain.plane.gap_rows, basis[:, s])
         np.sqrt(np.maximum.reduce(gaps.real**2 + gaps.imag**2, axis=0), gap[s])
     return ClosedStates(position, v, a, basis), gap
+
+
+def _part(rate: Array | float, states: slice) -> Array | float:
+    return rate[states] if isinstance(rate, np.ndarray) else rate
 
 
 def _fill_rates(chain: Chain, along: Along, speed: Array | float, acceleration: Array | float, v: Array, a: Array) -> None:

@@ -278,8 +278,9 @@ def slope(terms: Terms, values: Sequence[ComplexArray]) -> ComplexArray:
         return np.zeros(values[0].shape, complex)
     (row, by), *others = terms
     total = np.full(values[0].shape, by) if row is None else values[row] * by
-    for row, by in others:
-        total += values[row] * by
+    for other, by in others:
+        if other is not None:
+            total += values[other] * by
     return total
 
 
