@@ -92,8 +92,6 @@ def bearings(n: int) -> Contestants:
 
     found = {
         "all 7 bearings": solve(),
-        "one pin, `bearings=['A']`": solve(bearings=["A"]),
-        "one guide, `bearings=['slide_guide']`": solve(bearings=["slide_guide"]),
         "torque alone, `bearings=()`": solve(bearings=()),
         "torque alone, then the shaking force": lambda: pp.inverse_dynamics(press, motion, bearings=()).shaking_force,
         "all, then the shaking force": lambda: pp.inverse_dynamics(press, motion).shaking_force,
