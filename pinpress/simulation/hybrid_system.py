@@ -191,19 +191,21 @@ class HybridSystem:
         angle = float(self.at(y).linkage.angle)
         return failure("cannot go on", time, angle if math.isfinite(angle) else None, message=message or "values are not finite")
 
-    def driving(self, times: Array, columns: Array) -> tuple[Array, Array, Array]:
+    def driving(self, times: Array, columns: Array, modes: Sequence[Mode]) -> tuple[Array, Array, Array]:
         """Torque of the drive, torque of its motor at its own shaft [N m], and speed of the drive's side of the clutch [rad/s], (n,) each.
 
         Args:
             times: (n,) [s].
             columns: (len(y), n) vectors at these times.
+            modes: at these times.
         """
         n, drive, crank = self.dynamics.size, self.driven.drive, self.dynamics.crank
         own = columns[n + crank] if self.driven.clutch is None else columns[-len(INTEGRALS) - 1]
         if drive is None:
             return np.zeros(len(times)), np.zeros(len(times)), own
         states = self.drive_states(columns).T.tolist()
-        at = list(zip(own.tolist(), columns[crank].tolist(), times.tolist(), map(tuple, states), strict=True))
+        speeds = [self._on_side(mode, speed) for mode, speed in zip(modes, own.tolist(), strict=True)]
+        at = list(zip(speeds, columns[crank].tolist(), times.tolist(), map(tuple, states), strict=True))
         torque, motor = (np.array([float(np.ravel(law(*one))[0]) for one in at]) for law in (drive.torque, drive.motor_torque))
         return torque, motor, own
 

@@ -257,11 +257,13 @@ def confirm_torques(drive: object, times: Array, angles: Array, speeds: Array, t
     states (n,), one by one and backwards."""
     if not isinstance(drive, AskedDrive) or drive.timed:
         return
-    moving = np.flatnonzero(speeds)  # at rest a torque that jumps there, as behind gears with losses, is that of either side
-    if not len(moving):
+    # at a corner, and at rest, a torque that jumps there, as behind gears with losses, is that of either side
+    corners = np.array([0.0, *(float(np.ravel(speed)[0]) for speed, _ in corners_of(drive))])
+    clear = np.flatnonzero((np.abs(speeds - corners[:, None]) > 1e-9 * np.abs(speeds).max()).all(axis=0))
+    if not len(clear):
         return
     # of a long run a hundred states are asked again
-    some = moving[np.unique(np.linspace(0, len(moving) - 1, 100).astype(int))[::-1]]
+    some = clear[np.unique(np.linspace(0, len(clear) - 1, 100).astype(int))[::-1]]
     again = [drive.torque(float(speeds[k]), float(angles[k]), float(times[k])) for k in some]
     by_speed = [drive.torque(float(speeds[k])) for k in some]
     if _differ(torques[some], np.array([again, by_speed]).reshape(2, -1)):

@@ -131,7 +131,8 @@ class TimeSegment:
             columns[: 2 * size] = np.concatenate(system.dynamics.closed(columns[:size], columns[size : 2 * size]))
             rates = [system.rates(self.modes[k], float(times[i]), columns[:, i].copy()) for i, k in enumerate(owner.tolist())]
             accelerations = np.array(rates).T[size : 2 * size]
-        driving, states = system.driving(times, columns), system.drive_states(columns)
+        driving = system.driving(times, columns, [self.modes[k] for k in owner.tolist()])
+        states = system.drive_states(columns)
         return Sample(columns[:size], columns[size : 2 * size], accelerations, *driving, states, columns[-integrals:])
 
     def _vectors(self, times: Array) -> tuple[NDArray[np.intp], Array]:

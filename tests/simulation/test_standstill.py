@@ -13,10 +13,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from support import texts
+from support.generators import random_scenes
 from support.oracles.textbook_crank_slide import acceleration, lever, potential, slope
 
 import pinpress as pp
 from pinpress.loads.process import ForceInterval
+from pinpress.simulation.reduced_model import INERTIA, WEIGHT
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -167,3 +169,18 @@ def test_a_press_that_stands_to_the_end_says_so(press, method):
         )
     assert run.crank_speed[-1] == 0.0
     assert np.ptp(run.crank_angle[run.time > 0.9]) == 0.0
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+@pytest.mark.parametrize("seed", [516, 558, 656, 728, 776, 826])
+@pytest.mark.parametrize("method", ["auto", "implicit"])
+def test_rounding_does_not_choose_the_torque_behind_lossy_gears_at_a_start_from_rest(seed, method):
+    """The torque of the drive jumps at rest. In every state it is what the law of motion needs for the acceleration."""
+    scene = random_scenes.scene(seed)
+    run = pp.simulate(scene.press, scene.duration, points=61, method=method, **scene.given)
+    driven = run.problem.driven
+    assert not driven.forces
+    values, slopes = driven.model.at(run.crank_angle)
+    gained = run.a[:, scene.press.driver_indices[0]]
+    needed = (values[INERTIA] + driven.inertia) * gained + 0.5 * slopes[INERTIA] * run.crank_speed**2 + values[WEIGHT]
+    np.testing.assert_allclose(run.drive_torque, needed, rtol=0, atol=1e-8 * np.abs(needed).max())
