@@ -17,8 +17,8 @@ from support.generators import large_linkages
 import pinpress as pp
 from pinpress.drives import electric, motors, slip_clutch, transmission
 from pinpress.dynamics import applied_loads
-from pinpress.engines import forces as engine_forces
-from pinpress.engines.friction import REST
+from pinpress.engines.friction import REST, FrictionLaw
+from pinpress.engines.wrenches import AppliedForce
 from pinpress.loads import contacts, hydraulics, link, pneumatics, process, shearing
 
 pytestmark = pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is as large, dense or fast
@@ -185,7 +185,7 @@ def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
     rooms = (process, contacts, hydraulics, pneumatics, shearing, motors, slip_clutch, transmission, link)
     public = {cls for room in rooms for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
-    inner = {transmission.Coupling, electric.ElectricMotor, pp.loads.ForceInterval, engine_forces.AppliedForce, engine_forces.FrictionLaw}
+    inner = {transmission.Coupling, electric.ElectricMotor, pp.loads.ForceInterval, AppliedForce, FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
     for cls, dimensions in DIMENSIONS.items():
         assert [field.name for field in fields(cls)] == list(dimensions)
