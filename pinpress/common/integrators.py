@@ -16,8 +16,8 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.integrate import DenseOutput, OdeSolver
 from scipy.linalg import lapack
-from scipy.special import roots_jacobi
 
+from .numerics import radau_rule
 from .quantities import Array
 
 STAGES = 7
@@ -88,8 +88,8 @@ class Cubic(DenseOutput):  # type: ignore[misc]
 # -------------------------------------------------------------------------------------------------------------------------------- Radau IIA
 
 
-class Rule(NamedTuple):
-    """Radau IIA of `STAGES` stages.
+class Method(NamedTuple):
+    """Radau IIA of `STAGES` stages with its error estimate.
 
     Attributes:
         nodes: (s,) of a step, from 0 to 1, the last one at its end.
@@ -112,24 +112,20 @@ class Rule(NamedTuple):
 
 
 @cache
-def rule() -> Rule:
+def method() -> Method:
     """The method's coefficients."""
-    inner = np.sort(roots_jacobi(STAGES - 1, 1.0, 0.0)[0])
-    x = np.append(inner, 1.0)  # on -1..1
-    through = np.linalg.inv(legendre.legvander(x, STAGES - 1))  # Legendre series of the polynomial through values at the nodes
-    integral = 0.5 * np.asarray(legendre.legint(through, lbnd=-1, axis=0), dtype=np.float64)
-    matrix = legendre.legvander(x, STAGES) @ integral
+    nodes, _, integral, matrix, _ = radau_rule(STAGES)
     inverse = np.linalg.inv(matrix).astype(np.float64)
     # In the embedded formula of order s the weight of the rate at the start is the inverse of the real eigenvalue of the inverse matrix:
     # its error, filtered by the linear equation with this weight, then agrees with that of the method.
     values = np.linalg.eigvals(inverse)
     start = 1.0 / float(values[np.abs(values.imag).argmin()].real)
-    conditions = legendre.legvander(x, STAGES - 1).T
+    conditions = legendre.legvander(2 * nodes - 1, STAGES - 1).T
     wanted = np.zeros(STAGES)
     wanted[0] = 1.0  # integral of the Legendre polynomials over a step of length 1
     wanted -= start * legendre.legvander(np.array([-1.0]), STAGES - 1)[0]
     embedded = np.linalg.solve(conditions, wanted) - matrix[-1]
-    return Rule(0.5 * (x + 1), matrix, inverse, embedded, start, integral @ inverse, integral)
+    return Method(nodes, matrix, inverse, embedded, start, integral @ inverse, integral)
 
 
 class RadauIIA(OdeSolver):  # type: ignore[misc]
@@ -186,7 +182,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         return min(1e-3 * span, 1e-3 / rate) if rate > 0 and math.isfinite(rate) else 1e-6 * span
 
     def _step_impl(self) -> tuple[bool, str | None]:
-        r, m, t, y = rule(), self.count, self.t, self.y
+        r, m, t, y = method(), self.count, self.t, self.y
         noise = rounding(self.fun, t, y, self.f)
         slope = slopes(self.fun, t, y, self.f, self.sizes, noise)
         if not np.isfinite(slope).all():
@@ -243,7 +239,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
 
     def _stages(self, h: float, jacobian: Array, scale: Array) -> Array | None:
         """Changes (s, m) of the entries up to the nodes, by Newton's method; None where it does not converge."""
-        r, m, t, y = rule(), self.count, self.t, self.y
+        r, m, t, y = method(), self.count, self.t, self.y
         matrix = np.eye(STAGES * m) - h * np.kron(r.matrix, jacobian)
         factors, pivots, info = lapack.dgetrf(matrix)
         if info:
@@ -280,14 +276,14 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         """Changes up to the nodes by the polynomial of the step before."""
         if self.before is None or h > FURTHEST * self.before[0]:
             return np.zeros((STAGES, self.count))
-        r, (length, stages) = rule(), self.before
+        r, (length, stages) = method(), self.before
         rates = r.inverse @ stages / length
         series = length * (r.integral @ rates)
         beyond = legendre.legvander(1 + 2 * r.nodes * h / length, STAGES)
         return np.asarray(beyond @ series - stages[-1])
 
     def _dense_output_impl(self) -> DenseOutput:
-        r, h = rule(), self.t - self.t_old
+        r, h = method(), self.t - self.t_old
         rates = np.concatenate([r.inverse @ self.stage_changes / h, self.stage_rates[:, self.count :]], axis=1)
         return Collocated(self.t_old, self.t, self.start, h * (r.integral @ rates))
 

@@ -1,5 +1,6 @@
-"""Small numerics: Gauss-Legendre quadrature on -1..1 with the polynomials through its nodes, and roots within brackets: by Newton's method,
-which halves the bracket where a step would leave it, or without derivatives. Damped modes, each with the undamped mode to which it belongs.
+"""Small numerics: Gauss-Legendre quadrature on -1..1 with the polynomials through its nodes, and Radau IIA collocation. Roots within
+brackets: by Newton's method, which halves the bracket where a step would leave it, or without derivatives. Damped modes, each with the
+undamped mode to which it belongs.
 """
 
 import itertools
@@ -72,6 +73,41 @@ def gauss_rule() -> GaussRule:
         integrals[: len(integral), k] = integral
         cumulative[:, k] = legendre.legval(nodes, summed)
     return GaussRule(nodes, weights, np.vstack([cumulative @ to_legendre, weights]), to_legendre, powers, integrals)
+
+
+class RadauRule(NamedTuple):
+    """Radau IIA collocation with s points on 0..1, of order 2 s - 1 at the end.
+
+    Attributes:
+        points: (s,) the last is 1.
+        series: (s, s) from values at the points to Legendre coefficients on 0..1 of the polynomial through them.
+        integral: (s + 1, s) from values at the points to Legendre coefficients of the integral of that polynomial from 0.
+        integrate: (s, s) from values at the points to integrals from 0 to the points; the last row has the weights.
+        integrate_twice: (s, s) from values at the points to second integrals.
+
+    Source: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5.
+    """
+
+    points: Array
+    series: Array
+    integral: Array
+    integrate: Array
+    integrate_twice: Array
+
+
+@cache
+def radau_rule(stages: int) -> RadauRule:
+    """The Radau IIA rule with s points, from the conditions that define it."""
+    legendre = np.polynomial.legendre
+    polynomial = np.zeros(stages + 1)
+    polynomial[stages], polynomial[stages - 1] = 1.0, -1.0  # the points are the roots of P_s - P_(s-1)
+    x = np.sort(legendre.legroots(polynomial).real)
+    x -= legendre.legval(x, polynomial) / legendre.legval(x, legendre.legder(polynomial))  # eigenvalues are rounded; this is exact
+    x[-1] = 1.0
+    series = np.linalg.inv(legendre.legvander(x, stages - 1))
+    integral = 0.5 * np.asarray(legendre.legint(series, lbnd=-1, axis=0), dtype=np.float64)
+    integrate = np.asarray(legendre.legvander(x, stages) @ integral)
+    return RadauRule(0.5 * (x + 1.0), series, integral, integrate, integrate @ integrate)
 
 
 def polynomial_values(coefficients: Array, x: Array) -> Array:

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from pinpress.common.integrators import STAGES, RadauIIA, RungeKutta4, rounding, rule, slopes
+from pinpress.common.integrators import STAGES, RadauIIA, RungeKutta4, method, rounding, slopes
 
 
 def test_coefficients_are_radaus():
     """The conditions that define them: Radau's quadrature of order 2 s - 1, collocation of order s, and stiff accuracy."""
-    r = rule()
+    r = method()
     assert r.nodes[-1] == 1.0
     for k in range(1, 2 * STAGES):
         assert r.matrix[-1] @ r.nodes ** (k - 1) == pytest.approx(1 / k, abs=1e-14)
@@ -17,7 +17,7 @@ def test_coefficients_are_radaus():
 
 
 def test_the_embedded_formula_is_of_the_order_of_the_stages():
-    r = rule()
+    r = method()
     weights = r.matrix[-1] + r.embedded
     assert r.start + weights.sum() == pytest.approx(1.0, abs=1e-13)
     for k in range(2, STAGES + 1):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.numerics import radau_rule
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import GeneralizedForce
@@ -21,7 +22,7 @@ from .acting.phases import Border as LoadBorder
 from .acting.phases import LoadPhases, Phase
 from .contact import HertzContact
 from .equations import CRANK_ANGLE, INSTANT, ElasticEquations, Event, MotionEvent, Release, Segment
-from .panels import Border, Mesh, PanelSolution, PanelStates, radau, solve
+from .panels import Border, Mesh, PanelSolution, PanelStates, solve
 from .sprung_press import Springs, SprungPress
 from .task import FIRST_PANELS, LOOKS, MOST_STEPS, PAST_BORDER, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 
@@ -192,7 +193,7 @@ class _March:
 
     def _solve_window(self, span: float, events: dict[int, MotionEvent], near: PanelSolution | None) -> PanelSolution | None:
         """A window from the present state; its end is free where an event ends it."""
-        size, rule = len(self.state) // 2, radau(STAGES)
+        size, rule = len(self.state) // 2, radau_rule(STAGES)
         mesh = even_mesh(np.array([self.time, self.time + span]), np.array([WINDOW]))
         if near is None:
             h, y, v = mesh.length[0], self.state[:size], self.state[size:]

@@ -17,13 +17,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from ...common.numerics import RadauRule
 from ...common.quantities import Array
 
 Indices = NDArray[np.intp]
@@ -32,41 +32,6 @@ Indices = NDArray[np.intp]
 DOUBT = 3.0  # by how much the next change of Newton's method may be larger than the changes so far tell
 SEEN = 0.02  # share of the largest error of a panel below which a change does not matter to how panels are divided
 AT_A_TIME = 16  # panels whose equations are built and solved together: they stay in the cache
-
-
-class Rule(NamedTuple):
-    """Radau IIA collocation with s points on [0, 1].
-
-    Attributes:
-        points: (s,) the last is 1.
-        integrate: (s, s) values at the points to integrals from 0 to the points; the last row has the weights.
-        twice: (s, s) likewise to second integrals.
-        series: (s, s) values at the points to coefficients of Legendre polynomials on [0, 1].
-    """
-
-    points: Array
-    integrate: Array
-    twice: Array
-    series: Array
-
-
-@cache
-def radau(stages: int) -> Rule:
-    """The rule with this number of points."""
-    ends = np.zeros(stages + 1)
-    ends[stages], ends[stages - 1] = 1.0, -1.0  # the right Radau points are the roots of P_s - P_(s-1)
-    points = np.sort(legendre.legroots(ends).real)
-    points = 0.5 * (1.0 + points)
-    points[-1] = 1.0
-    series = np.linalg.inv(legendre.legvander(2 * points - 1, stages - 1))
-    integrate = legendre.legvander(2 * points - 1, stages) @ _integral(stages) @ series
-    return Rule(points, integrate, integrate @ integrate, np.asarray(series, dtype=float))
-
-
-@cache
-def _integral(stages: int) -> Array:
-    """(s + 1, s): coefficients of a Legendre series on [0, 1] to those of its integral from 0."""
-    return 0.5 * np.array([legendre.legint(row, lbnd=-1) for row in np.eye(stages)]).T
 
 
 class Linearised(NamedTuple):
@@ -177,7 +142,7 @@ class PanelSolution:
     """
 
     mesh: Mesh
-    rule: Rule
+    rule: RadauRule
     states: Array
     accelerations: Array
     change: float
@@ -208,7 +173,7 @@ class PanelSolution:
     def weights(self, share: Array) -> Array:
         """(n, s): values at the points of a panel to integrals from its start to shares (n,), on a panel of length 1."""
         stages = len(self.rule.points)
-        return np.asarray(legendre.legvander(2 * share - 1, stages) @ _integral(stages) @ self.rule.series)
+        return np.asarray(legendre.legvander(2 * share - 1, stages) @ self.rule.integral)
 
     def within(self, panel: Indices, share: Array) -> tuple[Array, Array, Array]:
         """Coordinates, rates and accelerations (n, f) at shares (n,) of panels (n,)."""
@@ -216,7 +181,7 @@ class PanelSolution:
         first = self.states[panel]
         stages = len(self.rule.points)
         values = legendre.legvander(2 * share - 1, stages)
-        once = values @ (_integral(stages) @ self.rule.series)
+        once = values @ self.rule.integral
         weights = np.stack([once @ self.rule.integrate, once, values[:, :stages] @ self.rule.series], axis=1)
         twice, once, a = np.matmul(weights, self.accelerations[panel]).swapaxes(0, 1)
         v = first[:, size:] + length * once
@@ -359,7 +324,7 @@ class _Step:
         h = self.h[:, None, None]
         self.first = at.states[:-1]
         self.once = np.einsum("st,ptf->psf", rule.integrate, a)
-        self.twice = np.einsum("st,ptf->psf", rule.twice, a)
+        self.twice = np.einsum("st,ptf->psf", rule.integrate_twice, a)
         v0, y0 = self.first[:, None, self.size :], self.first[:, None, : self.size]
         self.v = v0 + h * self.once
         self.y = y0 + h * rule.points[:, None] * v0 + h * h * self.twice
@@ -399,7 +364,7 @@ class _Step:
     def _matrix(self, some: slice) -> Array:
         """Derivatives (k, s, f, s, f) of the equations by the accelerations, on some panels."""
         rule, h = self.rule, self.h[some, None, None, None, None]
-        matrix = (h * h * rule.twice[:, None, :, None]) * self.stiffness[some, :, :, None, :]
+        matrix = (h * h * rule.integrate_twice[:, None, :, None]) * self.stiffness[some, :, :, None, :]
         matrix += (h * rule.integrate[:, None, :, None]) * self.damping[some, :, :, None, :]
         stage = np.arange(self.stages)
         matrix[:, stage, :, stage] += self.mass if self.mass.ndim == 2 else self.mass[:, some]
@@ -409,7 +374,7 @@ class _Step:
         """States (p, 2 f) at the ends of the panels, and their derivatives by the first states (p, 2 f, 2 f) and by start and length of the
         panels (p, 2 f, 2)."""
         rule, size, h = self.rule, self.size, self.h
-        weights = np.stack([rule.twice[-1], rule.integrate[-1]])  # (2, s)
+        weights = np.stack([rule.integrate_twice[-1], rule.integrate[-1]])  # (2, s)
         powers = np.stack([h * h, h], axis=1)  # (p, 2)
 
         def summed(changes: Array) -> Array:

@@ -12,13 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...common.numerics import radau_rule
 from ...common.quantities import Array
 from ..failures import failure
 from .acting.drive_train import TrainEvent, TrainMode
 from .acting.phases import Plan
 from .equations import CRANK_ANGLE, ElasticEquations, Event, MotionEvent, Release
 from .marching import cut_to, march, telling_steps
-from .panels import Border, Indices, Mesh, PanelSolution, newton_step, radau, solve
+from .panels import Border, Indices, Mesh, PanelSolution, newton_step, solve
 from .task import FEWEST, FIRST_PANELS, LOOKS, MOST_STEPS, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 
 MIDDLES = (np.arange(LOOKS) + 0.5) / LOOKS  # shares of a panel at which its forces are looked at
@@ -95,7 +96,7 @@ def periodic_near(task: Task, start: float, near: ElasticSolution) -> ElasticSol
 
 def _rigid_guess(task: Task, plan: Plan) -> PanelSolution:
     """The rigid motion on the panels of a plan."""
-    rule, share = radau(STAGES), np.diff(plan.knots) / plan.knots[-1]
+    rule, share = radau_rule(STAGES), np.diff(plan.knots) / plan.knots[-1]
     counts = np.maximum(FEWEST, np.ceil(FIRST_PANELS * share).astype(int))
     mesh = even_mesh(task.times(plan.knots), counts)
     y, v, _ = task.rigid(mesh.borders)

@@ -8,6 +8,7 @@ import pytest
 from support.texts import shipped
 
 import pinpress as pp
+from pinpress.common.numerics import radau_rule
 from pinpress.simulation.elastic import elastic_run, panels
 from pinpress.simulation.elastic.assembly import sprung_press
 
@@ -125,7 +126,7 @@ def test_order_of_the_collocation(stages, monkeypatch):
     for count in (40, 80):
         borders = np.arange(count + 1) / count
         mesh = panels.Mesh(found.panels.mesh.knots, np.zeros(count, dtype=int), borders[:-1], borders[1:])
-        rule = panels.radau(stages)
+        rule = radau_rule(stages)
         y, v, _ = found.panels.at(mesh.borders)
         _, _, a = found.panels.at((mesh.start[:, None] + mesh.length[:, None] * rule.points).ravel() - 1e-15)
         guess = panels.PanelSolution(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pinpress.common.numerics import radau_rule
 from pinpress.simulation.elastic import panels
 
 MASS, SPRING, LENGTH, GRAVITY = 2.0, 300.0, 0.5, 9.81
@@ -39,7 +40,7 @@ class PolarPendulum:
 
 def followed(equations, state, until, count):
     shares = np.arange(count + 1) / count
-    mesh, rule = panels.Mesh(np.array([0.0, until]), np.zeros(count, dtype=int), shares[:-1], shares[1:]), panels.radau(5)
+    mesh, rule = panels.Mesh(np.array([0.0, until]), np.zeros(count, dtype=int), shares[:-1], shares[1:]), radau_rule(5)
     guess = panels.PanelSolution(mesh, rule, np.tile(state, (count + 1, 1)), np.zeros((count, 5, 2)), np.inf, 0, np.eye(4))
     return panels.solve(equations, guess, panels.Border(False, np.zeros(4), []), 1e-13, 30)
 
