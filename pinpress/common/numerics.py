@@ -101,7 +101,7 @@ def radau_rule(stages: int) -> RadauRule:
     legendre = np.polynomial.legendre
     polynomial = np.zeros(stages + 1)
     polynomial[stages], polynomial[stages - 1] = 1.0, -1.0  # the points are the roots of P_s - P_(s-1)
-    x = np.sort(legendre.legroots(polynomial).real)
+    x = np.sort(legendre.legroots(polynomial).real).astype(np.float64)
     x -= legendre.legval(x, polynomial) / legendre.legval(x, legendre.legder(polynomial))  # eigenvalues are rounded; this is exact
     x[-1] = 1.0
     series = np.linalg.inv(legendre.legvander(x, stages - 1))

@@ -36,7 +36,7 @@ def rank(columns: Array) -> int:
 
 def _ranks(values: Array) -> NDArray[np.intp]:
     """Ranks (...) by singular values (..., k)."""
-    return np.count_nonzero(values > RANK * np.maximum(1.0, values.max(axis=-1, initial=0.0))[..., None], axis=-1)
+    return np.asarray(np.count_nonzero(values > RANK * np.maximum(1.0, values.max(axis=-1, initial=0.0))[..., None], axis=-1))
 
 
 class PassiveJacobian:

@@ -27,6 +27,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.dynamics import inverse_dynamics, reactions
+from pinpress.dynamics.shaking import shaking as shaking_of_bodies
 from pinpress.engines.friction import FrictionLaw
 from pinpress.engines.planar import bodies, out_of_plane
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
@@ -411,7 +412,7 @@ def test_the_tree_is_walked_once(monkeypatch, six_bar, turn):
 
 
 def test_shaking_is_computed_when_it_is_asked_for_and_once(monkeypatch, six_bar, turn):
-    summed, solved, shaking = [], counted_solutions(monkeypatch), reactions.shaking
+    summed, solved, shaking = [], counted_solutions(monkeypatch), shaking_of_bodies
     monkeypatch.setattr(reactions, "shaking", lambda *arguments: summed.append(1) or shaking(*arguments))
     for bearings, solutions in ((None, 1), (("B",), 1), ((), 2)):
         summed.clear(), solved.clear()

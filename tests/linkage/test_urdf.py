@@ -107,7 +107,7 @@ def test_valid_file(file):
 )
 def test_mimic(file, written, ratio):
     file.write_text(in_joint("P", written))
-    assert read(file).description.joints[1].mimic == urdf.Mimic("O", *ratio, 20)
+    assert read(file).description.joints[1].mimic == urdf.Mimic("O", ratio[0], ratio[1], 20)
     assert [joint.mimic for joint in read(file).description.joints[::2]] == [None, None]
 
 

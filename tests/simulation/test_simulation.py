@@ -22,7 +22,7 @@ from support.sampling import rest_exhaustive
 import pinpress as pp
 from pinpress.accuracy.measurements import SPEED_LAW
 from pinpress.accuracy.scenes import build_scene
-from pinpress.simulation import equations_of_motion, hybrid_system
+from pinpress.simulation import equations_of_motion, hybrid_system, solvers
 from pinpress.simulation import simulate as simulation
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.over_angle import angle_solver
@@ -1084,9 +1084,9 @@ def test_a_run_of_more_turns_than_are_kept_is_refused_before_it_begins():
     most = 2 * math.pi * angle_solver.MOST_PERIODS
     for speeds, until in (([1.0, -most * (1 + 1e-9)], 1.0), ([0.0, 2.0], 0.5 * most * (1 + 1e-9))):
         with pytest.raises(pp.SimulationError, match=f"more than {angle_solver.MOST_PERIODS} turns") as caught:
-            simulation.refuse_many_turns(np.array(speeds), until, 0.7)
+            solvers.refuse_many_turns(np.array(speeds), until, 0.7)
         assert (caught.value.time, caught.value.crank_angle) == (0.0, 0.7)
-    simulation.refuse_many_turns(np.array([-most * (1 - 1e-9), 1.0]), 1.0, 0.7)
+    solvers.refuse_many_turns(np.array([-most * (1 - 1e-9), 1.0]), 1.0, 0.7)
 
 
 @pytest.mark.one_in(3)

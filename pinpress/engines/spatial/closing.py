@@ -165,7 +165,8 @@ def rates(loops: Loops, position: Array, speed: Array, acceleration: Array, by: 
     """See `Engine.rates`."""
     n, step = position.shape[1], loops.piece
     if n > step:
-        parts = [rates(loops, *(values[:, k : k + step] for values in (position, speed, acceleration)), by) for k in range(0, n, step)]
+        pieces = (slice(k, k + step) for k in range(0, n, step))
+        parts = [rates(loops, position[:, piece], speed[:, piece], acceleration[:, piece], by) for piece in pieces]
         return JointRates(*(np.concatenate([part[k] for part in parts], axis=-1) for k in range(3)))
     moving, found = list(loops.spatial.drivers), by.equations(loops, position)
     passive, columns = PassiveColumns(loops, found.entries, by.in_blocks), found.driving

@@ -137,7 +137,7 @@ def test_idle_forces_of_a_chain(stiff, every):
     peak = max(np.abs(theirs.force).max(), np.abs(theirs.moment).max())
     for mine, other in ((ours.force, theirs.force), (ours.moment, theirs.moment)):
         np.testing.assert_allclose(mine, other, rtol=0, atol=2e-13 * peak)
-    for mine, other in zip(
+    for open_here, open_there in zip(
         engine.indeterminate(closed.position, np.eye(3)), press.engine("pinocchio").indeterminate(closed.position, np.eye(3)), strict=True
     ):
-        np.testing.assert_array_equal(mine, other)
+        np.testing.assert_array_equal(open_here, open_there)
