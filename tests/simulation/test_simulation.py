@@ -23,7 +23,6 @@ import pinpress as pp
 from pinpress.accuracy.measurements import SPEED_LAW
 from pinpress.accuracy.scenes import build_scene
 from pinpress.simulation import equations_of_motion, hybrid_system, solvers
-from pinpress.simulation import simulate as simulation
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.over_angle import angle_solver
 
