@@ -101,10 +101,10 @@ def radau_rule(stages: int) -> RadauRule:
     legendre = np.polynomial.legendre
     polynomial = np.zeros(stages + 1)
     polynomial[stages], polynomial[stages - 1] = 1.0, -1.0  # the points are the roots of P_s - P_(s-1)
-    x = np.sort(legendre.legroots(polynomial).real).astype(np.float64)
+    x = np.sort(legendre.legroots(polynomial).real)
     x -= legendre.legval(x, polynomial) / legendre.legval(x, legendre.legder(polynomial))  # eigenvalues are rounded; this is exact
     x[-1] = 1.0
-    series = np.linalg.inv(legendre.legvander(x, stages - 1))
+    series = np.asarray(np.linalg.inv(legendre.legvander(x, stages - 1)), dtype=np.float64)
     integral = 0.5 * np.asarray(legendre.legint(series, lbnd=-1, axis=0), dtype=np.float64)
     integrate = np.asarray(legendre.legvander(x, stages) @ integral)
     return RadauRule(0.5 * (x + 1.0), series, integral, integrate, integrate @ integrate)

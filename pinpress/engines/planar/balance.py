@@ -228,7 +228,7 @@ def efforts_by_rows(statics: Statics, efforts: Array) -> dict[int, Array]:
     result: dict[int, Array] = {}
     for joint, effort in enumerate(efforts):
         for row, part in efforts_of_joint(statics.functions, joint, effort):
-            result[row] = result[row] + part if row in result else part
+            result[row] = np.asarray(result[row] + part if row in result else part)
     return result
 
 

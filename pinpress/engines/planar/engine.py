@@ -21,8 +21,6 @@ from .bodies import Bodies, build_bodies, energies, power_balance
 from .model import Plane, build_plane, to_world
 
 if TYPE_CHECKING:
-    from types import ModuleType
-
     from .balance import Statics
 
 
@@ -116,7 +114,9 @@ class PlanarEngine:
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
-        return self._forces.inverse_dynamics(self._statics, self._closed(states), conditions, bearings)
+        from .inverse_dynamics import inverse_dynamics  # slow to import, and not needed to load
+
+        return inverse_dynamics(self._statics, self._closed(states), conditions, bearings)
 
     @cached_property
     def _statics(self) -> Statics:
@@ -124,14 +124,10 @@ class PlanarEngine:
 
         return build_statics(self.bodies)
 
-    @property
-    def _forces(self) -> ModuleType:
-        from . import inverse_dynamics  # slow to import, and not needed to load
-
-        return inverse_dynamics
-
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
-        return self._forces.bearing_loads(self._statics, self._closed(states), loads, efforts, rates)
+        from .inverse_dynamics import bearing_loads  # slow to import, and not needed to load
+
+        return bearing_loads(self._statics, self._closed(states), loads, efforts, rates)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         # slow to import, and not needed to load

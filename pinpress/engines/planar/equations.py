@@ -294,10 +294,10 @@ def matrix_of(equations: Equations, block: BlockRows, values: Sequence[ComplexAr
             matrix[:, 2 * k, place], matrix[:, 2 * k + 1, place] = by.real, by.imag
     riding = dict(block.riding)
     for k, coupling in enumerate(block.couplings, loops):
-        for row, by in efforts_of_coupling(functions, coupling):
+        for row, coefficient in efforts_of_coupling(functions, coupling):
             carrier = row if row in block.rows else riding.get(row, row)
             if carrier in block.rows:
-                matrix[:, k, block.rows.index(carrier)] += by
+                matrix[:, k, block.rows.index(carrier)] += coefficient
     return matrix
 
 
