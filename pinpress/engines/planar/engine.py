@@ -148,4 +148,6 @@ class PlanarEngine:
         """The states with their basis; raises AssemblyError where they leave the loops open."""
         if states.basis is not None:
             return states
-        return ClosedStates(states.position, states.v, states.a, self._forces.closed_basis(self.plane, states.position))
+        from .inverse_dynamics import closed_basis  # slow to import, and not needed to load
+
+        return ClosedStates(states.position, states.v, states.a, closed_basis(self.plane, states.position))
