@@ -126,7 +126,7 @@ def blocks() -> Figure:
 def _blocks(press: pp.Linkage) -> tuple[list[str], list[set[int]]]:
     """What the driver and every block of a press determine, and for each the places of those that it needs."""
     engine: Any = press.engine("plane")
-    equations = engine.plane.equations
+    equations = engine.equations
     rows = equations.functions.rows
     texts, needs = [f"driver\n{press.drivers[0]}"], [set[int]()]
     found_by = {rows[press.driver_indices[0]]: 0}

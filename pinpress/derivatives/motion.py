@@ -28,6 +28,7 @@ from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
 from ..common.tables import by_driver
 from ..engines.planar.closing import Slopes
+from ..engines.planar.equations import Equations
 from ..engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity
 from ..engines.planar.model import Plane
 from ..kinematics.motion import Motion, refuse_motion_of_another
@@ -189,7 +190,7 @@ class States(NamedTuple):
     def of(plane: Plane, position: Array) -> States:
         """The states of closed joint coordinates (nv, n)."""
         basis = basis_at(plane, position)
-        return States(plane, basis, Slopes.at(plane.equations, basis, position))
+        return States(plane, basis, Slopes.at(Equations.of(plane), basis, position))
 
     def solve(self, opened: ComplexArray) -> Array:
         """The joint rates (nv, n), that of the driver zero, that close loops which open at rates ``opened`` (loops, n)."""

@@ -23,6 +23,7 @@ from ..engines.joints import Coupling
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.planar.closing import close
 from ..engines.planar.engine import PlanarEngine
+from ..engines.planar.equations import Equations
 from ..engines.planar.model import Plane
 from ..engines.rank import PassiveJacobian
 from ..linkage.linkage import Linkage
@@ -174,13 +175,13 @@ def continue_geometry(plane: Plane, position: Array, by: Shift) -> ContinuedGeom
         SingularityError: it can be closed, but two assemblies meet on the way there.
     """
     angle = position[plane.driver]
-    reached = close(plane, angle, position, with_margins=True)
+    reached = close(Equations.of(plane), angle, position, with_margins=True)
     here, share, step, tried = plane, 0.0, 1.0, 0
     while share < 1.0:
         step, tried = min(step, 1.0 - share), tried + 1
         there = shifted(plane, by if share + step == 1.0 else by.times(share + step))
         predicted = step * States.of(here, reached.position).slope(by)
-        closure = close(there, angle, reached.position + predicted, with_margins=True)
+        closure = close(Equations.of(there), angle, reached.position + predicted, with_margins=True)
         if _belongs(there, closure, reached, predicted).all():
             here, reached, share, step = there, closure, share + step, 2 * step
         elif step <= SHORTEST or tried >= MOST:
@@ -207,7 +208,7 @@ def _lost(there: Plane, target: Plane, closure: Closure, before: Closure, predic
     assert before.margins is not None
     at = int(np.argmin(_belongs(there, closure, before, predicted)))
     angle, margin = float(before.position[there.driver, at]), float(np.abs(before.margins[:, at]).min(initial=1.0))
-    end = close(target, np.array([angle]), before.position[:, at : at + 1])
+    end = close(Equations.of(target), np.array([angle]), before.position[:, at : at + 1])
     if end.gap[0] <= ACCEPTED * target.tolerance:
         return SingularityError("on the way to the new lengths two assemblies of the linkage meet; go there in other steps", angle, margin)
     gap = float(end.gap[0]) if np.isfinite(end.gap[0]) else np.inf

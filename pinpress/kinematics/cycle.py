@@ -209,7 +209,7 @@ def _known(press: Linkage) -> _Known:
 @per_linkage(of_geometry=True)
 def _chain(press: Linkage) -> Chain | None:
     engine = press.engine()
-    return chain_of(engine.plane, press.branch) if isinstance(engine, PlanarEngine) else None
+    return chain_of(engine.equations, press.branch) if isinstance(engine, PlanarEngine) else None
 
 
 def _along_branch(

@@ -26,6 +26,7 @@ from ..dynamics.shaking import shaking
 from ..engines.engine import ClosedStates
 from ..engines.planar.balance import Statics, build_statics
 from ..engines.planar.bodies import build_bodies
+from ..engines.planar.equations import Equations
 from ..engines.planar.inverse_dynamics import inverse_dynamics
 from ..engines.planar.model import Plane, to_complex, to_world
 from ..engines.wrenches import AppliedConditions, Wrenches
@@ -301,7 +302,7 @@ class Design:
 
     @cached_property
     def _statics(self) -> Statics:
-        return build_statics(build_bodies(self.plane, self.start.press.model))
+        return build_statics(build_bodies(self.plane, self.start.press.model), Equations.of(self.plane))
 
     @cached_property
     def _reactions(self) -> TrialReactions:

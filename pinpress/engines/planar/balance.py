@@ -132,9 +132,8 @@ class Statics:
         return tuple(j for j in self.plane.prismatic if any(j in row for row in self.plane.coupling_rows))
 
 
-def build_statics(bodies: Bodies) -> Statics:
-    """Constants of the balance of forces of a linkage with these bodies."""
-    equations = bodies.plane.equations
+def build_statics(bodies: Bodies, equations: Equations) -> Statics:
+    """Constants of the balance of forces of a linkage with these bodies and equations."""
     functions = equations.functions
     count, joints = functions.count, len(functions.rows)
     together: ComplexArray = np.zeros((count + joints, count), complex)

@@ -231,7 +231,7 @@ def _fill_positions(chain: Chain, branch: Branch, angle: Array, along: Along, po
 # ------------------------------------------------------------------------------------------------------------- chains found in linkages
 
 
-def chain_of(plane: Plane, branch: Branch) -> Chain | None:
+def chain_of(equations: Equations, branch: Branch) -> Chain | None:
     """The chain of a linkage along its branch, as far as its dyads stay clear of dead centres; None where the linkage is no chain of dyads,
     or comes near to dead centres all the time.
 
@@ -241,15 +241,16 @@ def chain_of(plane: Plane, branch: Branch) -> Chain | None:
         return None
     angles = np.append(branch.angles[:-1:SUBDIVISION], branch.angles[-1])  # nodes of the walk, between which it looked at margins
     begin = int(np.argmin(np.abs(angles)))
-    judge = closing.close(plane, angles, predict(branch, angles), with_margins=True)
+    judge = closing.close(equations, angles, predict(branch, angles), with_margins=True)
     assert judge.basis is not None
     assert judge.margins is not None
-    chain = _built(plane, judge.basis[:, begin])
+    chain = _built(equations, judge.basis[:, begin])
     if chain is None:
         return None
     with np.errstate(all="ignore"):  # nodes that are beyond the reach of a dyad are left out
         tried = np.empty_like(judge.basis)
         close(chain, angles, tried)
+        plane = equations.functions.plane
         size = np.where(np.arange(len(tried)) > len(plane.revolute), plane.size, 1.0)[:, None]
         errors = np.abs(tried - judge.basis) / size
         good = (np.abs(judge.margins) >= CLEAR).all(axis=0) & (errors <= EQUAL).all(axis=0)
@@ -271,10 +272,9 @@ def _winding(chain: Chain, branch: Branch, end: Array) -> tuple[int, ...]:
     return tuple(chain.functions.rows[j] for j, turns in zip(plane.revolute, turning, strict=True) if turns and j not in exact)
 
 
-def _built(plane: Plane, drawn: ComplexArray) -> Chain | None:
+def _built(equations: Equations, drawn: ComplexArray) -> Chain | None:
     """The chain of a linkage, given its basis (nb,) in a pose of its branch."""
-    equations = plane.equations
-    functions = equations.functions
+    functions, plane = equations.functions, equations.functions.plane
     gears = _gears(equations)
     if plane.parents[plane.driver] >= 0 or gears is None:
         return None

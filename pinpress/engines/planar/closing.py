@@ -28,12 +28,12 @@ Opening = Sequence[ComplexArray | Array | None] | ComplexArray
 """Rate (n,) at which the gap of every loop would open, complex, then that of every coupling; None for zero."""
 
 
-def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
+def close(equations: Equations, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
     """Close all loops at crank angles (n,) to rounding, by Newton's method from guesses (nv, n).
 
     Where it fails, the gap of that configuration is large or not finite: the caller judges.
     """
-    x = guess.copy()
+    plane, x = equations.functions.plane, guess.copy()
     x[plane.driver] = angle
     worst, steps = np.inf, 0
     with np.errstate(all="ignore"):  # a failed closure shows in its gap
@@ -49,24 +49,24 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             stalled = worst > 0.5 * before and worst < ACCEPTED * plane.tolerance
             if worst <= plane.tolerance or stalled or steps == MOST_NEWTON_STEPS or not np.isfinite(worst):
                 break
-            x += Slopes.at(plane.equations, basis, x).solve([*gaps, *slips])
+            x += Slopes.at(equations, basis, x).solve([*gaps, *slips])
             steps += 1
-        slopes = Slopes.at(plane.equations, basis, x)
-        first, second = _influence(plane, basis, slopes)
+        slopes = Slopes.at(equations, basis, x)
+        first, second = _influence(basis, slopes)
         margins = slopes.margins() if with_margins else None
     return Closure(x, first, second, gap, worst, steps, margins, basis)
 
 
-def influence(plane: Plane, basis: ComplexArray, position: Array) -> tuple[Array, Array]:
+def influence(equations: Equations, basis: ComplexArray, position: Array) -> tuple[Array, Array]:
     """First-order and second-order influence coefficients (nv, n) of closed configurations with this ``basis`` (nb, n) and these joint
     coordinates (nv, n)."""
     with np.errstate(all="ignore"):
-        return _influence(plane, basis, Slopes.at(plane.equations, basis, position))
+        return _influence(basis, Slopes.at(equations, basis, position))
 
 
-def _influence(plane: Plane, basis: ComplexArray, slopes: Slopes) -> tuple[Array, Array]:
+def _influence(basis: ComplexArray, slopes: Slopes) -> tuple[Array, Array]:
     """Influence coefficients, given the slopes of these configurations."""
-    first = slopes.drive()
+    plane, first = slopes.equations.functions.plane, slopes.drive()
     opened = _opened_by_turning(plane, basis, first)
     return first, slopes.solve([*opened, *[None] * len(plane.offsets)])
 

@@ -18,6 +18,7 @@ from ..pinocchio.model import SpatialModel
 from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import closing, kinematics
 from .bodies import Bodies, build_bodies, energies, power_balance
+from .equations import Equations
 from .model import Plane, build_plane, to_world
 
 if TYPE_CHECKING:
@@ -45,6 +46,11 @@ class PlanarEngine:
         return None if plane is None else PlanarEngine(plane, spatial)
 
     @cached_property
+    def equations(self) -> Equations:
+        """The equations of loops and couplings in absolute coordinates."""
+        return Equations.of(self.plane)
+
+    @cached_property
     def bodies(self) -> Bodies:
         """Inertial constants of the linkage."""
         return read_only(build_bodies(self.plane, self.spatial.model))
@@ -67,18 +73,18 @@ class PlanarEngine:
     # ----------------------------------------------------------------------------------------------------------------- equations
 
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
-        return closing.close(self.plane, angle, guess, with_margins)
+        return closing.close(self.equations, angle, guess, with_margins)
 
     def closing_function(self) -> CloseDrivers:
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
-            found, rate = closing.close(self.plane, drivers[0], guess, with_margins=True), along[0]
+            found, rate = closing.close(self.equations, drivers[0], guess, with_margins=True), along[0]
             return found if np.all(rate == 1.0) else replace(found, first=rate * found.first, second=rate**2 * found.second)
 
         return close
 
     def rates(self, position: Array, speed: Array, acceleration: Array) -> JointRates:
         basis = kinematics.basis_at(self.plane, position)
-        first, second = closing.influence(self.plane, basis, position)
+        first, second = closing.influence(self.equations, basis, position)
         return JointRates(first * speed, first * acceleration + second * speed**2, kinematics.gaps(self.plane, position, basis))
 
     def gaps(self, position: Array) -> Array:
@@ -122,7 +128,7 @@ class PlanarEngine:
     def _statics(self) -> Statics:
         from .balance import build_statics  # slow to import, and not needed to load
 
-        return build_statics(self.bodies)
+        return build_statics(self.bodies, self.equations)
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
         from .inverse_dynamics import bearing_loads  # slow to import, and not needed to load

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -31,9 +31,6 @@ from ..engine import PIECE
 from ..joints import Coupling, Entries, LoopJoint, array_of, drawn_placements, joints_between
 from ..joints import axes as joint_axes
 from ..racks import Rack, racks
-
-if TYPE_CHECKING:
-    from .equations import Equations
 
 EPSILON = float(np.finfo(float).eps)
 COORDINATES = 40_960  # joint coordinates of the states that are worked through at a time: their arrays take some megabytes
@@ -156,13 +153,6 @@ class Plane:
     def piece(self) -> int:
         """Number of states that are worked through at a time: more of a small linkage, where the number of calls decides."""
         return max(PIECE, COORDINATES // len(self.parents))
-
-    @cached_property
-    def equations(self) -> Equations:
-        """The equations of the loops and couplings in absolute coordinates."""
-        from .equations import Equations  # needs this class
-
-        return Equations.of(self)
 
     @cached_property
     def guides(self) -> tuple[tuple[int, int, int], ...]:

@@ -18,6 +18,7 @@ from ...common.quantities import Array, ComplexArray
 from ...derivatives.motion import Displacements, Rates, Shift, States, Tangent, guide_shift, planar, shift
 from ...engines.planar.closing import NO_SLIPS, Slopes
 from ...engines.planar.equations import Equations, nonzero
+from ...engines.planar.functions import Functions
 from ...engines.planar.kinematics import basis_acceleration, basis_at
 from ...engines.planar.model import Plane
 from ...linkage.linkage import Linkage
@@ -89,7 +90,7 @@ class PlanarShapes(Shapes):
     def _equations(self, added: ComplexArray) -> Equations:
         """The equations of every set."""
         coefficients = [dict(gap) for gap in self._nominal]
-        order = self.plane.equations.functions.order
+        order = self._structure.functions.order
         for (loop, place), values in zip(self.places.tolist(), added, strict=True):
             if place:  # what moves on the frame moves no coordinate
                 coefficients[loop][order[place]] = coefficients[loop][order[place]] + values
@@ -98,7 +99,7 @@ class PlanarShapes(Shapes):
     @cached_property
     def _nominal(self) -> list[dict[int, ComplexArray]]:
         """By loop the nominal coefficients of all functions whose coefficients are not zero in every set."""
-        functions = self.plane.equations.functions
+        functions = Functions(self.plane)
         coefficients = [nonzero(functions, gap) for gap in self.plane.gap_rows]
         for loop, place in self.places.tolist():
             if place:
