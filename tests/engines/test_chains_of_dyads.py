@@ -16,6 +16,7 @@ from pinpress.engines.engine import ClosedStates
 from pinpress.engines.planar import balance
 from pinpress.engines.planar import chain as chains
 from pinpress.engines.planar.engine import PlanarEngine
+from pinpress.engines.planar.equations import Equations
 from pinpress.engines.wrenches import AppliedConditions
 from pinpress.kinematics import cycle as cycles
 
@@ -270,7 +271,7 @@ def test_the_driver_of_a_chain_stands_on_the_frame():
     assert chain_of(press) is not None
     engine = press.engine("plane")
     assert isinstance(engine, PlanarEngine)
-    assert chains.chain_of(replace(engine.plane, parents=(1, -1, -1)), press.branch) is None
+    assert chains.chain_of(Equations.of(replace(engine.plane, parents=(1, -1, -1))), press.branch) is None
 
 
 def test_near_a_dead_centre_newtons_method_closes(monkeypatch):
@@ -341,11 +342,11 @@ def test_forces_of_what_is_closed_on_a_link_that_moves(slides):
 def test_a_closed_form_that_is_not_that_of_the_branch_is_not_used(monkeypatch):
     """Another assembly, say: the nodes of the branch tell."""
     press = texts.load(four_bar(1.0, 0.2, 0.9, 0.5, 0.3).urdf("O"))
-    plane, branch = press.engine("plane").plane, press.branch
-    assert chains.chain_of(plane, branch) is not None
+    equations, branch = press.engine("plane").equations, press.branch
+    assert chains.chain_of(equations, branch) is not None
     build = chains._built
     monkeypatch.setattr(chains, "_built", lambda plane, drawn: mirrored(build(plane, drawn)))
-    assert chains.chain_of(plane, branch) is None
+    assert chains.chain_of(equations, branch) is None
 
 
 def mirrored(chain):
