@@ -28,9 +28,9 @@ from .law_trials import confirm_torques
 from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, Sample, Trajectory
 
 if TYPE_CHECKING:  # reports know runs, and need no solvers
-    from .equations_of_motion import ConstraintSolution, FullDynamics
+    from .over_time.equations_of_motion import ConstraintSolution, FullDynamics
+    from .over_time.time_solver import TimeSegment
     from .solvers import SimulationProblem
-    from .time_solver import TimeSegment
 
 POINTS = 120  # states returned per turn of the crank, and at least
 LOOSE = 1e3  # energy error accepted, in multiples of the tolerance

@@ -18,17 +18,17 @@ from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.servo_motion import servo_cycle
 from ..loads.caller_laws import LawError
 from .driven_press import DrivenPress
-from .equations_of_motion import FullDynamics, ReducedDynamics
 from .failures import failure
-from .hybrid_system import HybridSystem, Mode
 from .over_angle.angle_solver import MOST_PERIODS, AngleSolver
 from .over_angle.collocation import LEAST
 from .over_angle.segment import AngleSegment
+from .over_time.equations_of_motion import FullDynamics, ReducedDynamics
+from .over_time.hybrid_system import HybridSystem, Mode
 from .reduced_model import INERTIA, ReducedModel, lock_reached
 from .trajectory import INTEGRALS, RepetitionSegment, Segment, StandstillSegment, State, Trajectory
 
 if TYPE_CHECKING:
-    from .time_solver import TimeSegment
+    from .over_time.time_solver import TimeSegment
 
 AGAIN = 4.0  # the crank is followed over its angle again from this multiple of the kinetic energy at which it was no longer sure to turn
 LEAST_TOLERANCE = 1e-13
@@ -195,7 +195,12 @@ class OverTime:
     def _integrated(self, system: HybridSystem, state: State, followed: "_Followed | None") -> "tuple[TimeSegment, State]":
         """Integrate from a state to the end, or until the crank has been ``followed`` for long enough. Returns the segment and the state
         at its end."""
-        from .time_solver import BY_STIFFNESS, IMPLICIT, Settings, integrate  # SciPy's integrators take long to import: turning needs none
+        from .over_time.time_solver import (  # SciPy's integrators take long to import: turning needs none
+            BY_STIFFNESS,
+            IMPLICIT,
+            Settings,
+            integrate,
+        )
 
         problem, driven = self.problem, self.problem.driven
         mode, y = _begun(system, state)
@@ -260,7 +265,7 @@ def _turning_energy(driven: DrivenPress, state: State, before: Sequence[Segment]
 def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, until: float) -> "list[Segment] | None":
     """Follow a crank that swings to and fro, under forces that do not depend on its speed, for one swing, to a tolerance relative to the
     swing, and repeat that to the end. None where the crank does not come back."""
-    from .time_solver import IMPLICIT, Settings, integrate  # imports SciPy's integrators
+    from .over_time.time_solver import IMPLICIT, Settings, integrate  # imports SciPy's integrators
 
     begin, turn, again = segment.stops()[-3:]
     sample = segment.at(np.array([begin, turn]), complete=False)
@@ -287,7 +292,7 @@ class AllJointsOverTime:
         return False
 
     def advance(self, state: State, before: Sequence[Segment]) -> Leg:
-        from .time_solver import Settings, integrate  # imports SciPy's integrators
+        from .over_time.time_solver import Settings, integrate  # imports SciPy's integrators
 
         problem, driven, press = self.problem, self.problem.driven, self.problem.driven.press
         joints = FullDynamics(press, driven.coordinates, driven.inertias)

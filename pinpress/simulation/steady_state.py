@@ -220,7 +220,7 @@ def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: floa
                 begin = float(direction * np.sqrt(2 * found.ends[0, 0] / (found.mesh.inertia_ends[0] + driven.inertia)))
                 state = State(0.0, angle, begin, np.zeros(len(INTEGRALS)))
                 return Trajectory([angle_segment(driven, found, len(found.mesh.kinds), state)])
-        speeds = speed * SHARES if bounds is None else np.linspace(*speeds[bounds], len(SHARES))
+        speeds = speed * SHARES if bounds is None else np.linspace(float(speeds[bounds[0]]), float(speeds[bounds[1]]), len(SHARES))
         tried = collocation.solve(driven, mesh, _energies(driven, mesh, speeds))
         if tried.speed_free:  # no speed is better than another
             raise _no_steady_state(speed)
@@ -340,7 +340,7 @@ def _period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -
     Raises:
         SimulationError: the crank does not get through a period.
     """
-    from .time_solver import Settings, integrate  # imports SciPy's integrators
+    from .over_time.time_solver import Settings, integrate  # imports SciPy's integrators
 
     assert driven.model.period is not None
     system = reduced_system(driven)

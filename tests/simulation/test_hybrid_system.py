@@ -12,8 +12,8 @@ import pinpress as pp
 from pinpress.simulation import failures, solvers
 from pinpress.simulation.coupling import HOLDING, OPEN, SLIPPING
 from pinpress.simulation.driven_press import driven_press
-from pinpress.simulation.equations_of_motion import ReducedDynamics
-from pinpress.simulation.events import (
+from pinpress.simulation.over_time.equations_of_motion import ReducedDynamics
+from pinpress.simulation.over_time.events import (
     BorderPassed,
     ClutchSlips,
     ContactChanges,
@@ -25,7 +25,7 @@ from pinpress.simulation.events import (
     ending_events,
     margins_of,
 )
-from pinpress.simulation.hybrid_system import HybridSystem
+from pinpress.simulation.over_time.hybrid_system import HybridSystem
 from pinpress.simulation.reduced_model import WEIGHT
 
 MOTOR = pp.drives.Geared(pp.drives.InverterMotor(20.0, 1450 * pp.RPM, 45.0), 20.0)

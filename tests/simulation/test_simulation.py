@@ -22,9 +22,10 @@ from support.sampling import rest_exhaustive
 import pinpress as pp
 from pinpress.accuracy.measurements import SPEED_LAW
 from pinpress.accuracy.scenes import build_scene
-from pinpress.simulation import equations_of_motion, hybrid_system, solvers
+from pinpress.simulation import solvers
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.over_angle import angle_solver
+from pinpress.simulation.over_time import equations_of_motion, hybrid_system
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 ZXN2 = json.loads((REFERENCE / "zxn2_3000b.json").read_text(encoding="utf-8"))["forward"]

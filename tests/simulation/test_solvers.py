@@ -10,15 +10,15 @@ from support import texts
 
 import pinpress as pp
 from pinpress.kinematics.cycle import motion_through_change_points
-from pinpress.simulation import time_solver
 from pinpress.simulation.batch import BatchSolver
 from pinpress.simulation.driven_press import driven_press
-from pinpress.simulation.equations_of_motion import ReducedDynamics
-from pinpress.simulation.events import CoordinateTurns, CrankStops, EventFinder
-from pinpress.simulation.hybrid_system import HybridSystem
 from pinpress.simulation.over_angle import angle_solver, collocation, refinement
 from pinpress.simulation.over_angle.mesh import build_mesh, mesh_borders
 from pinpress.simulation.over_angle.segment import angle_segment
+from pinpress.simulation.over_time import time_solver
+from pinpress.simulation.over_time.equations_of_motion import ReducedDynamics
+from pinpress.simulation.over_time.events import CoordinateTurns, CrankStops, EventFinder
+from pinpress.simulation.over_time.hybrid_system import HybridSystem
 from pinpress.simulation.reduced_model import energies
 from pinpress.simulation.trajectory import INTEGRALS, State
 

@@ -73,6 +73,7 @@ def solve_period(
         rests = mesh.kinds[0] == FROM_REST, mesh.kinds[-1] == TO_REST
         mesh = build_mesh(driven, mesh.start, mesh.direction, np.sort(np.concatenate([mesh.borders, coarse])), rests, mesh.periods)
         guess, beside, energy = interpolate_onto(solution, mesh), None, solution.ends[0]
+    assert coarse is not None
     return SolvedPeriod(solution, coarse)
 
 

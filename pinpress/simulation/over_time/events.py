@@ -13,11 +13,12 @@ from typing import ClassVar
 import numpy as np
 from scipy.optimize import brentq
 
-from ..common.quantities import Array
-from ..drives.transmission import SwitchPoint
-from ..loads.process import ForceInterval
-from .coupling import HOLDING, OPEN, Side
-from .failures import failure
+from ...common.quantities import Array
+from ...drives.transmission import SwitchPoint
+from ...loads.process import ForceInterval
+from ..coupling import HOLDING, OPEN, Side
+from ..failures import failure
+from ..trajectory import INTEGRALS
 from .hybrid_system import (
     ForceMode,
     HybridSystem,
@@ -25,7 +26,6 @@ from .hybrid_system import (
     Snapshot,
     force_mode,
 )
-from .trajectory import INTEGRALS
 
 SHAFT = -len(INTEGRALS) - 1  # place of the speed of a clutch's driving side in the vector
 SIDES: tuple[Side, ...] = ("clutch", "brake")
@@ -67,9 +67,9 @@ def ending_events(system: HybridSystem, mode: Mode, y: Array) -> tuple[Event, ..
             if place is not None:
                 found += _force_events(system, k, place)
     with_crank = mode.way is not None and mode.clutch.grip is HOLDING  # the shaft passes standstill as the crank stops
-    for k, (corner, side) in enumerate(zip(system.driven.corners, mode.sides, strict=True)):
+    for k, (corner, above) in enumerate(zip(system.driven.corners, mode.sides, strict=True)):
         if corner or not with_crank:
-            found.append(CornerPassed(k, corner, side))
+            found.append(CornerPassed(k, corner, above))
     for side in SIDES:
         switch = mode.coupling(side).next_switch(getattr(system.driven, side))
         if switch is not None:

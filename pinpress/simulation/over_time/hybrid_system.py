@@ -16,16 +16,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..common.errors import PinpressError, SimulationError
-from ..common.quantities import Array
-from ..drives.protocol import corners_of
-from ..loads.caller_laws import LawError
-from ..loads.process import ForceInterval
-from .coupling import HOLDING, OPEN, SLIPPING, CouplingMode, Side, coupling_at_start, sign_of
-from .driven_press import DrivenPress, GeneralizedForce
+from ...common.errors import PinpressError, SimulationError
+from ...common.quantities import Array
+from ...drives.protocol import corners_of
+from ...loads.caller_laws import LawError
+from ...loads.process import ForceInterval
+from ..coupling import HOLDING, OPEN, SLIPPING, CouplingMode, Side, coupling_at_start, sign_of
+from ..driven_press import DrivenPress, GeneralizedForce
+from ..failures import failure
+from ..trajectory import INTEGRALS
 from .equations_of_motion import Dynamics
-from .failures import failure
-from .trajectory import INTEGRALS
 
 AHEAD = 1e-9  # time looked ahead to see into which interval a force goes, with several drivers, and what a clutch that closes does [s]
 LITTLE = 1e-7  # crank angle looked ahead to see into which interval a force goes [rad]
@@ -477,7 +477,7 @@ class HybridSystem:
         clutch = self.driven.clutch
         if clutch is None:
             return math.inf
-        return (1 + LETS_GO) * mode.clutch.capacity(clutch, time) - abs(self._clutch_torque(mode, time, at))
+        return float((1 + LETS_GO) * mode.clutch.capacity(clutch, time) - abs(self._clutch_torque(mode, time, at)))
 
     def _clutch_torque(self, mode: Mode, time: float, at: Snapshot) -> float:
         """Torque on the crank that the clutch has to transmit to hold [N m]."""

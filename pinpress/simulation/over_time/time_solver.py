@@ -17,16 +17,16 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853, DenseOutput, OdeSolver
 from scipy.optimize import brentq
 
-from ..common.errors import SimulationError
-from ..common.frozen import read_only
-from ..common.integrators import RadauIIA, RungeKutta4, rounding, slopes
-from ..common.quantities import Array
-from ..loads.caller_laws import LawError
-from .coupling import OPEN
+from ...common.errors import SimulationError
+from ...common.frozen import read_only
+from ...common.integrators import RadauIIA, RungeKutta4, rounding, slopes
+from ...common.quantities import Array
+from ...loads.caller_laws import LawError
+from ..coupling import OPEN
+from ..failures import failure
+from ..trajectory import INTEGRALS, Sample
 from .events import CornerPassed, Event, EventFinder
-from .failures import failure
 from .hybrid_system import HybridSystem, Mode
-from .trajectory import INTEGRALS, Sample
 
 EXPLICIT, IMPLICIT, FIXED, BY_STIFFNESS = "explicit", "implicit", "fixed step", "by stiffness"
 WINDOW = 5  # the pace of a method is measured over this many steps, after as many in which it finds its step

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ..common.errors import PinpressError, SingularityError
-from ..common.quantities import Array
-from ..common.results import Record
-from ..kinematics.cycle import motion_through_change_points
-from ..linkage.linkage import Linkage
-from .driven_press import Coordinate, JointPosition
-from .reduced_model import COORDINATES, INERTIA, WEIGHT, ReducedModel
+from ...common.errors import PinpressError, SingularityError
+from ...common.quantities import Array
+from ...common.results import Record
+from ...kinematics.cycle import motion_through_change_points
+from ...linkage.linkage import Linkage
+from ..driven_press import Coordinate, JointPosition
+from ..reduced_model import COORDINATES, INERTIA, WEIGHT, ReducedModel
 
 if TYPE_CHECKING:
-    from ..engines.pinocchio.forward_dynamics import ForwardDynamics
+    from ...engines.pinocchio.forward_dynamics import ForwardDynamics
 
 
 class Dynamics(Protocol):
