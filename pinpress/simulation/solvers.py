@@ -195,12 +195,7 @@ class OverTime:
     def _integrated(self, system: HybridSystem, state: State, followed: "_Followed | None") -> "tuple[TimeSegment, State]":
         """Integrate from a state to the end, or until the crank has been ``followed`` for long enough. Returns the segment and the state
         at its end."""
-        from .over_time.time_solver import (  # SciPy's integrators take long to import: turning needs none
-            BY_STIFFNESS,
-            IMPLICIT,
-            Settings,
-            integrate,
-        )
+        from .over_time.time_solver import BY_STIFFNESS, IMPLICIT, Settings, integrate  # imports SciPy's integrators
 
         problem, driven = self.problem, self.problem.driven
         mode, y = _begun(system, state)
