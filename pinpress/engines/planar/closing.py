@@ -1,10 +1,12 @@
-"""Closing a planar linkage at all crank angles at once by Newton's method, with the exact influence coefficients of every joint.
+"""Newton's method for the loops of a planar linkage, at all crank angles at once, and the exact influence coefficients of every joint.
 
-Blocks are solved in the order in which they depend on each other, in absolute coordinates (see `equations`). What a coordinate of an
-earlier block adds to the rate at which a loop opens is its slope times its rate.
+A Newton step, the rates and the accelerations of the joints solve the same linear equations with different right-hand sides: the gaps, the
+rate of the driver, and the centripetal and Coriolis accelerations of the gaps. `Slopes` solves them block by block, in absolute
+coordinates, in an order in which no block depends on a later one (see `equations`). A coordinate of an earlier block opens a loop at the
+slope of the gap by this coordinate times the rate of the coordinate; this goes to the right-hand side.
 
-Where there are more equations than joints (a second rod to the same slide), the least-squares solution is taken: it fulfils all equations
-if the redundant ones agree with the others, and if they do not, the gap shows it.
+A block can have more equations than joints (a second rod to the same slide). It then gets the least-squares solution. This solution fulfils
+all equations if the redundant ones agree with the others. If they do not agree, a gap remains.
 """
 
 from __future__ import annotations
@@ -22,83 +24,93 @@ from .equations import BlockRows, Equations, Pose, efforts_of_coupling, matrix_o
 from .kinematics import basis_acceleration, basis_at, basis_velocity
 from .model import Plane
 
-NO_SLIPS = np.empty((0, 1))
+NO_SLIPS = np.empty((0, 1))  # errors of the couplings of a linkage without couplings
 Moved = tuple[tuple[int, ComplexArray], ...]
+"""Rows of coordinates of earlier blocks, each with the slope (n,) of a loop's gap by it."""
 Opening = Sequence[ComplexArray | Array | None] | ComplexArray
-"""Rate (n,) at which the gap of every loop would open, complex, then that of every coupling; None for zero."""
+"""Right-hand side: the complex rate (n,) at which the gap of every loop opens, then the real one of every coupling; None is zero."""
 
 
 def close(equations: Equations, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
     """Close all loops at crank angles (n,) to rounding, by Newton's method from guesses (nv, n).
 
-    Where it fails, the gap of that configuration is large or not finite: the caller judges.
+    It never raises. Where the method fails, the gap of that configuration is large or not finite; the caller checks it.
     """
     plane, x = equations.functions.plane, guess.copy()
     x[plane.driver] = angle
-    worst, steps = np.inf, 0
-    with np.errstate(all="ignore"):  # a failed closure shows in its gap
+    widest, steps = np.inf, 0
+    with np.errstate(all="ignore"):  # a division by zero gives a gap that is not finite
         while True:
             basis = basis_at(plane, x)
             gaps = product(plane.gap_rows, basis)
             gap = np.sqrt(np.maximum.reduce((gaps.conj() * gaps).real, axis=0, initial=0.0))
-            slips = plane.coupled @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
+            slips = plane.coupled @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS  # errors of the couplings
             if len(slips):
                 gap = np.maximum(gap, np.abs(slips).max(axis=0))
-            before, worst = worst, float(np.maximum.reduce(gap))
-            # Rounding can leave a gap slightly above the tolerance: stop where another step no longer halves it.
-            stalled = worst > 0.5 * before and worst < ACCEPTED * plane.tolerance
-            if worst <= plane.tolerance or stalled or steps == MOST_NEWTON_STEPS or not np.isfinite(worst):
+            previous, widest = widest, float(np.maximum.reduce(gap))
+            # Rounding can leave a gap slightly above the tolerance. Stop if a step did not halve such a gap.
+            stalls = widest > 0.5 * previous and widest < ACCEPTED * plane.tolerance
+            if widest <= plane.tolerance or stalls or steps == MOST_NEWTON_STEPS or not np.isfinite(widest):
                 break
+            # A Newton step solves the equations of the rates, with the gaps as the right-hand side.
             x += Slopes.at(equations, basis, x).solve([*gaps, *slips])
             steps += 1
         slopes = Slopes.at(equations, basis, x)
-        first, second = _influence(basis, slopes)
+        first, second = _compute_influence(basis, slopes)
         margins = slopes.margins() if with_margins else None
-    return Closure(x, first, second, gap, worst, steps, margins, basis)
+    return Closure(x, first, second, gap, widest, steps, margins, basis)
 
 
 def influence(equations: Equations, basis: ComplexArray, position: Array) -> tuple[Array, Array]:
-    """First-order and second-order influence coefficients (nv, n) of closed configurations with this ``basis`` (nb, n) and these joint
-    coordinates (nv, n)."""
+    """First-order and second-order influence coefficients (nv, n) of closed configurations.
+
+    Args:
+        equations: the equations.
+        basis: (nb, n) the basis of the configurations.
+        position: (nv, n) their joint coordinates.
+    """
     with np.errstate(all="ignore"):
-        return _influence(basis, Slopes.at(equations, basis, position))
+        return _compute_influence(basis, Slopes.at(equations, basis, position))
 
 
-def _influence(basis: ComplexArray, slopes: Slopes) -> tuple[Array, Array]:
-    """Influence coefficients, given the slopes of these configurations."""
+def _compute_influence(basis: ComplexArray, slopes: Slopes) -> tuple[Array, Array]:
+    """The influence coefficients (nv, n) from the slopes at closed configurations."""
     plane, first = slopes.equations.functions.plane, slopes.drive()
-    opened = _opened_by_turning(plane, basis, first)
-    return first, slopes.solve([*opened, *[None] * len(plane.offsets)])
+    gap_accelerations = _differentiate_gaps_twice(plane, basis, first)
+    return first, slopes.solve([*gap_accelerations, *[None] * len(plane.offsets)])  # those of couplings are zero
 
 
-def _opened_by_turning(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
-    """Second derivatives (nl, n) of the gaps by time at joint rates (nv, n) without accelerations."""
-    if any(plane.guide_rotors):
+def _differentiate_gaps_twice(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
+    """The centripetal and Coriolis accelerations (nl, n) of the gaps: at joint rates (nv, n), with all joint accelerations zero."""
+    if any(plane.guide_rotors):  # only a guide that turns has a Coriolis acceleration
         return np.asarray(product(plane.gap_rows, basis_acceleration(plane, basis, v, None)))
     spin = product(plane.turn, v)
-    spin *= spin
+    spin *= spin  # squared
     return np.asarray(product(plane.centripetal, basis[1 : 1 + len(plane.revolute)] * spin))
 
 
 def moves(plane: Plane, drawn: Closure) -> bool:
-    """Whether the driver moves a linkage in its closed drawn pose: redundant equations could contradict the motion that the others give."""
+    """Whether the driver can move the linkage in its closed drawn pose.
+
+    Without redundant equations it can. Redundant ones must allow the rates that the least-squares solution gives.
+    """
     if not plane.redundant:
         return True
-    rate = basis_velocity(plane, basis_at(plane, drawn.position), drawn.first)
-    opened = product(plane.gap_rows, rate), plane.coupled @ drawn.first
-    return all(np.abs(each).max(initial=0.0) <= RANK * plane.size for each in opened)
+    basis_rate = basis_velocity(plane, basis_at(plane, drawn.position), drawn.first)
+    opening_rates = product(plane.gap_rows, basis_rate), plane.coupled @ drawn.first
+    return all(np.abs(each).max(initial=0.0) <= RANK * plane.size for each in opening_rates)
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- solving
 
 
 class Slopes(NamedTuple):
-    """The slopes of all equations at n configurations, ready to be solved.
+    """The derivatives of all gaps by the absolute coordinates (the Jacobian) at n configurations, and the solution of the rates.
 
     Attributes:
         equations: the equations.
-        pose: the configurations, with the inverses of dyads and levers.
-        moved: by block and loop the coordinates of earlier blocks that move it, and its slopes (n,) by them.
+        pose: the configurations, with the inverses of dyads and levers and the matrices of all other blocks.
+        moved: by block and loop the coordinates of earlier blocks that move the loop, each with the slope (n,) of the loop's gap by it.
     """
 
     equations: Equations
@@ -107,7 +119,7 @@ class Slopes(NamedTuple):
 
     @staticmethod
     def at(equations: Equations, basis: ComplexArray, position: Array) -> Slopes:
-        """The slopes at configurations with this ``basis`` (nb, n) and these joint coordinates (nv, n)."""
+        """The slopes at n configurations with the basis (nb, n) and the joint coordinates ``position`` (nv, n)."""
         pose = pose_at(equations, basis, position)
         moved = tuple(
             tuple(tuple((row, slope(terms, pose.functions)) for row, terms in loop.moved) for loop in block.loops)
@@ -118,36 +130,38 @@ class Slopes(NamedTuple):
     def drive(self) -> Array:
         """The rates (nv, n) of all joints while the driver moves at the rate 1."""
         plane = self.equations.functions.plane
-        return self._rates([None] * (len(plane.loop_heights) + len(plane.offsets)), 1.0)
+        return self._solve_rates([None] * (len(plane.loop_heights) + len(plane.offsets)), 1.0)
 
     def solve(self, opening: Opening) -> Array:
-        """The rates (nv, n) of the joints that keep loops and couplings closed that would open at these rates while the driver rests."""
-        return self._rates(opening, 0.0)
+        """The rates (nv, n) of the joints that close what opens at the rates ``opening``, while the driver rests."""
+        return self._solve_rates(opening, 0.0)
 
-    def _rates(self, opening: Opening, driver_rate: float) -> Array:
+    def _solve_rates(self, opening: Opening, driver_rate: float) -> Array:
+        """The rates (nv, n) of the joints that close what opens, while the driver moves at a rate."""
         functions, plane = self.equations.functions, self.equations.functions.plane
         driver, n = functions.rows[plane.driver], len(self.pose.functions[0])
-        rates: list[Array | float] = [0.0] * functions.count
+        rates: list[Array | float] = [0.0] * functions.count  # of absolute coordinates, by rows; floats until a block determines them
         rates[driver] = driver_rate * float(plane.sense[plane.driver] or 1.0)
         for place, block in enumerate(self.equations.blocks):
-            sides = []
+            right_sides = []
             for loop, moved in zip(block.loops, self.moved[place], strict=True):
-                side = opening[loop.loop]
-                for row, by in moved:
-                    if isinstance(rates[row], np.ndarray) or rates[row]:
-                        side = by * rates[row] if side is None else side + by * rates[row]
-                sides.append(np.zeros(n, complex) if side is None else side)
+                total = opening[loop.loop]
+                for row, gap_slope in moved:
+                    if isinstance(rates[row], np.ndarray) or rates[row]:  # skip rates that are the float zero
+                        total = gap_slope * rates[row] if total is None else total + gap_slope * rates[row]
+                right_sides.append(np.zeros(n, complex) if total is None else total)
             if block.closed:
                 for row in block.rows:
-                    rates[row] = (sides[0] * self.pose.inverses[row]).real
+                    rates[row] = (right_sides[0] * self.pose.inverses[row]).real
             elif block.rows:
-                parts = [part for side in sides for part in (side.real, side.imag)]
-                parts += [self._slip(block, k, opening[len(plane.loop_heights) + k], rates, n) for k in block.couplings]
+                parts = [part for total in right_sides for part in (total.real, total.imag)]
+                parts += [self._compute_slip_rate(block, k, opening[len(plane.loop_heights) + k], rates, n) for k in block.couplings]
                 for row, rate in zip(block.rows, _solve_dense(self.pose.slopes[place], -np.stack(parts, axis=1)).T, strict=True):
                     rates[row] = rate
             for rider, rotor in block.riding:
-                if rider == driver and rider not in functions.guides:
+                if rider == driver and rider not in functions.guides:  # from here on the absolute rate of a driver that rides
                     rates[driver] = rates[driver] + rates[rotor]
+        # from absolute rates to those of the joints
         result = np.empty((len(functions.rows), n))
         for joint, (row, outer) in enumerate(zip(functions.rows, functions.outer, strict=True)):
             rate = rates[row] if outer is None else rates[row] - rates[outer]
@@ -155,22 +169,27 @@ class Slopes(NamedTuple):
         result[plane.driver] = driver_rate
         return result
 
-    def _slip(self, block: BlockRows, coupling: int, opening: Array | ComplexArray | None, rates: Sequence[Array | float], n: int) -> Array:
-        """The rate (n,) at which a coupling opens, with what the coordinates of earlier blocks add."""
-        side = np.zeros(n) if opening is None else opening.real
-        for row, by in efforts_of_coupling(self.equations.functions, coupling):
+    def _compute_slip_rate(
+        self, block: BlockRows, coupling: int, opening: Array | ComplexArray | None, rates: Sequence[Array | float], n: int
+    ) -> Array:
+        """The rate (n,) at which a coupling opens, with what the coordinates of earlier blocks add.
+
+        The slope of a coupling by a coordinate is the effort of its unit multiplier there (virtual work).
+        """
+        total = np.zeros(n) if opening is None else opening.real
+        for row, coefficient in efforts_of_coupling(self.equations.functions, coupling):
             if row not in block.rows:
-                side = side + by * rates[row]
-        return side
+                total = total + coefficient * rates[row]
+        return total
 
     def margins(self) -> Array:
-        """`Closure.margins` of every block; those of a block with redundant equations, which has no determinant, are positive."""
+        """`Closure.margins` of every block. A block with redundant equations has no determinant: its margins are positive."""
         margins, n = [], len(self.pose.functions[0])
         for place, block in enumerate(self.equations.blocks):
             if block.closed and not block.redundant:
                 margins.append(_dyad_margin(*slopes_of_dyad(block, self.pose.functions)))
                 continue
-            if not block.rows:
+            if not block.rows:  # it determines no joint, and so is never singular
                 margins.append(np.ones(n))
                 continue
             matrix = matrix_of(self.equations, block, self.pose.functions) if block.closed else self.pose.slopes[place]
@@ -184,7 +203,10 @@ class Slopes(NamedTuple):
 
 
 def _solve_dense(matrix: Array, right: Array) -> Array:
-    """Solutions (n, m) of n systems, by least squares where there are more equations than joints; all NaN where one of them is singular."""
+    """The solutions (n, m) of n systems of equations, by least squares if there are more equations than joints.
+
+    If one matrix is singular, all solutions are NaN; with 1 x 1 matrices only the solution of that one is not finite.
+    """
     if matrix.shape[1:] == (1, 1):
         return right / matrix[:, 0]
     try:
@@ -199,10 +221,10 @@ def _solve_dense(matrix: Array, right: Array) -> Array:
 def _dyad_margin(a: ComplexArray, b: ComplexArray) -> Array:
     """The margin (n,) of a dyad with columns a and b (n,).
 
-    Two columns of unit length whose angle has the cosine c have the singular values sqrt(1 + |c|) and sqrt(1 - |c|). Their product is the
-    determinant, which gives the smaller one without cancellation.
+    Scale both columns to unit length; c is the cosine of the angle between them. The singular values are sqrt(1 + |c|) and sqrt(1 - |c|),
+    and their product is the absolute determinant. The determinant divided by the larger one is the smaller one without cancellation.
     """
-    between = a.conj() * b
-    length = np.abs(between)
-    length[length == 0.0] = 1.0
-    return np.asarray(between.imag / length / np.sqrt(1.0 + np.abs(between.real) / length))
+    product_ab = a.conj() * b  # real part: scalar product of the columns, imaginary part: determinant
+    lengths = np.abs(product_ab)
+    lengths[lengths == 0.0] = 1.0
+    return np.asarray(product_ab.imag / lengths / np.sqrt(1.0 + np.abs(product_ab.real) / lengths))

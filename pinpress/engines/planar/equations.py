@@ -1,16 +1,21 @@
-"""The equations of a planar linkage in absolute coordinates: the angles of the links that turn, and the ways along guides.
+"""The equations of a planar linkage in absolute coordinates: the absolute angles of the links that turn, and the travels along guides.
 
-A loop's gap is a constant plus the sum of c f over the functions f of joints (see `functions`). Its derivative by the absolute angle of a
-link with the rotor u is i times the sum of c f over u and the ways that u turns; by a way along a guide with the rotor u it is c u. Blocks
-of equations are solved in the order in which they depend on each other. The rates x and y of a dyad with the derivatives a and b close what
-opens at the rate o, a x + b y + o = 0 with complex a, b, o and real x, y:
+The travel along a guide is called a *way*. The gap of a loop is a constant plus the sum of c f over the functions f of the joints, with
+complex coefficients c (see `functions`: a rotor u, or a way times the rotor u of its guide). Its *slope* is its derivative by a coordinate:
+
+    by the absolute angle of a link with the rotor u    i times the sum of c f over u itself and all ways whose guides u turns
+    by a way along a guide with the rotor u             c u
+
+The equations are solved in blocks. A block needs only its own coordinates, the driver's and those of earlier blocks. In a *dyad* two
+coordinates close one loop. If the loop opens at the rate o, their rates x and y close it: a x + b y + o = 0, with the complex slopes a and
+b. The solution is
 
     x = Re(o e1),  y = Re(o e2)    with the inverses    e1 = -i conj(b) / D,  e2 = i conj(a) / D,   D = Im(conj(a) b)
 
-A lever, whose one rate x closes what opens across it, has the inverse e1 = -conj(a) / |a|^2. All other blocks are solved as matrices.
+In a *lever* one coordinate closes one loop, and a x + o = 0 has the inverse e1 = -conj(a) / |a|^2. All other blocks are solved as matrices.
 
-In a few linkages a block is closed on a link that moves itself and is determined later, or the driver stands on such a link. Absolute
-angles are then found only together: all equations are one block, and the driver *rides* on the link that carries it.
+The absolute angle of a link needs the angle of the link that carries its joint. In a few linkages a later block determines that angle, for
+a joint of an earlier block or for the driver. Then all equations make one block. A driver on a moving link is said to *ride* on it.
 """
 
 from __future__ import annotations
@@ -27,21 +32,23 @@ from .functions import Functions
 from .model import Block, Plane
 
 Coefficients = Sequence[Mapping[int, ComplexArray]]
-"""By loop and row of a function what it is multiplied by in the gap."""
+"""By loop: row of a function -> its coefficient c in the gap."""
 Terms = tuple[tuple[int | None, ComplexArray], ...]
-"""Rows of functions, None for 1, and what they are multiplied by in a slope."""
+"""The terms of a slope: rows of functions, each with its coefficient; the row None is the function 1."""
 
 
 class LoopRows(NamedTuple):
-    """What the force of a loop does, by rows of functions.
+    """A loop in its block: the functions in its gap, the slopes of its gap, and where its force acts.
+
+    "Earlier" are the driver and the coordinates of earlier blocks.
 
     Attributes:
-        loop: its index.
-        relieved: coefficients of the functions that are known before it is closed.
-        turned: of the ways that it determines along guides whose rotors are known before: rotor, way and coefficient of the way.
-        moved: the coordinates that are known before it is closed, and what its gap's slope by each is made of, see `slope`.
-        determined: the same of the coordinates of its block.
-        carriers: the joints that carry one of its ends, with `Plane.incidence`.
+        loop: index of the loop.
+        relieved: rows and coefficients of earlier functions. The force of the loop does work on them.
+        turned: rotor, way and coefficient of every way of this block whose guide turns with an earlier rotor.
+        moved: rows of the earlier coordinates that move the loop, each with the terms of the gap's slope, see `slope`.
+        determined: terms of the gap's slope by every coordinate of this block.
+        carriers: the joints that carry only one of the loop's ends, with the sign in `Plane.incidence`.
     """
 
     loop: int
@@ -53,18 +60,19 @@ class LoopRows(NamedTuple):
 
 
 class BlockRows(NamedTuple):
-    """Equations that are balanced together.
+    """Equations that are solved together, for motion and for forces, by rows of functions.
 
     Attributes:
-        joints: the joints whose coordinates they determine.
-        rows: rows of these joints' functions.
-        riding: pairs of a function and of the rotor that turns it, those furthest outside first: the ways of the block, and a driver that
-            rides on it.
-        loops: its loops.
-        couplings: its couplings.
-        closed: whether it is a dyad or a lever, which has inverses.
+        joints: the joints whose coordinates the block determines.
+        rows: rows of the functions of these joints.
+        riding: pairs of a function and the rotor that turns it, for the ways of the block and for a driver that rides. The outer pair comes
+            first: the ways along guides on the driver's link, then the driver.
+        loops: the loops.
+        couplings: indices of the couplings.
+        closed: whether the block is a dyad or a lever, and so has a solution in closed form by inverses.
         redundant: number of redundant equations.
-        balancing: places of the blocks before it that balance its idle forces, the last one first.
+        balancing: indices of the earlier blocks that balance the idle forces of this one, the last block first; empty without redundant
+            equations.
     """
 
     joints: tuple[int, ...]
@@ -79,11 +87,11 @@ class BlockRows(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Equations:
-    """The equations of a linkage in the order in which they are closed.
+    """The equations of a linkage, in the order in which they are solved.
 
     Attributes:
-        functions: rows of its functions.
-        blocks: its blocks.
+        functions: the functions of its joints, with their rows.
+        blocks: the blocks of its equations.
     """
 
     functions: Functions
@@ -91,28 +99,29 @@ class Equations:
 
     @staticmethod
     def of(plane: Plane, coefficients: Coefficients | None = None) -> Equations:
-        """The equations of a linkage, or those that it has with other ``coefficients``."""
+        """The equations of a linkage; ``coefficients``: in place of those of its own gaps."""
         functions = Functions(plane)
-        given = [nonzero(functions, gap) for gap in plane.gap_rows] if coefficients is None else coefficients
-        return Equations(functions, _block_rows(functions, given))
+        if coefficients is None:
+            coefficients = [nonzero(functions, gap) for gap in plane.gap_rows]
+        return Equations(functions, _build_blocks(functions, coefficients))
 
     def with_coefficients(self, coefficients: Coefficients) -> Equations:
-        """The same blocks with other coefficients of the same functions."""
+        """The same blocks, where the same functions have other coefficients."""
         blocks = []
         for block in self.blocks:
-            loops = (_loop_rows(self.functions, each.loop, coefficients[each.loop], block.rows, block.riding) for each in block.loops)
+            loops = (_build_loop(self.functions, each.loop, coefficients[each.loop], block.rows, block.riding) for each in block.loops)
             blocks.append(block._replace(loops=tuple(loops)))
         return Equations(self.functions, tuple(blocks))
 
 
 class Pose(NamedTuple):
-    """n closed configurations, (n,) arrays by rows of functions.
+    """n configurations: lists of arrays (n,) by rows of functions, and matrices by blocks.
 
     Attributes:
-        functions: the functions.
-        ways: travels along guides.
-        inverses: of the coordinates that a dyad or lever determines.
-        slopes: by place of all other blocks with loops the matrix (n, equations, coordinates) of their slopes.
+        functions: values of the functions.
+        ways: travels along guides; the rows of other functions have no meaning.
+        inverses: inverses of the coordinates that a dyad or lever determines; the rows of other functions have no meaning.
+        slopes: index of a block -> matrix (n, equations, coordinates) of its slopes, for all blocks that determine joints without inverses.
     """
 
     functions: Sequence[ComplexArray]
@@ -124,114 +133,117 @@ class Pose(NamedTuple):
 # -------------------------------------------------------------------------------------------------------- blocks by rows of functions
 
 
-def _block_rows(functions: Functions, coefficients: Coefficients) -> tuple[BlockRows, ...]:
-    """`Equations.blocks`."""
+def _build_blocks(functions: Functions, coefficients: Coefficients) -> tuple[BlockRows, ...]:
+    """The blocks of `Plane.blocks` by rows of functions, or all equations in one block where no order is possible."""
     plane = functions.plane
-    blocks, follow = plane.blocks, _blocks_follow_each_other(functions, coefficients)
-    if not follow:
+    blocks, in_order = plane.blocks, _can_solve_in_order(functions, coefficients)
+    if not in_order:
         joints = tuple(j for j in range(len(plane.parents)) if j != plane.driver)
         loops, couplings = tuple(range(len(plane.loop_heights))), tuple(range(len(plane.offsets)))
         blocks = (Block(loops, couplings, joints),)
-    found: list[BlockRows] = []
+    result: list[BlockRows] = []
     for block in blocks:
         rows = tuple(functions.rows[joint] for joint in block.joints)
-        riding = _riding(functions, rows, rides=not follow)
-        loops_of_block = tuple(_loop_rows(functions, loop, coefficients[loop], rows, riding) for loop in block.loops)
-        closed = follow and block.kind in ("dyad", "lever")
-        balancing = _balancing(plane, loops_of_block, block.couplings, rows, found) if block.redundant else ()
-        found.append(BlockRows(block.joints, rows, riding, loops_of_block, block.couplings, closed, block.redundant, balancing))
-    return tuple(found)
+        riding = _find_riding_pairs(functions, rows, one_block=not in_order)
+        block_loops = tuple(_build_loop(functions, loop, coefficients[loop], rows, riding) for loop in block.loops)
+        closed = in_order and block.kind in ("dyad", "lever")
+        balancing = _find_balancing_blocks(block_loops, block.couplings, result) if block.redundant else ()
+        result.append(BlockRows(block.joints, rows, riding, block_loops, block.couplings, closed, block.redundant, balancing))
+    return tuple(result)
 
 
 def nonzero(functions: Functions, gap: ComplexArray) -> dict[int, ComplexArray]:
-    """The coefficients of a gap (nb,) over the basis that are not zero, by rows of functions."""
+    """Row of a function -> its coefficient in a gap (nb,), where this is not zero. The constant is left out."""
     return {functions.order[place]: np.array(gap[place]) for place in np.flatnonzero(gap).tolist() if place}
 
 
-def _blocks_follow_each_other(functions: Functions, coefficients: Coefficients) -> bool:
-    """Whether every block needs only absolute angles that the driver and the blocks before it determine."""
+def _can_solve_in_order(functions: Functions, coefficients: Coefficients) -> bool:
+    """Whether every block needs only coordinates of the driver, of earlier blocks and of its own."""
     plane, rows = functions.plane, functions.rows
 
-    def moving(joints: Iterable[int]) -> set[int]:
-        """Rows of the rotors that turn the frames of these joints."""
+    def carrier_rows(joints: Iterable[int]) -> set[int]:
+        """Rows of the rotors of the links that carry these joints."""
         return {functions.order[carrier] for j in joints if (carrier := plane.rotor(plane.parents[j]))}
 
-    known = {rows[plane.driver]}
-    if not moving([plane.driver]) <= known:
+    available = {rows[plane.driver]}
+    if not carrier_rows([plane.driver]) <= available:
         return False
     for block in plane.blocks:
-        known |= {rows[joint] for joint in block.joints}
+        available |= {rows[joint] for joint in block.joints}
         coupled = [joint for coupling in block.couplings for joint in plane.coupling_rows[coupling]]
-        needed = set().union(moving([*block.joints, *coupled]), *(coefficients[loop] for loop in block.loops))
-        if not needed <= known:
+        necessary = set().union(carrier_rows([*block.joints, *coupled]), *(coefficients[loop] for loop in block.loops))
+        if not necessary <= available:
             return False
     return True
 
 
-def _loop_rows(
-    functions: Functions, loop: int, coefficients: Mapping[int, ComplexArray], determined: Sequence[int], riding: Sequence[tuple[int, int]]
+def _build_loop(
+    functions: Functions, loop: int, coefficients: Mapping[int, ComplexArray], block_rows: Sequence[int], riding: Sequence[tuple[int, int]]
 ) -> LoopRows:
-    """What the loop does in a block that determines these rows, with what rides on them."""
+    """A loop of a block that determines the coordinates of ``block_rows``; ``riding``: see `BlockRows`."""
     carriers = tuple((joint, signs[loop]) for joint, signs in enumerate(functions.plane.loops_of_joint) if loop in signs)
     turned = tuple(
-        (rotor, row, by)
-        for row, by in coefficients.items()
-        if row in determined and (rotor := functions.guides.get(row)) is not None and rotor not in determined
+        (rotor, row, coefficient)
+        for row, coefficient in coefficients.items()
+        if row in block_rows and (rotor := functions.guides.get(row)) is not None and rotor not in block_rows
     )
-    relieved = tuple((row, by) for row, by in coefficients.items() if row not in determined)
-    known = dict.fromkeys((*(row for row, _ in relieved), *(rotor for rotor, *_ in turned)))
-    moved = tuple((row, _terms(functions, coefficients, row, riding)) for row in known)
-    return LoopRows(loop, relieved, turned, moved, tuple(_terms(functions, coefficients, row, riding) for row in determined), carriers)
+    relieved = tuple((row, coefficient) for row, coefficient in coefficients.items() if row not in block_rows)
+    earlier = dict.fromkeys((*(row for row, _ in relieved), *(rotor for rotor, *_ in turned)))  # each row once, in order
+    moved = tuple((row, _collect_terms(functions, coefficients, row, riding)) for row in earlier)
+    determined = tuple(_collect_terms(functions, coefficients, row, riding) for row in block_rows)
+    return LoopRows(loop, relieved, turned, moved, determined, carriers)
 
 
-def _terms(functions: Functions, coefficients: Mapping[int, ComplexArray], row: int, riding: Sequence[tuple[int, int]]) -> Terms:
-    """What the derivative of a gap by a coordinate is made of."""
+def _collect_terms(functions: Functions, coefficients: Mapping[int, ComplexArray], row: int, riding: Sequence[tuple[int, int]]) -> Terms:
+    """The terms of the slope of a gap by the coordinate of a row."""
     if row in functions.guides:
         return ((functions.guides[row], coefficients[row]),) if row in coefficients else ()
-    return tuple((each, coefficients[each] * I) for each in _turned_by(functions, row, riding) if each in coefficients)
+    return tuple((each, coefficients[each] * I) for each in _list_turning_rows(functions, row, riding) if each in coefficients)
 
 
-def _turned_by(functions: Functions, row: int, riding: Sequence[tuple[int, int]]) -> list[int]:
-    """The functions that turn with a rotor: itself, the ways that it guides, and a driver that rides on it."""
-    turned = [row, *(way for way, rotor in functions.guides.items() if rotor == row)]
+def _list_turning_rows(functions: Functions, row: int, riding: Sequence[tuple[int, int]]) -> list[int]:
+    """Rows of the functions that turn with a rotor: the rotor, the ways along its guides, and a driver that rides on it with all that turns
+    with the driver."""
+    turning = [row, *(way for way, rotor in functions.guides.items() if rotor == row)]
     for rider, rotor in riding:
         if rotor == row and rider not in functions.guides:
-            turned += _turned_by(functions, rider, riding)
-    return turned
+            turning += _list_turning_rows(functions, rider, riding)
+    return turning
 
 
-def _riding(functions: Functions, determined: Sequence[int], rides: bool) -> tuple[tuple[int, int], ...]:
-    """`BlockRows.riding` of a block that determines these rows; ``rides``: whether the driver rides on one of them."""
+def _find_riding_pairs(functions: Functions, block_rows: Sequence[int], one_block: bool) -> tuple[tuple[int, int], ...]:
+    """`BlockRows.riding` of a block that determines these rows; ``one_block``: whether all equations are this block."""
     plane = functions.plane
     driver = functions.rows[plane.driver]
     carrier = plane.rotor(plane.parents[plane.driver])
     pairs = []
-    if rides and plane.sense[plane.driver] and carrier:
+    if one_block and plane.sense[plane.driver] and carrier:
         pairs += [(way, driver) for way, rotor in functions.guides.items() if rotor == driver]
         pairs.append((driver, functions.order[carrier]))
     for way, rotor in functions.guides.items():
-        if rotor is not None and (way in determined or (rides and way == driver)) and (way, rotor) not in pairs:
+        if rotor is not None and (way in block_rows or (one_block and way == driver)) and (way, rotor) not in pairs:
             pairs.append((way, rotor))
     return tuple(pairs)
 
 
-def _balancing(
-    plane: Plane, loops: Sequence[LoopRows], couplings: Sequence[int], rows: Sequence[int], before: Sequence[BlockRows]
-) -> tuple[int, ...]:
-    """The places of the blocks before one that move its equations, the last one first."""
+def _find_balancing_blocks(loops: Sequence[LoopRows], couplings: Sequence[int], earlier: Sequence[BlockRows]) -> tuple[int, ...]:
+    """Indices of the earlier blocks that move the equations of a block, directly or through each other, the last one first.
+
+    Blocks with couplings are always counted, and all blocks for one with couplings.
+    """
     if couplings:
-        return tuple(reversed(range(len(before))))
-    moving, found = _rows_before(loops), []
-    for place in reversed(range(len(before))):
-        block = before[place]
+        return tuple(reversed(range(len(earlier))))
+    moving, places = _collect_earlier_rows(loops), []
+    for place in reversed(range(len(earlier))):
+        block = earlier[place]
         if block.couplings or not moving.isdisjoint(block.rows):
-            found.append(place)
-            moving |= _rows_before(block.loops)
-    return tuple(found)
+            places.append(place)
+            moving |= _collect_earlier_rows(block.loops)
+    return tuple(places)
 
 
-def _rows_before(loops: Iterable[LoopRows]) -> set[int]:
-    """Rows of the functions that are known before loops are closed and move them."""
+def _collect_earlier_rows(loops: Iterable[LoopRows]) -> set[int]:
+    """Rows of the earlier coordinates that move loops."""
     return {row for loop in loops for row, _ in loop.relieved} | {rotor for loop in loops for rotor, *_ in loop.turned}
 
 
@@ -239,76 +251,81 @@ def _rows_before(loops: Iterable[LoopRows]) -> set[int]:
 
 
 def pose_at(equations: Equations, basis: ComplexArray, position: Array) -> Pose:
-    """The configurations with this ``basis`` (nb, n) and these joint coordinates (nv, n)."""
+    """The n configurations with the basis (nb, n) and the joint coordinates ``position`` (nv, n)."""
     functions = equations.functions
-    ways: list[Array] = [position[0]] * functions.count
+    ways: list[Array] = [position[0]] * functions.count  # only the rows of ways are filled in and read
     for joint in functions.plane.prismatic:
         ways[functions.rows[joint]] = position[joint]
-    rows: list[ComplexArray] = [basis[place] for place in functions.places]
-    inverses = list(rows)
+    values: list[ComplexArray] = [basis[place] for place in functions.places]
+    inverses = list(values)  # only the rows of dyads and levers are filled in and read
     for block in equations.blocks:
         if block.closed:
-            for row, inverse in zip(block.rows, _inverses(*slopes_of_dyad(block, rows)), strict=True):
+            for row, inverse in zip(block.rows, _compute_inverses(*slopes_of_dyad(block, values)), strict=True):
                 inverses[row] = inverse
     blocks = enumerate(equations.blocks)
-    slopes = {place: matrix_of(equations, block, rows) for place, block in blocks if not block.closed and block.rows}
-    return Pose(rows, ways, inverses, slopes)
+    slopes = {place: matrix_of(equations, block, values) for place, block in blocks if not block.closed and block.rows}
+    return Pose(values, ways, inverses, slopes)
 
 
-def _inverses(a: ComplexArray, b: ComplexArray | None = None) -> tuple[ComplexArray, ...]:
-    """The inverses of a dyad with the slopes a and b, or of a lever with one."""
-    first = a.conj()
+def _compute_inverses(a: ComplexArray, b: ComplexArray | None = None) -> tuple[ComplexArray, ...]:
+    """The inverses e1 and e2 of a dyad with the slopes a and b, or e1 of a lever with the slope a (see the module)."""
+    conjugate_a = a.conj()
     if b is None:
-        return (first * (-1.0 / (a.real * a.real + a.imag * a.imag)),)
-    by_determinant = 1.0 / (first * b).imag
-    second = b.conj()
-    second *= by_determinant * -1j
-    first *= by_determinant * 1j
-    return second, first
+        return (conjugate_a * (-1.0 / (a.real * a.real + a.imag * a.imag)),)
+    factor = 1.0 / (conjugate_a * b).imag
+    e1, e2 = b.conj(), conjugate_a
+    e1 *= factor * -1j
+    e2 *= factor * 1j
+    return e1, e2
 
 
 def slopes_of_dyad(block: BlockRows, values: Sequence[ComplexArray]) -> list[ComplexArray]:
-    """The derivatives (n,) of the gap of a dyad or lever by its coordinates; ``values``: functions by rows."""
+    """The slopes (n,) of the gap of a dyad or lever by its coordinates; ``values``: of the functions, by rows."""
     return [slope(terms, values) for terms in block.loops[0].determined]
 
 
 def slope(terms: Terms, values: Sequence[ComplexArray]) -> ComplexArray:
-    """The derivative (n,) of a loop's gap by a coordinate; ``values``: functions by rows."""
+    """The slope (n,) with these terms; ``values``: of the functions, by rows."""
     if not terms:
         return np.zeros(values[0].shape, complex)
-    (row, by), *others = terms
-    total = np.full(values[0].shape, by) if row is None else values[row] * by
-    for other, by in others:
+    (row, coefficient), *others = terms
+    total = np.full(values[0].shape, coefficient) if row is None else values[row] * coefficient
+    for other, coefficient in others:
         if other is not None:
-            total += values[other] * by
+            total += values[other] * coefficient
     return total
 
 
 def matrix_of(equations: Equations, block: BlockRows, values: Sequence[ComplexArray]) -> Array:
-    """The slopes (n, equations, coordinates) of a block: the real and imaginary part of every loop, then the couplings."""
-    functions, loops = equations.functions, 2 * len(block.loops)
-    matrix = np.zeros((len(values[0]), loops + len(block.couplings), len(block.rows)))
+    """The matrix (n, equations, coordinates) of a block's slopes: two rows for the real and imaginary part of every loop, then the
+    couplings."""
+    functions, loop_equations = equations.functions, 2 * len(block.loops)
+    matrix = np.zeros((len(values[0]), loop_equations + len(block.couplings), len(block.rows)))
     for k, loop in enumerate(block.loops):
-        for place, terms in enumerate(loop.determined):
-            by = slope(terms, values)
-            matrix[:, 2 * k, place], matrix[:, 2 * k + 1, place] = by.real, by.imag
+        for column, terms in enumerate(loop.determined):
+            gap_slope = slope(terms, values)
+            matrix[:, 2 * k, column], matrix[:, 2 * k + 1, column] = gap_slope.real, gap_slope.imag
     riding = dict(block.riding)
-    for k, coupling in enumerate(block.couplings, loops):
+    for k, coupling in enumerate(block.couplings, loop_equations):
         for row, coefficient in efforts_of_coupling(functions, coupling):
-            carrier = row if row in block.rows else riding.get(row, row)
-            if carrier in block.rows:
-                matrix[:, k, block.rows.index(carrier)] += coefficient
+            moving_row = row if row in block.rows else riding.get(row, row)  # a driver that rides turns with its carrier
+            if moving_row in block.rows:
+                matrix[:, k, block.rows.index(moving_row)] += coefficient
     return matrix
 
 
 def efforts_of_coupling(functions: Functions, coupling: int) -> Iterator[tuple[int, float]]:
-    """Rows of coordinates, and what a unit of a coupling's multiplier supplies to each, its coefficient; a row may come twice."""
-    for joint, by in functions.plane.coupling_rows[coupling].items():
-        yield from efforts_of_joint(functions, joint, by)
+    """Rows of coordinates, each with the effort on it of a coupling whose multiplier is 1; a row can come twice.
+
+    By virtual work this effort is also the slope of the coupling by the coordinate.
+    """
+    for joint, coefficient in functions.plane.coupling_rows[coupling].items():
+        yield from efforts_of_joint(functions, joint, coefficient)
 
 
 def efforts_of_joint(functions: Functions, joint: int, effort: float) -> Iterator[tuple[int, float]]:
-    """Rows of coordinates, and what an effort of a joint, along or about its axis, does to each."""
+    """Rows of coordinates, each with its share of an effort of a joint (force along its axis or torque about it): the coordinate of the
+    joint, and opposite to it the angle of the link that carries the joint."""
     row, sense = functions.rows[joint], float(functions.plane.sense[joint])
     yield row, effort * (sense or 1.0)
     outer = functions.outer[joint]

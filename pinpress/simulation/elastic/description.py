@@ -1,8 +1,9 @@
-"""What yields in a press, and by how much: stiffnesses, dampers, and the mass of a crown that its columns carry.
+"""The input of an elastic press: the stiffnesses of its parts, the dampers, and the mass of the crown on its columns.
 
-Stiffnesses are static quantities; a motion on them also needs dampers. Without better knowledge they are proportional to the springs, so
-that the lowest vibration of the press at its bottom dead centre has the damping ratio that is given. A vibration of a higher frequency then
-has a larger damping ratio, in proportion.
+Static deflections need stiffnesses alone (`Stiffness`). A motion also needs damping and, on columns that yield, the mass of the crown
+(`Elastic`). Damping is proportional to stiffness, unless a bearing has a damper of its own. The user gives the damping ratio of the first
+mode, the vibration with the lowest natural frequency, at bottom dead centre. The damping ratio of a higher mode is larger, in proportion to
+its frequency.
 """
 
 from __future__ import annotations
@@ -23,15 +24,15 @@ MOST_DAMPING = 2.0  # largest damping ratio
 
 @dataclass(frozen=True)
 class Rod:
-    """A link, or an arm of one, that stretches along the line of two of its bearings.
+    """A link, or one arm of a link, that stretches along the line between two of its bearings.
 
-    The force in a rod is the mean of the pulls of both bearings along their line, which is exact for a rod whose mass is symmetric about
-    its middle. On a link with more bearings it is an arm: it begins at the first of the two bearings, and is loaded by the second alone.
+    The force in a link with two bearings is the mean of the pulls of both along this line. This is exact if its mass is symmetric about its
+    middle. A link with more bearings has arms: an arm begins at the first of the two bearings, and the second one alone loads it.
 
     Attributes:
         link: name of the link.
-        between: names of two of its bearings.
-        stiffness: stiffness E A / l between them [N/m], or a joint, such as a die-height screw and its lock.
+        between: names of the two bearings.
+        stiffness: stiffness E A / l between the bearings [N/m], or a `PreloadedJoint`, such as a die-height screw and its lock.
     """
 
     link: str
@@ -46,20 +47,22 @@ class Rod:
 
 @dataclass(frozen=True, eq=False)
 class Stiffness(Frozen):
-    """Stiffnesses of the parts of a press. All parts without one are rigid, and so are gear pairs. A `PreloadedJoint` in place of a
-    number opens where its load opens it.
+    """Stiffnesses of the parts of a press. Parts without a stiffness are rigid, and so are gear pairs.
+
+    A `PreloadedJoint` can stand in place of a number. A large enough load frees one of its two members.
 
     Attributes:
-        bearings: name of a bearing -> radial stiffness, in space also along its axis; of a guide, stiffness across its axis [N/m],
-            or of both gibs with their preload; in space of each of the two directions across.
+        bearings: name of a bearing -> stiffness [N/m]. It is the radial stiffness of a pin, in space also the one along its axis. It is
+            the stiffness of a guide across its axis, in space along each of the two directions across. A guide can also have a
+            `PreloadedJoint`: its two gibs with their preload.
         moments: name of a guide, in space also of a pin or weld -> stiffness against turning [N m/rad]. The moment of a guide is about the
             origin of the sliding link's joint frame, as in `Reactions`.
         rods: links and arms that stretch.
-        shaft: torsional stiffness of the shaft between the driver's crank and the drive [N m/rad]; None: rigid. An elastic motion counts
-            the start's angle and speed at the drive's end, where the flywheel sits and a brake acts.
-        frame: stiffness of the columns between the crown, which has all bearings on the frame, and the table [N/m], or of tie rods and
-            uprights with their preload; None: rigid. The table stands on the floor, so that weight and inertia forces that press on the
-            crown load the columns too.
+        shaft: torsional stiffness of the shaft between the driver's crank and the drive [N m/rad]; None: rigid. The initial angle and speed
+            of an elastic motion are those of the shaft's end at the drive, where the flywheel sits and a brake acts.
+        frame: stiffness of the columns between table and crown [N/m], or a `PreloadedJoint`: tie rods and uprights with their preload;
+            None: rigid. The crown carries all bearings that are on the frame. The table stands on the floor: weight and inertia forces on
+            the crown load the columns too.
     """
 
     bearings: Mapping[str, float | PreloadedJoint] = field(default_factory=dict)
@@ -74,14 +77,15 @@ class Elastic(Frozen):
     """A press that yields while it runs: springs, dampers and the crown's mass.
 
     Attributes:
-        stiffness: of its parts; it must name all bearings, and all guides against turning.
-        damping_ratio: of the lowest vibration at bottom dead centre, from 0 to 2 [-]; all springs have dampers in proportion.
-        dampers: name of a bearing or guide -> its damper in place of that [N s/m].
-        crown_mass: mass of the crown on its columns, without the linkage [kg]; it is needed where ``stiffness.frame`` is given.
-        clearances: name of a pin -> its clearance; such a press is simulated, it has no steady state.
+        stiffness: stiffnesses of its parts. ``bearings`` must name all bearings, and ``moments`` all guides.
+        damping_ratio: damping ratio of the first mode (lowest natural frequency) at bottom dead centre, from 0 to 2 [-]. The damping of
+            every spring is proportional to its stiffness.
+        dampers: name of a bearing or guide -> its damping, which replaces the proportional one [N s/m].
+        crown_mass: mass of the crown on its columns, without the linkage [kg]; to be given together with ``stiffness.frame``.
+        clearances: name of a pin -> its clearance. Such a press has no steady state: use `simulate`.
         flexible_links: links that bend and stretch.
-        mounted_frame: mass of the frame that stands on mounts, as for `foundation`; None: the frame is fixed.
-        mounts: between floor and frame; only what they do in the plane of the press counts, with viscous damping.
+        mounted_frame: mass, centre of mass and inertia of the frame on its mounts, as for `foundation`; None: the frame is fixed.
+        mounts: mounts between floor and frame. Only their forces in the plane of the press count, and their damping must be viscous.
     """
 
     stiffness: Stiffness
@@ -122,8 +126,8 @@ class Elastic(Frozen):
             )
         if not isinstance(self.mounts, Sequence) or not self.mounts or not all(isinstance(mount, Mount) for mount in self.mounts):
             raise PinpressError(f"Elastic: mounts is {shown(self.mounts)}: give a list of foundation.Mount, at least one")
-        others = {"crown_mass": self.crown_mass, "clearances": self.clearances, "flexible_links": self.flexible_links}
-        for name, value in others.items():
+        incompatible = {"crown_mass": self.crown_mass, "clearances": self.clearances, "flexible_links": self.flexible_links}
+        for name, value in incompatible.items():
             if value is not None and (name == "crown_mass" or len(value)):  # type: ignore[arg-type]
                 raise PinpressError(
                     f"Elastic: a frame on mounts is rigid, and so are links and pins on it: leave out {name}, or the mounts"
