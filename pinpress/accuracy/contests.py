@@ -35,7 +35,7 @@ from .peers.peer import Answer, Peer
 
 TURN = 0.02  # duration of a contestant's turn; its first call finds data and code evicted from the cache [s]
 PATIENCE = 2.0  # time after which a contestant that has been timed gets no more turns [s]
-GRIDS = 8  # numbers of crank angles that take turns, more than a press keeps
+GRIDS = 8  # numbers of crank angles that take turns
 STATES = 48  # states of a period in which forward dynamics gives the accelerations back
 PARAMETERS = (0.0, *(10.0**k for k in range(-14, -1)))
 ITERATIONS = (1, 5, 20)
@@ -305,8 +305,8 @@ def _solved(press: Linkage, speed: float, points: int, engine: str) -> Reactions
 
 
 def _solved_anew(press: Linkage, speed: float, points: int, engine: str) -> Callable[[], Reactions]:
-    """A function that solves ``points`` crank angles when it is first called, and then a few more, another number each time: a press keeps
-    what belongs to the last few grids of crank angles, and who is timed shall not find it there."""
+    """A function that solves ``points`` crank angles when it is first called, and then a few more, another number each time, so that memory
+    is not laid out for one number alone."""
     counts = itertools.chain([points], itertools.cycle(range(points + 1, points + 1 + GRIDS)))
     return lambda: _solved(press, speed, next(counts), engine)
 

@@ -42,7 +42,7 @@ class Closure:
             are scaled to unit length, with the sign of its determinant. It is zero where two assemblies meet. The engines in space have one
             block, and no sign. None unless asked for.
         basis: (nb, n) the planar engine's basis functions, see `planar.model`; None from the other engines.
-        solved: `spatial.equations.Solved`, what the engine in space keeps from closing; None from the other engines.
+        solved: `spatial.closing.Solved`, what the engine in space keeps from closing; None from the other engines.
     """
 
     position: Array

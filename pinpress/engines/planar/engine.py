@@ -31,7 +31,7 @@ class PlanarEngine:
 
     Attributes:
         plane: constants of the linkage.
-        spatial: constants of Pinocchio's engine, by which idle forces of redundant equations are found.
+        spatial: constants of Pinocchio's engine, by which it is found what redundant equations leave open.
     """
 
     plane: Plane

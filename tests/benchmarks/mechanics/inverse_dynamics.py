@@ -201,7 +201,7 @@ def print_presses(n: int, repeats: int) -> None:
     def scene(press: pp.Linkage, engine: str = "auto", **more: Any) -> pp.Reactions:
         return pp.inverse_dynamics(press, pp.cycle(press, speed=70 * pp.RPM, points=n, engine=engine), engine=engine, **more)
 
-    sizes = itertools.cycle(range(n - GRIDS // 2, n + GRIDS // 2 + 1))  # an odd number of them: none is known in the next turn
+    sizes = itertools.cycle(range(n - GRIDS // 2, n + GRIDS // 2 + 1))
 
     def new_angles(press: pp.Linkage, **more: Any) -> pp.Reactions:
         return pp.inverse_dynamics(press, pp.cycle(press, speed=70 * pp.RPM, points=next(sizes)), **more)

@@ -75,7 +75,7 @@ def _ms(seconds: float) -> str:
 
 
 def whole_motion(press: pp.Linkage, points: int, engine: str = "auto") -> None:
-    """A turn with all that a motion holds: its quantities are computed when they are read."""
+    """A turn with all that a motion holds; some of its quantities are computed when they are read."""
     motion = pp.cycle(press, speed=SPEED, points=points, engine=engine)
     _ = motion.q, motion.v, motion.a, motion.slide_position, motion.slide_velocity, motion.slide_acceleration
 
@@ -88,7 +88,7 @@ def bearings(n: int) -> Contestants:
     def solve(**more: Any) -> Work:
         return lambda: pp.inverse_dynamics(press, motion, **more)
 
-    sizes = itertools.cycle(range(n - 4, n + 5))  # more than a press keeps, so that none is known when its turn comes again
+    sizes = itertools.cycle(range(n - 4, n + 5))  # so that memory is not laid out for one number alone
 
     found = {
         "all 7 bearings": solve(),

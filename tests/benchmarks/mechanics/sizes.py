@@ -162,7 +162,7 @@ def of_lengths(quick: bool) -> None:
     speeds, flywheel, steps = np.linspace(6.0, 8.0, 10_000), pp.drives.Flywheel(500.0), itertools.count()
 
     def forces(linkage: pp.Linkage, count: int, middle: float) -> float:
-        def work() -> None:  # other angles each time, because a press remembers the last
+        def work() -> None:  # other angles each time
             angles = np.linspace(middle - 0.5, middle + 0.5, count) + 1e-4 * next(steps)
             pp.inverse_dynamics(linkage, pp.servo_cycle(linkage, angle=angles, speed=7.0))
 
