@@ -114,7 +114,7 @@ class Reactions(Tabular):
 
         Where all powers are rounding (a balanced disc, a press kept in its dead centre), it is relative to a millionth of the sum of
         magnitudes of forces times those of velocities. It is computed when it is first read, from velocities and accelerations of the
-        bodies, independently of the recursion that gives the torque.
+        bodies, independently of the balance of forces that gives the torque.
 
         Raises:
             PinpressError: the powers are too large for floating point.
