@@ -60,9 +60,8 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion", *, warned: 
         if isinstance(load, SpringDamper):
             applied += _spring_forces(load, press, motion)
         elif isinstance(load, PointForce):
-            if not warned:
-                warn_of_still_point(load, press)
-            applied.append(_point_force(load, press, motion))
+            force = load.force(motion) if callable(load.force) else load.force
+            applied.append(point_force(load, press, force, len(motion.crank_angle), warned=warned))
         elif isinstance(load, TimeForce):
             applied += _on_slide(load, press, _in_time(load, motion))
         elif isinstance(load, ProcessLoad) and not isinstance(load, type):
@@ -287,36 +286,49 @@ def _in_time(load: TimeForce, motion: "Motion") -> Array:
     return np.broadcast_to(force, motion.time.shape)
 
 
-def _point_force(load: PointForce, press: "Linkage", motion: "Motion") -> AppliedForce:
-    points, what = len(motion.crank_angle), f"load on {shown(load.link)}"
+def point_force(load: PointForce, press: "Linkage", force: ArrayLike, states: int | None = None, *, warned: bool = False) -> AppliedForce:
+    """A force at a point of a link, checked and placed on its body.
+
+    Args:
+        load: the load.
+        press: the linkage.
+        force: its force in world axes [N]: (3,), or over ``states`` (states, 3).
+        states: number of states of a motion; None: the force is constant, and stands in one state.
+        warned: whether the load was looked at before.
+
+    Raises:
+        UnknownNameError: a link that the linkage does not have.
+        PinpressError: a point or force of another shape or not finite.
+
+    Warns:
+        PinpressWarning: the link turns about this point in the frame, so that the force does no work.
+    """
+    what = f"load on {shown(load.link)}"
     joint, point = point_on_body(press, load.link, load.point, what, "point")
-    force = numbers(f"{what}: force", load.force(motion) if callable(load.force) else load.force, unit="N")
-    if force.shape not in ((3,), (points, 3)):
-        raise PinpressError(f"{what}: force has shape {force.shape}; give (3,) or ({points}, 3), in world axes [N]")
-    return AppliedForce(joint, point, np.broadcast_to(force, (points, 3)))
+    values, shapes = numbers(f"{what}: force", force, unit="N"), [(3,)] if states is None else [(3,), (states, 3)]
+    if values.shape not in shapes:
+        raise PinpressError(f"{what}: force has shape {values.shape}; give {' or '.join(map(str, shapes))}, in world axes [N]")
+    unbalance = callable(load.force)  # a force that a caller turns at a pin
+    if joint and not (warned or unbalance) and values.any() and (pins := _pins_in_frame(press, joint, point)):
+        caution(
+            f"{what}: its point is at pin {pins[0]}, which stands still in the frame, so that the force does no work:"
+            " give point=, where it acts in the link's own frame [m]"
+        )
+    return AppliedForce(joint, point, np.broadcast_to(values, (1 if states is None else states, 3)))
 
 
-def warn_of_still_point(load: PointForce, press: "Linkage") -> None:
-    """Warn of a force at a point of a link that turns about this point in the frame, so that it does no work."""
-    if load.link == press.root or callable(load.force):  # a force that a caller turns there is an unbalance
-        return
-    if not numbers(f"load on {shown(load.link)}: force", load.force, unit="N").any():
-        return
-    joint, point = point_on_body(press, load.link, load.point, f"load on {shown(load.link)}", "point")
-    still = [
+def _pins_in_frame(press: "Linkage", joint: int, point: Array) -> list[str]:
+    """Names of the pins at a point of a body (3,) about which the body turns in the frame."""
+    pins = [
         name
         for body, (name, axis) in enumerate(zip(press.joints, press.axes, strict=True), 1)
         if body == joint and press.model.parents[body] == 0 and axis.turns and _apart(point, axis.direction) <= ROUNDING * press.size
     ]
     for loop in press.loops:
-        at = {loop.joint1: loop.point1, loop.joint2: loop.point2}
-        if {0, joint} == set(at) and joint and np.linalg.norm(point - at[joint]) <= ROUNDING * press.size:
-            still.append(loop.name)
-    if still:
-        caution(
-            f"load on {shown(load.link)}: its point is at pin {still[0]}, which stands still in the frame, so that the force does no work:"
-            " give point=, where it acts in the link's own frame [m]"
-        )
+        ends = {loop.joint1: loop.point1, loop.joint2: loop.point2}
+        if set(ends) == {0, joint} and np.linalg.norm(point - ends[joint]) <= ROUNDING * press.size:
+            pins.append(loop.name)
+    return pins
 
 
 def _apart(point: Array, axis: Array) -> float:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from ..common import plausibility
-from ..common.arguments import numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import read_only
 from ..common.quantities import GRAVITY, Array
@@ -511,21 +510,16 @@ def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None
 
 
 def _point_force(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, GeneralizedForce | None]:
-    what = f"load on {shown(load.link)}"
-    joint, point = applied_loads.point_on_body(press, load.link, load.point, what, "point")
     if callable(load.force) or np.ndim(load.force) != 1:
         raise PinpressError(
-            f"{what}: a simulation takes a constant force, (3,) in world axes [N]; for one that changes write one of pinpress.loads,"
-            " or a class with their members `datum` and `intervals`"
+            f"load on {shown(load.link)}: a simulation takes a constant force, (3,) in world axes [N]; for one that changes write one of"
+            " pinpress.loads, or a class with their members `datum` and `intervals`"
         )
-    force = numbers(f"{what}: force", load.force, unit="N")
-    if force.shape != (3,):
-        raise PinpressError(f"{what}: force has shape {force.shape}; give (3,), in world axes [N]")
-    if not joint:  # on the frame, which does not move
+    placed = applied_loads.point_force(load, press, load.force)
+    if not placed.joint:  # on the frame, which does not move
         return None, None
-    applied_loads.warn_of_still_point(load, press)
     constant = (ForceInterval(math.inf, -math.inf, _constant_one, heeds_velocity=False),)
-    return WorkOfForce((joint, point), force), GeneralizedForce(row, 0.0, constant, constant)
+    return WorkOfForce((placed.joint, placed.point), placed.force[0]), GeneralizedForce(row, 0.0, constant, constant)
 
 
 def _constant_one(position: Any, velocity: Any) -> Any:
