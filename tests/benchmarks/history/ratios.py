@@ -53,19 +53,14 @@ def track_forces_at_new_angles() -> float:
     return _turn("c", "a")
 
 
-def track_forces_at_another_speed() -> float:
-    """The same at angles that are known / the script derived by hand."""
-    return _turn("d", "a")
-
-
 def track_forces_by_the_engine_in_space() -> float:
     """The same by the engine for linkages in space / the script derived by hand."""
-    return _turn("e", "a")
+    return _turn("d", "a")
 
 
 def track_forces_by_pinocchio() -> float:
     """The same by the engine on Pinocchio's algorithms / a plain loop with Pinocchio."""
-    return _turn("f", "b")
+    return _turn("e", "b")
 
 
 def track_free_run() -> float:

@@ -175,7 +175,6 @@ def kept() -> Contestants:
 
     return {
         "a further `cycle` of 356 to 364 angles": lambda: whole_motion(press, next(sizes)),
-        "of the same 360 angles again": lambda: whole_motion(press, 360),
         "the first of a press": lambda: whole_motion(fresh(), 360),
         "of that the branch, walked once": walked,
         "a further `simulate` of 2 s": lambda: run(press),
