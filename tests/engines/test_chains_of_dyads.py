@@ -10,6 +10,7 @@ from hypothesis import assume, given
 from support import texts
 from support.exploring import examples
 from support.generators.random_linkages import Drawing, drawn, four_bar, linkages, random_friction, servo
+from support.generators.redundant_linkages import mimicking
 
 import pinpress as pp
 from pinpress.engines.engine import ClosedStates
@@ -422,3 +423,43 @@ def test_a_slide_whose_forces_meet_on_its_guide_needs_no_moment():
     assert not judged(press, motion).bearing_moment["guide"].any()
     load = pp.loads.PointForce("slide", (0.0, 0.0, -50.0), (0.1, 0.0, 0.0))
     np.testing.assert_allclose(judged(press, motion, [load]).bearing_moment["guide"], np.tile((0.0, -5.0, 0.0), (25, 1)), atol=1e-12)
+
+
+def carried_driver(slides, follower, drives_more):
+    """A driver on a link that swings, and what is geared to it there: a pinion, a rack, or nothing; the follower may drive a dyad more."""
+    drawing, along, pin = Drawing("carried_driver"), np.exp(0.3j), 0.25j
+    drawing.joint("swing", "frame", "carrier", 0j)
+    drawing.joint("driver", "carrier", "driven", 0.3 * along, along=along if slides else None)
+    drawing.joint("rocker", "frame", "rocker_link", 0.9 - 0.6j)
+    drawing.loop("end", "driven", "rocker_link", 0.8 * along + 0.1j)
+    for link, centre in (("carrier", 0.1j), ("driven", 0.5 * along), ("rocker_link", 0.8 - 0.2j)):
+        drawing.body(link, 2.0, centre)
+    if follower == "none":
+        return drawing.urdf("driver")
+    drawing.joint("follower", "carrier", "wheel", pin, along=along * np.exp(0.1j) if follower == "rack" else None)
+    drawing.body("wheel", 1.0, pin + 0.1)
+    if drives_more:
+        drawing.joint("arm", "frame", "arm_link", -0.3 + 0.7j)
+        drawing.joint("rod", "wheel", "rod_link", pin + 0.12 + 0.05j)
+        drawing.loop("far", "rod_link", "arm_link", 0.3 + 0.6j)
+        drawing.body("arm_link", 1.0, -0.1 + 0.6j)
+        drawing.body("rod_link", 0.5, 0.3 + 0.6j)
+    ratio = {(True, "pinion"): 5.0, (True, "rack"): 0.5, (False, "pinion"): -0.7, (False, "rack"): 0.1}[slides, follower]
+    return mimicking(drawing.urdf("driver"), "follower", "driver", ratio)
+
+
+@pytest.mark.parametrize("drives_more", [False, True])
+@pytest.mark.parametrize("follower", ["none", "pinion", "rack"])
+@pytest.mark.parametrize("slides", [True, False])
+def test_gears_of_a_driver_that_rides_on_a_link(slides, follower, drives_more):
+    """The travel of a cylinder on a swinging carrier is no angle, so that its gears do not heed how far the carrier swings."""
+    press = texts.load(carried_driver(slides, follower, drives_more))
+    states = {"angle": np.linspace(-0.01, 0.015, 5), "speed": 0.3, "acceleration": 0.2}
+    ours, other = (pp.servo_cycle(press, engine=engine, **states) for engine in ("plane", "space"))
+    for mine, theirs in ((ours.joint_position, other.joint_position), (ours.v, other.v), (ours.a, other.a)):
+        np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-12 * max(1.0, np.abs(theirs).max()))
+    found, expected = (pp.inverse_dynamics(press, motion, engine=engine) for motion, engine in ((ours, "plane"), (other, "space")))
+    largest = max(np.abs(force).max() for force in expected.bearing_force.values())
+    np.testing.assert_allclose(found.driving_torque, expected.driving_torque, rtol=0, atol=1e-11 * largest)
+    for name, force in expected.bearing_force.items():
+        np.testing.assert_allclose(found.bearing_force[name], force, rtol=0, atol=1e-11 * largest, err_msg=name)

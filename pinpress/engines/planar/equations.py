@@ -305,7 +305,8 @@ def matrix_of(equations: Equations, block: BlockRows, values: Sequence[ComplexAr
         for column, terms in enumerate(loop.determined):
             gap_slope = slope(terms, values)
             matrix[:, 2 * k, column], matrix[:, 2 * k + 1, column] = gap_slope.real, gap_slope.imag
-    riding = dict(block.riding)
+    # a travel does not change as its guide turns, so that only angles are passed on to what carries them
+    riding = {rider: rotor for rider, rotor in block.riding if rider not in functions.guides}
     for k, coupling in enumerate(block.couplings, loop_equations):
         for row, coefficient in efforts_of_coupling(functions, coupling):
             moving_row = row if row in block.rows else riding.get(row, row)  # a driver that rides turns with its carrier
