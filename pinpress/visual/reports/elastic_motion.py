@@ -221,7 +221,7 @@ def impacts(found: ImpactsByTurn, shown: Shown) -> Section:
     chances = [
         Figure("largest force of a turn", with_prefix(found.mean_peak, "N"), f"mean of {len(found.peak)} turns"),
         Figure("its spread", f"{100 * found.spread:.3g} %", "standard deviation by the mean"),
-        Figure("impacts a turn", f"{found.impacts.mean():.3g}", f"{100 * found.flight.mean():.3g} % of it in flight"),
+        Figure("impacts a turn", f"{found.impacts.mean():.3g}", f"{100 * found.flight.mean():.2g} % of it in flight"),
         Figure("deepest in the bearing", with_prefix(float(found.depth.max()), "m"), f"beyond the clearance of {radius:.4g} \u00b5m"),
     ]
     lines = [Line("bearing, by the clearance", radius * np.sin(turn), radius * np.cos(turn)), Line("journal", orbit[:, 1], orbit[:, 0])]
