@@ -292,7 +292,7 @@ def test_a_spatial_linkage(alone, tmp_path):
     assert measured.certified_by[INVERSE_DYNAMICS] == "torque and forward dynamics under it"
     assert measured.certificates[INVERSE_DYNAMICS] < 1e-12
     assert measured.certificates[FREE_RUN] < 1e-10
-    assert all(row.error < max(1e-14, row.number) for row in measured.of(FREE_RUN, "reduced"))
+    assert all(row.error < max(1e-14, row.number or 0.0) for row in measured.of(FREE_RUN, "reduced"))
 
 
 @pytest.mark.exhaustive
