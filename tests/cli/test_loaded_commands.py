@@ -75,7 +75,7 @@ def test_process_beside_what_is_permitted(tmp_path: Path, capsys: pytest.Capture
     section = text.split("\nProcess")[1].split("\n\n")[0]
     numbers = [float(number) for number in re.findall(r"^  [a-z ]+? +([\d.]+) (?:kN|J|%)", section, flags=re.MULTILINE)]
     # at the blank's upper edge the whole 1000 kN act, where 3000 kN are permitted
-    assert numbers == pytest.approx([1000.0, 1e6 * 0.004 * 2 / np.pi, 100 / 3], rel=1e-3)
+    assert numbers == pytest.approx([1000.0, 1e6 * 0.004 * 2 / np.pi, 100 / 3], rel=2e-4)  # as printed, with two decimals
     assert "  nominal height   13 mm" in text
     data = data_in(tmp_path / "report.html")["report"]
     assert ["nominal force", "3000 kN"] in data["inputs"][0]["rows"]
