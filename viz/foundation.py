@@ -4,6 +4,7 @@ python viz/foundation.py
 """
 
 import dataclasses
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -12,8 +13,10 @@ from matplotlib.figure import Figure
 
 import pinpress as pp
 from pinpress import foundation
-from pinpress.papers import zhang2007_vibration as vibration
 from pinpress.plots import style as figures
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from validation import zhang2007_vibration as vibration
 
 PAGE = Path(__file__).with_suffix(".md")
 PICTURE = Path(__file__).with_suffix(".png")

@@ -3,12 +3,17 @@
 python viz/synthesis.py
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
 
 import pinpress as pp
 from pinpress.kinematics.measures import quick_return_ratio, speed_ratio, speed_variation, stroke
-from pinpress.papers.chen2002 import as_the_paper_asks, even_speed, largest_pressure
-from pinpress.papers.chen2002_design import DRAWN, SPEED
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+from validation.chen2002 import as_the_paper_asks, even_speed, largest_pressure
+from validation.chen2002_design import DRAWN, SPEED
 
 CREST = 0.3012  # stroke of the ZXN2-3000(B) [m]
 

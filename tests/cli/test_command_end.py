@@ -12,7 +12,6 @@ pytestmark = pytest.mark.usefixtures("time_limit")
 COMMANDS = {
     "module": ["-m", "pinpress"],
     "script": ["-c", "import sys; sys.argv[0] = '/usr/bin/pinpress'; from pinpress.cli.main import main; sys.exit(main())"],
-    "reproduce": ["-m", "pinpress.papers"],
 }
 AT_IMPORT = """
 import os, signal, sys
@@ -68,18 +67,16 @@ def test_files_are_written_for_nobody_too(tmp_path, unbuffered):
         ("module", "pinpress.cli.record"),
         ("module", "pinpress.visual.recording"),
         ("script", "numpy"),
-        ("reproduce", "pinpress.papers.chen2002"),
     ],
 )
 def test_interrupted(tmp_path, command, module):
     """While modules are imported: those of the library, those of the command, and later those of its work."""
     (tmp_path / "sitecustomize.py").write_text(AT_IMPORT)
     path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])])
-    arguments = ["chen2002"] if command == "reproduce" else ["analyse", "crank_slide", "--speed", "60", "--out", str(tmp_path / "out")]
+    arguments = ["analyse", "crank_slide", "--speed", "60", "--out", str(tmp_path / "out")]
     ended = run(command, *arguments, stdout=subprocess.DEVNULL, env={"PYTHONPATH": path, "INTERRUPTED_AT": module}, cwd=tmp_path)
     assert ended.returncode == 130
-    program = "pinpress.papers" if command == "reproduce" else "pinpress"
-    assert ended.stderr.split(" ... ")[-1] == f"{program}: interrupted\n"
+    assert ended.stderr.split(" ... ")[-1] == "pinpress: interrupted\n"
     assert "Traceback" not in ended.stderr
 
 

@@ -7,12 +7,17 @@ proof makes its series from the press itself; its time has all of that. The sear
 turns, and their times are those of as many evaluations, by the time of the proof.
 """
 
+import sys
+from pathlib import Path
+
 import numpy as np
 
 import pinpress as pp
 from pinpress.accuracy.contests import least_seconds
-from pinpress.papers.zhang2007_balancing import presses, ranges, turning, with_masses
-from pinpress.papers.zhang2007_search import proved, searches
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from validation.zhang2007_balancing import presses, ranges, turning, with_masses
+from validation.zhang2007_search import proved, searches
 
 REPEATED = 3
 

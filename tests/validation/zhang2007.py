@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..balancing import classical
-from ..balancing.counterweights import Counterweight, with_counterweights
-from ..dynamics.reactions import Reactions
-from ..linkage.linkage import Linkage
-from . import zhang2007_arrangements, zhang2007_balancing, zhang2007_parts, zhang2007_runs, zhang2007_search, zhang2007_vibration
-from .pages import BEYOND, FINDINGS, FORMULAS, NO_RESULT, NOT, Erratum, Grid, Page, PageEntry, Panel, Row, draw, figures
-from .zhang2007_balancing import GRAVITY, POINTS, SPEED, clean, presses, turning
+from pinpress.balancing import classical
+from pinpress.balancing.counterweights import Counterweight, with_counterweights
+from pinpress.dynamics.reactions import Reactions
+from pinpress.linkage.linkage import Linkage
+from validation import zhang2007_arrangements, zhang2007_balancing, zhang2007_parts, zhang2007_runs, zhang2007_search, zhang2007_vibration
+from validation.pages import BEYOND, FINDINGS, FORMULAS, NO_RESULT, NOT, Erratum, Grid, Page, PageEntry, Panel, Row, draw, figures
+from validation.zhang2007_balancing import GRAVITY, POINTS, SPEED, clean, presses, turning
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +37,8 @@ def page() -> Page:
         " equations of motion and ADAMS models of a 1250 kN press at 300 strokes/min. `jf75g_125_plain`, `jf75g_125` and"
         " `jf75g_125_symmetric`. The thesis prints no lengths; ours are inferred, with reasons in these files, so numbers that depend on"
         " lengths can agree only as far as these do. We read the thesis in a transcription: what may be a mistake of the transcription is"
-        " marked `as our text reads`. Gravity is not printed; ours is 9.80665 m/s2. Written by `python -m pinpress.papers zhang2007`.",
+        " marked `as our text reads`. Gravity is not printed; ours is 9.80665 m/s2."
+        " Written by `python tests/validation/validate.py zhang2007`.",
         (
             zhang2007_arrangements.machines(given),
             PageEntry(figures(2, 1, 6), "photograph, scheme, CAD model, instruments, measuring points", NO_RESULT),

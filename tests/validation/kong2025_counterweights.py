@@ -7,18 +7,18 @@ proved optimum of `balance`, with moments of inertia that are those of the count
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..balancing.counterweights import Counterweight, with_counterweights
-from ..balancing.optimum import balance
-from ..balancing.problem import AddedMass, Criterion, Range, Target
-from ..balancing.regions import CounterweightRegion
-from ..balancing.result import BalancedPress
-from ..common.quantities import RPM
-from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..dynamics.reactions import Reactions
-from ..kinematics.cycle import cycle
-from ..kinematics.motion import Motion
-from ..linkage.linkage import Linkage
-from .pages import BEYOND, Grid, PageEntry
+from pinpress.balancing.counterweights import Counterweight, with_counterweights
+from pinpress.balancing.optimum import balance
+from pinpress.balancing.problem import AddedMass, Criterion, Range, Target
+from pinpress.balancing.regions import CounterweightRegion
+from pinpress.balancing.result import BalancedPress
+from pinpress.common.quantities import RPM
+from pinpress.dynamics.inverse_dynamics import inverse_dynamics
+from pinpress.dynamics.reactions import Reactions
+from pinpress.kinematics.cycle import cycle
+from pinpress.kinematics.motion import Motion
+from pinpress.linkage.linkage import Linkage
+from validation.pages import BEYOND, Grid, PageEntry
 
 SPEED = 70 * RPM
 POINTS = 720

@@ -13,23 +13,23 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..balancing.counterweights import with_counterweights
-from ..common.quantities import RPM, Array
-from ..drives.transmission import Flywheel
-from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..dynamics.reactions import Reactions
-from ..kinematics.cycle import cycle
-from ..kinematics.measures import dwell_time
-from ..kinematics.motion import Motion
-from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
-from ..linkage.loading import load
-from ..loads.link import PointForce
-from ..simulation.simulate import simulate
-from . import kong2025_as_printed
-from .kong2025_counterweights import PAPER, conclusion
-from .kong2025_drive import gearing_entry, motor_entry
-from .pages import BEYOND, DATA, FINDINGS, NO_RESULT, NOT, PARTLY, REPRODUCED, Erratum, Grid, Page, PageEntry, Panel, Row, draw
+from pinpress.balancing.counterweights import with_counterweights
+from pinpress.common.quantities import RPM, Array
+from pinpress.drives.transmission import Flywheel
+from pinpress.dynamics.inverse_dynamics import inverse_dynamics
+from pinpress.dynamics.reactions import Reactions
+from pinpress.kinematics.cycle import cycle
+from pinpress.kinematics.measures import dwell_time
+from pinpress.kinematics.motion import Motion
+from pinpress.kinematics.slide_path import dead_centres
+from pinpress.linkage.linkage import Linkage
+from pinpress.linkage.loading import load
+from pinpress.loads.link import PointForce
+from pinpress.simulation.simulate import simulate
+from validation import kong2025_as_printed
+from validation.kong2025_counterweights import PAPER, conclusion
+from validation.kong2025_drive import gearing_entry, motor_entry
+from validation.pages import BEYOND, DATA, FINDINGS, NO_RESULT, NOT, PARTLY, REPRODUCED, Erratum, Grid, Page, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -106,7 +106,7 @@ def page() -> Page:
         " `zxn2_3000b` and `zxn2_3000b_balanced`; the moments of inertia, which the paper does not print, are named in these files;"
         " gravity, not printed either, is 9.81 m/s2. We read the paper in a transcription, so a mistake of a letter, a sign or a unit"
         " may be the transcription's. The motion agrees, the forces do not: [(18)](#18-the-weight-that-it-leaves-out) has what we know"
-        " of the reasons. Written by `python -m pinpress.papers kong2025`.",
+        " of the reasons. Written by `python tests/validation/validate.py kong2025`.",
         (
             motor_entry(),
             gearing_entry(),

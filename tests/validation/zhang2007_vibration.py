@@ -11,21 +11,21 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from .. import foundation
-from ..common.errors import PinpressError
-from ..common.quantities import RPM, Array
-from ..drives.transmission import Flywheel
-from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..dynamics.reactions import Reactions
-from ..foundation import Attachment, Frame, FrameMotion, Mount, MountedPress, Rotor, RubberPad, SpeedResponse
-from ..kinematics.cycle import cycle
-from ..kinematics.motion import Motion
-from ..linkage.linkage import Linkage
-from ..linkage.loading import load
-from ..loads.link import PointForce
-from ..loads.process import ConstantForce
-from ..simulation.simulate import simulate
-from .pages import Panel, draw
+from pinpress import foundation
+from pinpress.common.errors import PinpressError
+from pinpress.common.quantities import RPM, Array
+from pinpress.drives.transmission import Flywheel
+from pinpress.dynamics.inverse_dynamics import inverse_dynamics
+from pinpress.dynamics.reactions import Reactions
+from pinpress.foundation import Attachment, Frame, FrameMotion, Mount, MountedPress, Rotor, RubberPad, SpeedResponse
+from pinpress.kinematics.cycle import cycle
+from pinpress.kinematics.motion import Motion
+from pinpress.linkage.linkage import Linkage
+from pinpress.linkage.loading import load
+from pinpress.loads.link import PointForce
+from pinpress.loads.process import ConstantForce
+from pinpress.simulation.simulate import simulate
+from validation.pages import Panel, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

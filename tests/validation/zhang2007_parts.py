@@ -7,24 +7,24 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..common.quantities import RPM, Array
-from ..drives.motors import ServoMotor
-from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..elasticity.guide_surfaces import eight_way_guide, guide_contact
-from ..elasticity.springs import Elastic, PreloadedJoint, Stiffness
-from ..elasticity.unit_load import compliance
-from ..kinematics.cycle import cycle
-from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
-from ..loads.hydraulics import ImpactDamper, orifice_coefficient
-from ..loads.link import Friction
-from ..loads.pneumatics import BalanceCylinder
-from ..loads.process import Blanking, ProcessLoad
-from ..loads.shearing import RateSensitiveBlanking
-from ..simulation.elastic.elastic_run import ElasticRun
-from ..simulation.simulate import simulate
-from .pages import BEYOND, PageEntry, Panel, Row, draw
-from .zhang2007_balancing import SPEED
+from pinpress.common.quantities import RPM, Array
+from pinpress.drives.motors import ServoMotor
+from pinpress.dynamics.inverse_dynamics import inverse_dynamics
+from pinpress.elasticity.guide_surfaces import eight_way_guide, guide_contact
+from pinpress.elasticity.springs import Elastic, PreloadedJoint, Stiffness
+from pinpress.elasticity.unit_load import compliance
+from pinpress.kinematics.cycle import cycle
+from pinpress.kinematics.slide_path import dead_centres
+from pinpress.linkage.linkage import Linkage
+from pinpress.loads.hydraulics import ImpactDamper, orifice_coefficient
+from pinpress.loads.link import Friction
+from pinpress.loads.pneumatics import BalanceCylinder
+from pinpress.loads.process import Blanking, ProcessLoad
+from pinpress.loads.shearing import RateSensitiveBlanking
+from pinpress.simulation.elastic.elastic_run import ElasticRun
+from pinpress.simulation.simulate import simulate
+from validation.pages import BEYOND, PageEntry, Panel, Row, draw
+from validation.zhang2007_balancing import SPEED
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

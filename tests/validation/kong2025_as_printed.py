@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.quantities import RPM, Array
-from ..kinematics.cycle import cycle
-from ..kinematics.measures import bearing_positions
-from ..linkage.linkage import Linkage
+from pinpress.common.quantities import RPM, Array
+from pinpress.kinematics.cycle import cycle
+from pinpress.kinematics.measures import bearing_positions
+from pinpress.linkage.linkage import Linkage
 
 SPEED = 70 * RPM
 POINTS = 720

@@ -8,22 +8,22 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..common.quantities import RPM, Array
-from ..drives.motors import ConstantTorque
-from ..drives.slip_clutch import SlipClutchMotor
-from ..drives.transmission import Flywheel, Geared
-from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.cycle import cycle
-from ..kinematics.servo_motion import servo_cycle
-from ..linkage.linkage import Linkage
-from ..loads.contacts import Impact, TwoSidedStop
-from ..loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, TimeForce, step
-from ..simulation.duty import duty_cycle
-from ..simulation.run import Run
-from ..simulation.simulate import simulate
-from ..simulation.steady_state import steady_state
-from .pages import CURVES, DATA, FORMULAS, NO_RESULT, NOT, PageEntry, Panel, Row, draw, figures
-from .zhang2007_balancing import GRAVITY, SPEED, clean, weight
+from pinpress.common.quantities import RPM, Array
+from pinpress.drives.motors import ConstantTorque
+from pinpress.drives.slip_clutch import SlipClutchMotor
+from pinpress.drives.transmission import Flywheel, Geared
+from pinpress.dynamics.inverse_dynamics import inverse_dynamics
+from pinpress.kinematics.cycle import cycle
+from pinpress.kinematics.servo_motion import servo_cycle
+from pinpress.linkage.linkage import Linkage
+from pinpress.loads.contacts import Impact, TwoSidedStop
+from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, TimeForce, step
+from pinpress.simulation.duty import duty_cycle
+from pinpress.simulation.run import Run
+from pinpress.simulation.simulate import simulate
+from pinpress.simulation.steady_state import steady_state
+from validation.pages import CURVES, DATA, FORMULAS, NO_RESULT, NOT, PageEntry, Panel, Row, draw, figures
+from validation.zhang2007_balancing import GRAVITY, SPEED, clean, weight
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

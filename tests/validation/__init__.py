@@ -1,16 +1,16 @@
 """The documents from which the shipped presses come, and what pinpress makes of every table and figure in them.
 
-    python -m pinpress.papers                        # all three, as text
-    python -m pinpress.papers kong2025               # one
-    python -m pinpress.papers --out docs             # pages with figures
+    python tests/validation/validate.py                        # all three, as text
+    python tests/validation/validate.py kong2025               # one
+    python tests/validation/validate.py --out docs             # pages with figures
 
 Each document is a module with a function `page`; the classes of which a page consists stand in `pages`.
 """
 
 from importlib import import_module
 
-from ..common.errors import UnknownNameError
-from .pages import Page
+from pinpress.common.errors import UnknownNameError
+from validation.pages import Page
 
 DOCUMENTS = ("kong2025", "zhang2007", "chen2002")
 

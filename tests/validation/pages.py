@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..common.errors import PinpressError
-from ..common.files import make_folder, write
-from ..common.quantities import Array
-from ..plots.style import COLOURS, GREY, LINES, STYLE, above, drawing, grid, plain
+from pinpress.common.errors import PinpressError
+from pinpress.common.files import make_folder, write
+from pinpress.common.quantities import Array
+from pinpress.plots.style import COLOURS, GREY, LINES, STYLE, above, drawing, grid, plain
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..balancing.counterweights import Counterweight, with_counterweights
-from ..balancing.optimum import balance
-from ..balancing.problem import Criterion, Range, Rms
-from ..balancing.regions import CounterweightRegion
-from ..common.quantities import RPM, Array
-from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..dynamics.reactions import Reactions
-from ..kinematics.cycle import cycle
-from ..linkage.linkage import Linkage
-from ..linkage.loading import load
-from .pages import CURVES, NOT, Grid, PageEntry, Panel, Row, draw
+from pinpress.balancing.counterweights import Counterweight, with_counterweights
+from pinpress.balancing.optimum import balance
+from pinpress.balancing.problem import Criterion, Range, Rms
+from pinpress.balancing.regions import CounterweightRegion
+from pinpress.common.quantities import RPM, Array
+from pinpress.dynamics.inverse_dynamics import inverse_dynamics
+from pinpress.dynamics.reactions import Reactions
+from pinpress.kinematics.cycle import cycle
+from pinpress.linkage.linkage import Linkage
+from pinpress.linkage.loading import load
+from validation.pages import CURVES, NOT, Grid, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

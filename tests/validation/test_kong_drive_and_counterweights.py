@@ -9,7 +9,7 @@ from scipy.optimize import minimize, minimize_scalar
 
 import pinpress as pp
 from pinpress.accuracy.peers import six_bar_script
-from pinpress.papers import kong2025, kong2025_as_printed, kong2025_counterweights, kong2025_drive
+from validation import kong2025, kong2025_as_printed, kong2025_counterweights, kong2025_drive
 
 SPEED = 70 * np.pi / 30
 KNOWN = json.loads((Path(__file__).parents[1] / "reference" / "zxn2_3000b.json").read_text(encoding="utf-8"))["kinematic_extremes"]

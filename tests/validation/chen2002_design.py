@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common.quantities import Array
-from ..derivatives.reshape import reshaped
-from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.cycle import cycle
-from ..kinematics.measures import bearing_positions, pressure_angle, quick_return_ratio, speed_variation, stroke
-from ..linkage.linkage import Linkage
-from ..loads.process import ForceStroke
-from ..plots.style import COLOURS, drawing, grid
-from ..synthesis.design import Trial
-from ..synthesis.pareto_curve import DesignTradeOff, trade_off
-from ..synthesis.synthesis import SynthesisResult, synthesise
-from .pages import BEYOND, Grid, PageEntry, Panel, Row, draw
+from pinpress.common.quantities import Array
+from pinpress.derivatives.reshape import reshaped
+from pinpress.dynamics.inverse_dynamics import inverse_dynamics
+from pinpress.kinematics.cycle import cycle
+from pinpress.kinematics.measures import bearing_positions, pressure_angle, quick_return_ratio, speed_variation, stroke
+from pinpress.linkage.linkage import Linkage
+from pinpress.loads.process import ForceStroke
+from pinpress.plots.style import COLOURS, drawing, grid
+from pinpress.synthesis.design import Trial
+from pinpress.synthesis.pareto_curve import DesignTradeOff, trade_off
+from pinpress.synthesis.synthesis import SynthesisResult, synthesise
+from validation.pages import BEYOND, Grid, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

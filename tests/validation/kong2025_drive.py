@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..common.quantities import RPM, Values
-from ..drives.motors import InverterMotor
-from .pages import BEYOND, REPRODUCED, Grid, PageEntry, Panel, Row, draw
+from pinpress.common.quantities import RPM, Values
+from pinpress.drives.motors import InverterMotor
+from validation.pages import BEYOND, REPRODUCED, Grid, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,18 +16,18 @@ from support.sampling import rest_exhaustive
 
 import pinpress as pp
 from pinpress.accuracy.peers import six_bar_script
-from pinpress.papers import (
+from validation import (
     DOCUMENTS,
-    __main__,
     chen2002,
     kong2025,
     pages,
     reproduced,
+    validate,
     zhang2007_balancing,
     zhang2007_runs,
     zhang2007_search,
 )
-from pinpress.papers.pages import BEYOND, CURVES, DATA, FINDINGS, FORMULAS, KINDS, NO_RESULT, NOT, PARTLY, REPRODUCED, Page, PageEntry, Row
+from validation.pages import BEYOND, CURVES, DATA, FINDINGS, FORMULAS, KINDS, NO_RESULT, NOT, PARTLY, REPRODUCED, Page, PageEntry, Row
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -163,30 +163,30 @@ def test_writes_pages_and_figures(made, name, figures, tmp_path):
 def test_command_prints_and_fails_where_a_number_does_not_hold(monkeypatch, capsys):
     good = PageEntry(("Table 1",), "one", REPRODUCED, (Row("length [m]", "2.00", 2.01, 1.0),))
     page = Page("kong2025", "Kong", "", (good,), ())
-    monkeypatch.setattr(__main__, "reproduced", lambda name: page)
-    assert __main__.main(["kong2025"]) == 0
+    monkeypatch.setattr(validate, "reproduced", lambda name: page)
+    assert validate.main(["kong2025"]) == 0
     assert "| length [m] | 2.00 | 2.01 | +0.50 % | 1 % |" in capsys.readouterr().out
     bad = replace(good, rows=(Row("length [m]", "2.00", 2.03, 1.0),))
-    monkeypatch.setattr(__main__, "reproduced", lambda name: replace(page, entries=(bad,)))
-    assert __main__.main(["kong2025"]) == 1
+    monkeypatch.setattr(validate, "reproduced", lambda name: replace(page, entries=(bad,)))
+    assert validate.main(["kong2025"]) == 1
     assert "length [m] is 2.03, not 2.00" in capsys.readouterr().err
 
 
 def test_command_refuses_unknown_documents(capsys):
-    assert __main__.main(["kong2026"]) == 2
+    assert validate.main(["kong2026"]) == 2
     assert "kong2026" in capsys.readouterr().err
 
 
 def test_command_writes(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(__main__, "reproduced", lambda name: Page(name, "Short", "", (), ()))
-    assert __main__.main(["--out", str(tmp_path / "new")]) == 0
+    monkeypatch.setattr(validate, "reproduced", lambda name: Page(name, "Short", "", (), ()))
+    assert validate.main(["--out", str(tmp_path / "new")]) == 0
     assert [str(tmp_path / "new" / f"{name}.md") for name in DOCUMENTS] == capsys.readouterr().out.split()
 
 
 def test_command_names_a_file_it_cannot_write(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(__main__, "reproduced", lambda name: Page(name, "Short", "", (), ()))
+    monkeypatch.setattr(validate, "reproduced", lambda name: Page(name, "Short", "", (), ()))
     (tmp_path / "file").write_text("")
-    assert __main__.main(["chen2002", "--out", str(tmp_path / "file")]) == 2
+    assert validate.main(["chen2002", "--out", str(tmp_path / "file")]) == 2
     assert "file" in capsys.readouterr().err
 
 

@@ -1,29 +1,32 @@
-"""`python -m pinpress.papers`: every table and figure of the documents, ours beside theirs."""
+"""`python tests/validation/validate.py`: every table and figure of the documents, ours beside theirs."""
 
 import argparse
 import sys
 import time
+from pathlib import Path
 
-from ..common.command_end import ended
-from . import DOCUMENTS, reproduced
+from pinpress.common.command_end import ended
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from validation import DOCUMENTS, reproduced
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command.
 
     Args:
-        arguments: words behind ``python -m pinpress.papers``; by default those of this process.
+        arguments: words behind ``python tests/validation/validate.py``; by default those of this process.
 
     Returns:
         The exit code: 1 where a number that counts as reproduced is not, 2 with a line on stderr where the input is at fault, others see
         `command_end.ended`.
     """
-    return ended("pinpress.papers", lambda: _run(arguments))
+    return ended("validate", lambda: _run(arguments))
 
 
 def _run(arguments: list[str] | None) -> int:
     parser = argparse.ArgumentParser(
-        prog="python -m pinpress.papers",
+        prog="python tests/validation/validate.py",
         description="Every table and figure of the documents behind the shipped presses, ours beside theirs.",
     )
     parser.add_argument("documents", nargs="*", metavar="DOCUMENT", help=f"which of {', '.join(DOCUMENTS)}; default: all")

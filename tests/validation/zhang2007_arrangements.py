@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from ..balancing import classical
-from ..balancing.comparison import compare_conditions
-from ..balancing.counterweights import Counterweight, OperatingCondition, with_counterweights
-from ..balancing.problem import Range
-from ..balancing.regions import CounterweightRegion
-from ..common.quantities import RPM
-from ..kinematics.cycle import cycle
-from ..linkage.linkage import Linkage
-from ..linkage.loading import load
-from ..pin_table.building import build
-from .pages import BEYOND, FINDINGS, FORMULAS, Grid, PageEntry, Row, figures
-from .zhang2007_balancing import GRAVITY, POINTS, SPEED, turning
+from pinpress.balancing import classical
+from pinpress.balancing.comparison import compare_conditions
+from pinpress.balancing.counterweights import Counterweight, OperatingCondition, with_counterweights
+from pinpress.balancing.problem import Range
+from pinpress.balancing.regions import CounterweightRegion
+from pinpress.common.quantities import RPM
+from pinpress.kinematics.cycle import cycle
+from pinpress.linkage.linkage import Linkage
+from pinpress.linkage.loading import load
+from pinpress.pin_table.building import build
+from validation.pages import BEYOND, FINDINGS, FORMULAS, Grid, PageEntry, Row, figures
+from validation.zhang2007_balancing import GRAVITY, POINTS, SPEED, turning
 
 KNUCKLE_CRANK = 0.014679  # crank radius of the double knuckle [m]
 AUXILIARY = 0.0297  # auxiliary crank of the shipped press [m]

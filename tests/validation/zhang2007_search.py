@@ -5,16 +5,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..balancing.counterweights import Counterweight, with_counterweights
-from ..balancing.optimum import balance
-from ..balancing.problem import Range
-from ..balancing.regions import CounterweightRegion
-from ..common.quantities import Array
-from ..kinematics.cycle import cycle
-from ..linkage.linkage import Linkage
-from ..sweeps.experiments import full_factorial, latin_hypercube
-from .pages import BEYOND, FORMULAS, PageEntry, Panel, Row, draw
-from .zhang2007_balancing import POINTS, SEARCH, SPEED, ranges
+from pinpress.balancing.counterweights import Counterweight, with_counterweights
+from pinpress.balancing.optimum import balance
+from pinpress.balancing.problem import Range
+from pinpress.balancing.regions import CounterweightRegion
+from pinpress.common.quantities import Array
+from pinpress.kinematics.cycle import cycle
+from pinpress.linkage.linkage import Linkage
+from pinpress.sweeps.experiments import full_factorial, latin_hypercube
+from validation.pages import BEYOND, FORMULAS, PageEntry, Panel, Row, draw
+from validation.zhang2007_balancing import POINTS, SEARCH, SPEED, ranges
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,21 +9,29 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common.quantities import Array
-from ..derivatives.reshape import reshaped
-from ..kinematics.cycle import cycle
-from ..kinematics.dyads import transmission_angle_curves
-from ..kinematics.measures import bearing_positions, even_length, pressure_angle, quick_return_ratio, speed_ratio, speed_variation, stroke
-from ..kinematics.motion import Motion
-from ..kinematics.phases import phases
-from ..kinematics.servo_motion import servo_cycle
-from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
-from ..linkage.loading import load
-from ..synthesis.design import Trial
-from ..synthesis.synthesis import SynthesisResult, synthesise
-from .chen2002_design import AXIS, DRAWN, HALF, SPEED, STROKE, charts_entry, weighing_entry
-from .pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Erratum, Grid, Page, PageEntry, Panel, Row, draw
+from pinpress.common.quantities import Array
+from pinpress.derivatives.reshape import reshaped
+from pinpress.kinematics.cycle import cycle
+from pinpress.kinematics.dyads import transmission_angle_curves
+from pinpress.kinematics.measures import (
+    bearing_positions,
+    even_length,
+    pressure_angle,
+    quick_return_ratio,
+    speed_ratio,
+    speed_variation,
+    stroke,
+)
+from pinpress.kinematics.motion import Motion
+from pinpress.kinematics.phases import phases
+from pinpress.kinematics.servo_motion import servo_cycle
+from pinpress.kinematics.slide_path import dead_centres
+from pinpress.linkage.linkage import Linkage
+from pinpress.linkage.loading import load
+from pinpress.synthesis.design import Trial
+from pinpress.synthesis.synthesis import SynthesisResult, synthesise
+from validation.chen2002_design import AXIS, DRAWN, HALF, SPEED, STROKE, charts_entry, weighing_entry
+from validation.pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Erratum, Grid, Page, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,7 +56,7 @@ def page() -> Page:
         "Chen 2002: a press for thin-walled parts",
         "Chen Y., Su S. 2002, Modern Manufacturing Engineering 2002(7), 42-44 (in Chinese): lengths of an oscillating guide bar with a"
         " rocker-slide behind it, so that the ram works at an even speed and returns quickly. `thin_wall`, at 7.54 rad/s. The paper has"
-        " no tables. We read it in a transcription. Written by `python -m pinpress.papers chen2002`.",
+        " no tables. We read it in a transcription. Written by `python tests/validation/validate.py chen2002`.",
         (
             PageEntry(("Fig. 1",), "scheme of the press", NO_RESULT),
             _ends(press),
