@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, TypeGuard, TypeVar, get_origin
 import numpy as np
 
 from .errors import PinpressError, shown, suggestion
-from .quantities import Array
+from .quantities import Array, readable
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -380,51 +380,12 @@ def _odd(values: Iterable[Any], level: int = 1) -> bool:
 
 # ------------------------------------------------------------------------------------------------------------------------- texts with units
 
-# Texts with units: factors to the first unit of each row, which is the one that help and messages name.
-_ROWS: tuple[Mapping[str, float], ...] = (
-    {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "cm": 1e-2, "in": 0.0254},
-    {"N": 1.0, "kN": 1e3, "MN": 1e6, "tf": 9806.65},
-    {"r/min": 1.0, "rpm": 1.0, "1/min": 1.0, "spm": 1.0, "Hz": 60.0, "rad/s": 30 / math.pi, "deg/s": 1 / 6},
-    {"deg": 1.0, "°": 1.0, "rad": 180 / math.pi},
-    {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
-    {"kg": 1.0, "g": 1e-3, "t": 1e3},
-    {"kg/m3": 1.0, "t/m3": 1e3},
-    {"m2": 1.0, "cm2": 1e-4, "mm2": 1e-6},
-    {"kg m2": 1.0, "kgm2": 1.0},
-    {"N m": 1.0, "Nm": 1.0, "kNm": 1e3, "MNm": 1e6},
-    {"W": 1.0, "kW": 1e3, "MW": 1e6},
-    {"Hz": 1.0, "kHz": 1e3},
-    {"m/s": 1.0, "mm/s": 1e-3},
-    {"mm": 1.0, "m": 1e3, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "in": 25.4},
-    {"mm/s": 1.0, "m/s": 1e3, "m/min": 1e3 / 60},
-    {"m/s2": 1.0, "mm/s2": 1e-3},
-    {"rad/s2": 1.0, "deg/s2": math.pi / 180},
-    {"W/(N m)2": 1.0},
-    {"W s2/rad2": 1.0},
-    {"W/N2": 1.0},
-    {"W s2/m2": 1.0},
-    {"s/rad": 1.0},
-    {"V": 1.0, "kV": 1e3},
-    {"N/m": 1.0, "kN/m": 1e3, "kN/mm": 1e6, "N/mm": 1e3, "MN/m": 1e6, "GN/m": 1e9},
-    {"N/m^1.5": 1.0},
-    {"N s/m": 1.0, "Ns/m": 1.0, "kNs/m": 1e3},
-    {"N m/rad": 1.0, "Nm/rad": 1.0, "kNm/rad": 1e3},
-    {"N m s/rad": 1.0, "Nms/rad": 1.0, "kNms/rad": 1e3},
-    {"Pa": 1.0, "bar": 1e5, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6},
-    {"m3": 1.0, "l": 1e-3, "cm3": 1e-6},
-    {"N/m^e": 1.0},
-    {"N s^e/m^e": 1.0},
-    {"Shore A": 1.0},
-    {"K": 1.0},
-    {"1/K": 1.0},
-    {"-": 1.0, "%": 1e-2},
-)
-UNITS = {next(iter(row)): row for row in _ROWS}
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:[A-Za-z%]|(?<=\s)1/|[^\x00-\x7f]).*?)?\s*")
+_SPELLINGS = str.maketrans({"\u03bc": "\u00b5", "·": "", "*": "", "²": "2", "³": "3"})  # the letter mu for the sign of a millionth
 
 
 def read_quantity(text: str, unit: str) -> float:
-    """The number of a text, in a unit that `UNITS` has.
+    """The number of a text, in a unit of `quantities`; a bare number is in this unit.
 
     Raises:
         ValueError: it is no number, or its unit is of something else; the message says what to write.
@@ -441,10 +402,26 @@ def read_quantity(text: str, unit: str) -> float:
 
 
 def unit_factor(given: str, unit: str) -> float:
-    """How large a unit is in another one that `UNITS` has; raises ValueError where it is of something else."""
-    known, given = UNITS[unit], given.replace("\u03bc", "\u00b5")  # the letter mu for the sign of a millionth
-    written = {"".join(name.split()): name for name in known}  # kN m and kNm
-    given = written.get("".join(given.split()), given)
-    if given not in known:
+    """How large a unit is in another one; raises ValueError if it is of something else.
+
+    Blanks, points and stars between the parts of a unit do not matter, nor whether a power is written small.
+    """
+    known = readable(unit)
+    size = known.get(given)
+    if size is None:
+        size = {_spelling(name): each for name, each in known.items()}.get(_spelling(given))
+    if size is None:
         raise ValueError(f"in {given!r}, which is none of {', '.join(known)}{suggestion(given, known)}")
-    return known[given]
+    return size
+
+
+def known_factor(given: str, unit: str) -> float | None:
+    """How large a unit is in another one; None if it is of something else, or empty."""
+    try:
+        return unit_factor(given, unit) if given else None
+    except ValueError:
+        return None
+
+
+def _spelling(unit: str) -> str:
+    return "".join(unit.translate(_SPELLINGS).split())

@@ -12,14 +12,14 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import files
 from .errors import PinpressError
-from .quantities import Array
+from .quantities import Array, ShownUnit, grouped, quantity
 
 if TYPE_CHECKING:
     import pandas
@@ -33,9 +33,7 @@ MOST_ROWS, MOST_COLUMNS = 20, 20  # most rows and columns of a table in a notebo
 GAP = "..."  # stands for what is left out of a long table
 _NAME, _NUMBER, _UNIT = 26, 12, 7  # widths of the columns of an `entry`
 
-_DIGITS = 5  # of the largest number of a `Scale`
-_ROUNDING = 1e-9  # share of the largest number below which a number is rounding
-_PREFIXED = ("N", "N m", "W", "J", "Pa")
+_DIGITS = 5  # of the largest number of a table
 
 # a 0 with a minus sign, as a word of its own; where there is room before it, the sign leaves its place empty
 _PADDED_MINUS, _MINUS = (re.compile(before + r"-(?=0(?:\.0*)?(?![\w.]))") for before in ("(?<=  )", r"(?<![^\s(\[])"))
@@ -264,50 +262,10 @@ def entry(name: str, number: str, unit: str = "", remark: str = "") -> str:
     return f"  {name:{_NAME}}{number:>{_NUMBER}} {unit:{_UNIT}}{remark}".rstrip()
 
 
-class Scale(NamedTuple):
-    """How the numbers of one quantity are written under each other: in one unit, with as many decimals, rounding as 0.
-
-    Attributes:
-        unit: with its prefix.
-        factor: of these units in one SI unit.
-        decimals: digits after the point.
-        least: values up to this size are rounding [SI unit].
-    """
-
-    unit: str
-    factor: float
-    decimals: int
-    least: float
-
-    def shown(self, value: float) -> str:
-        """A value in SI units as a number in this unit; thousands stand apart where there are more than four digits before the point."""
-        rounded = round(value * self.factor, self.decimals)
-        if abs(value) <= self.least or not rounded:
-            return "0"
-        return _grouped(rounded, f".{self.decimals}f")
-
-
-def scale(unit: str, values: Iterable[float], least: float = 0.0) -> Scale:
-    """The scale for values of which the largest is to have five digits.
-
-    Args:
-        unit: SI unit of the values. N, N m, J and Pa take the prefix k from 10 000 and M from 10 000 000 on, W from a tenth of that, kg
-            become t from 10 000 on, lengths are in mm with three decimals, and speeds below 10 mm/s in mm/s.
-        values: all that are shown under each other, or their extremes.
-        least: size up to which values are rounding; at least 1e-9 of the largest.
-    """
-    largest = max(map(abs, values), default=0.0)
-    prefixed, factor = unit, 1.0
-    if unit in _PREFIXED:
-        kilo = 1e3 if unit == "W" else 1e4
-        prefixed, factor = (f"M{unit}", 1e-6) if largest >= 1e3 * kilo else (f"k{unit}", 1e-3) if largest >= kilo else (unit, 1.0)
-    elif unit == "kg" and largest >= 1e4:
-        prefixed, factor = "t", 1e-3
-    elif unit == "m" or (unit == "m/s" and largest < 0.01):
-        prefixed, factor = f"m{unit}", 1e3
-    before_point = math.floor(math.log10(largest * factor)) if largest > least else 0
-    decimals = 3 if unit == "m" else min(max(_DIGITS - 1 - before_point, 0), 9)
-    return Scale(prefixed, factor, decimals, max(least, _ROUNDING * largest))
+def scale(unit: str, values: Iterable[float], least: float = 0.0) -> ShownUnit:
+    """How values with five digits of the largest are written under each other; see `Quantity.scale`."""
+    shown = quantity("height" if unit == "m" else unit or "-").scale(values, digits=_DIGITS)
+    return shown._replace(least=max(shown.least, least))
 
 
 def shortened(items: Sequence[T], most: int) -> list[T | None]:
@@ -317,16 +275,10 @@ def shortened(items: Sequence[T], most: int) -> list[T | None]:
 
 
 def cell(value: object) -> str:
-    """A value as a cell: six digits of a number, thousands apart as in `Scale.shown`, words in one line, nothing for None."""
+    """A value as a cell: six digits of a number, thousands apart as in `ShownUnit.shown`, words in one line, nothing for None."""
     if value is None:
         return ""
-    return _grouped(value, ".6g") if isinstance(value, float) else " ".join(str(value).splitlines())
-
-
-def _grouped(value: float, digits: str) -> str:
-    """A number with a space between thousands where it has more than four digits before the point."""
-    number = f"{value:,{digits}}"
-    return number.replace(",", " " if len(number.partition(".")[0].strip("-")) > len("1,000") else "")
+    return grouped(value, ".6g") if isinstance(value, float) else " ".join(str(value).splitlines())
 
 
 def _without_minus(row: Sequence[str]) -> list[str]:

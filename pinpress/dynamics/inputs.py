@@ -6,7 +6,6 @@ press builders use. Fields that have no value are left out, and those that must 
 
 import datetime
 import hashlib
-import math
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass
@@ -15,10 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ..common import tables
 from ..common.errors import shown
 from ..common.parameters import declared, in_signature
-from ..common.quantities import CRANK, GRAVITY, RPM, DriverCoordinate
+from ..common.quantities import CRANK, GRAVITY, DriverCoordinate, quantity
 from ..kinematics.main_data import tool_in_words
 from ..kinematics.motion import Motion
 from ..linkage import loading
@@ -32,7 +30,6 @@ from .reactions import Reactions
 FEW = 4  # numbers that are written out; of more their count and range
 DIGITS = 9
 STANDARD_GRAVITY = (0.0, 0.0, -GRAVITY)
-OTHER_UNITS = {"rad/s": ("r/min", 1 / RPM), "rad": ("deg", 180 / math.pi), "-": ("", 1.0)}
 
 Inputs = Sequence[tuple[str, str]]
 """Names of inputs and what they are, in words."""
@@ -156,16 +153,8 @@ def written(value: object, unit: str, digits: int = DIGITS) -> str:
         numbers = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
         return shown(value)
-    in_unit, factor = _unit(unit, numbers)
-    return f"{_numbers(factor * numbers, digits)} {in_unit}".strip()
-
-
-def _unit(unit: str, numbers: Any) -> tuple[str, float]:
-    """The unit in which numbers are written, and how many of it an SI unit is."""
-    if unit in OTHER_UNITS:
-        return OTHER_UNITS[unit]
-    scale = tables.scale(unit, np.ravel(numbers).tolist())
-    return scale.unit, scale.factor
+    shown_in = quantity(unit or "-").scale(np.ravel(numbers).tolist())
+    return f"{_numbers(shown_in.factor * numbers, digits)} {shown_in.unit}".strip()
 
 
 def _numbers(values: Any, digits: int = DIGITS) -> str:

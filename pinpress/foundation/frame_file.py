@@ -25,10 +25,10 @@ from typing import Any, NoReturn, TypeVar
 import numpy as np
 
 from ..common import files
-from ..common.arguments import UNITS, read_quantity, typed
+from ..common.arguments import read_quantity, typed
 from ..common.errors import FileEntryError, PinpressError, UnknownNameError
 from ..common.parameters import declared, in_signature
-from ..common.quantities import Array
+from ..common.quantities import Array, readable
 from ..common.reading.cells import factor_to, read_rows
 from ..common.reading.entries import Entry, FileKind, read_entries
 from ..common.reading.matrices import is_market
@@ -297,7 +297,7 @@ def _number(entry: Entry, unit: str) -> float:
     try:
         return read_quantity(text, unit)
     except ValueError as error:
-        units = [each for each in UNITS[unit] if each != "-"]
+        units = [each for each in readable(unit) if each != "-"]
         return entry.refuse(f"{text!r} is {error}", f"write a number{f' in {units[0]}, or with a unit' if units else ''}")
 
 

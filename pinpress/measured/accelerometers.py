@@ -16,17 +16,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common import files
-from ..common.arguments import LARGEST, finite_numbers, numbers, suitable_numbers
+from ..common.arguments import LARGEST, finite_numbers, known_factor, numbers, suitable_numbers
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import Frozen
-from ..common.quantities import GRAVITY, Array
+from ..common.quantities import GRAVITY, Array, readable
 from ..common.reading.cells import Row, factor_to, parted, read_rows
 from ..kinematics.column_files import Channels, named_columns, read
 from .records import UNEVEN, longest_rest, times_of
 
 FEWEST = 256  # samples of a record
-UNITS = {"m/s2": 1.0, "m/s^2": 1.0, "m/s²": 1.0, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3}
-ANGLES = {"rad": 1.0, "deg": np.pi / 180, "°": np.pi / 180, "turns": 2 * np.pi}
 DIRECTIONS = {
     f"{sign}{axis}": tuple(float(size * (k == i)) for k in range(3))
     for sign, size in (("", 1), ("+", 1), ("-", -1))
@@ -187,9 +185,11 @@ def run_of(
     crank_angle = None
     if angle is not None:
         found, unit = table.column(angle)
-        if unit not in ANGLES:
-            raise PinpressError(f"{name}: column {angle!r} is in {unit or 'no unit'}: give an angle in {', '.join(ANGLES)}, or tacho=")
-        crank_angle = np.unwrap(_finite(found, name, angle) * ANGLES[unit])
+        size = known_factor(unit, "rad")
+        if size is None:
+            known = ", ".join(readable("rad"))
+            raise PinpressError(f"{name}: column {angle!r} is in {unit or 'no unit'}: give an angle in {known}, or tacho=")
+        crank_angle = np.unwrap(_finite(found, name, angle) * size)
     elif tacho is not None:
         times, accelerations, crank_angle = _by_pulses(name, times, accelerations, _finite(table.column(tacho).values, name, tacho), pulses)
     elif speed is not None:
@@ -200,17 +200,19 @@ def run_of(
 def _acceleration(table: Channels, name: str, column: str, sensor: Accelerometer) -> Array:
     """(n,) what a column says, in m/s2."""
     found, unit = table.column(column)
-    if unit in UNITS:
+    factor = known_factor(unit, "m/s2")
+    if factor is not None:
         if sensor.gain is not None:
             raise PinpressError(
                 f"{name}: column {column!r} is in {unit}, and its accelerometer has a gain: leave the gain out, or name it in V"
             )
-        factor = UNITS[unit]
     elif sensor.gain is not None:
         factor = sensor.gain * (1e-3 if unit == "mV" else 1.0)
     else:
         what = f"is in {unit}" if unit else "has no unit"
-        raise PinpressError(f"{name}: column {column!r} {what}: name it in one of {', '.join(UNITS)}, or give its Accelerometer a gain")
+        raise PinpressError(
+            f"{name}: column {column!r} {what}: name it in one of {', '.join(readable('m/s2'))}, or give its Accelerometer a gain"
+        )
     values = _finite(found, name, column)
     rest = max(longest_rest(values, float(extreme))[0] for extreme in (values.max(), values.min()))
     if not np.ptp(values):

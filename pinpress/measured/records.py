@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from ..common.arguments import LARGEST, SMALLEST, number, numbers, typed
+from ..common.arguments import LARGEST, SMALLEST, known_factor, number, numbers, typed
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import FrozenMapping
-from ..common.quantities import Array
+from ..common.quantities import Array, readable
 from ..common.reading.cells import parted
 from ..common.results import Tabular
 from ..kinematics.column_files import TIMES, Channels, read
@@ -36,12 +36,6 @@ NOISELESS = 1e-5  # least noise by the largest sample: so exact are sums over sa
 AXES = ("x", "y", "z")
 _NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
 
-ANGLES = {"rad": 1.0, "deg": math.pi / 180, "°": math.pi / 180, "turn": 2 * math.pi, "turns": 2 * math.pi, "rev": 2 * math.pi}
-TORQUES = {"N m": 1.0, "Nm": 1.0, "N*m": 1.0, "N·m": 1.0, "kN m": 1e3, "kNm": 1e3, "MN m": 1e6, "MNm": 1e6}
-CURRENTS = {"A": 1.0, "mA": 1e-3, "kA": 1e3}
-TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
-FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6}
-LENGTHS = {"m": 1.0, "mm": 1e-3}
 _UNITS = {"torque": "N m", "current": "A"}
 SPEEDS = ("rpm", "r/min", "1/min", "min-1", "rad/s", "deg/s", "Hz")
 
@@ -349,25 +343,28 @@ def record(
         start, end = numbers("between", between, (2,))
         span = (times >= start) & (times <= end)
 
-    def values(name: str, units: Mapping[str, float], what: str) -> Array:
+    def values(name: str, wanted: str, what: str, size: float | None = None) -> Array:
         found, unit = table.column(name)
-        if unit not in units:
-            raise PinpressError(_unit_refused(table.file, name, unit, what, units))
+        size = known_factor(unit, wanted) if size is None else size
+        if size is None:
+            raise PinpressError(_unit_refused(table.file, name, unit, what, wanted))
         wrong = ~np.isfinite(found[span])
         if wrong.any():
             first = times[span][int(np.argmax(wrong))]
             raise PinpressError(f"{table.file}: {name} has no number at {first:.6g} s; cut the record with between=, or fill the gap")
-        return np.asarray(found[span] * units[unit])
+        return np.asarray(found[span] * size)
 
     notes: list[str] = []
-    angles = {**ANGLES, **({} if counts is None else {"counts": 2 * math.pi / number("counts", counts, positive=True)})}
-    per_unit = _factor(angles, table, angle)
-    readings = _continuous(values(angle, angles, "angle") / per_unit, per_unit, times[span], angle, notes)
+    in_counts = counts is not None and table.column(angle).unit == "counts"
+    per_unit = 2 * math.pi / number("counts", counts, positive=True) if in_counts else known_factor(table.column(angle).unit, "rad")
+    readings = values(angle, "rad", "angle", per_unit)  # refuses a column in another unit
+    per_unit = per_unit or 1.0
+    readings = _continuous(readings / per_unit, per_unit, times[span], angle, notes, counted=in_counts)
     crank = per_unit * (readings - number("zero", zero)) / _ratio("angle_ratio", angle_ratio)
     gear, effort, current = _ratio("ratio", ratio), None, None
     if torque is not None:
-        drawn = table.column(torque).unit in CURRENTS
-        read_in = gear * values(torque, CURRENTS if drawn else TORQUES, "torque")
+        drawn = known_factor(table.column(torque).unit, "A") is not None
+        read_in = gear * values(torque, "A" if drawn else "N m", "torque")
         if drawn and motor_constant is None:
             current = read_in
         else:
@@ -377,9 +374,9 @@ def record(
         crank,
         effort,
         current,
-        {axis: values(name, FORCES, "force") for axis, name in shaking_force.items()},
-        {axis: values(name, TORQUES, "moment") for axis, name in shaking_moment.items()},
-        None if height is None else values(height, LENGTHS, "height"),
+        {axis: values(name, "N", "force") for axis, name in shaking_force.items()},
+        {axis: values(name, "N m", "moment") for axis, name in shaking_moment.items()},
+        None if height is None else values(height, "m", "height"),
         added_mass,
         os.path.basename(table.file),
         tuple(notes),
@@ -399,22 +396,18 @@ def times_of(table: Channels, asked: str | None) -> Array:
         if asked is None:
             raise PinpressError(f"{table.file} has no column of the time; name it, record(..., time='clock [ms]')")
     found, unit = table.column(asked)
-    if (unit or "s") not in TIME_UNITS:
-        raise PinpressError(_unit_refused(table.file, asked, unit, "time", TIME_UNITS))
+    size = known_factor(unit or "s", "s")
+    if size is None:
+        raise PinpressError(_unit_refused(table.file, asked, unit, "time", "s"))
     if not np.isfinite(found).all():
         raise PinpressError(
             f"{table.file}: {asked} has no number in row {int(np.argmin(np.isfinite(found)))}, counted from 0; leave it out"
         )
-    return np.asarray(found * TIME_UNITS[unit or "s"])
+    return np.asarray(found * size)
 
 
-def _factor(units: Mapping[str, float], table: Channels, name: str) -> float:
-    """Radians by one unit of a column; 1 where it is refused later."""
-    return units.get(table.column(name).unit, 1.0)
-
-
-def _unit_refused(file: str, name: str, unit: str, what: str, known: Mapping[str, float]) -> str:
-    plain, _ = parted(name)
+def _unit_refused(file: str, name: str, unit: str, what: str, wanted: str) -> str:
+    (plain, _), known = parted(name), readable(wanted)
     such = f"write the column as {plain!r} with one of the units {', '.join(known)}: '{plain} [{next(iter(known))}]'"
     if not unit:
         return f"{file}: column {plain!r} has no unit; {such}"
@@ -434,13 +427,13 @@ def _ratio(name: str, value: float) -> float:
     return found
 
 
-def _continuous(readings: Array, per_unit: float, times: Array, name: str, notes: list[str]) -> Array:
+def _continuous(readings: Array, per_unit: float, times: Array, name: str, notes: list[str], *, counted: bool) -> Array:
     """Readings of an encoder, in its unit, without the jumps where it starts anew; ``notes`` takes what was done."""
     if len(readings) < 2:
         return readings
     steps = np.diff(readings)
     turn = 2 * math.pi / per_unit
-    rollovers = [turn, *(each for each in ROLLOVERS if per_unit not in ANGLES.values() and each > turn)]
+    rollovers = [turn, *(each for each in ROLLOVERS if counted and each > turn)]
     span = float(np.abs(steps).max())
     over = next((each for each in rollovers if JUMP * each < span < (2 - JUMP) * each), None)
     if over is None:

@@ -15,11 +15,11 @@ from typing import NoReturn
 import numpy as np
 
 from ..common.errors import PinTableError, odd_character, suggestion
-from ..common.quantities import Array
+from ..common.quantities import Array, quantity
 from .formulas import number
 from .reading import Entry
 
-UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}  # [m]
+UNITS = {name: quantity("m").sizes()[name] for name in ("mm", "cm", "m", "in")}  # [m]
 RESERVED = ("from", "at", "length", "angle", "side", "near", "on", "x", "y", "z", "axis", "joint")  # keys of a pin, so no names of pins
 SIDES = {"up": (0.0, 1.0), "down": (0.0, -1.0), "left": (-1.0, 0.0), "right": (1.0, 0.0)}
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}

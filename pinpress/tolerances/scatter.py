@@ -11,7 +11,7 @@ import numpy as np
 from ..common import tables
 from ..common.arguments import number, suitable_numbers
 from ..common.errors import PinpressError
-from ..common.quantities import Array
+from ..common.quantities import Array, ShownUnit
 from ..common.results import Tabular
 from ..common.tables import Column
 from .dimensions import Dimension
@@ -179,11 +179,11 @@ def written_tolerance(part: Dimension) -> str:
     return f"{1e3 * part.tolerance:.4g} mm" if part.unit == "m" else f"{math.degrees(part.tolerance):.4g} deg"
 
 
-def scale_of(found: Scatter) -> tables.Scale:
+def scale_of(found: Scatter) -> ShownUnit:
     """How deviations are written: lengths in um, slopes in um/m."""
     largest = max(float(np.abs(found.deviation).max()), float(np.abs(found.corners).max()))
     if found.unit == "m":
-        return tables.Scale("um", 1e6, 1 if largest >= 1e-6 else 4, 0.0)
+        return ShownUnit("um", 1e6, 1 if largest >= 1e-6 else 4, 0.0)
     if found.unit == "m/m":
-        return tables.Scale("um/m", 1e6, 2, 0.0)
+        return ShownUnit("um/m", 1e6, 2, 0.0)
     return tables.scale(found.unit, [largest])

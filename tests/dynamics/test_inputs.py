@@ -67,7 +67,7 @@ def test_what_drives_a_driver_that_slides_has_forces():
     geared = described(pp.drives.Geared(constant, 600.0, gear_inertia=3.0), RAM)
     assert geared == "Geared(drive=ConstantTorque(value=20 kN m), ratio=600, gear_inertia=3 kg, efficiency=1)"
     assert described(pp.drives.PrescribedSpeed(0.1), RAM) == "PrescribedSpeed(speed=0.1 m/s)"
-    assert described(servo, RAM).split("stiffness=")[1] == "2000000 N/m, damping=9000 N s/m, peak_torque=50 kN, inertia=40 kg)"
+    assert described(servo, RAM).split("stiffness=")[1] == "2 kN/mm, damping=9000 N s/m, peak_torque=50 kN, inertia=40 kg)"
 
 
 def test_inputs_of_reactions():
@@ -81,7 +81,7 @@ def test_inputs_of_reactions():
     assert rows["load"] == described(BLANK)
     both, guide = (described(friction[name]) for name in ("A", "slide_guide"))
     assert rows["friction"] == f"A, B: {both}; slide_guide: {guide}"
-    assert rows["stiffness"] == "A: 1e+09 N/m"
+    assert rows["stiffness"] == "A: 1000 kN/mm"
     assert rows["computed by"] == f"pinpress {pp.__version__}, engine 'plane', on {datetime.date.today().isoformat()}"
     nothing = dict(inputs(pp.inverse_dynamics(press, reactions.motion)))
     assert (nothing["loads"], nothing["friction"]) == ("none but weight", "none")

@@ -211,7 +211,7 @@ def test_nodes_are_in_the_unit_of_their_header(monkeypatch, tmp_path):
     ("old", "new", "line", "element", "said"),
     [
         ("mass: 15 t", "mas: 15 t", 1, "frame", "no key here, did you mean 'mass'?"),
-        ("mass: 15 t", "mass: 15 mm", 1, "frame: mass", "in 'mm', which is none of kg, g, t"),
+        ("mass: 15 t", "mass: 15 mm", 1, "frame: mass", "in 'mm', which is none of kg, t, g"),
         ("mass: 15 t", "mass: -15", 1, "frame", "Frame: mass is -15.0"),
         ("mass: 15 t, ", "", 1, "frame", "mass is missing"),
         ("centre: [0, 100 mm, -0.35]", "centre: 0", 1, "frame: centre", "'0' is a text"),

@@ -8,9 +8,9 @@ import math
 import re
 
 from ...common import files
-from ...common.arguments import UNITS, read_quantity, unit_factor
+from ...common.arguments import read_quantity, unit_factor
 from ...common.errors import PinpressError
-from ...common.quantities import DriverCoordinate
+from ...common.quantities import DriverCoordinate, readable
 from ...common.reading.cells import read_rows
 from ...drives.transmission import SwitchPoint
 
@@ -46,9 +46,9 @@ def truth(text: str) -> bool:
 def instant(text: str) -> SwitchPoint:
     """A time, ``0.1s``, or a crank angle, ``180deg``."""
     with contextlib.suppress(ValueError, PinpressError):
-        if text.endswith(tuple(UNITS["deg"])):
+        if text.endswith(tuple(readable("deg"))):
             return SwitchPoint(angle=math.radians(read_quantity(text, "deg")))
-        if text.endswith(tuple(UNITS["s"])):
+        if text.endswith(tuple(readable("s"))):
             return SwitchPoint(time=read_quantity(text, "s"))
     raise ValueError("neither a time as 0.1s nor a crank angle as 180deg")
 

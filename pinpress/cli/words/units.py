@@ -1,14 +1,13 @@
 """Numbers of the command line: bare ones in the unit that the help names, others with one of their own (12mm, 4000kN, 70rpm, 15deg)."""
 
 import argparse
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ...common.arguments import UNITS
+from ...common import quantities
 from ...common.arguments import read_quantity as read_quantity
 from ...common.errors import PinpressError
-from ...common.quantities import CRANK, RAM, RPM, DriverCoordinate
+from ...common.quantities import CRANK, RAM, DriverCoordinate, readable
 
 
 def quantity(unit: str) -> Callable[[str], float]:
@@ -49,9 +48,9 @@ class OfDriver:
         except ValueError:
             wrong, does = f"{self.text!r} does not go with a driver that", "turns" if coordinate.turns else "slides"
             raise PinpressError(
-                f"{wrong} {does}: give a number in one of {', '.join(UNITS[unit])}; without a unit it is in {unit}"
+                f"{wrong} {does}: give a number in one of {', '.join(readable(unit))}; without a unit it is in {unit}"
             ) from None
-        return math.radians(number) if unit == "deg" else number * {"r/min": RPM, "N m": 1.0, "N": 1.0}.get(unit, 1e-3)
+        return number * quantities.quantity(unit).sizes()[unit]
 
 
 def driver_speed(text: str) -> OfDriver:

@@ -8,7 +8,8 @@ import re
 from typing import NamedTuple
 
 from .. import files
-from ..arguments import UNITS, unit_factor
+from ..arguments import unit_factor
+from ..quantities import readable
 
 SEPARATORS = ";\t,"  # the first of them in the first line parts the cells
 _DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)")
@@ -76,7 +77,7 @@ def factor_to(unit: str, head: str) -> float:
     try:
         return unit_factor(given, unit) if given else 1.0
     except ValueError:
-        raise ValueError(f"{given!r} in {head!r} is none of {', '.join(UNITS[unit])}") from None
+        raise ValueError(f"{given!r} in {head!r} is none of {', '.join(readable(unit))}") from None
 
 
 def _cell(text: str, separator: str) -> str:

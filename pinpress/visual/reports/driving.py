@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...common import tables
-from ...common.quantities import RPM, Array
+from ...common.quantities import RPM, Array, ShownUnit
 from ...drives.protocol import corners_of
 from ...drives.transmission import Geared
 from ...dynamics.driving_energy import driving_energy
@@ -161,7 +161,7 @@ def _duty(run: Run) -> Sequence[Figure]:
     return figures
 
 
-def _plane(run: Run, speed: Array, torque: Array, scale: tables.Scale, turns: bool, moving: bool) -> LineChart:
+def _plane(run: Run, speed: Array, torque: Array, scale: ShownUnit, turns: bool, moving: bool) -> LineChart:
     """Torque over the speed of the motor's own shaft, beside its curve where it has one."""
     drive = run.problem.driven.drive
     assert drive is not None

@@ -10,8 +10,8 @@ from support.presses import sliding_presses
 import pinpress as pp
 from pinpress.cli.main import main
 from pinpress.cli.words import part_specs
-from pinpress.common.arguments import UNITS, read_quantity, unit_factor
-from pinpress.common.quantities import CRANK, RAM
+from pinpress.common.arguments import read_quantity, unit_factor
+from pinpress.common.quantities import CRANK, QUANTITIES, RAM, readable
 from pinpress.drives.motors import ConstantTorque, ServoMotor
 from pinpress.drives.transmission import Geared, PrescribedSpeed
 
@@ -67,7 +67,8 @@ def test_units_of_columns():
 
 
 def test_first_units_are_those_that_help_names():
-    assert all(units[unit] == 1.0 for unit, units in UNITS.items())
+    for unit in {unit for each in QUANTITIES for unit in each.sizes()}:
+        assert next(iter(readable(unit).items())) == (unit, 1.0)
 
 
 SAID_ELSE = ("time taken", "flywheel  ", "drawing:")  # the words as they were given
