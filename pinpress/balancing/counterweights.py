@@ -22,7 +22,7 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage, first_unphysical
-from ..loads.link import Load, PointForce
+from ..loads.link import Load, PointForce, check_point
 
 
 @dataclass(frozen=True, repr=False)
@@ -210,7 +210,7 @@ def carrying_joint(press: Linkage, link: str, position: tuple[float, float, floa
     Raises:
         PinpressError: the link does not move, or the position is not three finite numbers.
     """
-    joint, point = point_on_body(press, link, position, what, "position")
+    joint, point = point_on_body(press, link, check_point(f"{what}: position", position), what, "position")
     if joint == 0:
         moving = [name for name in press.links if press.model.frames[press.model.getFrameId(name, pin.BODY)].parentJoint]
         raise PinpressError(f"{what}: {shown(link)} does not move, so no mass on it balances anything; moving links: {', '.join(moving)}")

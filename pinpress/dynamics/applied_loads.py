@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from ..common import plausibility
-from ..common.arguments import numbers, suitable_numbers
+from ..common.arguments import numbers
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.quantities import GRAVITY, Array
 from ..engines.friction import REST
@@ -35,7 +35,7 @@ GAUSS = (_NODES + 1) / 2, _WEIGHTS / 2  # by which the work between two states i
 def asked(loads: Sequence[Load]) -> list[Load]:
     """The loads with callers' own functions wrapped, so that their errors and numbers are checked; other loads are returned unchanged."""
     return [
-        replace(load, force=caller_laws.ForceOfMotion(f"load on {shown(load.link)}: force", load.force, np.geterr()))
+        replace(load, force=caller_laws.ForceOfMotion(f"{load.label}: force", load.force, np.geterr()))
         if isinstance(load, PointForce) and callable(load.force)
         else load
         if isinstance(load, PointForce | SpringDamper)  # looking whether something follows a protocol takes long
@@ -60,7 +60,7 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion", *, warned: 
         if isinstance(load, SpringDamper):
             applied += _spring_forces(load, press, motion)
         elif isinstance(load, PointForce):
-            force = load.force(motion) if callable(load.force) else load.force
+            force = numbers(f"{load.label}: force", load.force(motion), unit="N") if callable(load.force) else load.force
             applied.append(point_force(load, press, force, len(motion.crank_angle), warned=warned))
         elif isinstance(load, TimeForce):
             applied += _on_slide(load, press, _in_time(load, motion))
@@ -287,7 +287,7 @@ def _in_time(load: TimeForce, motion: "Motion") -> Array:
 
 
 def point_force(load: PointForce, press: "Linkage", force: ArrayLike, states: int | None = None, *, warned: bool = False) -> AppliedForce:
-    """A force at a point of a link, checked and placed on its body.
+    """A force at a point of a link, placed on its body.
 
     Args:
         load: the load.
@@ -298,14 +298,14 @@ def point_force(load: PointForce, press: "Linkage", force: ArrayLike, states: in
 
     Raises:
         UnknownNameError: a link that the linkage does not have.
-        PinpressError: a point or force of another shape or not finite.
+        PinpressError: a force of another number of states.
 
     Warns:
         PinpressWarning: the link turns about this point in the frame, so that the force does no work.
     """
-    what = f"load on {shown(load.link)}"
+    what = load.label
     joint, point = point_on_body(press, load.link, load.point, what, "point")
-    values, shapes = numbers(f"{what}: force", force, unit="N"), [(3,)] if states is None else [(3,), (states, 3)]
+    values, shapes = np.asarray(force, dtype=float), [(3,)] if states is None else [(3,), (states, 3)]
     if values.shape not in shapes:
         raise PinpressError(f"{what}: force has shape {values.shape}; give {' or '.join(map(str, shapes))}, in world axes [N]")
     unbalance = callable(load.force)  # a force that a caller turns at a pin
@@ -338,7 +338,7 @@ def _apart(point: Array, axis: Array) -> float:
 
 def _spring_forces(load: SpringDamper, press: "Linkage", motion: "Motion") -> list[AppliedForce]:
     """The forces of a spring and damper on its two links."""
-    ends, what = spring_ends(load, press), _spring_in_words(load)
+    ends, what = spring_ends(load, press), load.label
     (position1, velocity1), (position2, velocity2) = (point_motion(press, motion, *end) for end in ends)
     span, rate = position2 - position1, velocity2 - velocity1
     length = np.linalg.norm(span, axis=1)
@@ -356,18 +356,10 @@ def spring_ends(load: SpringDamper, press: "Linkage") -> tuple[tuple[int, Array]
 
     Raises:
         UnknownNameError: a link that the linkage does not have.
-        PinpressError: a stiffness, damping or free length that is negative or no number, or a point of another shape.
     """
-    what = _spring_in_words(load)
-    for quantity in ("stiffness", "damping", "free_length"):
-        wanted = "one number that is not negative"
-        suitable_numbers(f"{what}: {quantity}", getattr(load, quantity), wanted, suits=lambda value: value >= 0)
+    what = load.label
     plausibility.length(f"{what}: free_length", float(load.free_length), press.size)
     return point_on_body(press, load.link1, load.point1, what, "point1"), point_on_body(press, load.link2, load.point2, what, "point2")
-
-
-def _spring_in_words(load: SpringDamper) -> str:
-    return f"spring between {shown(load.link1)} and {shown(load.link2)}"
 
 
 def point_on_body(press: "Linkage", link: str, point: ArrayLike, what: str, name: str) -> tuple[int, Array]:
@@ -382,13 +374,10 @@ def point_on_body(press: "Linkage", link: str, point: ArrayLike, what: str, name
 
     Raises:
         UnknownNameError: a link that the linkage does not have.
-        PinpressError: a point of another shape or not finite.
     """
     if link not in press.links:
         raise UnknownNameError("link", link, press.links)
-    position = numbers(f"{what}: {name}", point, unit="m")
-    if position.shape != (3,):
-        raise PinpressError(f"{what}: {name} has shape {position.shape}; give x, y, z in the link's frame [m]")
+    position = np.asarray(point, dtype=float)
     plausibility.point(f"{what}: {name}", position, press.size)
     frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
     return frame.parentJoint, frame.placement.act(position)

@@ -6,7 +6,7 @@ in these functions as the caller has set it, whatever the library sets around th
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Any
@@ -64,13 +64,8 @@ def is_known(load: object) -> bool:
     return type(load).__module__.startswith(f"{__package__}.")
 
 
-def asked_loads(loads: Sequence[Any]) -> list[Any]:
-    """The loads of a run: a caller's own loads as `AskedLoad`, all others as they are."""
-    return [asked_load(load) for load in loads]
-
-
 def asked_load(load: Any) -> Any:
-    """One load for `asked_loads`."""
+    """A caller's own load as an `AskedLoad`, a force in time with a `Law`, any other load as it is."""
     if isinstance(load, TimeForce):
         return load if isinstance(load.force, Law) else TimeForce(Law("TimeForce: force", OF_TIME, load.force, np.geterr()), load.edges)
     if is_known(load) or isinstance(load, type | AskedLoad) or not isinstance(load, ProcessLoad):

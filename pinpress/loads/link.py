@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common import plausibility
-from ..common.arguments import suitable_numbers
+from ..common.arguments import numbers, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
-from ..common.parameters import in_declared_units, parameter
+from ..common.parameters import Checked, in_declared_units, parameter
+from ..common.quantities import Array
 from ..engines.friction import FrictionLaw
 from .pneumatics import BalanceCylinder
 from .process import ProcessLoad, TimeForce
@@ -42,6 +43,10 @@ class PointForce:
         link: name of the link; the frame (root link) may be named too.
         force: in world axes [N]: (3,) constant, (n, 3) over the motion, or a function of the motion that returns one of these.
         point: of application, in the link's own frame [m].
+
+    Raises:
+        PinpressError: the force or the point has another shape, or is not finite. What a function of the motion returns is checked where it
+            acts.
     """
 
     link: str
@@ -50,6 +55,16 @@ class PointForce:
 
     def __post_init__(self) -> None:
         in_declared_units(self)
+        check_point(f"{self.label}: point", self.point)
+        if not callable(self.force):
+            shape = numbers(f"{self.label}: force", self.force).shape
+            if shape != (3,) and (len(shape) != 2 or shape[1] != 3):
+                raise PinpressError(f"{self.label}: force has shape {shape}; give (3,) or (n, 3), in world axes [N]")
+
+    @property
+    def label(self) -> str:
+        """What messages call it."""
+        return f"load on {shown(self.link)}"
 
 
 @dataclass(frozen=True)
@@ -68,6 +83,9 @@ class SpringDamper:
         point1: in the frame of link1 [m].
         point2: in the frame of link2 [m].
 
+    Raises:
+        PinpressError: a stiffness, damping or free length is negative or no number, or a point has another shape or is not finite.
+
     Warns:
         PinpressWarning: both ends are on the same link, so that it does nothing.
     """
@@ -82,8 +100,18 @@ class SpringDamper:
 
     def __post_init__(self) -> None:
         in_declared_units(self)
+        for quantity in ("stiffness", "damping", "free_length"):
+            wanted = "one number that is not negative"
+            suitable_numbers(f"{self.label}: {quantity}", getattr(self, quantity), wanted, suits=lambda value: value >= 0)
+        check_point(f"{self.label}: point1", self.point1)
+        check_point(f"{self.label}: point2", self.point2)
         if isinstance(self.link1, str) and isinstance(self.link2, str) and self.link1 == self.link2:
             caution(f"SpringDamper: link1 and link2 are both {shown(self.link1)}, which does not stretch it: name two links")
+
+    @property
+    def label(self) -> str:
+        """What messages call it."""
+        return f"spring between {shown(self.link1)} and {shown(self.link2)}"
 
 
 StandingLoad = PointForce | SpringDamper | BalanceCylinder
@@ -92,8 +120,16 @@ StandingLoad = PointForce | SpringDamper | BalanceCylinder
 Load = PointForce | SpringDamper | ProcessLoad | TimeForce
 
 
+def check_point(name: str, point: object) -> Array:
+    """A point (3,) in a link's frame [m]; raises PinpressError where it has another shape or is not finite."""
+    position = numbers(name, point, unit="m")
+    if position.shape != (3,):
+        raise PinpressError(f"{name} has shape {position.shape}; give x, y, z in the link's frame [m]")
+    return position
+
+
 @dataclass(frozen=True)
-class Friction:
+class Friction(Checked):
     """Friction of a bearing or guide.
 
     Attributes:
@@ -102,6 +138,9 @@ class Friction:
         viscous: viscous torque by angular speed [N m s/rad], in a guide viscous force by speed [N s/m].
         preload: of a guide: force with which all its gibs together press on the slide without a load [N]. Coulomb friction is that of the
             preload, or of the force across the guide where this is larger.
+
+    Raises:
+        PinpressError: a value is negative or no finite number.
     """
 
     coefficient: float = field(default=0.0, metadata=parameter("-", "not negative"))
@@ -110,7 +149,9 @@ class Friction:
     preload: float = field(default=0.0, metadata=parameter("N", "not negative"))
 
     def __post_init__(self) -> None:
-        in_declared_units(self)
+        super().__post_init__()
+        wanted = "a finite number that is not negative"  # its unit differs between bearings and guides
+        suitable_numbers("Friction: viscous", self.viscous, wanted, suits=lambda value: value >= 0)
 
 
 def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
@@ -118,8 +159,7 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
 
     Raises:
         UnknownNameError: the linkage does not have a bearing of that name.
-        PinpressError: a fixed loop has friction, a radius is missing or superfluous, a pin has a preload, or a value is negative or not
-            finite.
+        PinpressError: a fixed loop has friction, a radius is missing or superfluous, or a pin has a preload.
 
     Warns:
         PinpressWarning: a coefficient is above 1, a radius above the size of the linkage, or a preload so small that it may be in kN.
@@ -139,19 +179,13 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
         index = press.bearings.index(name)
         if any(loop.name == name and loop.type == "fixed" for loop in press.loops):
             raise PinpressError(f"friction of {shown(name)}: a fixed loop does not turn; leave it out")
-        for quantity in ("coefficient", "radius", "viscous", "preload"):
-            value = getattr(given, quantity)
-            if value is None and quantity == "radius":
-                continue
-            wanted = "a finite number that is not negative"
-            suitable_numbers(f"friction of {shown(name)}: {quantity}", value, wanted, suits=lambda value: value >= 0)
         if turns[index] and given.coefficient and given.radius is None:
             raise PinpressError(f"friction of {shown(name)}: its radius is missing; give that of the bearing [m]")
         if not turns[index] and given.radius is not None:
             raise PinpressError(f"friction of {shown(name)}: a guide has no radius; leave it out")
         if turns[index] and given.preload:
             raise PinpressError(f"friction of {shown(name)}: preload is that of the gibs of a guide; leave it out")
-        plausibility.friction(shown(name), float(given.coefficient), float(given.radius or 0.0), size, float(given.preload))
-        arm[index] = float(given.coefficient) * (1.0 if given.radius is None else float(given.radius))
-        viscous[index], preload[index] = float(given.viscous), float(given.preload)
+        plausibility.friction(shown(name), given.coefficient, given.radius or 0.0, size, given.preload)
+        arm[index] = given.coefficient * (1.0 if given.radius is None else given.radius)
+        viscous[index], preload[index] = given.viscous, given.preload
     return FrictionLaw(arm, viscous, preload, np.array(turns), size) if arm.any() or viscous.any() else None

@@ -29,12 +29,11 @@ from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.cycle import doubt_speeds, motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
-from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
 from .driven_press import DrivenPress, driven_press
 from .failures import failure
-from .law_trials import asked_drive
+from .law_trials import tried
 from .over_angle.angle_solver import MOST_PERIODS
 from .over_angle.collocation import CollocationSolution, panel_integrals
 from .over_angle.mesh import Indices, build_mesh, mesh_borders
@@ -170,7 +169,7 @@ def simulate_batch(
         raise PinpressError("angle is an array: scenarios start from the same crank angle; give one number [rad]")
     speeds, start = _speeds(speed, (drive, flywheel, *loads)), number("angle", angle)
     refuse_far("angle", np.array(start), press.driver_coordinates)
-    drive, loads = asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
+    drive, loads = tried(drive, loads, float(np.abs(speeds).max()))
     if isinstance(drive, PrescribedSpeed):
         raise PinpressError("a drive that prescribes the speed leaves nothing to simulate in scenarios: use simulate")
     refuse_many_turns(speeds, until, start)

@@ -32,7 +32,6 @@ from ..loads import caller_laws
 from ..loads.link import Friction, Load, PointForce, SpringDamper, law
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 from .bearing_model import BearingModel, build_bearing_model
-from .law_trials import check_drive, check_load
 from .reduced_model import (
     COORDINATES,
     INERTIA,
@@ -310,8 +309,6 @@ def driven_press(
     assert isinstance(clutch, Clutch | None)
     assert isinstance(brake, Brake | None)
     prescribed, drive = (drive, None) if isinstance(drive, PrescribedSpeed) else (None, drive)
-    if drive is not None:
-        check_drive(drive)
     coordinates, forces = _of_loads(press, loads)
     inertia: Any = 0.0 if flywheel is None else flywheel.inertia
     if drive is not None:
@@ -425,7 +422,6 @@ def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Se
         if name in flywheels:
             inertias[k] += flywheels[name].inertia
         if name in drives:
-            check_drive(drives[name])
             inertias[k] += drives[name].inertia
             forces.append(GeneralizedForce(len(coordinates), 0.0, drive=drives[name]))
             coordinates.append(JointPosition(joint))
@@ -471,11 +467,8 @@ def _of_load(press: Linkage, load: Load, row: int) -> tuple[Coordinate | None, G
     if isinstance(load, SpringDamper):
         return _spring(press, load, row)
     if isinstance(load, TimeForce):
-        check_load(load)
         return None, GeneralizedForce(_slide_row(press), 0.0, time=load.force, edges=tuple(load.edges))
-    if isinstance(load, ProcessLoad) and not isinstance(load, type):
-        return None, _process_force(press, load)
-    raise PinpressError(f"load {shown(load)} is no load: give a PointForce, a SpringDamper or one of pinpress.loads")
+    return None, _process_force(press, load)
 
 
 def _slide_row(press: Linkage) -> int:
@@ -489,7 +482,6 @@ def _slide_row(press: Linkage) -> int:
 
 
 def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None:
-    check_load(load)
     rising, falling = load.intervals(downwards=False), load.intervals(downwards=True)
     row = _slide_row(press)
     if not rising and not falling:

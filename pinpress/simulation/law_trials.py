@@ -9,7 +9,7 @@ checked against their protocols and tried; after it, the torques of the run are 
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -23,9 +23,10 @@ from ..common.parameters import scenario_lengths
 from ..common.quantities import Array, Values
 from ..drives.protocol import Corner, Drive, corners_of
 from ..drives.transmission import Geared
-from ..loads.caller_laws import Asked, AskedLoad, Law, LawError
+from ..loads.caller_laws import Asked, AskedLoad, Law, LawError, asked_load
 from ..loads.caller_laws import name as name_of
-from ..loads.process import ForceInterval, ProcessLoad, TimeForce
+from ..loads.link import PointForce, SpringDamper
+from ..loads.process import ProcessLoad, TimeForce
 
 ANGLES, TIMES = (0.7, 2.1, -4.0, 9.5), (0.01, 0.3, 2.0, 11.0)  # a drive is tried at these crank angles [rad] and times [s]
 INSIDE = np.linspace(0.02, 0.98, 9)  # a load is tried at these shares of an interval
@@ -33,21 +34,52 @@ VELOCITIES = (0.0, -1.0, -0.1, -1e-3, 1e-3, 0.1, 1.0)  # a load is tried at thes
 ANSWERS = np.array([-1.0, 0.5, 2.0])  # speeds or heights at which a law is asked at once, to see whether it takes arrays
 
 
-def asked_drive(drive: Any, speed: float) -> Any:
-    """A drive for a run that begins with about this crank speed: a caller's own drive as an `AskedDrive`, anything else as it is."""
+def tried(drive: Any, loads: Iterable[Any], speed: float) -> tuple[Any, list[Any]]:
+    """Drive and loads for a run that begins with about this crank speed [rad/s], a caller's own among them wrapped as `caller_laws` says.
+
+    Parts that were tried before stay as they are. What is no drive is refused where the press is put together.
+
+    Raises:
+        PinpressError: something is no load, or a part does not answer as its protocol says, or depends on more than it declares.
+    """
+    return _tried_drive(drive, speed), [_tried_load(load) for load in loads]
+
+
+def _tried_drive(drive: Any, speed: float) -> Any:
     if isinstance(drive, Mapping):
-        return {joint: asked_drive(one, speed) for joint, one in drive.items()}
-    if drive is None or _is_known(drive) or isinstance(drive, type) or not isinstance(drive, Drive):
+        return {joint: _tried_drive(part, speed) for joint, part in drive.items()}
+    if isinstance(drive, AskedDrive | type | None) or not isinstance(drive, Drive):
+        return drive
+    if _is_known(drive):
+        _check_drive(drive)
         return drive
     # A run that begins more slowly than 10 rad/s may still reach that.
-    return AskedDrive(drive, np.geterr(), max(abs(speed), 10.0))
+    asked = AskedDrive(drive, np.geterr(), max(abs(speed), 10.0))
+    _check_drive(asked)
+    _try_drive(asked)
+    return asked
+
+
+def _tried_load(load: Any) -> Any:
+    if isinstance(load, PointForce | SpringDamper):
+        return load
+    if isinstance(load, type) or not isinstance(load, ProcessLoad | TimeForce):
+        raise PinpressError(f"load {shown(load)} is no load: give a PointForce, a SpringDamper or one of pinpress.loads")
+    asked = asked_load(load)
+    if asked is not load and isinstance(asked, TimeForce):
+        times, remedy = np.array([0.0, *TIMES]), "let it depend on the time alone"
+        first = _in_turn("TimeForce: force", asked.force, [(t,) for t in times.tolist()], remedy)
+        _as_numbers("TimeForce: force", first, asked.force(times))
+    elif asked is not load:
+        _try_load(asked)
+    return asked
 
 
 def _is_known(drive: object) -> bool:
-    """Whether a drive is one of the library's, or an `AskedDrive` already."""
+    """Whether a drive is one of the library's."""
     if isinstance(drive, Geared):
         return _is_known(drive.drive)
-    return isinstance(drive, AskedDrive) or type(drive).__module__.startswith(f"{drives.__name__}.")
+    return type(drive).__module__.startswith(f"{drives.__name__}.")
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- asked
@@ -126,7 +158,7 @@ class AskedDrive(Asked):
 # ----------------------------------------------------------------------------------------------------------------------------- checked
 
 
-def check_drive(drive: Drive) -> None:
+def _check_drive(drive: Drive) -> None:
     """Raise PinpressError where a drive does not answer as the protocol says."""
     name = name_of(drive)
     inertia = _asked(f"{name}: inertia", lambda: drive.inertia)
@@ -145,35 +177,6 @@ def check_drive(drive: Drive) -> None:
     for what in (drive.torque, drive.motor_torque):
         call: Callable[..., Any] = what
         _law(f"{name}: {what.__name__}", partial(call, angle=0.0, time=0.0, state=states), drive.timed)
-    if isinstance(drive, AskedDrive):
-        _try_drive(drive)
-
-
-def check_load(load: ProcessLoad | TimeForce) -> None:
-    """Raise PinpressError where a load does not answer as the protocol says."""
-    name = name_of(load)
-    if isinstance(load, TimeForce):
-        value = _asked(f"{name}: force", lambda: load.force(np.array([0.0])))
-        if value.size != 1 or not np.isfinite(value).all():
-            raise PinpressError(f"{name}: force at time 0 is {value}; give a finite number [N]")
-        times, remedy = np.array([0.0, *TIMES]), "let it depend on the time alone"
-        _as_numbers(f"{name}: force", _in_turn(f"{name}: force", load.force, [(t,) for t in times.tolist()], remedy), load.force(times))
-        return
-    datum = load.datum
-    if datum is not None:
-        suitable_numbers(f"{name}: datum", datum, "a slide position [m], or None for bottom dead centre")
-    for downwards in (True, False):
-        for interval in load.intervals(downwards):
-            inside = [end for end in (interval.lower, interval.upper) if math.isfinite(end)] or [0.0]
-            height = sum(inside) / len(inside)
-            _law(f"{name}: force", partial(_at_rest, interval, height), False)
-    if isinstance(load, AskedLoad):
-        _try_load(load)
-
-
-def _at_rest(interval: ForceInterval, height: float, shape: Any) -> Any:
-    """Force of an interval at a height, at rest; ``shape``: a number or an array whose shape it gets."""
-    return interval.force(height + 0.0 * shape, 0.0 * shape)
 
 
 def _law(what: str, law: Callable[[Any], Any], timed: bool) -> None:
@@ -235,6 +238,8 @@ def _try_drive(drive: AskedDrive) -> None:
 def _try_load(load: AskedLoad) -> None:
     """Raise PinpressError where a load depends on more than height, velocity and direction, or gives other values for arrays than for
     numbers."""
+    if load.datum is not None:
+        suitable_numbers(f"{name_of(load)}: datum", load.datum, "a slide position [m], or None for bottom dead centre")
     for downwards in (True, False):
         once, again = load.intervals(downwards), load.intervals(downwards)
         if [(s.upper, s.lower, s.one_sided, s.sense) for s in once] != [(s.upper, s.lower, s.one_sided, s.sense) for s in again]:

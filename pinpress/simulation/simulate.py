@@ -37,13 +37,12 @@ from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.cycle import doubt_speeds
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
-from ..loads import caller_laws
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
 from .driven_press import DrivenPress, driven_press, motor_against, press_with_drives
 from .elastic.description import Elastic
 from .failures import told_of
-from .law_trials import asked_drive
+from .law_trials import tried
 from .over_angle.segment import AngleSegment
 from .run import Run, as_run, state_count
 from .sensitivity import start_sensitivity
@@ -173,7 +172,7 @@ def simulate(
     if len(press.drivers) == 1:
         refuse_scenarios("simulate", speed, (drive, flywheel, *loads))
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed, "/s")
-    drive, loads = asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
+    drive, loads = tried(drive, loads, float(np.abs(speeds).max()))
     refuse_far("angle", angles, press.driver_coordinates)
     refuse_many_turns(speeds, until, float(angles[0]))
     with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises

@@ -24,13 +24,12 @@ from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.cycle import doubt_speeds
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
-from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
 from .driven_press import DrivenPress, driven_press, motor_against
 from .elastic.description import Elastic
 from .failures import failure, told_of
-from .law_trials import asked_drive
+from .law_trials import tried
 from .over_angle import collocation
 from .over_angle.collocation import CollocationSolution
 from .over_angle.mesh import Indices, Mesh, build_mesh, mesh_borders
@@ -141,7 +140,8 @@ def steady_state_near(
     refuse_far("angle", np.array(start), press.driver_coordinates)
     loads = list(loads)  # of what is gone through once, too
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
-    driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None, friction)
+    tried_drive, loads = tried(drive, loads, near)
+    driven = driven_press(press, tried_drive, flywheel, loads, None, None, friction)
     if elastic is None or driven.prescribed is None:
         _refuse_without_steady_state(driven, drive, near)
     doubt_speeds(press, near)

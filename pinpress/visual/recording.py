@@ -31,6 +31,7 @@ from ..engines.joints import configuration
 from ..kinematics.motion import Motion, refuse_motion_of_another, refuse_other_joints
 from ..kinematics.poses import Poses, bearing_points, poses
 from ..linkage.linkage import Linkage, is_same_press
+from ..loads.link import check_point
 from ..simulation.run import Run
 from .pages import meshcat, packed, page, write
 from .shapes import meshcat_commands
@@ -209,7 +210,8 @@ def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trac
         joint, origin = applied_loads.point_on_body(press, press.slide, (0, 0, 0), "slide", "origin")
         found.append(Trace(press.slide, press.slide, joint, origin))
     for link, point in _listed(chosen):
-        joint, local = applied_loads.point_on_body(press, link, point, f"trace of {shown(link)}", "point")
+        what = f"trace of {shown(link)}"
+        joint, local = applied_loads.point_on_body(press, link, check_point(f"{what}: point", point), what, "point")
         words = ", ".join(f"{value:g}" for value in np.asarray(point, dtype=float))
         found.append(Trace(f"{link} ({words})", link, joint, local))
     return found

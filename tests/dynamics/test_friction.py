@@ -581,18 +581,29 @@ def test_no_friction_is_no_friction(friction, engine):
 
 
 @pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ((-0.1, 0.06), "coefficient is -0.1"),
+        ((np.nan, 0.06), "coefficient is nan"),
+        ((np.inf, 0.06), "coefficient is inf"),
+        (("0.1", 0.06), "coefficient is '0.1'"),
+        ((None, 0.06), "coefficient is None"),
+        ((np.array([0.1, 0.2]), 0.06), r"coefficient has shape \(2,\)"),
+        ((0.1, -0.06), "radius is -0.06"),
+        ((0.1, np.nan), "radius is nan"),
+        ((0.1, 0.06, -3.0), "viscous is -3.0"),
+        ((0.0, None, np.inf), "viscous is inf"),
+        ((0.1, None, 0.0, -1e3), "preload is -1000"),
+    ],
+)
+def test_friction_with_numbers_that_make_no_sense_is_refused(values, message):
+    with pytest.raises(pp.PinpressError, match=f"^Friction: {message}"):
+        pp.loads.Friction(*values)
+
+
+@pytest.mark.parametrize(
     ("friction", "message"),
     [
-        ({"A": pp.loads.Friction(-0.1, 0.06)}, "'A': coefficient is -0.1"),
-        ({"A": pp.loads.Friction(np.nan, 0.06)}, "'A': coefficient is nan"),
-        ({"A": pp.loads.Friction(np.inf, 0.06)}, "'A': coefficient is inf"),
-        ({"A": pp.loads.Friction("0.1", 0.06)}, "'A': coefficient is '0.1'"),
-        ({"A": pp.loads.Friction(None, 0.06)}, "'A': coefficient is None"),
-        ({"A": pp.loads.Friction(np.array([0.1, 0.2]), 0.06)}, "'A': coefficient is"),
-        ({"A": pp.loads.Friction(0.1, -0.06)}, "'A': radius is -0.06"),
-        ({"A": pp.loads.Friction(0.1, np.nan)}, "'A': radius is nan"),
-        ({"A": pp.loads.Friction(0.1, 0.06, -3.0)}, "'A': viscous is -3.0"),
-        ({"A": pp.loads.Friction(viscous=np.inf)}, "'A': viscous is inf"),
         ({"A": pp.loads.Friction(0.1)}, "'A': its radius is missing"),
         ({"C": pp.loads.Friction(0.1)}, "'C': its radius is missing"),
         ({"slide_guide": pp.loads.Friction(0.1, 0.06)}, "'slide_guide': a guide has no radius"),

@@ -273,11 +273,9 @@ def test_ends_that_meet_are_refused(values, engine):
         ({"point2": "slide"}, "point2 is not a number or an array"),
     ],
 )
-def test_a_spring_that_makes_no_sense_is_refused(values, message, engine):
-    press = shipped("crank_slide")
-    motion = pp.cycle(press, speed=5.0, points=3, engine=engine)
+def test_a_spring_that_makes_no_sense_is_refused(values, message):
     with pytest.raises(pp.PinpressError, match=f"spring between 'slide' and 'frame': .*{message}"):
-        pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper("slide", "frame", **values)], engine=engine)
+        pp.loads.SpringDamper("slide", "frame", **values)
 
 
 @pytest.mark.parametrize("links", [("slid", "frame"), ("frame", "slid")])

@@ -472,21 +472,31 @@ def test_slide_of_a_linkage_without_one(locking):
 @pytest.mark.parametrize(
     ("load", "problem"),
     [
-        (pp.loads.PointForce("slide", (0.0, 1.0)), r"load on 'slide': force has shape \(2,\); give \(3,\) or \(12, 3\)"),
-        (pp.loads.PointForce("slide", np.zeros((11, 3))), r"force has shape \(11, 3\)"),
-        (pp.loads.PointForce("slide", 5.0), r"force has shape \(\)"),
-        (pp.loads.PointForce("slide", (0.0, math.nan, 0.0)), "load on 'slide': force is not finite"),
-        (pp.loads.PointForce("slide", "up"), "load on 'slide': force is not a number or an array of numbers"),
+        (pp.loads.PointForce("slide", np.zeros((11, 3))), r"load on 'slide': force has shape \(11, 3\); give \(3,\) or \(12, 3\)"),
         (pp.loads.PointForce("slide", lambda motion: np.zeros((3, 12))), r"force has shape \(3, 12\)"),
         (pp.loads.PointForce("slide", lambda motion: None), "force is not"),  # type: ignore[return-value]
-        (pp.loads.PointForce("slide", (0.0, 0.0, 1.0), point=(0.0, 0.0)), r"load on 'slide': point has shape \(2,\)"),
-        (pp.loads.PointForce("slide", (0.0, 0.0, 1.0), point=(0.0, 0.0, math.inf)), "load on 'slide': point is not finite"),
-        (pp.loads.PointForce("slide", (0.0, 0.0, 1.0), point="tip"), "load on 'slide': point is not a number or an array of numbers"),
     ],
 )
 def test_load(press, motion, engine, load, problem):
     with pytest.raises(pp.PinpressError, match=problem):
         pp.inverse_dynamics(press, motion, loads=[load], engine=engine)
+
+
+@pytest.mark.parametrize(
+    ("values", "problem"),
+    [
+        (((0.0, 1.0),), r"force has shape \(2,\); give \(3,\) or \(n, 3\)"),
+        ((5.0,), r"force has shape \(\)"),
+        (((0.0, math.nan, 0.0),), "force is not finite"),
+        (("up",), "force is not a number or an array of numbers"),
+        (((0.0, 0.0, 1.0), (0.0, 0.0)), r"point has shape \(2,\)"),
+        (((0.0, 0.0, 1.0), (0.0, 0.0, math.inf)), "point is not finite"),
+        (((0.0, 0.0, 1.0), "tip"), "point is not a number or an array of numbers"),
+    ],
+)
+def test_a_load_that_makes_no_sense_is_refused_when_it_is_made(values, problem):
+    with pytest.raises(pp.PinpressError, match=f"^load on 'slide': {problem}"):
+        pp.loads.PointForce("slide", *values)
 
 
 def test_load_on_unknown_link(press, motion):

@@ -16,7 +16,7 @@ from support.texts import without_mass
 import pinpress as pp
 from pinpress.loads.process import ForceInterval
 from pinpress.simulation import batch
-from pinpress.simulation.law_trials import asked_drive
+from pinpress.simulation.law_trials import tried
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -48,9 +48,9 @@ def test_the_librarys_own_drives_are_asked_as_they_are(geared):
     for name, kind in kinds.items():
         drive = made[name](kind)
         drive = pp.drives.Geared(drive, 5.0) if geared else drive
-        assert asked_drive(drive, 1.0) is drive, name
+        assert tried(drive, [], 1.0)[0] is drive, name
         own = type("Own", (kind,), {})  # a caller's own class, if made from one of the library's
-        assert asked_drive(made[name](own), 1.0).part.__class__ is own
+        assert tried(made[name](own), [], 1.0)[0].part.__class__ is own
 
 
 class Own:

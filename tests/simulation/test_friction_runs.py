@@ -261,7 +261,6 @@ def test_bearings_turn_back_at_places_where_panels_end():
         ({"friction": {"Q": Friction(0.1, 0.05)}}, "no bearing 'Q'"),
         ({"friction": {"O": Friction(0.1)}}, "its radius is missing"),
         ({"friction": {"O": Friction(0.1, 0.05, preload=1e3)}}, "preload is that of the gibs of a guide; leave it out"),
-        ({"friction": {"slide_guide": Friction(0.1, preload=-1e3)}}, "friction of 'slide_guide': preload is -1000"),
         ({"friction": [0.1]}, "friction is a list: give a mapping"),
         ({"friction": {"slide_guide": Friction(6.0)}}, "friction locks the linkage, or nearly so"),
         ({"friction": {"slide_guide": Friction(6.0)}, "method": "implicit"}, "friction locks the linkage, or nearly so"),
