@@ -21,11 +21,11 @@ from ..drives.transmission import PrescribedSpeed
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.process import Blanking, ForceInterval
-from ..simulation.elastic.assembly import sprung_press
 from ..simulation.elastic.description import Elastic, Stiffness
-from ..simulation.elastic.elastic_run import ElasticRun, ElasticSegment, bearing_forces
-from ..simulation.elastic.equations import CRANK_ANGLE, Event
-from ..simulation.elastic.sprung_press import BodyState
+from ..simulation.elastic.press.assembly import sprung_press
+from ..simulation.elastic.press.sprung_press import BodyState
+from ..simulation.elastic.run import ElasticRun, ElasticSegment, bearing_forces
+from ..simulation.elastic.strokes import CRANK_ANGLE, Event
 from ..simulation.elastic.task import ElasticSolution
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state

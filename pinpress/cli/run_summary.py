@@ -16,7 +16,7 @@ from ..dynamics.summary import bearing_table, checks, driver_table, driving_line
 from ..kinematics.slide_path import dead_centres, slide_turns, stroke_turns
 from ..linkage.linkage import Linkage
 from ..simulation.duty import MotorDuty, duty_cycle, stroke_duties
-from ..simulation.elastic.elastic_run import ElasticRun
+from ..simulation.elastic.run import ElasticRun
 from ..simulation.motor_energy import motor_of
 from ..simulation.run import Run
 

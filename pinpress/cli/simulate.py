@@ -14,7 +14,7 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from ..simulation.duty import stroke_duties
 from ..simulation.elastic.description import Elastic
-from ..simulation.elastic.elastic_run import ElasticRun
+from ..simulation.elastic.run import ElasticRun
 from ..simulation.run import Run, inputs_of
 from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state

@@ -21,11 +21,11 @@ from ..common.tables import Columns
 from ..drives.transmission import PrescribedSpeed
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load
-from ..simulation.elastic.acting.bearing_friction import bodies_of
 from ..simulation.elastic.contact import OpenPin
 from ..simulation.elastic.description import Elastic
-from ..simulation.elastic.elastic_run import ElasticRun, ElasticSegment, bearing_forces, journal_places, solution_states
-from ..simulation.elastic.geometry.plane import PlaneGeometry
+from ..simulation.elastic.press.friction import bodies_of
+from ..simulation.elastic.press.plane import PlaneGeometry
+from ..simulation.elastic.run import ElasticRun, ElasticSegment, bearing_forces, journal_places, solution_states
 from ..simulation.elastic.yielding import bearing_number
 from ..simulation.simulate import simulate
 

@@ -25,7 +25,7 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load
 from ..simulation.elastic.description import Elastic
-from ..simulation.elastic.elastic_run import ElasticRun
+from ..simulation.elastic.run import ElasticRun
 from ..simulation.steady_state import steady_state_near
 from .vibration import ElasticModes, natural_frequencies
 

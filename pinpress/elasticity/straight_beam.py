@@ -9,9 +9,9 @@ from ..common.arguments import positive, typed, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
 from ..linkage.linkage import Linkage
-from ..simulation.elastic.assembly import pins_of, rigid_inertia
 from ..simulation.elastic.flexible_link import FlexibleLink
-from ..simulation.elastic.geometry.plane import DrawnBodies
+from ..simulation.elastic.press.assembly import pins_of, rigid_inertia
+from ..simulation.elastic.press.plane import DrawnBodies
 
 STEEL = 2.1e11  # modulus of elasticity [Pa]
 ASIDE = 1e-3  # share of a beam's length by which its centre of mass may lie beside its line

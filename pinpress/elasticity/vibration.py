@@ -25,11 +25,11 @@ from ..drives.transmission import Flywheel
 from ..kinematics.cycle import motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage, OfPress
-from ..simulation.elastic.assembly import press_on_springs
 from ..simulation.elastic.description import Elastic
-from ..simulation.elastic.geometry.plane import PlaneGeometry
-from ..simulation.elastic.geometry.space import SpaceGeometry
-from ..simulation.elastic.sprung_press import BodyState, SprungPress, reference_angle
+from ..simulation.elastic.press.assembly import press_on_springs
+from ..simulation.elastic.press.plane import PlaneGeometry
+from ..simulation.elastic.press.space import SpaceGeometry
+from ..simulation.elastic.press.sprung_press import BodyState, SprungPress, reference_angle
 from ..simulation.elastic.yielding import FRAME, link_joint, part_stiffness
 from .modes_in_space import kinetic_energy_in_space, shapes_in_space
 

@@ -16,7 +16,7 @@ from ..elasticity.slide_under_load import ElasticDeadCentre
 from ..elasticity.speed_range import CampbellDiagram
 from ..elasticity.unit_load import SlideCompliance
 from ..kinematics.slide_path import dead_centres
-from ..simulation.elastic.elastic_run import ElasticRun
+from ..simulation.elastic.run import ElasticRun
 from .style import COLOURS, GREY, LINES, Over, grid, legend, panels, plain
 
 if TYPE_CHECKING:

@@ -50,7 +50,7 @@ from .solvers import SimulationProblem, checked_tolerance, march, refuse_many_tu
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from .elastic.elastic_run import ElasticRun
+    from .elastic.run import ElasticRun
 
 METHODS = ("auto", "reduced", "implicit", "constraint")
 MOST_STEPS = 1_000_000  # most steps of the Runge-Kutta method

@@ -40,7 +40,7 @@ from .solvers import TOLERANCE, SimulationProblem, checked_tolerance, crank_size
 from .trajectory import INTEGRALS, State, Trajectory
 
 if TYPE_CHECKING:
-    from .elastic.elastic_run import ElasticRun
+    from .elastic.run import ElasticRun
 
 # Periods that a drive with states of its own first gets to come near the steady state, and most periods in all.
 PERIODS, MOST_PERIODS = 3, 60

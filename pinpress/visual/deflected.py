@@ -8,7 +8,7 @@ from ..common.quantities import Array
 from ..engines.planar.model import to_world
 from ..kinematics.poses import Poses
 from ..linkage.linkage import Linkage
-from ..simulation.elastic.geometry.plane import DrawnBodies
+from ..simulation.elastic.press.plane import DrawnBodies
 
 SEEN = 0.05  # share of the linkage's size that the largest displacement is drawn as, at most
 IN_SPACE = 6  # numbers of a link's displacement in space: three of its centre of mass, and the vector of its turn

@@ -40,7 +40,7 @@ from .shapes.bearing_layout import TOWARDS
 from .shapes.stand_ins import ShaftFlywheel
 
 if TYPE_CHECKING:
-    from ..simulation.elastic.elastic_run import ElasticRun
+    from ..simulation.elastic.run import ElasticRun
 
 PER_TURN = 360  # key frames a turn; between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
 FEWEST_PER_TURN = 36  # key frames a turn of a long motion; the pin leaves its circle by 0.4 %

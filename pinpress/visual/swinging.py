@@ -23,9 +23,9 @@ from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
 from ..kinematics.poses import Poses, poses
 from ..linkage.linkage import Linkage
-from ..simulation.elastic.assembly import sprung_press
 from ..simulation.elastic.flexible_link import FlexibleBody
-from ..simulation.elastic.geometry.plane import PlaneGeometry
+from ..simulation.elastic.press.assembly import sprung_press
+from ..simulation.elastic.press.plane import PlaneGeometry
 from . import swinging_frame
 from .deflected import IN_SPACE, SEEN, displaced
 from .pages import meshcat, packed, page, write

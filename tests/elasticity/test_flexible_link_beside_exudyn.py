@@ -8,11 +8,11 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.elasticity import Elastic, FlexibleLink, Stiffness
 from pinpress.simulation.driven_press import driven_press
-from pinpress.simulation.elastic.acting.phases import LoadPhases
-from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
-from pinpress.simulation.elastic.marching import march
-from pinpress.simulation.elastic.paths import load_path
+from pinpress.simulation.elastic.march import march
+from pinpress.simulation.elastic.press.assembly import sprung_press
+from pinpress.simulation.elastic.press.paths import load_path
+from pinpress.simulation.elastic.strokes import Strokes
 from pinpress.simulation.elastic.task import Task
 
 LENGTH, HIGH, THICK, COLUMNS, ROWS = 0.3, 0.04, 0.1, 10, 2  # of the rod, and its elements
@@ -67,7 +67,7 @@ def test_half_a_stroke():
     equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, speed), segments=((),))
     whole = [each[0] for each in sprung.geometry.rigid(pp.servo_cycle(press, angle=[start], speed=speed))]
     y, v = sprung.free_coordinates(whole[0][None])[0, :-1], sprung.free_rates(whole[1][None])[0, :-1]
-    task = Task(equations, LoadPhases(driven, 1), lambda times: (times, times, times), 2 * until, speed, np.zeros(2 * len(y)), 1e-10)
+    task = Task(equations, Strokes(driven, 1), lambda times: (times, times, times), 2 * until, speed, np.zeros(2 * len(y)), 1e-10)
     ended = march(task, start, np.concatenate([y, v]), until).panels.states[-1:]
     state = equations.state(np.array([until]), *np.split(ended, 2, axis=1))
     pulls = -sprung.pulls(sprung.geometry.strains(state))[0]

@@ -9,8 +9,8 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.elasticity import Clearance, Elastic, Rod, Stiffness, natural_frequencies
 from pinpress.simulation.driven_press import driven_press
-from pinpress.simulation.elastic.assembly import sprung_press
-from pinpress.simulation.elastic.paths import load_path
+from pinpress.simulation.elastic.press.assembly import sprung_press
+from pinpress.simulation.elastic.press.paths import load_path
 
 ANGLES = np.array([0.1, 1.3, 2.2, 3.6, 5.1])
 

@@ -21,7 +21,7 @@ from pinpress.loads.link import Friction
 from pinpress.loads.pneumatics import BalanceCylinder
 from pinpress.loads.process import Blanking, ProcessLoad
 from pinpress.loads.shearing import RateSensitiveBlanking
-from pinpress.simulation.elastic.elastic_run import ElasticRun
+from pinpress.simulation.elastic.run import ElasticRun
 from pinpress.simulation.simulate import simulate
 from validation.pages import BEYOND, PageEntry, Panel, Row, draw
 from validation.zhang2007_balancing import SPEED

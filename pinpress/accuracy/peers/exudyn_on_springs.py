@@ -14,8 +14,8 @@ from exudyn import itemInterface as items  # noqa: N813
 
 from ...common.errors import PinpressError
 from ...loads.process import Blanking
-from ...simulation.elastic.geometry.plane import PlaneGeometry, PlaneState
-from ...simulation.elastic.paths import PointPath
+from ...simulation.elastic.press.paths import PointPath
+from ...simulation.elastic.press.plane import PlaneGeometry, PlaneState
 from ...simulation.elastic.task import ElasticSolution
 from .exudyn_press import solve
 

@@ -17,51 +17,12 @@ import numpy as np
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
-from .acting.bearing_friction import BearingFriction
-from .acting.drive_train import DriveTrain, TrainEvent, TrainMode
 from .panels import Indices, Linearised
-from .paths import LoadPath, PathMotion
-from .sprung_press import BodyState, SpringForces, SprungPress, VaryingInertia, some_of
-
-INSTANT = 1e-9  # [s] with which slopes by time are found, and within which two times are one
-CRANK_ANGLE = -1  # in place of a path's number
-
-
-class TimeSpan(NamedTuple):
-    """Times between which a force in time is smooth [s]."""
-
-    begin: float
-    end: float
-
-
-Segment = tuple[ForceInterval | TimeSpan | None, ...]
-"""The interval of each force that acts; None where none does."""
-
-
-class Event(NamedTuple):
-    """What ends a segment at a time that is not known before: a path reaches a border.
-
-    Attributes:
-        path: its number; `CRANK_ANGLE` for the angle of the crank.
-        value: at the border [m or rad].
-    """
-
-    path: int
-    value: float
-
-
-class Release(NamedTuple):
-    """What ends a contact: its force vanishes; or what brings it back before its bodies are apart.
-
-    Attributes:
-        force: number of the contact among all forces.
-    """
-
-    force: int
-
-
-MotionEvent = Event | Release | TrainEvent
-"""What ends a segment at a time that is not known before."""
+from .press.drive import DriveTrain, TrainEvent, TrainMode
+from .press.friction import BearingFriction
+from .press.paths import LoadPath, PathMotion
+from .press.sprung_press import BodyState, SpringForces, SprungPress, VaryingInertia, some_of
+from .strokes import CRANK_ANGLE, INSTANT, MotionEvent, Release, Segment, TimeSpan
 
 
 @dataclass(frozen=True, eq=False)

@@ -200,7 +200,7 @@ class PanelSolution:
         return PanelSolution(mesh, self.rule, np.concatenate([y, v], axis=1), accelerations, np.inf, 0, self.passage, self.curvature)
 
 
-class Border(NamedTuple):
+class Ends(NamedTuple):
     """How a motion begins and ends.
 
     Attributes:
@@ -217,7 +217,7 @@ class Border(NamedTuple):
 
 
 def solve(
-    equations: EquationsOfMotion, guess: PanelSolution, border: Border, tolerance: float, most: int, divided_above: float = np.inf
+    equations: EquationsOfMotion, guess: PanelSolution, border: Ends, tolerance: float, most: int, divided_above: float = np.inf
 ) -> PanelSolution | None:
     """The motion near a guess by Newton's method; None where it does not converge.
 
@@ -256,7 +256,7 @@ def solve(
     return None
 
 
-def newton_step(equations: EquationsOfMotion, at: PanelSolution, border: Border, count: int) -> PanelSolution:
+def newton_step(equations: EquationsOfMotion, at: PanelSolution, border: Ends, count: int) -> PanelSolution:
     """One Newton step."""
     mesh, rule, a = at.mesh, at.rule, at.accelerations
     (panels, stages, size), h = a.shape, mesh.length
@@ -290,7 +290,7 @@ def newton_step(equations: EquationsOfMotion, at: PanelSolution, border: Border,
     return PanelSolution(Mesh(knots, mesh.segment, mesh.low, mesh.high), rule, states, a + inner, largest, count, carried[-1] @ passing)
 
 
-def _border_changes(equations: EquationsOfMotion, at: PanelSolution, border: Border, carried: Array, alone: Array) -> tuple[Array, Array]:
+def _border_changes(equations: EquationsOfMotion, at: PanelSolution, border: Ends, carried: Array, alone: Array) -> tuple[Array, Array]:
     """Changes (2 f + m,) of the first state and of the free times that fulfil the conditions at the borders; and the derivative
     (2 f + m, 2 f) of both by the first state, where the events are met."""
     size, free = at.states.shape[1] // 2, list(border.free)

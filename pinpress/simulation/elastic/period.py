@@ -3,7 +3,7 @@
 The period is one system of equations: all panels, the first state and the times at which loads begin and end (`panels`). It starts from the
 rigid motion with its own events. Where the crank turns freely, the time of the period's end is unknown too: it ends where the crank has
 turned through a period. Where Newton's method fails from there, or the links swing through more events than the rigid press, some
-strokes are followed step by step first (`marching`). Panels are divided until the error of each is below the tolerance.
+strokes are followed step by step first (`march`). Panels are divided until the error of each is below the tolerance.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import numpy as np
 from ...common.numerics import radau_rule
 from ...common.quantities import Array
 from ..failures import failure
-from .acting.drive_train import TrainEvent, TrainMode
-from .acting.phases import Plan
-from .equations import CRANK_ANGLE, ElasticEquations, Event, MotionEvent, Release
-from .marching import cut_to, march, telling_steps
-from .panels import Border, Indices, Mesh, PanelSolution, newton_step, solve
+from .equations import ElasticEquations
+from .march import cut_to, march, telling_steps
+from .panels import Ends, Indices, Mesh, PanelSolution, newton_step, solve
+from .press.drive import TrainEvent, TrainMode
+from .strokes import CRANK_ANGLE, Event, MotionEvent, Plan, Release
 from .task import FEWEST, FIRST_PANELS, LOOKS, MOST_STEPS, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 
 MIDDLES = (np.arange(LOOKS) + 0.5) / LOOKS  # shares of a panel at which its forces are looked at
@@ -33,8 +33,8 @@ def periodic(task: Task, start: float) -> ElasticSolution:
     Raises:
         SimulationError: it is not found: the press may not repeat its stroke.
     """
-    plan = task.phases.plan(start)
-    told = bool(task.phases.borders or (task.equations.train is not None and task.equations.train.jumps))
+    plan = task.strokes.plan(start)
+    told = bool(task.strokes.borders or (task.equations.train is not None and task.equations.train.jumps))
     # A loose period comes first: it shows whether its events are as planned, and is a near guess if they are.
     guess, tolerance = _rigid_guess(task, plan), (300.0 if told else 1.0) * task.tolerance
     if task.equations.train is not None and task.equations.train.jumps:
@@ -131,12 +131,12 @@ def _refine(task: Task, start: float, plan: Plan, guess: PanelSolution, near: bo
     return None
 
 
-def _border(task: Task, equations: ElasticEquations, near: bool = True) -> Border:
+def _border(task: Task, equations: ElasticEquations, near: bool = True) -> Ends:
     """How the period begins and ends, with the events whose times are unknown."""
     events = equations.events or {}
     free = [knot for knot, event in events.items() if not _known(event) or equations.crank is None]
     free = [knot for knot in free if near or not isinstance(events[knot], TrainEvent)]
-    return Border(True, task.gain, free, equations.integrals)
+    return Ends(True, task.gain, free, equations.integrals)
 
 
 def _with_passage(task: Task, found: ElasticSolution) -> ElasticSolution:
@@ -187,24 +187,24 @@ def _split(mesh: Mesh, parts: Indices) -> Mesh:
 def _observe(task: Task, found: ElasticSolution, start: float) -> Plan | None:
     """The segments, with the times of their knots, in which forces act by the places that the paths of a motion really reach, and by the
     speeds of the drive's shaft; None where no border tells why."""
-    equations, mesh, phases = found.equations, found.panels.mesh, task.phases
-    seen, ahead = found.panels.sample(MIDDLES), phases.turnings_ahead(start)
+    equations, mesh, strokes = found.equations, found.panels.mesh, task.strokes
+    seen, ahead = found.panels.sample(MIDDLES), strokes.turnings_ahead(start)
     times, (places, _) = seen.time, equations.places(seen.time, seen.y, seen.v)
     angles = equations.whole(seen.time, seen.y, seen.v)[0][:, -1]
     beyond = _beyond_jumps(equations, seen.v)
     turned, direction = np.searchsorted(ahead, np.abs(angles - start)), float(np.sign(task.speed))
-    phase = phases.advance(phases.begin(start + PAST_TURNING * direction), places[0])
-    segments, knots = [phases.active(phase, places[0])], [float(mesh.knots[0])]
+    phase = strokes.advance(strokes.begin(start + PAST_TURNING * direction), places[0])
+    segments, knots = [strokes.active(phase, places[0])], [float(mesh.knots[0])]
     events: dict[int, MotionEvent] = {}
     event: MotionEvent
     modes, faster = [_mode(task, beyond[0])], beyond > 0
-    telling = telling_steps(phases, places) | np.append(False, turned[1:] != turned[:-1])
+    telling = telling_steps(strokes, places) | np.append(False, turned[1:] != turned[:-1])
     for k in np.flatnonzero(telling | np.append(False, (faster[1:] != faster[:-1]).any(axis=1))):
         turning = start + direction * ahead[turned[k] - 1] if turned[k] != turned[k - 1] else None
         if turning is not None:
-            phase = phases.begin(turning + direction * PAST_TURNING)
-        phase = phases.advance(phase, places[k])
-        segment, mode = phases.active(phase, places[k]), _mode(task, beyond[k])
+            phase = strokes.begin(turning + direction * PAST_TURNING)
+        phase = strokes.advance(phase, places[k])
+        segment, mode = strokes.active(phase, places[k]), _mode(task, beyond[k])
         if segment == segments[-1] and mode == modes[-1]:
             continue
         if mode != modes[-1]:
@@ -213,7 +213,7 @@ def _observe(task: Task, found: ElasticSolution, start: float) -> Plan | None:
         elif turning is not None:
             share_before, event = (turning - angles[k - 1]) / (angles[k] - angles[k - 1]), Event(CRANK_ANGLE, turning)
         else:
-            passed = [border for border in phases.borders if _between(places[k - 1, border.path], border.value, places[k, border.path])]
+            passed = [border for border in strokes.borders if _between(places[k - 1, border.path], border.value, places[k, border.path])]
             if not passed:
                 return None
             before, after = places[k - 1, passed[0].path], places[k, passed[0].path]

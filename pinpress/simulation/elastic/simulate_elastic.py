@@ -16,18 +16,18 @@ from ..failures import failure
 from ..run import state_count
 from ..solvers import SimulationProblem
 from ..trajectory import Trajectory
-from .acting.bearing_friction import bearing_friction
-from .acting.drive_train import drive_train
-from .acting.phases import LoadPhases
-from .assembly import press_on_springs
 from .description import Elastic
-from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
-from .geometry.plane import PlaneGeometry
-from .marching import march, resting
-from .paths import LengthPath, LinePath, from_frame, load_path, refuse_on_flexible_links
+from .march import march, resting
 from .period import periodic, periodic_near
-from .sprung_press import SprungPress
+from .press.assembly import press_on_springs
+from .press.drive import drive_train
+from .press.friction import bearing_friction
+from .press.paths import LengthPath, LinePath, from_frame, load_path, refuse_on_flexible_links
+from .press.plane import PlaneGeometry
+from .press.sprung_press import SprungPress
+from .run import ElasticRun, ElasticSegment, elastic_run
+from .strokes import Strokes
 from .task import ElasticSolution, Task, largest_deflection
 
 STABLE = 1.001  # largest factor by which a disturbance may grow in a period: without dampers it is 1, but for rounding
@@ -158,22 +158,22 @@ def _task(
             "clutch and brake are for presses in a plane whose links do not bend: what holds them takes no inertia that depends on the pose"
             " yet; leave them out, or the flexible links"
         )
-    phases = LoadPhases(driven, 1 if speed > 0 else -1, _contacts(driven, sprung))
-    turning = float(phases.turnings[0]) if len(phases.turnings) else angle
-    from_turning = _task_from(turning, sprung, phases, speed)
-    compared = from_turning if sprung.fixed is None else _task_from(turning, sprung.fixed, phases, speed)
+    strokes = Strokes(driven, 1 if speed > 0 else -1, _contacts(driven, sprung))
+    turning = float(strokes.turnings[0]) if len(strokes.turnings) else angle
+    from_turning = _task_from(turning, sprung, strokes, speed)
+    compared = from_turning if sprung.fixed is None else _task_from(turning, sprung.fixed, strokes, speed)
     deflection = largest_deflection(compared, turning)
     _refuse_soft(driven.press, deflection)
     # Floating point tells no smaller errors; in space they come through the products of rotation matrices.
     rounding = 1e-15 if isinstance(sprung.geometry, PlaneGeometry) else 1e-11
     error = max(tolerance * deflection, rounding * driven.press.size)
-    task, start = (from_turning, turning) if steady else (_task_from(angle, sprung, phases, speed), angle)
+    task, start = (from_turning, turning) if steady else (_task_from(angle, sprung, strokes, speed), angle)
     return task._replace(tolerance=error), start
 
 
-def _task_from(start: float, sprung: SprungPress, phases: LoadPhases, speed: float) -> Task:
+def _task_from(start: float, sprung: SprungPress, strokes: Strokes, speed: float) -> Task:
     """The task from a crank angle on, without a tolerance."""
-    press, driven = sprung.press, phases.driven
+    press, driven = sprung.press, strokes.driven
     if press.period_turns is None:
         raise PinpressError(f"the crank of {press.name} does not turn fully: an elastic motion is that of a crank that does")
     paths = tuple(load_path(sprung, coordinate) for coordinate in driven.coordinates)
@@ -190,8 +190,8 @@ def _task_from(start: float, sprung: SprungPress, phases: LoadPhases, speed: flo
     period = 2 * np.pi * press.period_turns / abs(speed)
     gain = _gain(*rigid(np.array([0.0, period]))[0])
     friction = None if driven.friction is None else bearing_friction(sprung, driven.friction, speed)
-    equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, speed), contacts=phases.contacts, friction=friction)
-    return Task(equations, phases, rigid, period, speed, gain, 0.0)
+    equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, speed), contacts=strokes.contacts, friction=friction)
+    return Task(equations, strokes, rigid, period, speed, gain, 0.0)
 
 
 def _contacts(driven: DrivenPress, sprung: SprungPress) -> tuple[GeneralizedForce, ...]:

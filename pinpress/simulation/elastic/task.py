@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.quantities import Array
-from .acting.phases import LoadPhases
 from .equations import ElasticEquations
 from .panels import Indices, Mesh, PanelSolution
+from .strokes import Strokes
 
 STAGES = 7  # collocation points of a panel: five to seven cost the same for the same error, seven less where it is small
 MOST_STEPS = 16  # of Newton's method
@@ -55,7 +55,7 @@ class Task(NamedTuple):
 
     Attributes:
         equations: of the press; their segments are not yet known.
-        phases: of its loads.
+        strokes: of its loads.
         rigid: the motion of the rigid press at the same speed, or under the same drive.
         period: of the rigid press [s].
         speed: of the crank, its mean over a period [rad/s].
@@ -65,7 +65,7 @@ class Task(NamedTuple):
     """
 
     equations: ElasticEquations
-    phases: LoadPhases
+    strokes: Strokes
     rigid: RigidMotion
     period: float
     speed: float
@@ -87,7 +87,7 @@ def largest_deflection(task: Task, start: float) -> float:
 
     It is that to which errors are compared.
     """
-    plan, sprung = task.phases.plan(start), task.equations.sprung
+    plan, sprung = task.strokes.plan(start), task.equations.sprung
     samples = 16  # places of a segment at which the largest deflection is looked for
     share = (np.arange(samples) + 1) / samples
     times = (plan.knots[:-1, None] + np.diff(plan.knots)[:, None] * share).ravel() * (task.period / plan.knots[-1])

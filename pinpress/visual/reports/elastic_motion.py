@@ -13,7 +13,7 @@ from ...elasticity.impacts import ImpactsByTurn
 from ...elasticity.speed_range import CampbellDiagram, ElasticSpeedResponse
 from ...elasticity.vibration import ElasticModes
 from ...simulation.elastic.description import Elastic
-from ...simulation.elastic.elastic_run import ElasticRun
+from ...simulation.elastic.run import ElasticRun
 from .blocks import Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .elasticity import stiffness_in_words
 from .foundation import mounts_in_words

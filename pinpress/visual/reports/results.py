@@ -25,7 +25,7 @@ from ...ratings.rating import PressRatings
 from ...servo.comparison import MotionComparison
 from ...servo.motion_optimum import MotionOptimum
 from ...servo.sizing import EnergyStore, MotorChoice
-from ...simulation.elastic.elastic_run import ElasticRun
+from ...simulation.elastic.run import ElasticRun
 from ...simulation.run import Run
 from ...tolerances.accuracy_budget import AccuracyBudget
 from ...tolerances.allocation import AllocatedTolerances

@@ -24,11 +24,11 @@ import pinpress as pp
 from pinpress.accuracy.on_springs import SciPy, end_of
 from pinpress.common.quantities import Array
 from pinpress.simulation.driven_press import driven_press
-from pinpress.simulation.elastic.acting.phases import LoadPhases
-from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
-from pinpress.simulation.elastic.marching import march
-from pinpress.simulation.elastic.paths import load_path
+from pinpress.simulation.elastic.march import march
+from pinpress.simulation.elastic.press.assembly import sprung_press
+from pinpress.simulation.elastic.press.paths import load_path
+from pinpress.simulation.elastic.strokes import Strokes
 from pinpress.simulation.elastic.task import ElasticSolution, Task
 
 CASES = (("jf75g_125_plain", 300.0, 2e9), ("zxn2_3000b", 70.0, 2e9), ("jf75g_125_plain", 300.0, 1e11))
@@ -49,13 +49,13 @@ class Release:
         driven = driven_press(press, pp.drives.PrescribedSpeed(self.speed), None, [], None, None)
         paths = tuple(load_path(sprung, coordinate) for coordinate in driven.coordinates)
         self.equations = ElasticEquations(sprung, driven, paths, HeldCrank(self.start, self.speed), segments=((),))
-        self.phases = LoadPhases(driven, 1)
+        self.strokes = Strokes(driven, 1)
         motion = pp.servo_cycle(press, angle=[self.start], speed=self.speed)
         place, rates = (each[0][None] for each in sprung.geometry.rigid(motion)[:2])
         self.state = np.concatenate([sprung.free_coordinates(place)[0, :-1], sprung.free_rates(rates)[0, :-1]])
 
     def solution(self, tolerance: float) -> ElasticSolution:
-        task = Task(self.equations, self.phases, _no_rigid_motion, 2 * self.until, self.speed, np.zeros(len(self.state)), tolerance)
+        task = Task(self.equations, self.strokes, _no_rigid_motion, 2 * self.until, self.speed, np.zeros(len(self.state)), tolerance)
         return march(task, self.start, self.state, self.until)
 
     def collocation(self, tolerance: float) -> Array:

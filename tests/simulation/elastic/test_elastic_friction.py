@@ -83,8 +83,8 @@ def test_gibs_rub_by_their_preload():
 @pytest.mark.parametrize("kind", ["net force", "preload", "gibs"])
 def test_derivatives_of_friction(kind):
     """Closed-form Jacobians against differences."""
-    from pinpress.simulation.elastic.acting.bearing_friction import bearing_friction
-    from pinpress.simulation.elastic.assembly import sprung_press
+    from pinpress.simulation.elastic.press.assembly import sprung_press
+    from pinpress.simulation.elastic.press.friction import bearing_friction
 
     press, rng = jf75g(), np.random.default_rng(1)
     sprung: Any = sprung_press(press, with_gibs(2e8, 2e5) if kind == "gibs" else springs(press, 2e8))

@@ -17,8 +17,8 @@ from pinpress.elasticity import vibration
 from pinpress.kinematics.poses import poses
 from pinpress.pin_table.templates import template
 from pinpress.simulation.elastic import simulate_elastic
-from pinpress.simulation.elastic.assembly_in_space import press_in_space
-from pinpress.simulation.elastic.geometry import space, turning
+from pinpress.simulation.elastic.press import space, turning
+from pinpress.simulation.elastic.press.assembly_in_space import press_in_space
 
 SPEED = 100 * pp.RPM
 PINS = ("O", "B_cross", "B", "slide_guide")  # of the template, with its crank O, rod and slide

@@ -10,11 +10,11 @@ import pinpress as pp
 from pinpress.accuracy.on_springs import end_of
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.elastic import period
-from pinpress.simulation.elastic.acting.phases import LoadPhases
-from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
-from pinpress.simulation.elastic.marching import march
-from pinpress.simulation.elastic.paths import load_path
+from pinpress.simulation.elastic.march import march
+from pinpress.simulation.elastic.press.assembly import sprung_press
+from pinpress.simulation.elastic.press.paths import load_path
+from pinpress.simulation.elastic.strokes import Strokes
 from pinpress.simulation.elastic.task import Task
 
 SPEED = 300 * pp.RPM
@@ -107,7 +107,7 @@ def test_exudyn_rings_alike(how, bound):
     equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, SPEED), segments=((),))
     place, rates, _ = sprung.geometry.rigid(pp.servo_cycle(press, angle=[start], speed=SPEED))
     state = np.concatenate([sprung.free_coordinates(place)[0, :-1], sprung.free_rates(rates)[0, :-1]])
-    task = Task(equations, LoadPhases(driven, 1), None, 2 * until, SPEED, np.zeros(len(state)), 1e-10)
+    task = Task(equations, Strokes(driven, 1), None, 2 * until, SPEED, np.zeros(len(state)), 1e-10)
     found = march(task, start, state, until)
     own = end_of(found, equations.state(np.array([until]), *np.split(found.panels.states[-1:], 2, axis=1)))
     other = end_of(found, ExudynOnSprings(found, until).run(Setting("", **how)))

@@ -9,8 +9,9 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.common.numerics import radau_rule
-from pinpress.simulation.elastic import elastic_run, panels
-from pinpress.simulation.elastic.assembly import sprung_press
+from pinpress.simulation.elastic import panels
+from pinpress.simulation.elastic import run as elastic_run
+from pinpress.simulation.elastic.press.assembly import sprung_press
 
 JF75G, SIX_BAR = ("jf75g_125_plain", 300.0), ("zxn2_3000b", 70.0)
 BLANKING = {"jf75g_125_plain": pp.loads.Blanking(1.25e6, 0.010, 0.005), "zxn2_3000b": pp.loads.Blanking(2e6, 0.010, 0.006)}

@@ -9,7 +9,7 @@ from support.presses.presses_on_springs import BLANK, SPEED, WHEEL, induction, j
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.simulation.elastic.assembly import sprung_press
+from pinpress.simulation.elastic.press.assembly import sprung_press
 
 FRAME = pp.foundation.Frame(9000.0, (0.0, 0.0, 0.3), (3000.0, 4000.0, 2500.0))
 HELD: Any = {"drive": pp.drives.PrescribedSpeed(SPEED)}

@@ -13,8 +13,8 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.elasticity import Elastic, PreloadedJoint, Rod, Stiffness, slide_deflection
-from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.preloaded_joint import JointSpring
+from pinpress.simulation.elastic.press.assembly import sprung_press
 
 SPEED = 300 * pp.RPM
 BLANK = pp.loads.Blanking(1.25e6, 0.010, 0.005)

@@ -9,9 +9,9 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.simulation.driven_press import driven_press
-from pinpress.simulation.elastic.assembly import sprung_press
-from pinpress.simulation.elastic.assembly_in_space import press_in_space
-from pinpress.simulation.elastic.paths import LengthPath, LinePath, from_frame, load_path
+from pinpress.simulation.elastic.press.assembly import sprung_press
+from pinpress.simulation.elastic.press.assembly_in_space import press_in_space
+from pinpress.simulation.elastic.press.paths import LengthPath, LinePath, from_frame, load_path
 
 FRAME = pp.foundation.Frame(9000.0, (0.0, 0.0, 0.3), (3000.0, 4000.0, 2500.0))
 MOUNTS = [pp.foundation.Mount((x, y, -0.8), (2e6,) * 3, (2e4,) * 3) for x in (-0.6, 0.6) for y in (-0.5, 0.5)]

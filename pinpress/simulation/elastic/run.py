@@ -27,8 +27,8 @@ from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, 
 from .contact import OpenPin
 from .description import Elastic
 from .panels import Indices
-from .paths import NEAREST
-from .sprung_press import BodyState, SprungPress
+from .press.paths import NEAREST
+from .press.sprung_press import BodyState, SprungPress
 from .task import ElasticSolution
 
 FINE = 24  # parts of a panel at whose ends extremes are looked for, and of the two parts about one of them

@@ -28,7 +28,7 @@ from ....kinematics.motion import Motion
 from ....kinematics.poses import poses
 from ....linkage.linkage import Linkage
 from ..panels import Indices
-from ..sprung_press import VaryingInertia
+from .sprung_press import VaryingInertia
 from .turning import NominalTurns, Turned, turn_bodies
 
 

@@ -14,21 +14,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...common import plausibility
-from ...common.arguments import positive
-from ...common.errors import PinpressError, shown
-from ...common.quantities import Array
-from ...engines.planar.model import Plane, to_complex
-from ...linkage.linkage import Linkage
-from .acting.frame_on_mounts import on_mounts
-from .assembly_in_space import press_in_space
-from .contact import Clearance, OpenPin
-from .description import Elastic, Rod
-from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
-from .geometry.plane import DrawnBodies, Lines, PlaneGeometry
-from .preloaded_joint import JointSpring, PreloadedJoint
-from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
-from .yielding import (
+from ....common import plausibility
+from ....common.arguments import positive
+from ....common.errors import PinpressError, shown
+from ....common.quantities import Array
+from ....engines.planar.model import Plane, to_complex
+from ....linkage.linkage import Linkage
+from ..contact import Clearance, OpenPin
+from ..description import Elastic, Rod
+from ..flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
+from ..preloaded_joint import JointSpring, PreloadedJoint
+from ..yielding import (
     FRAME,
     LIGHTEST,
     SHAFT,
@@ -42,6 +38,10 @@ from .yielding import (
     rod_ends,
     rods_of,
 )
+from .assembly_in_space import press_in_space
+from .mounts import on_mounts
+from .plane import DrawnBodies, Lines, PlaneGeometry
+from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
 
 
 def press_on_springs(press: Linkage, elastic: Elastic) -> SprungPress:

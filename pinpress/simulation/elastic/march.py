@@ -17,13 +17,12 @@ from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import GeneralizedForce
 from ..failures import failure
-from .acting.drive_train import TrainEvent, TrainMode
-from .acting.phases import Border as LoadBorder
-from .acting.phases import LoadPhases, Phase
 from .contact import HertzContact
-from .equations import CRANK_ANGLE, INSTANT, ElasticEquations, Event, MotionEvent, Release, Segment
-from .panels import Border, Mesh, PanelSolution, PanelStates, solve
-from .sprung_press import Springs, SprungPress
+from .equations import ElasticEquations
+from .panels import Ends, Mesh, PanelSolution, PanelStates, solve
+from .press.drive import TrainEvent, TrainMode
+from .press.sprung_press import Springs, SprungPress
+from .strokes import CRANK_ANGLE, INSTANT, Event, MotionEvent, Phase, Release, Segment, Strokes
 from .task import FIRST_PANELS, LOOKS, MOST_STEPS, PAST_BORDER, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 
 WINDOW = 6  # panels that are solved at a time on the way from a known state
@@ -67,7 +66,7 @@ class _Passing(NamedTuple):
     """
 
     time: float
-    border: LoadBorder | None
+    border: Event | None
     rise: float = 0.0
     force: int = -1
     train: TrainEvent | None = None
@@ -76,7 +75,7 @@ class _Passing(NamedTuple):
     def event(self) -> MotionEvent:
         if self.train is not None:
             return self.train
-        return Release(self.force) if self.border is None else Event(*self.border)
+        return Release(self.force) if self.border is None else self.border
 
 
 class _Piece(NamedTuple):
@@ -99,11 +98,11 @@ class _March:
     def __init__(self, task: Task, start: float, state: Array, goal: float) -> None:
         self.task, self.start, self.state, self.time, self.goal = task, start, state, 0.0, goal
         self.direction = 1 if task.speed > 0 else -1
-        self.phase = task.phases.begin(start + PAST_TURNING * self.direction)
-        self.ahead = task.phases.turnings_ahead(start)
+        self.phase = task.strokes.begin(start + PAST_TURNING * self.direction)
+        self.ahead = task.strokes.turnings_ahead(start)
         self.train = task.equations.train
         self.mode: TrainMode | None = None
-        edges = [edge for force in task.phases.driven.forces for edge in force.edges]
+        edges = [edge for force in task.strokes.driven.forces for edge in force.edges]
         self.length = task.period / FIRST_PANELS / WINDOW
         self.lengths: dict[tuple[bool, ...], float] = {}  # of the last panels while the same forces acted
         self.arrived = False
@@ -114,7 +113,7 @@ class _March:
             self.mode = self.train.due(self.train.begun(start, float(state[-1]))[0], 0.0, state[size:])
             edges += [*self.train.switch_times, *self.train.risen(self.mode)]
         self.edges, self.farthest, self.at_once = np.unique(edges), start, 0
-        segment = task.phases.active(self.phase, self._places_now())
+        segment = task.strokes.active(self.phase, self._places_now())
         self.pieces = [_Piece(self.mode, segment, segment)]
         self.lost: dict[int, ForceInterval] = {}  # laws of contacts that push no more, by the numbers of their forces
         self.events: dict[int, MotionEvent] = {}
@@ -130,7 +129,7 @@ class _March:
         """Crank angle at which the rigid slide turns next; infinite where it does not matter."""
         if not len(self.ahead):
             return self.direction * np.inf
-        period = abs(float(self.task.phases.driven.model.period or 2 * np.pi))
+        period = abs(float(self.task.strokes.driven.model.period or 2 * np.pi))
         travelled = self.direction * (self.angle - self.start)
         whole = np.floor(travelled / period) * period
         options = np.concatenate([self.ahead + whole, self.ahead + whole + period])
@@ -188,7 +187,7 @@ class _March:
 
     def _turn(self, angle: float) -> None:
         """Pass a crank angle at which the rigid slide turns."""
-        self.phase = self.task.phases.begin(angle + PAST_TURNING * self.direction)
+        self.phase = self.task.strokes.begin(angle + PAST_TURNING * self.direction)
         self._begin(Event(CRANK_ANGLE, angle), self._places_now())
 
     def _solve_window(self, span: float, events: dict[int, MotionEvent], near: PanelSolution | None) -> PanelSolution | None:
@@ -204,17 +203,17 @@ class _March:
         else:
             guess = cut_to(near, mesh)
         equations = replace(self._equations(), events=events)
-        border = Border(False, np.zeros(2 * size), list(events))
+        border = Ends(False, np.zeros(2 * size), list(events))
         return solve(equations, guess, border, SETTLED * self.task.tolerance, MOST_STEPS)
 
     def _first_event(self, found: PanelSolution, turning: float) -> _Passing | None:
         """What first changes the forces that act within a window, or angle of its own that a free crank passes; without such an event the
         phase goes on to its end."""
-        phases, phase, equations = self.task.phases, self.phase, self._equations()
+        strokes, phase, equations = self.task.strokes, self.phase, self._equations()
         angles = [angle for angle in (turning, self.goal) if np.isfinite(angle)] if self.task.equations.crank is None else []
         seen = found.sample(np.arange(1, LOOKS + 1) / LOOKS)
         margins = self._margins(seen)
-        if not phases.borders and not angles and not margins:
+        if not strokes.borders and not angles and not margins:
             return None
         places, rates = equations.places(seen.time, seen.y, seen.v)
         crank = np.append(self.angle, equations.whole(seen.time, seen.y, seen.v)[0][:, -1])
@@ -222,24 +221,24 @@ class _March:
         acting = [(k, law) for k, law in enumerate(self.pieces[-1].laws) if isinstance(law, ForceInterval)]
         pushing = [(k, law) for k, law in acting if law.one_sided and law.heeds_velocity]
         contacts = [*pushing, *self.lost.items()]
-        joints = [number for number in self.lost if number >= len(phases.driven.forces) + len(self.task.equations.sprung.open_pins)]
-        telling = telling_steps(phases, places)
+        joints = [number for number in self.lost if number >= len(strokes.driven.forces) + len(self.task.equations.sprung.open_pins)]
+        telling = telling_steps(strokes, places)
         telling[1] = True  # it starts on a border
         for _, values in margins:
             telling = np.asarray(telling | (values < 0))
         for k in range(1, len(times)):
             if not (telling[k] or contacts or angles):
                 continue
-            passed = [self._passing(times, crank, k, LoadBorder(CRANK_ANGLE, angle)) for angle in angles]
+            passed = [self._passing(times, crank, k, Event(CRANK_ANGLE, angle)) for angle in angles]
             passed += [self._vanishing(times, values, k, event) for event, values in margins]
             released = None if any(passed) else self._released(contacts, phase, places[k], rates[k - 1])
             if released is not None:
                 self.phase = phase
                 return _Passing(float(times[k]), None, force=released)
-            before_step, phase = phase, phases.advance(phase, places[k])
+            before_step, phase = phase, strokes.advance(phase, places[k])
             apart = any(before_step.through[number] and not phase.through[number] for number in joints)  # its spring is relaxed
-            if apart or phases.active(phase, places[k], self.time) != self.pieces[-1].segment:
-                passed += [self._passing(times, places[:, border.path], k, border) for border in phases.borders]
+            if apart or strokes.active(phase, places[k], self.time) != self.pieces[-1].segment:
+                passed += [self._passing(times, places[:, border.path], k, border) for border in strokes.borders]
             found_here = [one for one in passed if one is not None]
             if found_here:
                 self.phase = before_step
@@ -253,9 +252,9 @@ class _March:
         for number, law in contacts:
             if number in self.lost and not phase.through[number]:  # apart by now
                 continue
-            force = self.task.phases.forces[number]
+            force = self.task.strokes.forces[number]
             if number in self.lost and not isinstance(law, HertzContact):  # it may have gone on into another interval since
-                law = self.task.phases.interval_at(number, phase, places) or law
+                law = self.task.strokes.interval_at(number, phase, places) or law
             pushes = law.pushes(float(law.force(places[force.row] - force.datum, rates[force.row])))
             if pushes == phase.through[number]:
                 if number in self.lost:
@@ -263,7 +262,7 @@ class _March:
                 return number
         return None
 
-    def _passing(self, times: Array, values: Array, k: int, border: LoadBorder) -> _Passing | None:
+    def _passing(self, times: Array, values: Array, k: int, border: Event) -> _Passing | None:
         """The passage of a border by values (n,) at times (n,) between the last one and number k; None where there is none."""
         before, after = values[k - 1] - border.value, values[k] - border.value
         if before * after > 0 or before == after:
@@ -350,16 +349,16 @@ class _March:
             law = self.pieces[-1].laws[passing.force]
             if isinstance(law, ForceInterval):
                 self.lost[passing.force] = law
-            self.phase = self.task.phases.release(self.phase, passing.force)
+            self.phase = self.task.strokes.release(self.phase, passing.force)
         else:
             beside = np.copysign(PAST_BORDER * self.task.equations.sprung.press.size, passing.rise)
             places[passing.border.path] = passing.border.value + beside
-            self.phase = self.task.phases.advance(self.phase, places)
+            self.phase = self.task.strokes.advance(self.phase, places)
         self._begin(passing.event, places)
 
     def _begin(self, event: MotionEvent, places: Array) -> None:
         """Begin a new segment where other forces act."""
-        segment = self.task.phases.active(self.phase, places, self.time)
+        segment = self.task.strokes.active(self.phase, places, self.time)
         last = self.pieces[-1]
         if segment == last.segment and self.mode == last.mode:
             return
@@ -385,7 +384,7 @@ class _March:
                 found[number] = self.lost.get(number, last.laws[number])
                 continue
             speeds = self._paths_now()[1][0] if speeds is None else speeds
-            found[number] = interval.struck(abs(float(speeds[self.task.phases.forces[number].row])))
+            found[number] = interval.struck(abs(float(speeds[self.task.strokes.forces[number].row])))
         return tuple(found)
 
     def _take(self, window: PanelSolution) -> None:
@@ -453,8 +452,8 @@ def resting(task: Task, start: float) -> Array:
         SimulationError: the springs do not carry them.
     """
     y, v, a = task.rigid(np.zeros(1))
-    phase = task.phases.begin(start + PAST_TURNING * np.sign(task.speed))
-    segment = task.phases.active(phase, task.phases.places(start))
+    phase = task.strokes.begin(start + PAST_TURNING * np.sign(task.speed))
+    segment = task.strokes.active(phase, task.strokes.places(start))
     equations, sprung = replace(task.equations, segments=(segment,)), task.equations.sprung
     by_crank = v[0] / v[0, -1]  # rates of a free crank's coordinates by its own
     v, a = task.begins * v, task.begins**2 * a
@@ -465,7 +464,7 @@ def resting(task: Task, start: float) -> Array:
         equations = replace(equations, modes=(train.due(mode, 0.0, v[0]),))
     if sprung.closed is None:
         return np.concatenate([_balance(equations, y, v, a, by_crank, task.tolerance)[0], v[0]])
-    loads, contacts = segment[: len(task.phases.driven.forces)], task.phases.contacts
+    loads, contacts = segment[: len(task.strokes.driven.forces)], task.strokes.contacts
     closed = replace(equations, sprung=sprung.closed, segments=((*loads, *(None for _ in contacts)),))
     y = _balance(closed, y, v, a, by_crank, task.tolerance)
     if sprung.open_pins:
@@ -521,7 +520,7 @@ def _press_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: Arr
     return springs._replace(rest=rest)
 
 
-def telling_steps(phases: LoadPhases, places: Array) -> NDArray[np.bool_]:
+def telling_steps(strokes: Strokes, places: Array) -> NDArray[np.bool_]:
     """(n,) whether a path passes a border on its way from one row of places (n, paths) to the next; it is told of the second one."""
-    beyond = np.stack([places[:, border.path] > border.value for border in phases.borders], axis=1) if phases.borders else places[:, :0]
+    beyond = np.stack([places[:, border.path] > border.value for border in strokes.borders], axis=1) if strokes.borders else places[:, :0]
     return np.append(False, (beyond[1:] != beyond[:-1]).any(axis=1))

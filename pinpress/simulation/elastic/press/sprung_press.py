@@ -1,6 +1,6 @@
 """A press on springs: bodies that the springs of its bearings join, in a plane or in space.
 
-How the bodies lie and how springs lengthen with them is a `Geometry` (`geometry.plane`, `geometry.space`). What follows from it is the same
+How the bodies lie and how springs lengthen with them is a `Geometry` (`plane`, `space`). What follows from it is the same
 for both. A spring of the extension y pulls with k (y - rest) + c y', and pushes on the coordinates by the gradient of y; Newton's method
 also takes the second derivatives of y. Some springs have constant gradients: those of guides and shafts against turning, and those of the
 shapes of flexible links.
@@ -21,16 +21,16 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ...common.errors import PinpressError
-from ...common.products import product
-from ...common.quantities import Array
-from ...kinematics.cycle import motion_through_change_points
-from ...kinematics.motion import Motion
-from ...kinematics.slide_path import dead_centres
-from ...linkage.linkage import Linkage
-from .contact import OpenPin
-from .panels import Indices
-from .preloaded_joint import JointSpring, OpenJoint
+from ....common.errors import PinpressError
+from ....common.products import product
+from ....common.quantities import Array
+from ....kinematics.cycle import motion_through_change_points
+from ....kinematics.motion import Motion
+from ....kinematics.slide_path import dead_centres
+from ....linkage.linkage import Linkage
+from ..contact import OpenPin
+from ..panels import Indices
+from ..preloaded_joint import JointSpring, OpenJoint
 
 
 class Springs(NamedTuple):

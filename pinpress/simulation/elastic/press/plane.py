@@ -28,7 +28,7 @@ from ....kinematics.motion import Motion
 from ....linkage.linkage import Linkage
 from ..flexible_link import FlexibleBody
 from ..panels import Indices
-from ..sprung_press import VaryingInertia
+from .sprung_press import VaryingInertia
 
 
 class Lines(NamedTuple):

@@ -15,15 +15,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...common.errors import PinpressError, shown
-from ...common.quantities import Array
-from ...linkage.linkage import Linkage
-from .description import Elastic
-from .geometry.space import LinesInSpace, SpaceGeometry
-from .geometry.turning import nominal_turns
-from .preloaded_joint import JointSpring, PreloadedJoint
+from ....common.errors import PinpressError, shown
+from ....common.quantities import Array
+from ....linkage.linkage import Linkage
+from ..description import Elastic
+from ..preloaded_joint import JointSpring, PreloadedJoint
+from ..yielding import LIGHTEST, by_bearing, dampers_by_bearing
+from .space import LinesInSpace, SpaceGeometry
 from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
-from .yielding import LIGHTEST, by_bearing, dampers_by_bearing
+from .turning import nominal_turns
 
 
 class _Joint(NamedTuple):

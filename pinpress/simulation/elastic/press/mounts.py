@@ -19,8 +19,8 @@ from ....common.quantities import Array
 from ....engines.planar.model import to_complex, to_world
 from ....kinematics.cycle import cycle
 from ....loads.mounts import Frame, Mount
-from ..geometry.plane import Lines, PlaneGeometry
-from ..sprung_press import Springs, SprungPress
+from .plane import Lines, PlaneGeometry
+from .sprung_press import Springs, SprungPress
 
 POSES = 180  # of a turn over which the weights' places are averaged
 

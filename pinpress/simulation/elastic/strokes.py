@@ -14,26 +14,52 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....common.quantities import Array
-from ....loads.process import ForceInterval
-from ...driven_press import DrivenPress, GeneralizedForce
-from ...reduced_model import COORDINATES
-from ..equations import CRANK_ANGLE, INSTANT, Event, MotionEvent, Segment, TimeSpan
-from .drive_train import TrainEvent, TrainMode
+from ...common.quantities import Array
+from ...loads.process import ForceInterval
+from ..driven_press import DrivenPress, GeneralizedForce
+from ..reduced_model import COORDINATES
+from .press.drive import TrainEvent, TrainMode
 
+INSTANT = 1e-9  # [s] with which slopes by time are found, and within which two times are one
 AT_START = 1e-9  # angle from the start within which an event belongs to the start [rad]
+CRANK_ANGLE = -1  # in place of a path's number
 
 
-class Border(NamedTuple):
-    """A place of a path at which a force is not smooth.
+class TimeSpan(NamedTuple):
+    """Times between which a force in time is smooth [s]."""
+
+    begin: float
+    end: float
+
+
+Segment = tuple[ForceInterval | TimeSpan | None, ...]
+"""The interval of each force that acts; None where none does."""
+
+
+class Event(NamedTuple):
+    """What ends a segment at a time that is not known before: a path reaches a border.
 
     Attributes:
-        path: number of the path.
-        value: of the path [m].
+        path: its number; `CRANK_ANGLE` for the angle of the crank.
+        value: at the border [m or rad].
     """
 
     path: int
     value: float
+
+
+class Release(NamedTuple):
+    """What ends a contact: its force vanishes; or what brings it back before its bodies are apart.
+
+    Attributes:
+        force: number of the contact among all forces.
+    """
+
+    force: int
+
+
+MotionEvent = Event | Release | TrainEvent
+"""What ends a segment at a time that is not known before."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +76,7 @@ class Phase:
 
 
 @dataclass(frozen=True, eq=False)
-class LoadPhases:
+class Strokes:
     """The loads of a press over its turns.
 
     Attributes:
@@ -75,9 +101,9 @@ class LoadPhases:
         return tuple(force.rising is not force.falling for force in self.forces)
 
     @cached_property
-    def borders(self) -> tuple[Border, ...]:
+    def borders(self) -> tuple[Event, ...]:
         """All places at which a force is not smooth."""
-        found = {Border(force.row, value) for force in self.forces for value in force.borders()}
+        found = {Event(force.row, value) for force in self.forces for value in force.borders()}
         return tuple(sorted(found))
 
     @cached_property
@@ -134,7 +160,7 @@ class LoadPhases:
         """The segments of a period of the rigid press from a crank angle on, at which it turns or no load acts."""
         period = self.driven.model.period
         assert period is not None
-        found: list[tuple[float, Border | None]] = [(at, None) for at in self.turnings_ahead(start)]
+        found: list[tuple[float, Event | None]] = [(at, None) for at in self.turnings_ahead(start)]
         for each in self.borders:
             if each.path >= len(self.driven.coordinates):
                 continue
@@ -154,7 +180,7 @@ class LoadPhases:
             if segment == segments[-1]:
                 continue
             angle = start + self.direction * at
-            events[len(knots)] = Event(CRANK_ANGLE, angle) if border is None else Event(border.path, border.value)
+            events[len(knots)] = Event(CRANK_ANGLE, angle) if border is None else border
             knots.append(at)
             segments.append(segment)
         return Plan(tuple(segments), events, np.array([*knots, period]))

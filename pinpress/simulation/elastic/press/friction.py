@@ -21,8 +21,8 @@ import numpy as np
 from ....common.errors import PinpressError, shown
 from ....common.quantities import Array
 from ....engines.friction import FrictionLaw
-from ..geometry.plane import LineStrains, PlaneGeometry
-from ..sprung_press import BodyState, SpringForces, SprungPress
+from .plane import LineStrains, PlaneGeometry
+from .sprung_press import BodyState, SpringForces, SprungPress
 
 
 class FrictionStates(NamedTuple):

@@ -1,0 +1,1 @@
+"""The press on its springs: its bodies, the springs between them, and what else acts on them."""
