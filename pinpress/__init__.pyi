@@ -41,7 +41,7 @@ from .live.viewing import view as view
 from .pin_table.building import build as build
 from .simulation.batch import RunBatch as RunBatch
 from .simulation.batch import simulate_batch as simulate_batch
-from .simulation.elastic.elastic_run import ElasticRun as ElasticRun
+from .simulation.elastic.run import ElasticRun as ElasticRun
 from .simulation.run import Run as Run
 from .simulation.simulate import simulate as simulate
 from .simulation.steady_state import steady_state as steady_state

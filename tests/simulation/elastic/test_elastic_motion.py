@@ -133,7 +133,7 @@ def test_order_of_the_collocation(stages, monkeypatch):
         guess = panels.PanelSolution(
             mesh, rule, np.concatenate([y, v], axis=1), a.reshape(count, stages, -1), np.inf, 0, np.eye(2 * y.shape[1])
         )
-        coarse = panels.solve(found.equations, guess, panels.Border(True, gain, []), 1e-13, 9)
+        coarse = panels.solve(found.equations, guess, panels.Ends(True, gain, []), 1e-13, 9)
         errors.append(np.abs(coarse.states - guess.states)[:, : y.shape[1]].max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2 * stages - 1, abs=0.5)
 

@@ -42,7 +42,7 @@ def followed(equations, state, until, count):
     shares = np.arange(count + 1) / count
     mesh, rule = panels.Mesh(np.array([0.0, until]), np.zeros(count, dtype=int), shares[:-1], shares[1:]), radau_rule(5)
     guess = panels.PanelSolution(mesh, rule, np.tile(state, (count + 1, 1)), np.zeros((count, 5, 2)), np.inf, 0, np.eye(4))
-    return panels.solve(equations, guess, panels.Border(False, np.zeros(4), []), 1e-13, 30)
+    return panels.solve(equations, guess, panels.Ends(False, np.zeros(4), []), 1e-13, 30)
 
 
 def test_inertia_that_depends_on_the_state():
