@@ -294,13 +294,18 @@ def driven_press(
     brake: object,
     friction: Mapping[str, Friction] = NONE_GIVEN,
 ) -> DrivenPress:
-    """A press with one driver, and all that acts on it.
+    """A press, and all that acts on it. Drive and loads have been `tried`.
+
+    A linkage with several drivers has drives and flywheels by the names of their joints, and no friction.
 
     Raises:
         PinpressError: an argument is of the wrong kind or contradicts another, a load cannot be simulated, or heights are to be measured
             from a bottom dead centre that does not exist.
-        UnknownNameError: a load acts on a link that the linkage does not have.
+        UnknownNameError: a load acts on a link that the linkage does not have, or a part on a driver that it does not have.
     """
+    coordinates, forces = _coordinates_and_forces(press, loads)
+    if len(press.drivers) > 1:
+        return _with_several_drivers(press, drive, flywheel, coordinates, forces, clutch, brake)
     _refuse_other_parts(drive, flywheel, clutch, brake)
     if not press.driver_coordinates[0].turns:
         _refuse_parts_that_turn(press.driver, {"drive": drive, "flywheel": flywheel, "clutch": clutch, "brake": brake})
@@ -309,7 +314,6 @@ def driven_press(
     assert isinstance(clutch, Clutch | None)
     assert isinstance(brake, Brake | None)
     prescribed, drive = (drive, None) if isinstance(drive, PrescribedSpeed) else (None, drive)
-    coordinates, forces = _of_loads(press, loads)
     inertia: Any = 0.0 if flywheel is None else flywheel.inertia
     if drive is not None:
         inertia = inertia + drive.inertia
@@ -408,13 +412,20 @@ def _refuse_parts_that_turn(driver: str, parts: Mapping[str, object]) -> None:
             raise PinpressError(f"driver {driver!r} slides, but {type(part).__name__} needs a shaft: {remedies[name]}")
 
 
-def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> DrivenPress:
-    """A linkage with several drivers, drives and flywheels by the names of their joints. Raises as `driven_press`."""
+def _with_several_drivers(
+    press: Linkage,
+    drive: object,
+    flywheel: object,
+    coordinates: "list[Coordinate]",
+    forces: "list[GeneralizedForce]",
+    clutch: object,
+    brake: object,
+) -> DrivenPress:
+    """See `driven_press`; coordinates and forces are those of the loads."""
     if clutch is not None or brake is not None:
         press.refuse_several_drivers("clutch and brake are for one; leave them out")
     drives: Mapping[str, Drive] = _by_driver(press, "drive", drive, Drive)
     flywheels: Mapping[str, Flywheel] = _by_driver(press, "flywheel", flywheel, Flywheel)
-    coordinates, forces = _of_loads(press, loads)
     inertias = np.zeros(len(press.drivers))
     for k, (name, joint) in enumerate(zip(press.drivers, press.driver_indices, strict=True)):
         if not press.driver_coordinates[k].turns:
@@ -448,83 +459,60 @@ def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[
     return by_joint
 
 
-def _of_loads(press: Linkage, loads: Sequence[Load]) -> "tuple[list[Coordinate], list[GeneralizedForce]]":
-    """The forces of the loads, and the coordinates along which they act."""
+def _coordinates_and_forces(press: Linkage, loads: Sequence[Load]) -> "tuple[list[Coordinate], list[GeneralizedForce]]":
+    """The coordinates along which loads act, that of the slide first, and their forces."""
     coordinates: list[Coordinate] = [] if press.slide is None else [JointPosition(*press.slide_guide)]
     forces: list[GeneralizedForce] = []
     for load in loads:
-        coordinate, force = _of_load(press, load, len(coordinates))
-        coordinates += [] if coordinate is None else [coordinate]
-        forces += [] if force is None else [force]
+        if isinstance(load, SpringDamper):
+            law_of_spring = partial(_spring_force, load)
+            always = (ForceInterval(math.inf, -math.inf, law_of_spring, heeds_velocity=bool(load.damping)),)
+            forces.append(GeneralizedForce(len(coordinates), 0.0, always, always))
+            coordinates.append(Length(*applied_loads.spring_ends(load, press)))
+        elif isinstance(load, PointForce):
+            if callable(load.force) or np.ndim(load.force) != 1:
+                raise PinpressError(
+                    f"{load.label}: a simulation takes a constant force, (3,) in world axes [N]; for one that changes write one of"
+                    " pinpress.loads, or a class with their members `datum` and `intervals`"
+                )
+            placed = applied_loads.point_force(load, press, load.force)
+            if placed.joint:  # the frame does not move
+                constant = (ForceInterval(math.inf, -math.inf, _constant_one, heeds_velocity=False),)
+                forces.append(GeneralizedForce(len(coordinates), 0.0, constant, constant))
+                coordinates.append(WorkOfForce((placed.joint, placed.point), placed.force[0]))
+        else:
+            _ = press.slide_guide  # raises PinpressError where the linkage has no slide, whose coordinate is the first
+            if isinstance(load, TimeForce):
+                forces.append(GeneralizedForce(0, 0.0, time=load.force, edges=tuple(load.edges)))
+            elif (force := _process_force(press, load)) is not None:
+                forces.append(force)
     return coordinates, forces
 
 
-def _of_load(press: Linkage, load: Load, row: int) -> tuple[Coordinate | None, GeneralizedForce | None]:
-    """The coordinate of a load, None where it acts along the slide's, and its force, None where it does nothing; ``row``: of a new
-    coordinate."""
-    if isinstance(load, PointForce):
-        return _point_force(press, load, row)
-    if isinstance(load, SpringDamper):
-        return _spring(press, load, row)
-    if isinstance(load, TimeForce):
-        return None, GeneralizedForce(_slide_row(press), 0.0, time=load.force, edges=tuple(load.edges))
-    return None, _process_force(press, load)
-
-
-def _slide_row(press: Linkage) -> int:
-    """Row of the slide's position.
-
-    Raises:
-        PinpressError: the linkage has no slide.
-    """
-    _ = press.slide_guide
-    return 0
-
-
 def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None:
-    rising, falling = load.intervals(downwards=False), load.intervals(downwards=True)
-    row = _slide_row(press)
+    """The force of a process load; None where it acts nowhere."""
+    rising, falling = tuple(load.intervals(downwards=False)), tuple(load.intervals(downwards=True))
     if not rising and not falling:
         return None
-    zero = datum(caller_laws.as_given(load), press)
-    intervals = [*((True, each) for each in falling), *((False, each) for each in rising)]
-    applied_loads.warn_of_load(caller_laws.name(load), press, intervals, zero, applied_loads.turning_points(press))
+    name, zero = caller_laws.name(load), datum(caller_laws.as_given(load), press)
+    intervals = [*((True, interval) for interval in falling), *((False, interval) for interval in rising)]
+    applied_loads.warn_of_load(name, press, intervals, zero, applied_loads.turning_points(press))
     # Crank angles cannot distinguish the ends of a thinner interval.
     least = 1e-8 * press.size
-    for interval in (*rising, *falling):
+    for _, interval in intervals:
         if interval.upper - interval.lower < least:
             raise PinpressError(
-                f"{caller_laws.name(load)}: an interval of {interval.upper - interval.lower:g} m is thinner than a simulation resolves;"
-                f" give at least {least:.2g} m"
+                f"{name}: an interval of {interval.upper - interval.lower:g} m is thinner than a simulation resolves; give at least"
+                f" {least:.2g} m"
             )
-    rising, falling = tuple(rising), tuple(falling)
-    return GeneralizedForce(row, zero, rising, rising if rising == falling else falling)
+    return GeneralizedForce(0, zero, rising, rising if rising == falling else falling)
 
 
-def _point_force(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate | None, GeneralizedForce | None]:
-    if callable(load.force) or np.ndim(load.force) != 1:
-        raise PinpressError(
-            f"load on {shown(load.link)}: a simulation takes a constant force, (3,) in world axes [N]; for one that changes write one of"
-            " pinpress.loads, or a class with their members `datum` and `intervals`"
-        )
-    placed = applied_loads.point_force(load, press, load.force)
-    if not placed.joint:  # on the frame, which does not move
-        return None, None
-    constant = (ForceInterval(math.inf, -math.inf, _constant_one, heeds_velocity=False),)
-    return WorkOfForce((placed.joint, placed.point), placed.force[0]), GeneralizedForce(row, 0.0, constant, constant)
+# Functions of the module, and not within others, so that what is simulated can be pickled.
 
 
 def _constant_one(position: Any, velocity: Any) -> Any:
     return position * 0.0 + 1.0
-
-
-def _spring(press: Linkage, load: SpringDamper, row: int) -> tuple[Coordinate, GeneralizedForce]:
-    damped = bool(np.any(load.damping))
-    always = (ForceInterval(math.inf, -math.inf, partial(_spring_force, load), heeds_velocity=damped),)
-    return Length(*applied_loads.spring_ends(load, press)), GeneralizedForce(row, 0.0, always, always)
-
-
-# Functions of the module, and not within others, so that what is simulated can be pickled.
 
 
 def _spring_force(spring: SpringDamper, length: Any, rate: Any) -> Any:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from .. import drives
-from ..common.arguments import any_numbers, suitable_numbers
+from ..common.arguments import any_numbers
 from ..common.errors import PinpressError, said, shown
 from ..common.parameters import scenario_lengths
 from ..common.quantities import Array, Values
@@ -238,8 +238,6 @@ def _try_drive(drive: AskedDrive) -> None:
 def _try_load(load: AskedLoad) -> None:
     """Raise PinpressError where a load depends on more than height, velocity and direction, or gives other values for arrays than for
     numbers."""
-    if load.datum is not None:
-        suitable_numbers(f"{name_of(load)}: datum", load.datum, "a slide position [m], or None for bottom dead centre")
     for downwards in (True, False):
         once, again = load.intervals(downwards), load.intervals(downwards)
         if [(s.upper, s.lower, s.one_sided, s.sense) for s in once] != [(s.upper, s.lower, s.one_sided, s.sense) for s in again]:

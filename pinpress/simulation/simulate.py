@@ -39,7 +39,7 @@ from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
-from .driven_press import DrivenPress, driven_press, motor_against, press_with_drives
+from .driven_press import DrivenPress, driven_press, motor_against
 from .elastic.description import Elastic
 from .failures import told_of
 from .law_trials import tried
@@ -305,11 +305,9 @@ def _driven(
             "method='constraint' knows no friction in bearings: it needs the forces of the bearings, which the reduced equation of one"
             " driver has; leave friction out, or let one driver turn with method='auto'"
         )
-    if len(press.drivers) == 1:
-        return driven_press(press, drive, flywheel, loads, clutch, brake, friction)
-    if method != "constraint":
+    if len(press.drivers) > 1 and method != "constraint":
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
-    return press_with_drives(press, drive, flywheel, loads, clutch, brake)
+    return driven_press(press, drive, flywheel, loads, clutch, brake, friction)
 
 
 def _problem(
