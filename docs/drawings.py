@@ -134,7 +134,7 @@ def _blocks(press: pp.Linkage) -> tuple[list[str], list[set[int]]]:
         turning = all(press.axes[joint].turns for joint in block.joints)
         kinds = {(1, 2): "dyad: two circles" if turning else "dyad: circle and line", (1, 1): "lever", (0, 1): "gear pair"}
         before = {row for loop in block.loops for row, _ in loop.relieved}
-        coupled = {joint for coupling in block.couplings for joint in equations.functions.plane.coupling_rows[coupling]}
+        coupled = {joint for relation in block.relations for joint in equations.functions.plane.relation_rows[relation]}
         before |= {rows[joint] for joint in coupled.difference(block.joints)}
         needs.append({found_by[row] for row in before})
         found_by |= dict.fromkeys(block.rows, len(texts))

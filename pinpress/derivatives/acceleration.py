@@ -16,6 +16,7 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import by_driver
 from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..engines.structure import array_of
 from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage
 
@@ -112,9 +113,7 @@ def acceleration_derivatives(
         wanted = f"({joints},) or ({count}, {joints}) finite efforts of the joints [N m, N]"
         numbers = suitable_numbers("efforts", efforts, wanted, None, lambda values: values.shape in ((joints,), (count, joints)))
         given = np.broadcast_to(numbers, (count, joints)).copy()
-    rows = np.zeros((len(press.couplings), joints))
-    for row, gear in zip(rows, press.couplings, strict=True):
-        row[gear.follower], row[gear.leader] = 1.0, -gear.multiplier
+    rows = np.asarray(array_of([relation.coefficients for relation in press.relations], joints, float))
     with np.errstate(all="ignore"):  # what is not finite is refused
         derivatives = ForwardDerivatives(press.forward_dynamics(own), rows)
         states = zip(np.array(motion.joint_position), np.array(motion.v), given, strict=True)
@@ -143,4 +142,4 @@ def _multiplier_names(press: Linkage) -> tuple[str, ...]:
     for loop in press.loops:
         points = {0: 1, 2: 2, 3: 3}[loop.held_rotations]
         names += [f"{loop.name} {k + 1}" if points > 1 else loop.name for k in range(points)]
-    return (*(f"{name} {axis}" for name in names for axis in AXES), *(gear.name for gear in press.couplings))
+    return (*(f"{name} {axis}" for name in names for axis in AXES), *(relation.name for relation in press.relations))

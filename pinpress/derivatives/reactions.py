@@ -261,9 +261,9 @@ def _balance(
     slides, slides_slope = product(plane.directions, basis), product(plane.directions, moved.basis)
     for joint, slide, slide_slope in zip(plane.prismatic, slides, slides_slope, strict=True):
         joint_efforts[joint] = (slide.conj() * subtree[joint]).real + (slide_slope.conj() * known.forces[joint]).real
-    coupling_multipliers = np.zeros((len(plane.offsets), basis.shape[1]))
+    relation_multipliers = np.zeros((len(plane.offsets), basis.shape[1]))
     tree = without_work(known.statics, subtree.conj())
-    torque = balance(known.statics, known.states.slopes.pose, tree, coupling_multipliers, efforts_by_rows(known.statics, joint_efforts))
+    torque = balance(known.statics, known.states.slopes.pose, tree, relation_multipliers, efforts_by_rows(known.statics, joint_efforts))
     if plane.redundant:
         return torque, None, None
     bearings = np.array(tree.forces).conj()
@@ -276,7 +276,7 @@ def _balance(
         )
     moments[plane.driver] = plane.sense[plane.driver] * torque
     for joint in bodies.geared:
-        moments[joint] += plane.sense[joint] * (plane.coupled[:, joint] @ coupling_multipliers)
+        moments[joint] += plane.sense[joint] * (plane.relation_slopes[:, joint] @ relation_multipliers)
     return torque, bearings, moments
 
 

@@ -19,8 +19,8 @@ from ..common.errors import AssemblyError, SingularityError
 from ..common.quantities import Array
 from ..engines.engine import ACCEPTED, Closure, Engine, joined
 from ..engines.following import SingularPosition, follow
-from ..engines.joints import Coupling
 from ..engines.pinocchio.engine import PinocchioEngine
+from ..engines.pinocchio.equations import OneConfiguration
 from ..engines.planar.closing import close
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.equations import Equations
@@ -82,7 +82,7 @@ def redrawn(press: Linkage, moved: Displacements, position: Array) -> Linkage:
         if joint.nq == 1:
             for limits in (model.lowerPositionLimit, model.upperPositionLimit):
                 limits[joint.idx_q] -= coordinate
-    return replace(press, model=model, loops=placed.loops, couplings=tuple(map(_from_zero, press.couplings)))
+    return replace(press, model=model, loops=placed.loops, relations=tuple(replace(relation, offset=0.0) for relation in press.relations))
 
 
 def _placed(press: Linkage, moved: Displacements, share: float = 1.0) -> Linkage:
@@ -98,11 +98,6 @@ def _placed(press: Linkage, moved: Displacements, share: float = 1.0) -> Linkage
     return replace(press, model=model, loops=loops)
 
 
-def _from_zero(coupling: Coupling) -> Coupling:
-    """The gear pair, counted from the drawn pose, in which both joints are zero."""
-    return replace(coupling, offset=0.0)
-
-
 def _closed(press: Linkage, moved: Displacements) -> Array:
     """Joint coordinates (nv,) that close the linkage with displaced pivots, counted from where it was drawn."""
     return _closed_by(press.engine(), press, moved)
@@ -115,14 +110,14 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
     Raises:
         SingularityError: the linkage locks on the way, or cannot be assembled.
     """
-    drivers, target = np.zeros((len(press.drivers), 1)), _placed(press, moved).spatial_model.equations()
+    drivers, target = np.zeros((len(press.drivers), 1)), OneConfiguration(_placed(press, moved).structure)
 
     def close_at(share: float, guess: Array) -> Closure:
-        here = _placed(press, moved, share).spatial_model
+        here = _placed(press, moved, share).structure
         closure = PinocchioEngine(here).closing_function()(drivers, np.zeros_like(drivers), guess)
         if not np.isfinite(closure.widest):
             return closure
-        start, rows = press.equations(closure.position[:, 0]), here.equations().at(closure.position[:, 0])
+        start, rows = press.equations(closure.position[:, 0]), OneConfiguration(here).at(closure.position[:, 0])
         # Gaps change in proportion to displacements, as long as no joint moves.
         opened = target.at(closure.position[:, 0]).gaps - start.gaps
         return replace(closure, first=PassiveJacobian(rows.columns, here.passive_joints).rates(-opened)[:, None])
@@ -130,7 +125,7 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
     def close_part_way(shares: Array, guesses: Array) -> Closure:
         return joined((close_at(float(share), guess[:, None]) for share, guess in zip(shares, guesses.T, strict=True)), len(shares))
 
-    end = follow(close_part_way, press.closed, 1.0, press.size, ACCEPTED * press.spatial_model.tolerance)
+    end = follow(close_part_way, press.closed, 1.0, press.size, ACCEPTED * press.structure.tolerance)
     if isinstance(end, SingularPosition):
         raise SingularityError(
             f"{press.name} cannot be brought to the new lengths: {100 * end.angle:.3g} % of the way it locks, or cannot be assembled",

@@ -168,7 +168,7 @@ def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
 
 def _between_teeth(press: Linkage, engine: Engine, motion: Motion, wrenches: Wrenches) -> tuple[Array, Array]:
     """Forces and moments (bearings, n, 3) of bearings, those of racks and screws as `engines.racks` says."""
-    if not (press.spatial_model.racks and len(wrenches.force)):
+    if not (press.structure.racks and len(wrenches.force)):
         return wrenches.force, wrenches.moment
     states = motion.states(press)
 
@@ -178,6 +178,6 @@ def _between_teeth(press: Linkage, engine: Engine, motion: Motion, wrenches: Wre
         return PlacedAxis(origin, end - origin)
 
     force, moment = wrenches.force.copy(), wrenches.moment.copy()
-    for rack in press.spatial_model.racks:
-        between_teeth(rack, wrenches.coupling[rack.coupling], placed(rack.slide), placed(rack.shaft), force, moment)
+    for rack in press.structure.racks:
+        between_teeth(rack, wrenches.relations[rack.relation], placed(rack.slide), placed(rack.shaft), force, moment)
     return force, moment

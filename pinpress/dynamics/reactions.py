@@ -103,9 +103,10 @@ class Reactions(Tabular):
     @cached_property
     def coupling_torque(self) -> NamedArrays[np.float64]:
         press = self._press
-        torques = self._complete.coupling if press.couplings else ()
-        pairs = [np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, torques, strict=False)]
-        return NamedArrays(tuple(c.name for c in press.couplings), np.array(pairs))
+        torques = self._complete.relations if press.relations else ()
+        pairs = zip(press.couplings, torques, strict=False)  # behind these torques come those that hold spins, which are zero
+        by_pair = [np.stack([torque, -pair.multiplier * torque], axis=1) for pair, torque in pairs]
+        return NamedArrays(tuple(pair.name for pair in press.couplings), np.array(by_pair))
 
     @cached_property
     def power_residual(self) -> Array:
@@ -247,7 +248,7 @@ def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
     """Raise PinpressError where a number is not finite. A sum shows it, and takes less time than looking at every number."""
     arrays = {
         "driving torque": wrenches.torque,
-        "torque of a gear pair": wrenches.coupling,
+        "torque of a gear pair": wrenches.relations,
         "bearing force": wrenches.force,
         "bearing moment": wrenches.moment,
     }

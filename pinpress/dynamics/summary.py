@@ -290,7 +290,7 @@ def driving_lines(motion: Motion, reactions: Reactions) -> list[str]:
 
 def _gear_pairs(motion: Motion, reactions: Reactions) -> list[str]:
     press = reactions._press
-    toothless = len(reactions.coupling_torque) > len(press.spatial_model.racks)
+    toothless = len(reactions.coupling_torque) > len(press.structure.racks)
     left_out = "; bearing forces leave out those between the teeth of two shafts" if toothless else ""
     lines = ["", f"Gear pairs (torque or force on the joint that mimics, along its axis{left_out})"] if reactions.coupling_torque else []
     places = replace(Places.at_peaks(reactions), heights=None)

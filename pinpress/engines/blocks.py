@@ -1,4 +1,4 @@
-"""The order in which the equations of loops and couplings are solved: in groups as small as possible, one after another.
+"""The order in which the equations of loops and relations are solved: in groups as small as possible, one after another.
 
 A press linkage is a chain of dyads: the first loop determines its joints from the driver, the next one its own from those, and so on.
 Solved in this order, n loops take n times as long as one; solved all together, n cubed times.
@@ -11,14 +11,14 @@ from heapq import heapify, heappop, heappush
 from itertools import combinations
 from typing import NamedTuple
 
-FEW = 8  # loops and couplings up to which all groups are tried; of more, which have millions of groups, pairs, triples and all together
+FEW = 8  # loops and relations up to which all groups are tried; of more, which have millions of groups, pairs, triples and all together
 
 
 class Group(NamedTuple):
     """Equations that are solved together.
 
     Attributes:
-        members: their loops and couplings.
+        members: their loops and relations.
         joints: the joints that they determine, rising.
     """
 
@@ -32,8 +32,8 @@ def ordered_groups(
     """Groups as small as possible, ordered so that each needs only the joints of the ones before it; None where there is no such order.
 
     Args:
-        involved: the joints of every loop and coupling. Among equally small groups those of the first ones come first.
-        equation_count: number of equations of a loop or coupling, and of joints that it can determine.
+        involved: the joints of every loop and relation. Among equally small groups those of the first ones come first.
+        equation_count: number of equations of a loop or relation, and of joints that it can determine.
         known: the joints that need not be determined.
         one_block: whether to put all equations into one group.
     """
@@ -51,17 +51,17 @@ def ordered_groups(
 
 
 class _Waiting:
-    """The loops and couplings that are in no group yet.
+    """The loops and relations that are in no group yet.
 
     Attributes:
-        unknown: by loop or coupling, those of its joints that no group determines yet.
+        unknown: by loop or relation, those of its joints that no group determines yet.
     """
 
     def __init__(self, involved: Mapping[int, Collection[int]], equation_count: Callable[[int], int], known: Collection[int]) -> None:
         self.equation_count = equation_count
         self.unknown = {k: set(joints).difference(known) for k, joints in involved.items()}
         self._places = {k: place for place, k in enumerate(self.unknown)}
-        self._at: dict[int, set[int]] = {}  # loops and couplings by their unknown joints
+        self._at: dict[int, set[int]] = {}  # loops and relations by their unknown joints
         for k, unknown in self.unknown.items():
             for joint in unknown:
                 self._at.setdefault(joint, set()).add(k)
@@ -69,7 +69,7 @@ class _Waiting:
         heapify(self._ready)
 
     def surplus(self, k: int) -> int:
-        """Number of equations that a loop or coupling has beyond its unknown joints; below 0 where it cannot determine them alone."""
+        """Number of equations that a loop or relation has beyond its unknown joints; below 0 where it cannot determine them alone."""
         return self.equation_count(k) - len(self.unknown[k])
 
     def unknown_of(self, group: Collection[int]) -> set[int]:

@@ -36,7 +36,7 @@ BESIDE = _chebyshev_nodes(12)  # of closed configurations on one side, from whic
 
 
 Gap = Callable[[Array], Array]
-"""Joint coordinates (nv, n) -> largest gap (n,) of a loop or coupling [m]."""
+"""Joint coordinates (nv, n) -> largest gap (n,) of a loop or relation [m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

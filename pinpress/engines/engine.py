@@ -189,15 +189,15 @@ class Engine(Protocol):
         """Joint rates and accelerations at closed positions (nv, n), from those (drivers, n) of the drivers."""
 
     def gaps(self, position: Array) -> Array:
-        """Largest gap (n,) of a loop or coupling at positions (nv, n) [m]."""
+        """Largest gap (n,) of a loop or relation at positions (nv, n) [m]."""
 
     def redundant(self, x: Array) -> bool:
         """Whether some of the equations that the engine solves are redundant at joint coordinates (nv,)."""
 
     def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
-        """The loops and couplings in the order in which they are closed.
+        """The loops and relations in the order in which they are closed.
 
-        Each comes as its index, couplings counted after the loops, and the indices of the joints that it determines; in Pinocchio's engine,
+        Each comes as its index, relations counted after the loops, and the indices of the joints that it determines; in Pinocchio's engine,
         which closes all loops together, of the joints that stand on it.
         """
 
@@ -237,8 +237,8 @@ class Engine(Protocol):
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """What rigid mechanics leaves open in any of the positions (nv, n); see `Reactions.indeterminate`.
 
-        Returns (bearings, 6) which force and moment components of the bearings, along the rows of ``axes`` (3, 3), and (couplings,) which
-        coupling torques idle forces can change.
+        Returns (bearings, 6) which force and moment components of the bearings, along the rows of ``axes`` (3, 3), and (relations,) which
+        relation torques idle forces can change.
         """
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:

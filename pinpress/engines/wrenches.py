@@ -57,7 +57,7 @@ class Wrenches:
 
     Attributes:
         torque: (drivers, n) on the driver joints, positive along their axes [N m, of a driver that slides N].
-        coupling: (couplings, n) torque on the follower of every coupling, positive along its axis [N m, or N where it slides]. Without the
+        relations: (relations, n) effort of every relation on the joint that it determines [N m, or N where the joint slides]. Without the
             bearings it is one of several solutions that balance, where rigid mechanics leaves it open.
         friction: (bearings, n) power lost in every bearing [W].
         force: (bearings, n, 3) forces [N]; (0, n, 3) where the bearings are left out.
@@ -66,24 +66,24 @@ class Wrenches:
     """
 
     torque: Array
-    coupling: Array
+    relations: Array
     friction: Array
     force: Array
     moment: Array
 
     @staticmethod
-    def zeros(drivers: int, couplings: int, bearings: int, n: int, with_bearings: bool) -> Wrenches:
+    def zeros(drivers: int, relations: int, bearings: int, n: int, with_bearings: bool) -> Wrenches:
         """Wrenches to be filled in, of n states, with the forces and moments of the bearings or without; arguments are numbers of each.
 
         In memory the states are next to each other: components along one axis are filled in, and read, at once.
         """
         force, moment = np.zeros((2, 3, bearings if with_bearings else 0, n)).transpose(0, 2, 3, 1)
-        return Wrenches(np.zeros((drivers, n)), np.zeros((couplings, n)), np.zeros((bearings, n)), force, moment)
+        return Wrenches(np.zeros((drivers, n)), np.zeros((relations, n)), np.zeros((bearings, n)), force, moment)
 
     def part(self, points: slice) -> Wrenches:
         """Views of a part of the motion."""
-        torque, coupling, friction = (array[:, points] for array in (self.torque, self.coupling, self.friction))
-        return Wrenches(torque, coupling, friction, self.force[:, points], self.moment[:, points])
+        torque, relations, friction = (array[:, points] for array in (self.torque, self.relations, self.friction))
+        return Wrenches(torque, relations, friction, self.force[:, points], self.moment[:, points])
 
 
 class BearingLoads(NamedTuple):

@@ -38,7 +38,7 @@ from ..common.quantities import GRAVITY, Array, ComplexArray
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..dynamics.shaking import on_frame
-from ..engines.joints import data_of
+from ..engines.structure import data_of
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage

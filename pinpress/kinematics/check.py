@@ -16,7 +16,7 @@ from ..common.arguments import typed
 from ..common.errors import PinpressError, UrdfError
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
-from ..engines.joints import LoopJoint
+from ..engines.constraints import LoopJoint
 from ..engines.rank import rank as rank_of
 from ..linkage import assembly_checks, mobility
 from ..linkage.assembly_checks import open_in_words

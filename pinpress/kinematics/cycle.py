@@ -15,10 +15,10 @@ from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure, Engine
 from ..engines.pinocchio.engine import PinocchioEngine
-from ..engines.pinocchio.model import SpatialModel
 from ..engines.planar.chain import Chain, chain_of, states_along
 from ..engines.planar.engine import PlanarEngine
 from ..engines.spatial.engine import SpatialEngine
+from ..engines.structure import Structure
 from ..linkage.assembly import MANY_PERIODS, close_on_branch, follow_drivers, refuse_far
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
@@ -163,7 +163,7 @@ def moved(
     if branch is not None:
         return _along_branch(press, _known(press), branch, angles, speeds, accelerations, times, chosen)
     with np.errstate(all="ignore"):  # what overflows is refused
-        position = follow_drivers(press.engine(), press.spatial_model, press.closed, angles, press.name)
+        position = follow_drivers(press.engine(), press.structure, press.closed, angles, press.name)
         v, a, gap, solved = chosen.rates(position, np.transpose(speeds), np.transpose(accelerations))
         _refuse_too_fast(press, a)
     return closed_motion(press, shared_by_motions(press), ClosedStates(position, v, a, solved=solved), gap, times, None)
@@ -175,7 +175,7 @@ class _Known(NamedTuple):
     Attributes:
         fixed: what all motions have in common.
         branch: its branch.
-        spatial_model: constants for Pinocchio's engine.
+        structure: constants for Pinocchio's engine.
         engine: the fastest engine.
         slide_rates: how fast the slide is.
         turns: `Linkage.turns_until_back` where the branch has a period, else None.
@@ -184,7 +184,7 @@ class _Known(NamedTuple):
 
     fixed: SharedByMotions
     branch: Branch
-    spatial_model: SpatialModel
+    structure: Structure
     engine: Engine
     slide_rates: _SlideRates
     turns: int | None
@@ -198,7 +198,7 @@ def _known(press: Linkage) -> _Known:
     return _Known(
         fixed=shared_by_motions(press),
         branch=branch,
-        spatial_model=press.spatial_model,
+        structure=press.structure,
         engine=press.engine(),
         slide_rates=_slide_rates(press),
         turns=turns,
@@ -234,7 +234,7 @@ def _along_branch(
             states, gap = states_along(chain, branch, angles, speeds, accelerations)
             _refuse_too_fast(press, states.a)
         return closed_motion(press, known.fixed, states, gap, times, turns)
-    closure = close_on_branch(engine, known.spatial_model, branch, angles, known.fixed.linkage)
+    closure = close_on_branch(engine, known.structure, branch, angles, known.fixed.linkage)
     with np.errstate(all="ignore"):
         v, a = _rates(closure, speeds, accelerations)
         _refuse_too_fast(press, a)

@@ -11,7 +11,7 @@ from ..common import tables
 from ..common.errors import PinpressError
 from ..common.quantities import CRANK, Array, DriverCoordinate
 from ..common.results import Record
-from ..engines.joints import drawn_placements
+from ..engines.structure import drawn_placements
 from ..linkage.linkage import UPRIGHT, Linkage
 from ..linkage.tool_point import ALIKE
 from .cycle import motion_through_change_points

@@ -15,7 +15,7 @@ from ..common.frozen import read_only
 from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
 from ..engines.engine import LOOSEST, ClosedStates
-from ..engines.joints import Slot, configuration
+from ..engines.structure import Slot, configuration
 from ..linkage.linkage import NAME_A_SLIDE, Linkage, SlideGuide
 from ..linkage.memo import per_linkage
 

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..common.quantities import Array
-from ..engines.joints import Axis
+from ..engines.structure import Axis
 from ..linkage.linkage import Linkage
 from .motion import Motion
 

@@ -4,7 +4,7 @@ configurations at any positions of the drivers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,15 +15,17 @@ from ..common.errors import AssemblyError, PinpressError, SingularityError
 from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import LARGEST_CORRECTION, Branch, Returning, Travel, leads_on, out_of_branch, predict, walk, walk_beside
 from ..engines.change_points import Gap
+from ..engines.constraints import Relation
 from ..engines.engine import ACCEPTED, PIECE, Close, Closure, Engine, joined
 from ..engines.following import SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
 from ..engines.pinocchio.engine import PinocchioEngine
-from ..engines.pinocchio.model import Rows, SpatialModel
+from ..engines.pinocchio.equations import OneConfiguration, Rows
 from ..engines.planar.closing import moves
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import openings
 from ..engines.rank import RANK, PassiveJacobian, rank
 from ..engines.spatial.engine import SpatialEngine
+from ..engines.structure import Structure
 
 CLEAR = 1e-2  # smallest margin of a redundant linkage over a turn; below it all its equations are solved in one block
 MANY_PERIODS = 1000  # from so many periods on the rounding of a crank angle is seen in the gaps of loops
@@ -36,7 +38,7 @@ class Assembly(NamedTuple):
     Attributes:
         engines: the engines that can compute the linkage, by their names, the fastest first.
         drawn: the drawn pose, closed as far as Newton's method could.
-        gaps: (rows,) of the equations of loops and couplings as drawn, see `engines.pinocchio.model`.
+        gaps: (rows,) of the equations of loops and couplings as drawn, see `engines.structure`.
         determined: whether the drivers determine how all joints move there.
         rows: the equations in the closed pose; None where they have not been computed yet.
         branch: the assembly over the crank angle; None where it has not been followed yet.
@@ -50,26 +52,26 @@ class Assembly(NamedTuple):
     branch: Branch | None
 
 
-def assemble(spatial_model: SpatialModel) -> Assembly:
+def assemble(structure: Structure) -> Assembly:
     """The drawn pose of a linkage, closed by the fastest engine that can compute it."""
-    start, spatial_engine = drawn_coordinates(spatial_model), PinocchioEngine(spatial_model)
-    for one_block in (False, True) if len(spatial_model.drivers) == 1 else ():
-        planar = PlanarEngine.of(spatial_model, one_block)
+    start, spatial_engine = drawn_coordinates(structure), PinocchioEngine(structure)
+    for one_block in (False, True) if len(structure.drivers) == 1 else ():
+        planar = PlanarEngine.of(structure, one_block)
         if planar is None:
             break
         drawn = planar.close(np.zeros(1), start[:, None], with_margins=True)
         # A block of a redundant linkage may lock where the other blocks lead it: a parallelogram with a third crank at its change point.
-        walked = _full_turn(planar, spatial_model, drawn) if planar.plane.redundant and not one_block else None
+        walked = _full_turn(planar, structure, drawn) if planar.plane.redundant and not one_block else None
         fit = one_block or walked is not None or not planar.plane.redundant
         if fit and drawn.margins is not None and np.abs(drawn.margins).min(initial=1.0) > RANK:
-            engines: dict[str, Engine] = {e.name: e for e in (planar, SpatialEngine(spatial_engine), spatial_engine)}
+            engines: dict[str, Engine] = {e.name: e for e in (planar, SpatialEngine(structure), spatial_engine)}
             return Assembly(engines, drawn, _planar_gaps(planar, start), moves(planar.plane, drawn), None, walked)
     return _in_space(spatial_engine, start)
 
 
 def walk_branch(
     engine: Engine,
-    spatial_model: SpatialModel,
+    structure: Structure,
     start: Array,
     *,
     smallest_margin: float = SMALLEST_MARGIN,
@@ -79,16 +81,16 @@ def walk_branch(
     """The assembly of a linkage with one driver, followed over the crank angle from a closed pose (nv,); see `engines.branch.walk`.
     A driver that slides goes as far as the limits of its joint."""
     close_angle, tolerance = _closing_function(engine), ACCEPTED * engine.tolerance
-    returning = Returning(spatial_model.on_loop, np.array([axis.turns for axis in spatial_model.axes]))
-    return walk(close_angle, start, returning, spatial_model.size, tolerance, smallest_margin, gap, begin, _travel(spatial_model))
+    returning = Returning(structure.on_loop, np.array([axis.turns for axis in structure.axes]))
+    return walk(close_angle, start, returning, structure.size, tolerance, smallest_margin, gap, begin, _travel(structure))
 
 
-def walk_branch_beside(engine: Engine, spatial_model: SpatialModel, branch: Branch) -> Branch | None:
+def walk_branch_beside(engine: Engine, structure: Structure, branch: Branch) -> Branch | None:
     """The assembly of a linkage with one driver, found from that of one with nearly the same lengths; see `engines.branch.walk_beside`."""
-    travel = _travel(spatial_model)
+    travel = _travel(structure)
     if travel is not None and (travel.lower, travel.upper) != (branch.angles[0], branch.angles[-1]):
         return None
-    return walk_beside(_closing_function(engine), branch, spatial_model.size, ACCEPTED * engine.tolerance)
+    return walk_beside(_closing_function(engine), branch, structure.size, ACCEPTED * engine.tolerance)
 
 
 def _closing_function(engine: Engine) -> Close:
@@ -101,36 +103,36 @@ def _closing_function(engine: Engine) -> Close:
     return close_angle
 
 
-def _travel(spatial_model: SpatialModel) -> Travel | None:
+def _travel(structure: Structure) -> Travel | None:
     """How far a driver slides; None of one that turns."""
-    driver = spatial_model.drivers[0]
-    if spatial_model.axes[driver].turns:
+    driver = structure.drivers[0]
+    if structure.axes[driver].turns:
         return None
-    model, place = spatial_model.model, spatial_model.slots[driver].start
-    farthest = 20.0 * spatial_model.size  # a driver that slides without limits is followed as far
+    model, place = structure.model, structure.slots[driver].start
+    farthest = 20.0 * structure.size  # a driver that slides without limits is followed as far
     lower, upper = max(float(model.lowerPositionLimit[place]), -farthest), min(float(model.upperPositionLimit[place]), farthest)
-    return Travel(lower, upper, min(spatial_model.size, (upper - lower) / (2 * np.pi)))
+    return Travel(lower, upper, min(structure.size, (upper - lower) / (2 * np.pi)))
 
 
-def walk_through_change_points(engine: Engine, spatial_model: SpatialModel, walked: Branch) -> Branch:
+def walk_through_change_points(engine: Engine, structure: Structure, walked: Branch) -> Branch:
     """A branch followed further, through change points; see `Linkage.branch_through_change_points`."""
     if walked.period is not None or not any(walked.locks):
         return walked
     tolerance = ACCEPTED * engine.tolerance
-    if walked.coordinate.turns and not leads_on(_closing_function(engine), walked, spatial_model.size, tolerance, engine.gaps):
+    if walked.coordinate.turns and not leads_on(_closing_function(engine), walked, structure.size, tolerance, engine.gaps):
         return walked
     middle = 0.5 * float(walked.angles[0] + walked.angles[-1])  # the drawn pose may be beside a change point
     start = predict(walked, np.array([middle]))[:, 0]
-    further = walk_branch(engine, spatial_model, start, gap=engine.gaps, begin=middle)
+    further = walk_branch(engine, structure, start, gap=engine.gaps, begin=middle)
     return further if further.change_points else walked
 
 
-def close_on_branch(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
+def close_on_branch(engine: Engine, structure: Structure, branch: Branch, angles: Array, name: str) -> Closure:
     """Closed configurations at crank angles (n,) on a branch, in pieces that stay in the cache.
 
     Args:
         engine: engine of the linkage.
-        spatial_model: constants of the linkage.
+        structure: constants of the linkage.
         branch: its drawn assembly.
         angles: (n,) crank angles [rad or m].
         name: name of the linkage, for errors.
@@ -141,25 +143,25 @@ def close_on_branch(engine: Engine, spatial_model: SpatialModel, branch: Branch,
         PinpressError: the linkage is not followed as far, see `engines.branch.predict`.
     """
     if branch.change_points:
-        return _close_through_change_points(engine, spatial_model, branch, angles, name)
+        return _close_through_change_points(engine, structure, branch, angles, name)
     ends = np.minimum.reduce(angles), np.maximum.reduce(angles)
     if branch.period is None and not branch.angles[0] <= ends[0] <= ends[1] <= branch.angles[-1]:
-        further = walk_through_change_points(engine, spatial_model, branch)
+        further = walk_through_change_points(engine, structure, branch)
         raise out_of_branch(branch, bool(ends[1] > branch.angles[-1]), further)
     if branch.period is not None and max(-ends[0], ends[1]) > MANY_PERIODS * branch.period:
-        return _close_far_away(engine, spatial_model, branch, angles, name)
+        return _close_far_away(engine, structure, branch, angles, name)
     if len(angles) <= engine.piece:
-        return _close_piece(engine, spatial_model, angles, predict(branch, angles, ends), name)
+        return _close_piece(engine, structure, angles, predict(branch, angles, ends), name)
     parts = (angles[start : start + engine.piece] for start in range(0, len(angles), engine.piece))
-    return joined((_close_piece(engine, spatial_model, part, predict(branch, part), name) for part in parts), len(angles))
+    return joined((_close_piece(engine, structure, part, predict(branch, part), name) for part in parts), len(angles))
 
 
-def follow_drivers(engine: Engine, spatial_model: SpatialModel, start: Array, angles: Array, name: str) -> Array:
+def follow_drivers(engine: Engine, structure: Structure, start: Array, angles: Array, name: str) -> Array:
     """Closed positions (nv, n) of a linkage with several drivers at driver positions (n, drivers), each followed from the one before.
 
     Args:
         engine: engine of the linkage.
-        spatial_model: constants of the linkage.
+        structure: constants of the linkage.
         start: (nv,) closed drawn pose, from which the first position is followed.
         angles: (n, drivers) driver positions [rad or m].
         name: name of the linkage, for errors.
@@ -168,51 +170,51 @@ def follow_drivers(engine: Engine, spatial_model: SpatialModel, start: Array, an
         SingularityError: the linkage locks on the way.
         PinpressError: a driver slides beyond the limits of its joint.
     """
-    _refuse_beyond_limits(spatial_model, angles)
+    _refuse_beyond_limits(structure, angles)
     close_drivers, tolerance = engine.closing_function(), ACCEPTED * engine.tolerance
     path, here, pieces, tried = np.concatenate([np.zeros_like(angles[:1]), angles]), start, [], PIECE
     while len(path) > 1:
-        ahead = path_between(path[: 1 + tried], _counted_as_angle(spatial_model), PIECE)
-        reached = follow_at_once(close_drivers, here, ahead, spatial_model.size, tolerance)
+        ahead = path_between(path[: 1 + tried], _counted_as_angle(structure), PIECE)
+        reached = follow_at_once(close_drivers, here, ahead, structure.size, tolerance)
         tried = min(PIECE, max(1, 2 * reached.shape[1]))
         if not reached.shape[1]:
-            reached = _walk_between(engine, spatial_model, here, path[0], path[1], name)[:, None]
+            reached = _walk_between(engine, structure, here, path[0], path[1], name)[:, None]
         pieces.append(reached)
         path, here = path[reached.shape[1] :], reached[:, -1]
     return np.concatenate(pieces, axis=1)
 
 
-def _walk_between(engine: Engine, spatial_model: SpatialModel, start: Array, before: Array, after: Array, name: str) -> Array:
+def _walk_between(engine: Engine, structure: Structure, start: Array, before: Array, after: Array, name: str) -> Array:
     """Closed position (nv,) of a linkage with several drivers, walked to from a closed position (nv,) between two driver positions
     (drivers,); raises SingularityError."""
     close_drivers = engine.closing_function()
-    distance = float(np.linalg.norm((after - before) / _counted_as_angle(spatial_model)))
+    distance = float(np.linalg.norm((after - before) / _counted_as_angle(structure)))
     along = (after - before) / distance if distance else np.zeros_like(after)
 
     def close(at: Array, guess: Array) -> Closure:
         return close_drivers(before[:, None] + np.multiply.outer(along, at), np.repeat(along[:, None], len(at), axis=1), guess)
 
-    end = follow(close, start, distance, spatial_model.size, ACCEPTED * engine.tolerance)
+    end = follow(close, start, distance, structure.size, ACCEPTED * engine.tolerance)
     if isinstance(end, SingularPosition):
         locked = before + end.angle * along
-        from_here, to_there, place = map(spatial_model.place_of_drivers, (before, after, locked))
+        from_here, to_there, place = map(structure.place_of_drivers, (before, after, locked))
         problem = f"{name} locks on the way from {from_here} to {to_there}: keep the motion away from there"
         raise SingularityError(problem, float(locked[0]), end.margin, place)
     return end
 
 
-def _counted_as_angle(spatial_model: SpatialModel) -> Array:
+def _counted_as_angle(structure: Structure) -> Array:
     """(drivers,) what counts as 1 rad of each driver [rad or m]."""
-    return np.array([1.0 if each.turns else spatial_model.size for each in spatial_model.coordinates])
+    return np.array([1.0 if each.turns else structure.size for each in structure.coordinates])
 
 
-def _refuse_beyond_limits(spatial_model: SpatialModel, angles: Array) -> None:
+def _refuse_beyond_limits(structure: Structure, angles: Array) -> None:
     """Raise PinpressError where one of several drivers slides beyond the limits of its joint; ``angles``: (n, drivers) [rad or m]."""
-    model = spatial_model.model
-    for driver, coordinate, positions in zip(spatial_model.drivers, spatial_model.coordinates, angles.T, strict=True):
+    model = structure.model
+    for driver, coordinate, positions in zip(structure.drivers, structure.coordinates, angles.T, strict=True):
         if coordinate.turns:
             continue
-        place = spatial_model.slots[driver].start
+        place = structure.slots[driver].start
         low, high = float(model.lowerPositionLimit[place]), float(model.upperPositionLimit[place])
         worst = float(positions[np.maximum(low - positions, positions - high).argmax()])
         if not low <= worst <= high:
@@ -236,50 +238,51 @@ def refuse_far(name: str, angles: Array, coordinates: Sequence[DriverCoordinate]
     plausibility.angles(name, angles)
 
 
-def drawn_coordinates(spatial_model: SpatialModel) -> Array:
+def drawn_coordinates(structure: Structure) -> Array:
     """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed: zero, but for joints that a gear pair with an offset
-    moves away from zero while the drivers are there."""
-    position, placed = np.zeros(spatial_model.model.nv), set(spatial_model.drivers)
-    meshed: dict[int, list[tuple[int, float, float]]] = {}
-    for each in spatial_model.couplings:
-        meshed.setdefault(each.leader, []).append((each.follower, each.multiplier, each.offset))
-        if each.multiplier:
-            meshed.setdefault(each.follower, []).append((each.leader, 1 / each.multiplier, -each.offset / each.multiplier))
-    followers = {each.follower for each in spatial_model.couplings}
-    leaders = sorted({each.leader for each in spatial_model.couplings}, key=lambda joint: (joint in followers, joint))
-    for start in (*sorted(placed), *leaders):
-        reached = [start]
+    moves away from zero while the drivers are at zero."""
+    position, placed = np.zeros(structure.model.nv), set(structure.drivers)
+    followers = {relation.joint for relation in structure.relations}
+    leaders = {joint for relation in structure.relations for joint in relation.ratios}
+    for start in (*structure.drivers, *sorted(leaders, key=lambda joint: (joint in followers, joint))):
         placed.add(start)
-        for joint in reached:  # grows as it goes
-            for other, multiplier, offset in meshed.get(joint, ()):
-                if other not in placed:
-                    position[other] = multiplier * position[joint] + offset
-                    placed.add(other)
-                    reached.append(other)
+        while moved := next(_relations_with_one_joint_left(structure, placed), None):
+            relation, joint = moved
+            others = sum(by * position[other] for other, by in relation.coefficients.items() if other != joint)
+            position[joint] = (relation.offset - others) / relation.coefficients[joint]
+            placed.add(joint)
     return position
+
+
+def _relations_with_one_joint_left(structure: Structure, placed: Collection[int]) -> Iterator[tuple[Relation, int]]:
+    """The relations all of whose joints but one are placed, with this joint."""
+    for relation in structure.relations:
+        left = [joint for joint, coefficient in relation.coefficients.items() if coefficient and joint not in placed]
+        if len(left) == 1:
+            yield relation, left[0]
 
 
 def _in_space(spatial_engine: PinocchioEngine, start: Array) -> Assembly:
     """The drawn pose of any linkage from joint coordinates (nv,)."""
-    spatial_model = spatial_engine.spatial
-    count, engine = len(spatial_model.drivers), SpatialEngine(spatial_engine)
+    structure = spatial_engine.structure
+    count, engine = len(structure.drivers), SpatialEngine(structure)
     engines: dict[str, Engine] = {engine.name: engine, spatial_engine.name: spatial_engine}
     zero, along = np.zeros((count, 1)), np.eye(count)[:, :1]
-    one_by_one = spatial_model.equations()
+    one_by_one = OneConfiguration(structure)
     drawn = engine.closing_function()(zero, along, start[:, None])
     gaps, rows, determined = one_by_one.at(start).gaps, None, False
     if np.isfinite(drawn.position).all():
         rows = one_by_one.at(drawn.position[:, 0])
-        mobility = spatial_model.model.nv - rank(rows.columns)
-        passive = spatial_model.passive_joints
+        mobility = structure.model.nv - rank(rows.columns)
+        passive = structure.passive_joints
         determined = mobility == count and PassiveJacobian(rows.columns, passive).rank == len(passive)
     return Assembly(engines, drawn, gaps, determined, rows, None)
 
 
-def _full_turn(planar: PlanarEngine, spatial_model: SpatialModel, drawn: Closure) -> Branch | None:
+def _full_turn(planar: PlanarEngine, structure: Structure, drawn: Closure) -> Branch | None:
     """The branch, if the driver turns fully with the equations in the blocks of this engine and stays well away from locks; else None."""
     try:
-        walked = walk_branch(planar, spatial_model, drawn.position[:, 0], smallest_margin=CLEAR)
+        walked = walk_branch(planar, structure, drawn.position[:, 0], smallest_margin=CLEAR)
     except PinpressError:
         return None
     return walked if walked.period is not None else None
@@ -287,22 +290,18 @@ def _full_turn(planar: PlanarEngine, spatial_model: SpatialModel, drawn: Closure
 
 def _planar_gaps(planar: PlanarEngine, x: Array) -> Array:
     """`Assembly.gaps` of joint coordinates (nv,) of a planar linkage."""
-    spatial_model = planar.spatial
-    turns = np.zeros(sum(loop.held_rotations for loop in spatial_model.loops))  # axes are parallel in the plane
-    slips = [
-        (x[each.follower] - each.multiplier * x[each.leader] - each.offset)
-        * (spatial_model.size if spatial_model.axes[each.follower].turns else 1.0)
-        for each in spatial_model.couplings
-    ]
+    structure = planar.structure
+    turns = np.zeros(sum(loop.held_rotations for loop in structure.loops))  # axes are parallel in the plane
+    slips = structure.relation_slopes @ x - structure.relation_offsets
     return np.concatenate([openings(planar.plane, x).ravel(), turns, slips])
 
 
-def _close_piece(engine: Engine, spatial_model: SpatialModel, angles: Array, guess: Array, name: str) -> Closure:
+def _close_piece(engine: Engine, structure: Structure, angles: Array, guess: Array, name: str) -> Closure:
     """Closed configurations at crank angles (n,) from guesses (nv, n) on the branch; raises AssemblyError."""
     closure, tolerance = engine.close(angles, guess), ACCEPTED * engine.tolerance
     if closure.widest <= tolerance and closure.iterations == 0:
         return closure
-    near = LARGEST_CORRECTION * (1 + spatial_model.size)  # another assembly would be far from the prediction
+    near = LARGEST_CORRECTION * (1 + structure.size)  # another assembly would be far from the prediction
     moved = np.abs(closure.position - guess).max(axis=0)
     if not (closure.widest <= tolerance and moved.max() <= near):
         worst = int(np.argmin((closure.gap <= tolerance) & (moved <= near)))
@@ -312,47 +311,47 @@ def _close_piece(engine: Engine, spatial_model: SpatialModel, angles: Array, gue
             float(angles[worst]),
             float(closure.gap[worst]),
             closure.iterations,
-            spatial_model.coordinates[0].at(float(angles[worst])),
+            structure.coordinates[0].at(float(angles[worst])),
         )
     return closure
 
 
-def _close_far_away(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
+def _close_far_away(engine: Engine, structure: Structure, branch: Branch, angles: Array, name: str) -> Closure:
     """Closed configurations many periods away. They are closed within one period, because the rounding of large angles would open the
     loops, and then moved by whole periods."""
     assert branch.period is not None
     turns = np.floor(angles / branch.period)
-    closure = close_on_branch(engine, spatial_model, branch, angles - turns * branch.period, name)
+    closure = close_on_branch(engine, structure, branch, angles - turns * branch.period, name)
     position = closure.position + branch.gain_per_period[:, None] * turns
-    position[spatial_model.drivers[0]] = angles
-    if any(gain and not axis.turns for gain, axis in zip(branch.gain_per_period, spatial_model.axes, strict=True)):
+    position[structure.drivers[0]] = angles
+    if any(gain and not axis.turns for gain, axis in zip(branch.gain_per_period, structure.axes, strict=True)):
         return replace(closure, position=position, basis=None, solved=None)  # these are of where its slides were
     return replace(closure, position=position)
 
 
-def _close_through_change_points(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: Array, name: str) -> Closure:
+def _close_through_change_points(engine: Engine, structure: Structure, branch: Branch, angles: Array, name: str) -> Closure:
     """Closed configurations of a branch with change points. Near these its polynomials replace the equations."""
     turns = np.zeros(len(angles)) if branch.period is None else np.floor((angles - branch.angles[0]) / branch.period)
     local = angles - turns * (branch.period or 0.0)
-    position, first, second = (np.empty((spatial_model.model.nv, len(angles))) for _ in range(3))
+    position, first, second = (np.empty((structure.model.nv, len(angles))) for _ in range(3))
     regular = np.ones(len(angles), dtype=bool)
     for point in branch.change_points:
         beside = np.abs(local - point.angle) < point.inner
         position[:, beside], first[:, beside], second[:, beside] = point.at(local[beside])
         regular &= ~beside
     if regular.any():
-        closure = close_on_branch(engine, spatial_model, replace(branch, change_points=()), local[regular], name)
+        closure = close_on_branch(engine, structure, replace(branch, change_points=()), local[regular], name)
         position[:, regular], first[:, regular], second[:, regular] = closure.position, closure.first, closure.second
     gap = engine.gaps(position)
-    if not gap.max() <= ACCEPTED * spatial_model.tolerance:
+    if not gap.max() <= ACCEPTED * structure.tolerance:
         worst = int(gap.argmax())
         raise AssemblyError(
             f"the loops of {name} do not close",
             float(angles[worst]),
             float(gap[worst]),
             0,
-            spatial_model.coordinates[0].at(float(angles[worst])),
+            structure.coordinates[0].at(float(angles[worst])),
         )
     position += branch.gain_per_period[:, None] * turns
-    position[spatial_model.drivers[0]] = angles
+    position[structure.drivers[0]] = angles
     return Closure(position, first, second, gap, float(gap.max()), 0)

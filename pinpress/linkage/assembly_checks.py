@@ -15,11 +15,12 @@ from ..common.errors import AssemblyError, PinpressError, SingularityError, Urdf
 from ..common.plausibility import UNWEIGHED
 from ..common.quantities import Array
 from ..engines.branch import MOST_TURNS, Branch, predict
+from ..engines.constraints import LoopJoint
 from ..engines.engine import ACCEPTED
-from ..engines.joints import LoopJoint, configuration, data_of, drawn_placements
-from ..engines.pinocchio.model import Rows
+from ..engines.pinocchio.equations import Rows
 from ..engines.planar.model import PARALLEL
 from ..engines.rank import rank, singular_values
+from ..engines.structure import configuration, data_of, drawn_placements
 from . import mobility
 from .linkage import LEVEL, Linkage
 from .planarity import planarity
@@ -158,7 +159,7 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     closest = press.closed_rows.gaps if np.isfinite(press.drawn.gap[0]) else rows.gaps
     gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, closest))
     # Where loops overconstrain each other, all of them may be left open; those that are drawn closed are not at fault.
-    still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.spatial_model.tolerance]
+    still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.structure.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
     robot = press.document.robot
     wrong_units = (*units.angles(robot), *units.length(robot, press.size))
@@ -221,7 +222,7 @@ def _read_otherwise(press: Linkage, each: mobility.Constraint) -> str | None:
 
 
 def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
-    columns = rows.columns[:, press.spatial_model.passive_joints]
+    columns = rows.columns[:, press.structure.passive_joints]
     values = singular_values(columns)
     if rank(columns) == columns.shape[1]:
         return

@@ -17,12 +17,14 @@ from ..common.frozen import Frozen
 from ..common.quantities import Array, DriverCoordinate
 from ..engines import branch
 from ..engines.branch import Branch
+from ..engines.constraints import Coupling, LoopJoint, Relation, gear
 from ..engines.engine import Closure, Engine
-from ..engines.joints import Axis, Coupling, LoopJoint, Slot, configuration
-from ..engines.pinocchio.model import Rows, SpatialModel, build_spatial_model, constraint_models
+from ..engines.pinocchio.constraint_models import constraint_models
+from ..engines.pinocchio.equations import OneConfiguration, Rows
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
 from ..engines.rank import rank
+from ..engines.structure import Axis, Slot, Structure, build_structure, configuration
 from .assembly import (
     Assembly,
     assemble,
@@ -81,7 +83,7 @@ class Linkage(Frozen):
         links: names of all links, in document order.
         root: name of the link that is the frame.
         loops: the bearings at which loops were cut.
-        couplings: gear pairs and the like.
+        relations: gear pairs, racks and screws, as equations between the coordinates of their joints. ``couplings`` lists them by pairs.
         drivers: names of the driver joints, as many as degrees of freedom.
         slide: name of the slide link, None where the linkage has none.
         held_spins: names of the joints that are held where the file draws them, because a link could spin about the line of its ball
@@ -95,7 +97,7 @@ class Linkage(Frozen):
     links: tuple[str, ...]
     root: str
     loops: tuple[LoopJoint, ...]
-    couplings: tuple[Coupling, ...]
+    relations: tuple[Relation, ...]
     drivers: tuple[str, ...]
     slide: str | None
     held_spins: tuple[str, ...] = ()
@@ -143,28 +145,28 @@ class Linkage(Frozen):
     @property
     def size(self) -> float:
         """Largest extent of joints and loops in the drawn pose [m]: the length by which angles are compared with travels."""
-        return self.spatial_model.size
+        return self.structure.size
 
     @property
     def axes(self) -> tuple[Axis, ...]:
         """Axes of the moving joints, each in its own frame."""
-        return self.spatial_model.axes
+        return self.structure.axes
 
     @property
     def slots(self) -> tuple[Slot, ...]:
         """Where the moving joints stand in q."""
-        return self.spatial_model.slots
+        return self.structure.slots
 
     @property
     @per_linkage
     def driver_coordinates(self) -> tuple[DriverCoordinate, ...]:
         """What the coordinates of the drivers are: a crank angle [rad], or the position of a driver that slides [m]."""
-        return tuple(replace(each, zero=self.zero) for each in self.spatial_model.coordinates)
+        return tuple(replace(each, zero=self.zero) for each in self.structure.coordinates)
 
     @property
     def driver_indices(self) -> tuple[int, ...]:
         """Indices of the driver joints in v."""
-        return self.spatial_model.drivers
+        return self.structure.drivers
 
     @cached_property
     def joints(self) -> tuple[str, ...]:
@@ -190,6 +192,11 @@ class Linkage(Frozen):
             left = [loop for loop in left if loop not in closing]
         return tuple(names_in_order)
 
+    @cached_property
+    def couplings(self) -> tuple[Coupling, ...]:
+        """The relations between the coordinates of two joints each, as follower, leader and ratio: gear pairs, racks and screws."""
+        return tuple(Coupling.of(relation) for relation in self.relations)
+
     @property
     def mobility(self) -> int:
         """Degrees of freedom of the closed linkage: joints less the rank of the equations. `load` accepts as many as there are drivers."""
@@ -203,11 +210,11 @@ class Linkage(Frozen):
 
     @property
     @per_linkage
-    def spatial_model(self) -> SpatialModel:
-        """Constants of the linkage for Pinocchio's engine."""
+    def structure(self) -> Structure:
+        """What the engines compute with. Joints whose spins are held stand still, each by a relation."""
         drivers = tuple(self.joints.index(driver) for driver in self.drivers)
-        held = tuple(Coupling(name, self.joints.index(name), drivers[0], 0.0, 0.0, 0) for name in self.held_spins)
-        return build_spatial_model(self.model, self.loops, (*self.couplings, *held), drivers)
+        still = tuple(Relation(name, {self.joints.index(name): 1.0}) for name in self.held_spins)
+        return build_structure(self.model, self.loops, (*self.relations, *still), drivers)
 
     @property
     def engines(self) -> tuple[str, ...]:
@@ -252,10 +259,8 @@ class Linkage(Frozen):
             ratios: travel of every other driver by that of the one, by their names; one of 0 stands.
         """
         of_drivers = dict(zip(self.drivers, self.driver_indices, strict=True))
-        followers = (
-            Coupling(name, joint, of_drivers[driver], ratios[name], 0.0, 0) for name, joint in of_drivers.items() if name != driver
-        )
-        return replace(self, drivers=(driver,), couplings=(*self.couplings, *followers))
+        followers = (gear(name, joint, of_drivers[driver], ratios[name]) for name, joint in of_drivers.items() if name != driver)
+        return replace(self, drivers=(driver,), relations=(*self.relations, *followers))
 
     @property
     @per_linkage(of_geometry=True)
@@ -280,7 +285,7 @@ class Linkage(Frozen):
     @per_linkage
     def as_drawn(self) -> Array:
         """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed; see `assembly`."""
-        return drawn_coordinates(self.spatial_model)
+        return drawn_coordinates(self.structure)
 
     @property
     def drawn(self) -> Closure:
@@ -289,7 +294,7 @@ class Linkage(Frozen):
 
     @property
     def drawn_gaps(self) -> Array:
-        """(rows,) gaps of the equations of loops and couplings as drawn, see `engines.pinocchio.model`."""
+        """(rows,) gaps of the equations of loops and couplings as drawn, see `engines.structure`."""
         return self._assembly.gaps
 
     @property
@@ -311,12 +316,12 @@ class Linkage(Frozen):
 
     def equations(self, x: Array) -> Rows:
         """The equations of loops and couplings at joint coordinates (nv,)."""
-        return self.spatial_model.equations().at(x)
+        return OneConfiguration(self.structure).at(x)
 
     @property
     @per_linkage
     def _assembly(self) -> Assembly:
-        return assemble(self.spatial_model)
+        return assemble(self.structure)
 
     @property
     @per_linkage
@@ -376,13 +381,13 @@ class Linkage(Frozen):
         """
         remedy = f"give their angles over time to pp.servo_cycle(press, angle, time=time), angle (n, {len(self.drivers)})"
         self.refuse_several_drivers(f"one speed does not say how they move together; {remedy}")
-        return self._assembly.branch or walk_branch(self.engine(), self.spatial_model, self.closed)
+        return self._assembly.branch or walk_branch(self.engine(), self.structure, self.closed)
 
     def follow_beside(self, other: Linkage) -> None:
         """Find the branch of this linkage from that of another one with the same joints and nearly the same lengths, which takes a tenth of
         the time of walking it. Where they differ too much nothing is found, and the branch is walked when it is needed."""
         if self.joints == other.joints and self.drivers == other.drivers and len(self.drivers) == 1:
-            nearby = walk_branch_beside(self.engine(), self.spatial_model, other.branch)
+            nearby = walk_branch_beside(self.engine(), self.structure, other.branch)
             if nearby is not None:
                 keep_geometry_of(vars(Linkage)["branch"].fget, self, nearby)
 
@@ -391,7 +396,7 @@ class Linkage(Frozen):
     def branch_through_change_points(self) -> Branch:
         """The branch followed further, through change points: where two assemblies meet, a linkage in motion goes on in its own. Raises as
         `branch`."""
-        return walk_through_change_points(self.engine(), self.spatial_model, self.branch)
+        return walk_through_change_points(self.engine(), self.structure, self.branch)
 
     @property
     def period_turns(self) -> int:
@@ -495,7 +500,7 @@ class Linkage(Frozen):
             raise PinpressError(f"{self.name} cannot be drawn at another crank angle: it takes one driver that turns")
         angles = np.array([number("angle", angle)])
         refuse_far("angle", angles, self.driver_coordinates)
-        moved = close_on_branch(self.engine(), self.spatial_model, self.branch_through_change_points, angles, self.name).position[:, 0]
+        moved = close_on_branch(self.engine(), self.structure, self.branch_through_change_points, angles, self.name).position[:, 0]
         model = self.model.copy()
         for joint, (axis, slot, coordinate) in enumerate(zip(self.axes, self.slots, moved, strict=True), 1):
             along = axis.direction * coordinate
@@ -504,8 +509,8 @@ class Linkage(Frozen):
             if not slot.unbounded:
                 model.lowerPositionLimit[slot.start] -= coordinate
                 model.upperPositionLimit[slot.start] -= coordinate
-        couplings = tuple(replace(coupling, offset=0.0) for coupling in self.couplings)
-        return replace(self, model=model, couplings=couplings, zero=zero)
+        relations = tuple(replace(relation, offset=0.0) for relation in self.relations)
+        return replace(self, model=model, relations=relations, zero=zero)
 
     def configuration(self, angle: ArrayLike) -> Array:
         """Pinocchio's configuration q with the loops closed, in the drawn assembly. An unbounded joint has its cosine and sine in it.
@@ -533,9 +538,9 @@ class Linkage(Frozen):
             raise PinpressError(f"angle has shape {angles.shape}: give {wanted}")
         refuse_far("angle", positions, self.driver_coordinates)
         if several:
-            x = follow_drivers(self.engine(), self.spatial_model, self.closed, positions, self.name)
+            x = follow_drivers(self.engine(), self.structure, self.closed, positions, self.name)
         else:
-            x = close_on_branch(self.engine(), self.spatial_model, self.branch, positions, self.name).position
+            x = close_on_branch(self.engine(), self.structure, self.branch, positions, self.name).position
         q = np.ascontiguousarray(configuration(self.slots, x).T)
         return np.array(q[0]) if one else q
 
@@ -555,7 +560,7 @@ class Linkage(Frozen):
         Their ``contact_force`` is the opposite one, of link2 on link1, in the same axes. Pinocchio has no constraint model of a gear pair:
         see ``couplings``.
         """
-        return constraint_models(self.spatial_model, self.closed)
+        return constraint_models(self.structure, self.closed)
 
     def forward_dynamics(self, armature: Array) -> ForwardDynamics:
         """Forward dynamics by Pinocchio, of any linkage.
@@ -568,7 +573,7 @@ class Linkage(Frozen):
         """
         from ..engines.pinocchio.forward_dynamics import ForwardDynamics  # only simulation over time needs it, and it is slow to import
 
-        return ForwardDynamics(self.spatial_model, self.closed, self.rank, armature, self.name)
+        return ForwardDynamics(self.structure, self.closed, self.rank, armature, self.name)
 
     def link_of(self, joint: int) -> str:
         """Name of the link that the body of a Pinocchio joint (0: the frame) begins with."""
@@ -644,5 +649,5 @@ def _made_of(press: Linkage) -> tuple[object, ...]:
     """What a linkage is made of, apart from the texts and lines of its file."""
     ends = "point1", "rotation1", "point2", "rotation2"
     loops = [(each.name, each.type, each.joint1, each.joint2, *(getattr(each, end).tolist() for end in ends)) for each in press.loops]
-    couplings = [(each.name, each.follower, each.leader, each.multiplier, each.offset) for each in press.couplings]
-    return press.name, press.links, press.drivers, press.slide, press.zero, loops, couplings, press.model
+    relations = [(each.name, dict(each.coefficients), each.offset) for each in press.relations]
+    return press.name, press.links, press.drivers, press.slide, press.zero, loops, relations, press.model

@@ -14,7 +14,7 @@ from ..common.arguments import LARGEST, numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution, shown, suggestion
 from ..common.files import alike, path_of
 from ..common.quantities import Array
-from ..engines.joints import Coupling, LoopJoint
+from ..engines.constraints import LoopJoint, gear
 from . import assembly_checks, mobility
 from .formats import dialects
 from .linkage import Linkage
@@ -171,8 +171,8 @@ def build_linkage(
         links=description.links,
         root=description.root,
         loops=tuple(_loop_joint(model, loop) for loop in description.loops),
-        couplings=tuple(
-            Coupling(j.name, places[j.name], places[j.mimic.leader], j.mimic.multiplier, j.mimic.offset, j.mimic.line)
+        relations=tuple(
+            gear(j.name, places[j.name], places[j.mimic.leader], j.mimic.multiplier, j.mimic.offset, j.mimic.line)
             for j in description.joints
             if j.mimic
         ),

@@ -10,9 +10,10 @@ import numpy as np
 import pinocchio as pin
 
 from ..common.quantities import Array
-from ..engines.joints import Coupling, LoopJoint, data_of
-from ..engines.pinocchio.model import Rows
+from ..engines.constraints import LoopJoint, Relation
+from ..engines.pinocchio.equations import Rows
 from ..engines.rank import PassiveJacobian, rank, singular_values
+from ..engines.structure import data_of
 from .linkage import Linkage
 from .planarity import planarity
 
@@ -25,12 +26,12 @@ class Constraint(NamedTuple):
     """A loop or gear pair, and its equations.
 
     Attributes:
-        by: the loop joint or coupling.
+        by: the loop joint or relation.
         points: indices of its equations of points.
-        turns: indices of its equations of rotations, or of the coupling.
+        turns: indices of its equations of rotations, or of the relation.
     """
 
-    by: LoopJoint | Coupling
+    by: LoopJoint | Relation
     points: tuple[int, ...]
     turns: tuple[int, ...]
 
@@ -65,18 +66,18 @@ class Redundancy(NamedTuple):
 
 
 def constraints(press: Linkage) -> list[Constraint]:
-    """All loops, then couplings, with the indices of their equations (see `engines.pinocchio.model`)."""
+    """All loops, then relations, with the indices of their equations (see `engines.structure`)."""
     result, row = [], 3 * len(press.loops)
     for k, loop in enumerate(press.loops):
         result.append(Constraint(loop, (3 * k, 3 * k + 1, 3 * k + 2), tuple(range(row, row + loop.held_rotations))))
         row += loop.held_rotations
-    return result + [Constraint(coupling, (), (row + k,)) for k, coupling in enumerate(press.couplings)]
+    return result + [Constraint(relation, (), (row + k,)) for k, relation in enumerate(press.relations)]
 
 
 def opening(press: Linkage, each: Constraint, gaps: Array) -> tuple[float, float]:
     """How far a loop or gear pair is from being closed, from the gaps (rows,) of all equations: distance [m] and angle [rad]."""
     distance, turned = float(np.linalg.norm(gaps[list(each.points)])), float(np.linalg.norm(gaps[list(each.turns)]))
-    if isinstance(each.by, Coupling) and not press.axes[each.by.follower].turns:
+    if isinstance(each.by, Relation) and not press.axes[each.by.joint].turns:
         return turned, 0.0
     angle = turned / press.size
     return distance, float(np.arcsin(min(angle, 1.0))) if isinstance(each.by, LoopJoint) and each.by.type == "revolute" else angle
@@ -84,7 +85,7 @@ def opening(press: Linkage, each: Constraint, gaps: Array) -> tuple[float, float
 
 def undetermined_joints(press: Linkage, rows: Rows) -> list[str]:
     """Names of the joints that can still move while the drivers stand still."""
-    passive = PassiveJacobian(rows.columns, press.spatial_model.passive_joints)
+    passive = PassiveJacobian(rows.columns, press.structure.passive_joints)
     shares = np.linalg.norm(passive.right[passive.rank :], axis=0)
     return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
 
@@ -114,7 +115,7 @@ def spins(press: Linkage, rows: Rows) -> list[Spin]:
     A free motion is a spin if only one body with a mass moves in it, and turns about a line on which its centre of mass lies, to rounding
     or nearly.
     """
-    passive = PassiveJacobian(rows.columns, press.spatial_model.passive_joints)
+    passive = PassiveJacobian(rows.columns, press.structure.passive_joints)
     free = passive.right[passive.rank :] / passive.lengths
     if not len(free) or press.model.nv - rank(rows.columns) != len(press.drivers) + len(free):
         return []
@@ -124,7 +125,7 @@ def spins(press: Linkage, rows: Rows) -> list[Spin]:
         motion = free[way] / free[way, joint]
         free = np.delete(free - np.outer(free[:, joint], motion), way, axis=0)
         spin = _spin(press, rows, passive.joints, motion, int(joint))
-        if spin is None or not press.spatial_model.on_loop[spin.joint]:  # a link on no loop hangs free: a loop was forgotten
+        if spin is None or not press.structure.on_loop[spin.joint]:  # a link on no loop hangs free: a loop was forgotten
             return []
         all_spins.append(spin)
     return all_spins
@@ -167,7 +168,7 @@ def _without_one(press: Linkage, rows: Rows) -> list[tuple[Constraint, Array]]:
 
 def _freedom(press: Linkage, columns: Array) -> tuple[int, int]:
     """Degrees of freedom, and how many of them the drivers determine."""
-    passive = columns[:, press.spatial_model.passive_joints]
+    passive = columns[:, press.structure.passive_joints]
     mobility = int(columns.shape[1]) - rank(columns)
     return mobility, mobility - (int(passive.shape[1]) - rank(passive))
 
@@ -189,7 +190,7 @@ def redundancy(press: Linkage, x: Array) -> Redundancy:
         parts.append(part)
         owners += [each] * len(part)
     equations = np.vstack(parts) if parts else single
-    idle = PassiveJacobian(equations @ rows.columns, press.spatial_model.passive_joints).idle
+    idle = PassiveJacobian(equations @ rows.columns, press.structure.passive_joints).idle
     taking = [each for each, share in zip(owners, np.linalg.norm(idle, axis=1), strict=True) if share > TAKES_PART]
     return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in constraints(press) if each in taking))
 
@@ -221,7 +222,7 @@ def is_shaky(press: Linkage) -> bool:
 def rates_of_drivers(press: Linkage) -> Array:
     """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
     rows, drivers = press.closed_rows, list(press.driver_indices)
-    passive = PassiveJacobian(rows.columns, press.spatial_model.passive_joints)
+    passive = PassiveJacobian(rows.columns, press.structure.passive_joints)
     rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
     rates[drivers] = np.eye(len(drivers))
     return rates

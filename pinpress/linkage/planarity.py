@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.quantities import Array
-from ..engines.joints import drawn_placements
 from ..engines.planar.model import PARALLEL
+from ..engines.structure import drawn_placements
 from .linkage import Linkage
 from .memo import per_linkage
 

@@ -13,7 +13,8 @@ import numpy as np
 import pinocchio as pin
 
 from ..common.quantities import Array
-from ..engines.joints import Axis, LoopJoint, drawn_placements
+from ..engines.constraints import LoopJoint
+from ..engines.structure import Axis, drawn_placements
 
 WIDTH, HEIGHT, MARGIN = 360.0, 260.0, 34.0  # of the picture [pixels]
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # Okabe and Ito

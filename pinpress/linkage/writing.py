@@ -22,7 +22,8 @@ from ..common.arguments import typed
 from ..common.errors import PinpressError
 from ..common.files import path_of
 from ..common.quantities import Array
-from ..engines.joints import Axis, LoopJoint, Slot, axes, slots
+from ..engines.constraints import LoopJoint
+from ..engines.structure import Axis, Slot, axes, slots
 from . import assembly_checks, loading
 from .linkage import Linkage
 from .urdf import description, element_checks

@@ -15,7 +15,7 @@ from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..derivatives.motion import displaced
 from ..derivatives.reshape import redrawn
-from ..engines.joints import Coupling
+from ..engines.constraints import Coupling
 from ..kinematics.cycle import doubt_speeds, moved
 from ..kinematics.motion import Motion
 from ..linkage.assembly import follow_drivers
@@ -80,7 +80,7 @@ def with_moving(press: Linkage, driver: str, positions: Sequence[float]) -> Link
         return one
     ratios = {name: value / away[farthest] for name, value in zip(press.drivers, away, strict=True)}
     line = press.with_one_driver(press.drivers[farthest], ratios)  # all of them at once, on the straight line between two poses
-    there = follow_drivers(line.engine(), line.spatial_model, line.closed, np.array([[away[farthest]]]), press.name)[:, 0]
+    there = follow_drivers(line.engine(), line.structure, line.closed, np.array([[away[farthest]]]), press.name)[:, 0]
     return redrawn(one, displaced(one, {}), there)
 
 

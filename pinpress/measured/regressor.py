@@ -150,7 +150,7 @@ class InertialEquations(Frozen):
     def _coefficients(self, angle: Array, wanted: Sequence[str]) -> dict[str, Coefficients]:
         press = self.press
         unit = moved(press, press.branch, angle, 1.0, 0.0, None, press.engine())
-        bodies = build_bodies(press.spatial_model)
+        bodies = build_bodies(press.structure)
         placed = placements(bodies, unit.joint_position.T)
         axes = motion_axes(bodies, placed)
         rates = velocities(bodies, axes, unit.v.T)

@@ -14,7 +14,7 @@ import pinocchio as pin
 
 from ..common.errors import PinpressError
 from ..derivatives.motion import Displacements
-from ..engines.joints import configuration
+from ..engines.structure import configuration
 from ..linkage.linkage import Linkage
 from .virtual_work import UnitForces
 
@@ -55,10 +55,10 @@ class SingleChain(NamedTuple):
             press,
             model=reduced,
             loops=tuple(replace(press.loops[k], joint1=new[press.loops[k].joint1], joint2=new[press.loops[k].joint2]) for k in loops),
-            couplings=tuple(
-                replace(each, follower=index[each.follower], leader=index[each.leader])
-                for each in press.couplings
-                if each.follower in index and each.leader in index
+            relations=tuple(
+                replace(relation, coefficients={index[joint]: by for joint, by in relation.coefficients.items()})
+                for relation in press.relations
+                if relation.coefficients.keys() <= index.keys()
             ),
             held_spins=tuple(name for name in press.held_spins if press.joints.index(name) in index),
         )
@@ -74,8 +74,8 @@ class SingleChain(NamedTuple):
 def _held(press: Linkage, loops: list[int]) -> list[int]:
     """Rising indices in v of the drivers, the slide's guide, the joints on these loops, and those that gears couple to them."""
     found = {*press.driver_indices, press.slide_guide.joint}
-    found.update(joint for k in loops for joint in press.spatial_model.joints_of_loop[k])
-    while more := {joint for each in press.couplings for joint in (each.follower, each.leader) if each.follower in found} - found:
+    found.update(joint for k in loops for joint in press.structure.joints_of_loop[k])
+    while more := {joint for relation in press.relations for joint in relation.coefficients if relation.joint in found} - found:
         found |= more
     return sorted(found)
 

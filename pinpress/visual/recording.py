@@ -27,7 +27,7 @@ from ..dynamics import applied_loads
 from ..dynamics.applied_loads import turning_points
 from ..dynamics.reactions import Reactions
 from ..engines.branch import predict
-from ..engines.joints import configuration
+from ..engines.structure import configuration
 from ..kinematics.motion import Motion, refuse_motion_of_another, refuse_other_joints
 from ..kinematics.poses import Poses, bearing_points, poses
 from ..linkage.linkage import Linkage, is_same_press

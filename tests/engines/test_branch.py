@@ -11,7 +11,7 @@ from support.generators.spatial_linkages import bennett
 
 import pinpress as pp
 from pinpress.engines.branch import predict
-from pinpress.engines.joints import configuration
+from pinpress.engines.structure import configuration
 
 ENGINES = ("plane", "space", "pinocchio")
 STROKE = (-0.9596, -0.6582)  # the ZXN2-3000(B)'s slide, rounded outwards (Kong 2025) [m]

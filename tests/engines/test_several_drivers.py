@@ -67,7 +67,7 @@ def legs():
 
 
 def test_of_many_drivers_a_message_names_the_first_few(legs):
-    said = legs.spatial_model.place_of_drivers(np.radians(np.arange(float(len(legs.drivers)))))
+    said = legs.structure.place_of_drivers(np.radians(np.arange(float(len(legs.drivers)))))
     assert said.startswith(f"{legs.drivers[0]} 0 deg, {legs.drivers[1]} 1 deg, ")
     assert said.endswith(f", {legs.drivers[5]} 5 deg and {len(legs.drivers) - 6} more")
 
@@ -76,7 +76,7 @@ def walked(press, path):
     """Closed positions (nv, n), each walked to from the one before."""
     here, before, found = press.closed, np.zeros(path.shape[1]), []
     for after in path:
-        here, before = assembly._walk_between(press.engine("pinocchio"), press.spatial_model, here, before, after, "press"), after
+        here, before = assembly._walk_between(press.engine("pinocchio"), press.structure, here, before, after, "press"), after
         found.append(here)
     return np.array(found).T
 
@@ -92,7 +92,7 @@ def walked(press, path):
 )
 def test_a_path_closed_at_once_is_the_path_walked(height, path):
     press, path = five_bar(height), np.array(path)  # its cranks turn fully
-    found = assembly.follow_drivers(press.engine(), press.spatial_model, press.closed, path, "press")
+    found = assembly.follow_drivers(press.engine(), press.structure, press.closed, path, "press")
     np.testing.assert_allclose(found, walked(press, path), rtol=0, atol=1e-10)
     np.testing.assert_array_equal(found[list(press.driver_indices)].T, path)
 
@@ -105,7 +105,7 @@ def test_a_path_of_legs_is_closed_at_once(legs, monkeypatch):
         raise AssertionError("walked")
 
     monkeypatch.setattr(assembly, "_walk_between", refuse)
-    found = assembly.follow_drivers(legs.engine(), legs.spatial_model, legs.closed, path, "press")
+    found = assembly.follow_drivers(legs.engine(), legs.structure, legs.closed, path, "press")
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
 
 

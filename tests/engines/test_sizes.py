@@ -14,7 +14,7 @@ from support.generators import large_linkages
 from support.oracles import cassie, n_four_bar
 
 import pinpress as pp
-from pinpress.engines.joints import Coupling
+from pinpress.engines.constraints import gear
 from pinpress.engines.planar.model import ordered_blocks
 
 MOVED = np.array([1e-3, 0.0, 2e-3])
@@ -152,7 +152,7 @@ def test_order_of_blocks(system):
     """Each gives its joints from those before, also where there are too many loops and pairs for all groups to be tried; then there is an
     order exactly where trying all groups finds one."""
     joints, loops, pairs = system
-    couplings = [Coupling(str(one), one, other, 1.0, 0.0, 0) for one, other in pairs]
+    couplings = [gear(str(one), one, other, 1.0) for one, other in pairs]
     tried = ordered_blocks(loops, couplings, 0, joints, one_block=False)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("pinpress.engines.blocks.FEW", 0)
@@ -163,10 +163,10 @@ def test_order_of_blocks(system):
         return
     known = {0}
     for block in found:
-        involved = set().union(*(loops[k] for k in block.loops), *(pairs[k] for k in block.couplings))
+        involved = set().union(*(loops[k] for k in block.loops), *(pairs[k] for k in block.relations))
         assert involved - known == set(block.joints)
-        assert len(block.joints) <= 2 * len(block.loops) + len(block.couplings)
+        assert len(block.joints) <= 2 * len(block.loops) + len(block.relations)
         known |= set(block.joints)
     assert known == set(range(joints))
     assert sorted(k for block in found for k in block.loops) == list(range(len(loops)))
-    assert sorted(k for block in found for k in block.couplings) == list(range(len(couplings)))
+    assert sorted(k for block in found for k in block.relations) == list(range(len(couplings)))

@@ -7,7 +7,7 @@ from support.generators import large_linkages
 from support.generators.malformed_linkages import AXIS, GEAR, PENDULUM, STAYS, changed, pinned, with_element
 
 import pinpress as pp
-from pinpress.engines.joints import Coupling
+from pinpress.engines.constraints import Relation
 from pinpress.linkage import mobility
 
 SECOND_GEAR = '<mimic joint="G" multiplier="0.1"/>'
@@ -28,9 +28,9 @@ def test_every_equation_belongs_to_one_loop_or_gear_pair(text):
     found = mobility.constraints(press)
     assert sorted(row for each in found for row in each.points + each.turns) == list(range(len(rows.gaps)))
     for each in found:
-        if isinstance(each.by, Coupling):
+        if isinstance(each.by, Relation):
             involved = np.flatnonzero(rows.columns[list(each.turns)].any(axis=0))
-            assert set(involved) == {each.by.follower, each.by.leader}
+            assert set(involved) == set(each.by.coefficients)
 
 
 @pytest.mark.one_in(3)

@@ -18,6 +18,7 @@ from support.generators.spatial_linkages import bennett, four_bar
 
 import pinpress as pp
 from pinpress.balancing import Counterweight, with_counterweights
+from pinpress.engines.constraints import gear
 
 EPS = np.finfo(float).eps
 LEVER = 3.0  # centre of mass [ulp of its largest component]: Pinocchio reads (m c) (1 / m), three roundings of up to an ulp each
@@ -414,7 +415,8 @@ def test_loop_that_turns_about_an_axis_no_more(file, tmp_path):
 
 @pytest.mark.parametrize("change", [{"multiplier": 1 / 3}, {"offset": -0.1}, {"leader": 1, "multiplier": 0.7}])
 def test_gear_pair(press, tmp_path, change):
-    other = dataclasses.replace(press, couplings=(dataclasses.replace(press.couplings[0], **change),))
+    pair = dataclasses.replace(press.couplings[0], **change)
+    other = dataclasses.replace(press, relations=(gear(pair.name, pair.follower, pair.leader, pair.multiplier, pair.offset),))
     again = written(other, tmp_path)
     assert_same(again, other)
     assert len(lines_changed(press, again)[0]) == 1
@@ -722,7 +724,7 @@ def fewer_joints(press):
         (lambda press: {"loops": ()}, "other loops"),
         (lambda press: {"loops": (dataclasses.replace(press.loops[0], joint2=0),)}, "other loops"),
         (lambda press: {"loops": (dataclasses.replace(press.loops[0], name="V"),)}, "other loops"),
-        (lambda press: {"couplings": ()}, "other gear pairs"),
+        (lambda press: {"relations": ()}, "other gear pairs"),
         (lambda press: {"links": press.links[:-1]}, "other links"),
     ],
 )

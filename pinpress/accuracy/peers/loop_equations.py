@@ -11,7 +11,7 @@ import numpy as np
 
 from ...common.errors import PinpressError, SimulationError
 from ...common.quantities import Array, ComplexArray
-from ...engines.joints import LoopJoint
+from ...engines.constraints import LoopJoint
 from ...engines.rank import RANK
 from ...linkage.linkage import Linkage
 

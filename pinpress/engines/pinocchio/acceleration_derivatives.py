@@ -64,7 +64,7 @@ class ForwardDerivatives:
         """
         Args:
             dynamics: of the linkage.
-            gears: (couplings, nv) rows G of the gear pairs, 1 at the follower.
+            gears: (relations, nv) rows G of the gear pairs, 1 at the follower.
         """
         self.dynamics, self.gears = dynamics, gears
         self.model = _behind_another_body(dynamics.model)
@@ -147,7 +147,7 @@ class ForwardDerivatives:
         held = int(np.count_nonzero(sizes > CLEAR * sizes[0]))
         if not dynamics.rank - len(self.gears) <= held <= dynamics.rank:
             problem = f"the loops of {dynamics.name} nearly lose an equation: derivatives would be lost in rounding"
-            raise SingularityError(problem, float(x[dynamics.driver]), float(sizes[held - 1] / sizes[0]), dynamics.spatial.place(x))
+            raise SingularityError(problem, float(x[dynamics.driver]), float(sizes[held - 1] / sizes[0]), dynamics.structure.place(x))
         return held, 0.5 * float(sizes[held - 1])
 
     def _gears_needed(self, jacobian: Array, held: int) -> NDArray[np.int64]:
@@ -191,7 +191,7 @@ class ForwardDerivatives:
         if rank and not sizes[rank - 1] > SMALLEST_MARGIN * sizes[0]:
             problem = f"the loops of {dynamics.name} lose equations: two assemblies meet"
             raise SingularityError(
-                problem, float(x[dynamics.driver]), float(sizes[rank - 1] / (sizes[0] or 1.0)), dynamics.spatial.place(x)
+                problem, float(x[dynamics.driver]), float(sizes[rank - 1] / (sizes[0] or 1.0)), dynamics.structure.place(x)
             )
         return _Span(left[:, :rank], right[:rank].T / units[:, None] / sizes[:rank], scales)
 

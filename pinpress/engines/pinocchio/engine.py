@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
+from ..structure import Structure
 from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import kinematics
-from .model import SpatialModel
 
 if TYPE_CHECKING:
     from ..spatial.equations import Loops
@@ -25,10 +25,10 @@ class PinocchioEngine:
     """Pinocchio's engine for one linkage; see `Engine`.
 
     Attributes:
-        spatial: constants of the linkage.
+        structure: constants of the linkage.
     """
 
-    spatial: SpatialModel
+    structure: Structure
 
     name = "pinocchio"
 
@@ -37,7 +37,7 @@ class PinocchioEngine:
         """Constants of the equations, as of the engine in space."""
         from ..spatial.equations import build_loops  # slow to import, and not needed to load
 
-        return build_loops(self.spatial)
+        return build_loops(self.structure)
 
     @property
     def piece(self) -> int:
@@ -45,7 +45,7 @@ class PinocchioEngine:
 
     @property
     def tolerance(self) -> float:
-        return self.spatial.tolerance
+        return self.structure.tolerance
 
     @property
     def directions(self) -> Array:
@@ -63,7 +63,7 @@ class PinocchioEngine:
         from ..spatial import closing  # its engine stands on this one
         from .equations import one_by_one
 
-        kinematics = one_by_one(self.spatial)
+        kinematics = one_by_one(self.structure)
 
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
             return closing.close(self.loops, drivers, along, guess, True, kinematics)
@@ -74,26 +74,27 @@ class PinocchioEngine:
         from ..spatial import closing  # as above
         from .equations import one_by_one
 
-        return closing.rates(self.loops, position, speed, acceleration, one_by_one(self.spatial))
+        return closing.rates(self.loops, position, speed, acceleration, one_by_one(self.structure))
 
     def gaps(self, position: Array) -> Array:
-        equations = self.spatial.equations()
+        from .equations import OneConfiguration  # as above
+
+        equations = OneConfiguration(self.structure)
         return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
 
     def redundant(self, x: Array) -> bool:
-        return kinematics.redundant(self.spatial, x)
+        return kinematics.redundant(self.structure, x)
 
     def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
-        loops, couplings = self.spatial.joints_of_loop, self.spatial.couplings
-        yield from enumerate([*map(tuple, loops), *((pair.follower, pair.leader) for pair in couplings)])
+        return enumerate(self.structure.joints_of_constraints)
 
     # -------------------------------------------------------------------------------------------------------------------- motion
 
     def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
-        return kinematics.point_motion(self.spatial, states, joint, point)
+        return kinematics.point_motion(self.structure, states, joint, point)
 
     def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
-        return kinematics.point_accelerations(self.spatial, states, joint, points)
+        return kinematics.point_accelerations(self.structure, states, joint, points)
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
@@ -101,22 +102,22 @@ class PinocchioEngine:
         from ..spatial.inverse_dynamics import inverse_dynamics  # slow to import, and not needed to load
         from .inverse_dynamics import by_pinocchio
 
-        return inverse_dynamics(self.loops, states, conditions, bearings, by_pinocchio(self.spatial))
+        return inverse_dynamics(self.loops, states, conditions, bearings, by_pinocchio(self.structure))
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
         from ..spatial.inverse_dynamics import bearing_loads  # slow to import, and not needed to load
         from .inverse_dynamics import by_pinocchio
 
-        return bearing_loads(self.loops, states, loads, efforts, rates, by_pinocchio(self.spatial))
+        return bearing_loads(self.loops, states, loads, efforts, rates, by_pinocchio(self.structure))
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         from ..spatial.inverse_dynamics import indeterminate  # slow to import, and not needed to load
         from .inverse_dynamics import by_pinocchio
 
-        return indeterminate(self.loops, position, axes, by_pinocchio(self.spatial))
+        return indeterminate(self.loops, position, axes, by_pinocchio(self.structure))
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        return kinematics.power_balance(self.spatial, states, loads)
+        return kinematics.power_balance(self.structure, states, loads)
 
     def energies(self, states: ClosedStates) -> EnergyRates:
-        return kinematics.energies(self.spatial, states)
+        return kinematics.energies(self.structure, states)

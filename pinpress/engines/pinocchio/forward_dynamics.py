@@ -1,7 +1,7 @@
 """Forward dynamics of any linkage, one state at a time: accelerations under given joint efforts, and states kept on the loops.
 
 Loops are held at points (see `held_points`), a fixed one at three, so that every gap is a length. There are three rows for every point and
-one for every coupling.
+one for every relation.
 
 In general, the transposed Jacobian of these rows is factorised in every state by QR with column pivoting, its rows scaled so that all
 joints move in lengths: the pivots are rows of the Jacobian. As many pivot rows as the closed linkage has independent equations determine
@@ -42,8 +42,8 @@ from ...common.errors import AssemblyError, PinpressError, SingularityError
 from ...common.quantities import Array
 from ..engine import ACCEPTED, MOST_NEWTON_STEPS
 from ..following import SMALLEST_MARGIN
-from ..joints import Axis, data_of
-from .model import PointPair, SpatialModel, held_points
+from ..structure import Axis, Structure, data_of
+from .constraint_models import PointPair, held_points
 
 MASSLESS = 1e-13  # share of the largest inertia below which what resists a motion is rounding
 CLEAR = 1e-6  # share of the largest pivot (of an inertia's own size) above which a pivot of the quick way is clearly not zero
@@ -71,15 +71,15 @@ class ForwardDynamics:
         quickly: number of accelerations so far that it found.
         generally: number of those that the null space found.
 
-    States are joint coordinates x (nv,) (see `engines.joints`: angles unwrapped [rad], travels [m]) and rates v (nv,) [rad/s, m/s]. Efforts
-    (nv,) act along the joints, positive as v [N m, N]. Arrays must be float64 of this shape, which is not checked. Results are new arrays.
+    States are joint coordinates x (nv,) (see `engines.structure`: angles unwrapped [rad], travels [m]) and rates v (nv,) [rad/s, m/s].
+    Efforts (nv,) act along the joints, positive as v [N m, N]. Arrays must be float64 of this shape, which is not checked. Results are new.
     NumPy may warn of numbers that are not finite before they are refused, so call the methods under ``np.errstate``.
     """
 
-    def __init__(self, spatial: SpatialModel, closed: Array, rank: int, armature: Array, name: str) -> None:
+    def __init__(self, structure: Structure, closed: Array, rank: int, armature: Array, name: str) -> None:
         """
         Args:
-            spatial: constants of the linkage; its model is not changed.
+            structure: of the linkage; its model is not changed.
             closed: (nv,) joint coordinates of the closed drawn pose.
             rank: rank of the equations there.
             armature: (nv,) inertia that turns with the joints, as of a flywheel or motor, added to the model's own armature [kg m2; kg for
@@ -89,36 +89,36 @@ class ForwardDynamics:
         Raises:
             PinpressError: an armature of another shape, or not finite.
         """
-        self._made_of = spatial, closed, rank, armature, name
-        self.name, self.joints, self.driver, self.rank = name, tuple(spatial.model.names)[1:], spatial.drivers[0], rank
-        self.spatial = spatial
-        self.size, self.tolerance, self.still = spatial.size, spatial.tolerance, np.zeros(spatial.model.nv)
-        self._make_tree(spatial, armature)
-        by_loop = self._held_points(spatial, closed)
+        self._made_of = structure, closed, rank, armature, name
+        self.name, self.joints, self.driver, self.rank = name, tuple(structure.model.names)[1:], structure.drivers[0], rank
+        self.structure = structure
+        self.size, self.tolerance, self.still = structure.size, structure.tolerance, np.zeros(structure.model.nv)
+        self._make_tree(structure, armature)
+        by_loop = self._held_points(structure, closed)
         ends = [end for held in by_loop for end in held]
         self._make_anchors(ends)
-        self._make_rows(spatial, [len(held) for held in by_loop])
+        self._make_rows(structure, [len(held) for held in by_loop])
         mass = pin.crba(self.model, self.data, closed)
         self.least = math.sqrt(MASSLESS * float((mass.diagonal() * self.per_unit**2).max()))
         self.quick, self.why = self._proximal(closed, ends, mass)
         self.ends, self.quickly, self.generally = ends, 0, 0
 
-    def _make_tree(self, spatial: SpatialModel, armature: Array) -> None:
+    def _make_tree(self, structure: Structure, armature: Array) -> None:
         """Pinocchio's model of the tree with the armature, and its data."""
-        count = spatial.model.nv
+        count = structure.model.nv
         armature = suitable_numbers("armature", armature, f"{count} finite inertias [kg m2]", (count,))
-        self.model = _bounded(spatial.model, spatial.axes)
-        self.model.armature = self.armature = np.array(spatial.model.armature) + armature
+        self.model = _bounded(structure.model, structure.axes)
+        self.model.armature = self.armature = np.array(structure.model.armature) + armature
         self.weightless = self.model.copy()
         self.weightless.gravity.setZero()
         self.data = data_of(self.model)
         self.placements = self.data.oMi  # live: fetching it costs more than the algorithm that fills it
 
-    def _held_points(self, spatial: SpatialModel, closed: Array) -> list[list[PointPair]]:
+    def _held_points(self, structure: Structure, closed: Array) -> list[list[PointPair]]:
         """The points at which each loop is held; see `held_points`."""
         pin.forwardKinematics(self.model, self.data, closed)
         rotations = [placement.rotation for placement in self.placements]
-        return [held_points(loop, rotations, self.size) for loop in spatial.loops]
+        return [held_points(loop, rotations, self.size) for loop in structure.loops]
 
     def _make_anchors(self, ends: list[PointPair]) -> None:
         """Pinocchio's constraint models and data of the points, and their gaps and accelerations, which stay live."""
@@ -133,21 +133,20 @@ class ForwardDynamics:
         self.gaps = [datum.constraint_position_error for datum in inner]
         self.drifts = [datum.constraint_acceleration_error for datum in inner]
 
-    def _make_rows(self, spatial: SpatialModel, points_by_loop: list[int]) -> None:
-        """The rows of points and couplings, scaled so that all joints move in lengths."""
-        self.units = np.array([self.size if axis.turns else 1.0 for axis in spatial.axes])
+    def _make_rows(self, structure: Structure, points_by_loop: list[int]) -> None:
+        """The rows of points and relations, scaled so that all joints move in lengths."""
+        self.units = np.array([self.size if axis.turns else 1.0 for axis in structure.axes])
         self.per_unit, self.back_per_unit, self.column = 1 / self.units, -1 / self.units, (1 / self.units)[:, None]
         # a joint that carries both ends moves them by rounding, and by an open gap
-        moving = np.repeat(spatial.incidence.T != 0, [3 * count for count in points_by_loop], axis=0)
+        moving = np.repeat(structure.incidence.T != 0, [3 * count for count in points_by_loop], axis=0)
         self.weights = moving * self.per_unit
-        equations = spatial.equations()
-        self.coupled, self.offsets = equations.coupled, equations.offsets
-        self.point_rows, couplings, joints = 3 * sum(points_by_loop), len(self.offsets), len(self.units)
+        self.related, self.offsets = structure.relation_slopes, structure.relation_offsets
+        self.point_rows, relations, joints = 3 * sum(points_by_loop), len(self.offsets), len(self.units)
         # zero rows at the end, so that there are as many as joints at least and the orthogonal factor comes whole
-        self.rows = np.zeros((max(self.point_rows + couplings, joints), joints))
-        self.rows[self.point_rows : self.point_rows + couplings] = self.coupled * self.per_unit
+        self.rows = np.zeros((max(self.point_rows + relations, joints), joints))
+        self.rows[self.point_rows : self.point_rows + relations] = self.related * self.per_unit
         # LAPACK counts pivots from 1: one number stands before those of the rows
-        self.none, self.uncoupled = np.zeros(1), np.zeros(couplings)
+        self.none, self.undrifting = np.zeros(1), np.zeros(relations)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return ForwardDynamics, self._made_of
@@ -245,8 +244,8 @@ class ForwardDynamics:
                 break
             if steps == MOST_NEWTON_STEPS:
                 problem = f"the loops of {self.name} do not close near this state"
-                raise AssemblyError(problem, float(x[self.driver]), gap, steps, self.spatial.place(x))
-            at = at + self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.gaps, self.coupled.dot(at) - self.offsets)))
+                raise AssemblyError(problem, float(x[self.driver]), gap, steps, self.structure.place(x))
+            at = at + self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.gaps, self.related.dot(at) - self.offsets)))
             steps += 1
         free = orthogonal[:, rank:]
         rates = free.dot(free.T.dot(v * self.units))
@@ -256,7 +255,7 @@ class ForwardDynamics:
         return at.copy(), rates, gap
 
     def gap(self, x: Array) -> float:
-        """The largest distance between the two sides of a loop at any of its points (see the module) [m]; for a coupling that turns, its
+        """The largest distance between the two sides of a loop at any of its points (see the module) [m]; for a relation that turns, its
         error times the length of the linkage.
 
         Raises:
@@ -296,12 +295,12 @@ class ForwardDynamics:
         pin.forwardKinematics(model, data, x, v, self.still)
         mass = pin.crba(model, data, x, pin.Convention.WORLD)  # fills the Jacobian too
         factor, pivots, orthogonal = self._factorised(x)
-        result = self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.drifts, self.uncoupled)))
+        result = self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.drifts, self.undrifting)))
         free = orthogonal[:, rank:] * self.column
         left = free.T.dot(efforts - pin.rnea(model, data, x, v, result))
         root, rates, failed = self.lapack.dposv(free.T.dot(mass.dot(free)), left)
         if failed or not min(root.diagonal().tolist()) > self.least:
-            problem = f"no mass resists a motion of {self.name} at {self.spatial.place(x)}"
+            problem = f"no mass resists a motion of {self.name} at {self.structure.place(x)}"
             raise self._trouble(
                 x, v, efforts, PinpressError(f"{problem}: give mass to the links that move there, or inertia to the driver")
             )
@@ -328,7 +327,7 @@ class ForwardDynamics:
         if rank and not abs(factor[rank - 1, rank - 1]) > SMALLEST_MARGIN * abs(factor[0, 0]):
             smallest = float(abs(factor[rank - 1, rank - 1])) / (float(abs(factor[0, 0])) or 1.0)
             problem = f"the loops of {self.name} lose equations: two assemblies meet"
-            locked = SingularityError(problem, float(x[self.driver]), smallest, self.spatial.place(x))
+            locked = SingularityError(problem, float(x[self.driver]), smallest, self.structure.place(x))
             raise self._trouble(x, self.still, self.still, locked)
         return factor, pivots, self.lapack.dorgqr(factor[:, : len(x)], scales)[0]
 
@@ -345,7 +344,7 @@ class ForwardDynamics:
         """`gap` where the points' constraint data are up to date."""
         sizes = [math.sqrt(gap.dot(gap)) for gap in self.gaps]
         if len(self.offsets):
-            sizes += np.abs(self.coupled.dot(x) - self.offsets).tolist()
+            sizes += np.abs(self.related.dot(x) - self.offsets).tolist()
         if not math.isfinite(sum(sizes)):
             raise self._trouble(x, self.still, self.still, self.overflow(x))
         return max(sizes, default=0.0)
@@ -365,7 +364,7 @@ class ForwardDynamics:
     def overflow(self, x: Array) -> PinpressError:
         """The error of numbers that are not finite at a position (nv,)."""
         return PinpressError(
-            f"the motion of {self.name} at {self.spatial.place(x)} is too fast for floating point: lower speeds or efforts"
+            f"the motion of {self.name} at {self.structure.place(x)} is too fast for floating point: lower speeds or efforts"
         )
 
     def _weight(self) -> float:
@@ -392,7 +391,7 @@ class ForwardDynamics:
         damping, iterations = (HELD_PROXIMAL, HELD_ITERATIONS) if hold_each_other else (PROXIMAL, ITERATIONS)
         try:
             largest = float((rows @ np.linalg.solve(mass, rows.T)).diagonal().max())
-            answers = (self.coupled @ np.linalg.solve(mass, self.coupled.T)).diagonal()
+            answers = (self.related @ np.linalg.solve(mass, self.related.T)).diagonal()
         except np.linalg.LinAlgError:
             return None, "an inertia that is zero to rounding"
         if not 0 < largest < math.inf:
@@ -412,7 +411,7 @@ class ForwardDynamics:
             settings=pin.ProximalSettings(0.0, SETTLED * min(1.0, self._weight()), damping * largest, iterations),
             pivots=data.constraint_chol.D,
             bounds=CLEAR * np.concatenate([np.full(self.point_rows, largest), mass.diagonal()]),
-            gears=self.coupled / np.sqrt(answers)[:, None],
+            gears=self.related / np.sqrt(answers)[:, None],
             least=HELD_CLEAR * largest if hold_each_other else None,
         )
         reasons = ["loops that hold each other, with a larger mu" if hold_each_other else "independent loops"]
@@ -442,7 +441,7 @@ class Proximal(NamedTuple):
         pivots: (point rows + nv,) pivots of its factorisation, kept up to date by Pinocchio: of the points' rows [1 / kg], then of the
             inertias of the open tree.
         bounds: (point rows + nv,) above which a pivot is clearly not zero.
-        gears: (couplings, nv) efforts of the gear pairs, to which they answer with an acceleration of 1 in the open tree.
+        gears: (relations, nv) efforts of the gear pairs, to which they answer with an acceleration of 1 in the open tree.
         least: eigenvalue of J M^-1 J' above which a row is clearly held, where loops hold each other [1 / kg]; None where pivots decide.
     """
 

@@ -12,24 +12,23 @@ import numpy as np
 import pinocchio as pin
 
 from ..engine import ClosedStates
-from ..joints import configuration, data_of
 from ..spatial.bodies import components_first, turned, turned_back
 from ..spatial.equations import Equations, Loops
 from ..spatial.inverse_dynamics import Method, OpenTree
+from ..structure import Structure, configuration, data_of
 from ..wrenches import AppliedForce
 from .equations import one_by_one
-from .model import SpatialModel
 
 
-def by_pinocchio(spatial: SpatialModel) -> Method:
+def by_pinocchio(structure: Structure) -> Method:
     """How Pinocchio's engine computes, for use within one call."""
-    return Method(one_by_one(spatial), _open_tree)
+    return Method(one_by_one(structure), _open_tree)
 
 
 def _open_tree(loops: Loops, found: Equations, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
     """Forces of the open tree."""
-    spatial, rotation, (count, n) = loops.spatial, found.placed.rotation, states.v.shape
-    data, q = data_of(spatial.model), configuration(spatial.slots, states.position)
+    structure, rotation, (count, n) = loops.structure, found.placed.rotation, states.v.shape
+    data, q = data_of(structure.model), configuration(structure.slots, states.position)
     pushed = np.zeros((n, count + 1, 6))  # forces and moments of the loads in the frames of the joints
     for load in loads:
         local = turned_back(rotation[load.joint], load.force.T).T
@@ -40,7 +39,7 @@ def _open_tree(loops: Loops, found: Equations, states: ClosedStates, loads: Sequ
     for i in range(n):
         external = pin.StdVec_Force([pin.Force(wrench) for wrench in pushed[i]])
         at, v, a = (np.ascontiguousarray(values[:, i]) for values in (q, states.v, states.a))
-        effort[:, i] = pin.rnea(spatial.model, data, at, v, a, external)
+        effort[:, i] = pin.rnea(structure.model, data, at, v, a, external)
         for joint in range(count):
             wrench = wrenches[joint + 1]
             local[0, joint, :, i], local[1, joint, :, i] = wrench.linear, wrench.angular

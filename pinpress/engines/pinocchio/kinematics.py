@@ -10,36 +10,36 @@ import pinocchio as pin
 
 from ...common.quantities import Array
 from ..engine import ClosedStates, EnergyRates, PowerBalance
-from ..joints import configuration, data_of
 from ..rank import rank
+from ..structure import Structure, configuration, data_of
 from ..wrenches import AppliedForce
-from .model import SpatialModel, cross
+from .equations import OneConfiguration, cross
 
 
-def redundant(spatial: SpatialModel, x: Array) -> bool:
+def redundant(structure: Structure, x: Array) -> bool:
     """Whether some of the equations are redundant at joint coordinates (nv,)."""
-    rows = spatial.equations().at(x)
+    rows = OneConfiguration(structure).at(x)
     return rank(rows.columns) < len(rows.gaps)
 
 
-def point_motion(spatial: SpatialModel, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
+def point_motion(structure: Structure, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
     """See `Engine`."""
     position, velocity = np.empty((states.v.shape[1], 3)), np.empty((states.v.shape[1], 3))
-    data, q = data_of(spatial.model), configuration(spatial.slots, states.position)
+    data, q = data_of(structure.model), configuration(structure.slots, states.position)
     for i in range(states.v.shape[1]):
-        pin.forwardKinematics(spatial.model, data, np.ascontiguousarray(q[:, i]), states.v[:, i].copy())
+        pin.forwardKinematics(structure.model, data, np.ascontiguousarray(q[:, i]), states.v[:, i].copy())
         speed = data.v[joint]
         position[i] = data.oMi[joint].act(point)
         velocity[i] = data.oMi[joint].rotation @ (speed.linear + np.cross(speed.angular, point))
     return position, velocity
 
 
-def point_accelerations(spatial: SpatialModel, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
+def point_accelerations(structure: Structure, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
     """See `Engine`."""
     position = np.empty((len(points), states.v.shape[1], 3))
-    acceleration, data, q = np.empty_like(position), data_of(spatial.model), configuration(spatial.slots, states.position)
+    acceleration, data, q = np.empty_like(position), data_of(structure.model), configuration(structure.slots, states.position)
     for i in range(states.v.shape[1]):
-        pin.forwardKinematics(spatial.model, data, np.ascontiguousarray(q[:, i]), states.v[:, i].copy(), states.a[:, i].copy())
+        pin.forwardKinematics(structure.model, data, np.ascontiguousarray(q[:, i]), states.v[:, i].copy(), states.a[:, i].copy())
         body, velocity = data.oMi[joint], data.v[joint]
         rate = pin.classicAcceleration(velocity, data.a[joint])
         spin, turning = velocity.angular, data.a[joint].angular
@@ -49,10 +49,10 @@ def point_accelerations(spatial: SpatialModel, states: ClosedStates, joint: int,
     return position, acceleration
 
 
-def energies(spatial: SpatialModel, states: ClosedStates) -> EnergyRates:
+def energies(structure: Structure, states: ClosedStates) -> EnergyRates:
     """See `Engine`."""
-    model, data = spatial.model, data_of(spatial.model)
-    q, n = configuration(spatial.slots, states.position), states.v.shape[1]
+    model, data = structure.model, data_of(structure.model)
+    q, n = configuration(structure.slots, states.position), states.v.shape[1]
     kinetic, potential, lifting = np.empty(n), np.empty(n), np.empty(n)
     for i in range(n):
         at, v = np.ascontiguousarray(q[:, i]), states.v[:, i].copy()
@@ -61,11 +61,11 @@ def energies(spatial: SpatialModel, states: ClosedStates) -> EnergyRates:
     return EnergyRates(kinetic, potential, lifting)
 
 
-def power_balance(spatial: SpatialModel, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
+def power_balance(structure: Structure, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
     """See `Engine`. The powers are summed body by body."""
     n = states.v.shape[1]
-    model, data = spatial.model, data_of(spatial.model)
-    gravity, q = model.gravity.linear, configuration(spatial.slots, states.position)
+    model, data = structure.model, data_of(structure.model)
+    gravity, q = model.gravity.linear, configuration(structure.slots, states.position)
     balance, total, apparent = np.empty(n), np.empty(n), np.zeros(n)
     for i in range(n):
         pin.forwardKinematics(model, data, np.ascontiguousarray(q[:, i]), states.v[:, i].copy(), states.a[:, i].copy())

@@ -3,12 +3,12 @@
 The power of a force f at a velocity v is Re(conj(f) v): the conjugates of forces are what appears everywhere, and here all forces are
 conjugates until they are written to the result. The *work* of a function (see `functions`) is that of all inertia forces less weights and
 loads on it: the force f at a point that moves with c times the function counts conj(f) c. Coordinates are those of `equations`. A rotor u
-with the work W asks for the effort -Im(u W), a way along a guide with the rotor u for Re(u W). A block of loops and couplings supplies the
+with the work W asks for the effort -Im(u W), a way along a guide with the rotor u for Re(u W). A block of loops and relations supplies the
 efforts of the coordinates that it determines. With the inverses e1 and e2 of a dyad the force p of its loop is
 
     conj(p) = -(e1 effort1 + e2 effort2)
 
-It takes c conj(p) from the work of every function that has the coefficient c in the loop. A coupling acts between each of its joints and
+It takes c conj(p) from the work of every function that has the coefficient c in the loop. A relation acts between each of its joints and
 what carries it. What is left at the driver is the driving torque.
 
 Redundant equations of a block leave *idle* forces open, which the blocks before it balance: a lever supplies the effort of its rotor
@@ -29,7 +29,7 @@ from ...common.quantities import Array, ComplexArray
 from ..wrenches import AppliedForce
 from .bodies import Bodies
 from .dyads import I
-from .equations import BlockRows, Equations, LoopRows, Pose, efforts_of_coupling, efforts_of_joint
+from .equations import BlockRows, Equations, LoopRows, Pose, efforts_of_joint, efforts_of_relation
 from .functions import Functions
 from .guide_moments import GuidedBody, guided_bodies
 from .model import Plane, to_complex
@@ -129,7 +129,7 @@ class Statics:
     @cached_property
     def coupled_slides(self) -> tuple[int, ...]:
         """Prismatic joints that are coupled."""
-        return tuple(j for j in self.plane.prismatic if any(j in row for row in self.plane.coupling_rows))
+        return tuple(j for j in self.plane.prismatic if any(j in row for row in self.plane.relation_rows))
 
 
 def build_statics(bodies: Bodies, equations: Equations) -> Statics:
@@ -245,7 +245,7 @@ def balance(
         statics: constants of the balance.
         pose: the configurations.
         tree: its forces, to which those of the loops are added; its work is overwritten.
-        multipliers: (couplings, n) of the couplings, to be filled in.
+        multipliers: (relations, n) of the relations, to be filled in.
         efforts: by rows the efforts (n,) of coordinates besides those of the work; overwritten.
         places: of the blocks that balance it, the last one first; all by default.
 
@@ -274,7 +274,7 @@ def balance(
         else:  # all its equations are redundant: its forces are idle ones
             for loop in block.loops:
                 forces[joints + loop.loop][:] = 0.0
-            multipliers[list(block.couplings)] = 0.0
+            multipliers[list(block.relations)] = 0.0
         _pass_on(statics, pose, block, tree, multipliers, given)
     driver = functions.rows[plane.driver]
     against = _minus_effort(functions, pose, work, driver, given)
@@ -302,12 +302,12 @@ def _multipliers(slopes: Array, efforts: Array) -> Array:
 
 
 def _distribute(statics: Statics, block: BlockRows, found: Array, tree: OpenTree, multipliers: Array) -> None:
-    """Write the multipliers (n, equations) of a block to its loops and couplings."""
+    """Write the multipliers (n, equations) of a block to its loops and relations."""
     joints = len(statics.plane.parents)
     for k, loop in enumerate(block.loops):
         force = tree.forces[joints + loop.loop]
         force.real, force.imag = found[:, 2 * k], -found[:, 2 * k + 1]
-    multipliers[list(block.couplings)] = found[:, 2 * len(block.loops) :].T
+    multipliers[list(block.relations)] = found[:, 2 * len(block.loops) :].T
 
 
 def _relieve(pose: Pose, loop: LoopRows, force: ComplexArray, tree: OpenTree) -> None:
@@ -328,9 +328,9 @@ def _pass_on(statics: Statics, pose: Pose, block: BlockRows, tree: OpenTree, mul
     joints = len(statics.plane.parents)
     for loop in block.loops:
         _relieve(pose, loop, tree.forces[joints + loop.loop], tree)
-    for coupling in block.couplings:
-        for row, by in efforts_of_coupling(statics.functions, coupling):
-            efforts[row] = efforts.get(row, 0.0) - by * multipliers[coupling]
+    for relation in block.relations:
+        for row, by in efforts_of_relation(statics.functions, relation):
+            efforts[row] = efforts.get(row, 0.0) - by * multipliers[relation]
 
 
 # ------------------------------------------------------------------------------------------------------------------------------ idle forces
@@ -341,7 +341,7 @@ class IdleForces(NamedTuple):
 
     Attributes:
         bearings: (idle, bearings, n) what each adds to the bearings, conjugate.
-        multipliers: (idle, couplings, n) what each adds to the multipliers of the couplings.
+        multipliers: (idle, relations, n) what each adds to the multipliers of the relations.
         slides: directions of the coupled prismatic joints, by joint.
     """
 
@@ -386,11 +386,11 @@ def _null_space(statics: Statics, pose: Pose, place: int) -> Array:
 
 
 def add_idle_forces(idle: IdleForces, forces: ComplexArray, multipliers: Array, compliance: Array | None) -> None:
-    """Add idle forces to the conjugate forces of all bearings (bearings, n) and to the multipliers of the couplings (couplings, n).
+    """Add idle forces to the conjugate forces of all bearings (bearings, n) and to the multipliers of the relations (relations, n).
     ``compliance`` as in `AppliedConditions`."""
     parts = np.concatenate([idle.bearings, forces[None]])
     for joint, direction in idle.slides.items():  # the force of a gear pair along its slide does not count
         parts[:, joint] = 1j * direction.conj() * (direction * parts[:, joint]).imag
-    for share, of_bearings, of_couplings in zip(shares_of_idle_forces(parts, compliance), idle.bearings, idle.multipliers, strict=True):
+    for share, of_bearings, of_relations in zip(shares_of_idle_forces(parts, compliance), idle.bearings, idle.multipliers, strict=True):
         forces += share * of_bearings
-        multipliers += share * of_couplings
+        multipliers += share * of_relations

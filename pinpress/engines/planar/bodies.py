@@ -15,8 +15,8 @@ import pinocchio as pin
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import ClosedStates, EnergyRates, PowerBalance
-from ..joints import array_of
 from ..sharing import Objective, lexicographic_least_squares
+from ..structure import array_of
 from ..wrenches import AppliedForce
 from .kinematics import basis_acceleration, basis_velocity, known_basis
 from .model import Plane, to_complex
@@ -126,7 +126,7 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
         centers=centers,
         forces=body_forces,
         rotor_inertia=_inertia_of_rotors(plane, tensors[:, 2, 2]),
-        geared=frozenset(j for gear in plane.coupling_rows for j in gear if plane.sense[j]),
+        geared=frozenset(j for gear in plane.relation_rows for j in gear if plane.sense[j]),
         in_one_plane=bool(
             np.all(np.ptp(heights) <= ROUNDING * np.abs(plane.origins).max())
             and not products.any()

@@ -54,7 +54,7 @@ class Gear(NamedTuple):
 
     Attributes:
         joint: its joint.
-        coupling: index of the coupling that determines it.
+        relation: index of the relation that determines it.
         row: row of its rotor.
         sense: `Plane.sense` of the joint.
         ratio: its angle by that of the driver.
@@ -62,7 +62,7 @@ class Gear(NamedTuple):
     """
 
     joint: int
-    coupling: int
+    relation: int
     row: int
     sense: float
     ratio: float
@@ -305,18 +305,18 @@ def _gears(equations: Equations) -> tuple[Gear, ...] | None:
     gears = []
     for block in equations.blocks:
         if block.loops:
-            if block.couplings:
+            if block.relations:
                 return None
             continue
-        (coupling,), (joint,) = block.couplings, block.joints
-        others = dict(plane.coupling_rows[coupling])
+        (relation,), (joint,) = block.relations, block.joints
+        others = dict(plane.relation_rows[relation])
         by_joint = others.pop(joint)
         if not others.keys() <= turning.keys() or any(plane.parents[j] >= 0 or not plane.sense[j] for j in (joint, *others)):
             return None
         ratio = -sum(by * turning[other][0] for other, by in others.items()) / by_joint
-        offset = (float(plane.offsets[coupling]) - sum(by * turning[other][1] for other, by in others.items())) / by_joint
+        offset = (float(plane.offsets[relation]) - sum(by * turning[other][1] for other, by in others.items())) / by_joint
         turning[joint] = ratio, offset
-        gears.append(Gear(joint, coupling, functions.rows[joint], float(plane.sense[joint]), ratio, offset))
+        gears.append(Gear(joint, relation, functions.rows[joint], float(plane.sense[joint]), ratio, offset))
     return tuple(gears)
 
 

@@ -20,15 +20,15 @@ from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import ACCEPTED, MOST_NEWTON_STEPS, Closure
 from ..rank import RANK
-from .equations import BlockRows, Equations, Pose, efforts_of_coupling, matrix_of, pose_at, slope, slopes_of_dyad
+from .equations import BlockRows, Equations, Pose, efforts_of_relation, matrix_of, pose_at, slope, slopes_of_dyad
 from .kinematics import basis_acceleration, basis_at, basis_velocity
 from .model import Plane
 
-NO_SLIPS = np.empty((0, 1))  # errors of the couplings of a linkage without couplings
+NO_SLIPS = np.empty((0, 1))  # errors of the relations of a linkage without relations
 Moved = tuple[tuple[int, ComplexArray], ...]
 """Rows of coordinates of earlier blocks, each with the slope (n,) of a loop's gap by it."""
 Opening = Sequence[ComplexArray | Array | None] | ComplexArray
-"""Right-hand side: the complex rate (n,) at which the gap of every loop opens, then the real one of every coupling; None is zero."""
+"""Right-hand side: the complex rate (n,) at which the gap of every loop opens, then the real one of every relation; None is zero."""
 
 
 def close(equations: Equations, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
@@ -44,7 +44,7 @@ def close(equations: Equations, angle: Array, guess: Array, with_margins: bool =
             basis = basis_at(plane, x)
             gaps = product(plane.gap_rows, basis)
             gap = np.sqrt(np.maximum.reduce((gaps.conj() * gaps).real, axis=0, initial=0.0))
-            slips = plane.coupled @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS  # errors of the couplings
+            slips = plane.relation_slopes @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS  # errors of the relations
             if len(slips):
                 gap = np.maximum(gap, np.abs(slips).max(axis=0))
             previous, widest = widest, float(np.maximum.reduce(gap))
@@ -77,7 +77,7 @@ def _compute_influence(basis: ComplexArray, slopes: Slopes) -> tuple[Array, Arra
     """The influence coefficients (nv, n) from the slopes at closed configurations."""
     plane, first = slopes.equations.functions.plane, slopes.drive()
     gap_accelerations = _differentiate_gaps_twice(plane, basis, first)
-    return first, slopes.solve([*gap_accelerations, *[None] * len(plane.offsets)])  # those of couplings are zero
+    return first, slopes.solve([*gap_accelerations, *[None] * len(plane.offsets)])  # those of relations are zero
 
 
 def _differentiate_gaps_twice(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
@@ -97,7 +97,7 @@ def moves(plane: Plane, drawn: Closure) -> bool:
     if not plane.redundant:
         return True
     basis_rate = basis_velocity(plane, basis_at(plane, drawn.position), drawn.first)
-    opening_rates = product(plane.gap_rows, basis_rate), plane.coupled @ drawn.first
+    opening_rates = product(plane.gap_rows, basis_rate), plane.relation_slopes @ drawn.first
     return all(np.abs(each).max(initial=0.0) <= RANK * plane.size for each in opening_rates)
 
 
@@ -155,7 +155,7 @@ class Slopes(NamedTuple):
                     rates[row] = (right_sides[0] * self.pose.inverses[row]).real
             elif block.rows:
                 parts = [part for total in right_sides for part in (total.real, total.imag)]
-                parts += [self._compute_slip_rate(block, k, opening[len(plane.loop_heights) + k], rates, n) for k in block.couplings]
+                parts += [self._compute_slip_rate(block, k, opening[len(plane.loop_heights) + k], rates, n) for k in block.relations]
                 for row, rate in zip(block.rows, _solve_dense(self.pose.slopes[place], -np.stack(parts, axis=1)).T, strict=True):
                     rates[row] = rate
             for rider, rotor in block.riding:
@@ -170,14 +170,14 @@ class Slopes(NamedTuple):
         return result
 
     def _compute_slip_rate(
-        self, block: BlockRows, coupling: int, opening: Array | ComplexArray | None, rates: Sequence[Array | float], n: int
+        self, block: BlockRows, relation: int, opening: Array | ComplexArray | None, rates: Sequence[Array | float], n: int
     ) -> Array:
-        """The rate (n,) at which a coupling opens, with what the coordinates of earlier blocks add.
+        """The rate (n,) at which a relation opens, with what the coordinates of earlier blocks add.
 
-        The slope of a coupling by a coordinate is the effort of its unit multiplier there (virtual work).
+        The slope of a relation by a coordinate is the effort of its unit multiplier there (virtual work).
         """
         total = np.zeros(n) if opening is None else opening.real
-        for row, coefficient in efforts_of_coupling(self.equations.functions, coupling):
+        for row, coefficient in efforts_of_relation(self.equations.functions, relation):
             if row not in block.rows:
                 total = total + coefficient * rates[row]
         return total

@@ -14,7 +14,7 @@ from ...common.frozen import read_only
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
-from ..pinocchio.model import SpatialModel
+from ..structure import Structure
 from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import closing, kinematics
 from .bodies import Bodies, build_bodies, energies, power_balance
@@ -31,29 +31,29 @@ class PlanarEngine:
 
     Attributes:
         plane: constants of the linkage.
-        spatial: constants of Pinocchio's engine, by which it is found what redundant equations leave open.
+        structure: constants of Pinocchio's engine, by which it is found what redundant equations leave open.
     """
 
     plane: Plane
-    spatial: SpatialModel
+    structure: Structure
 
     name = "plane"
 
     @staticmethod
-    def of(spatial: SpatialModel, one_block: bool) -> PlanarEngine | None:
+    def of(structure: Structure, one_block: bool) -> PlanarEngine | None:
         """The engine of a linkage with one driver; None where the linkage is not planar. ``one_block``: solve all equations together."""
-        plane = build_plane(spatial.model, spatial.loops, spatial.couplings, spatial.drivers[0], one_block)
-        return None if plane is None else PlanarEngine(plane, spatial)
+        plane = build_plane(structure, one_block)
+        return None if plane is None else PlanarEngine(plane, structure)
 
     @cached_property
     def equations(self) -> Equations:
-        """The equations of loops and couplings in absolute coordinates."""
+        """The equations of loops and relations in absolute coordinates."""
         return Equations.of(self.plane)
 
     @cached_property
     def bodies(self) -> Bodies:
         """Inertial constants of the linkage."""
-        return read_only(build_bodies(self.plane, self.spatial.model))
+        return read_only(build_bodies(self.plane, self.structure.model))
 
     @property
     def tolerance(self) -> float:
@@ -95,7 +95,7 @@ class PlanarEngine:
 
     def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
         for block in self.plane.blocks:
-            for k in (*block.loops, *(len(self.spatial.loops) + coupling for coupling in block.couplings)):
+            for k in (*block.loops, *(len(self.structure.loops) + relation for relation in block.relations)):
                 yield k, block.joints
 
     # -------------------------------------------------------------------------------------------------------------------- motion
@@ -141,8 +141,8 @@ class PlanarEngine:
         from .out_of_plane import indeterminate
 
         if self.plane.redundant:
-            return PinocchioEngine(self.spatial).indeterminate(position, axes)
-        return indeterminate(self.plane, position, axes), np.zeros(len(self.spatial.couplings), dtype=bool)
+            return PinocchioEngine(self.structure).indeterminate(position, axes)
+        return indeterminate(self.plane, position, axes), np.zeros(len(self.structure.relations), dtype=bool)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
         return power_balance(self.bodies, self._closed(states), loads)

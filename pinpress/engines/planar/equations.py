@@ -68,7 +68,7 @@ class BlockRows(NamedTuple):
         riding: pairs of a function and the rotor that turns it, for the ways of the block and for a driver that rides. The outer pair comes
             first: the ways along guides on the driver's link, then the driver.
         loops: the loops.
-        couplings: indices of the couplings.
+        relations: indices of the relations.
         closed: whether the block is a dyad or a lever, and so has a solution in closed form by inverses.
         redundant: number of redundant equations.
         balancing: indices of the earlier blocks that balance the idle forces of this one, the last block first; empty without redundant
@@ -79,7 +79,7 @@ class BlockRows(NamedTuple):
     rows: tuple[int, ...]
     riding: tuple[tuple[int, int], ...]
     loops: tuple[LoopRows, ...]
-    couplings: tuple[int, ...]
+    relations: tuple[int, ...]
     closed: bool
     redundant: int
     balancing: tuple[int, ...]
@@ -139,16 +139,16 @@ def _build_blocks(functions: Functions, coefficients: Coefficients) -> tuple[Blo
     blocks, in_order = plane.blocks, _can_solve_in_order(functions, coefficients)
     if not in_order:
         joints = tuple(j for j in range(len(plane.parents)) if j != plane.driver)
-        loops, couplings = tuple(range(len(plane.loop_heights))), tuple(range(len(plane.offsets)))
-        blocks = (Block(loops, couplings, joints),)
+        loops, relations = tuple(range(len(plane.loop_heights))), tuple(range(len(plane.offsets)))
+        blocks = (Block(loops, relations, joints),)
     result: list[BlockRows] = []
     for block in blocks:
         rows = tuple(functions.rows[joint] for joint in block.joints)
         riding = _find_riding_pairs(functions, rows, one_block=not in_order)
         block_loops = tuple(_build_loop(functions, loop, coefficients[loop], rows, riding) for loop in block.loops)
         closed = in_order and block.kind in ("dyad", "lever")
-        balancing = _find_balancing_blocks(block_loops, block.couplings, result) if block.redundant else ()
-        result.append(BlockRows(block.joints, rows, riding, block_loops, block.couplings, closed, block.redundant, balancing))
+        balancing = _find_balancing_blocks(block_loops, block.relations, result) if block.redundant else ()
+        result.append(BlockRows(block.joints, rows, riding, block_loops, block.relations, closed, block.redundant, balancing))
     return tuple(result)
 
 
@@ -170,7 +170,7 @@ def _can_solve_in_order(functions: Functions, coefficients: Coefficients) -> boo
         return False
     for block in plane.blocks:
         available |= {rows[joint] for joint in block.joints}
-        coupled = [joint for coupling in block.couplings for joint in plane.coupling_rows[coupling]]
+        coupled = [joint for relation in block.relations for joint in plane.relation_rows[relation]]
         necessary = set().union(carrier_rows([*block.joints, *coupled]), *(coefficients[loop] for loop in block.loops))
         if not necessary <= available:
             return False
@@ -226,17 +226,17 @@ def _find_riding_pairs(functions: Functions, block_rows: Sequence[int], one_bloc
     return tuple(pairs)
 
 
-def _find_balancing_blocks(loops: Sequence[LoopRows], couplings: Sequence[int], earlier: Sequence[BlockRows]) -> tuple[int, ...]:
+def _find_balancing_blocks(loops: Sequence[LoopRows], relations: Sequence[int], earlier: Sequence[BlockRows]) -> tuple[int, ...]:
     """Indices of the earlier blocks that move the equations of a block, directly or through each other, the last one first.
 
-    Blocks with couplings are always counted, and all blocks for one with couplings.
+    Blocks with relations are always counted, and all blocks for one with relations.
     """
-    if couplings:
+    if relations:
         return tuple(reversed(range(len(earlier))))
     moving, places = _collect_earlier_rows(loops), []
     for place in reversed(range(len(earlier))):
         block = earlier[place]
-        if block.couplings or not moving.isdisjoint(block.rows):
+        if block.relations or not moving.isdisjoint(block.rows):
             places.append(place)
             moving |= _collect_earlier_rows(block.loops)
     return tuple(places)
@@ -298,29 +298,29 @@ def slope(terms: Terms, values: Sequence[ComplexArray]) -> ComplexArray:
 
 def matrix_of(equations: Equations, block: BlockRows, values: Sequence[ComplexArray]) -> Array:
     """The matrix (n, equations, coordinates) of a block's slopes: two rows for the real and imaginary part of every loop, then the
-    couplings."""
+    relations."""
     functions, loop_equations = equations.functions, 2 * len(block.loops)
-    matrix = np.zeros((len(values[0]), loop_equations + len(block.couplings), len(block.rows)))
+    matrix = np.zeros((len(values[0]), loop_equations + len(block.relations), len(block.rows)))
     for k, loop in enumerate(block.loops):
         for column, terms in enumerate(loop.determined):
             gap_slope = slope(terms, values)
             matrix[:, 2 * k, column], matrix[:, 2 * k + 1, column] = gap_slope.real, gap_slope.imag
     # a travel does not change as its guide turns, so that only angles are passed on to what carries them
     riding = {rider: rotor for rider, rotor in block.riding if rider not in functions.guides}
-    for k, coupling in enumerate(block.couplings, loop_equations):
-        for row, coefficient in efforts_of_coupling(functions, coupling):
+    for k, relation in enumerate(block.relations, loop_equations):
+        for row, coefficient in efforts_of_relation(functions, relation):
             moving_row = row if row in block.rows else riding.get(row, row)  # a driver that rides turns with its carrier
             if moving_row in block.rows:
                 matrix[:, k, block.rows.index(moving_row)] += coefficient
     return matrix
 
 
-def efforts_of_coupling(functions: Functions, coupling: int) -> Iterator[tuple[int, float]]:
-    """Rows of coordinates, each with the effort on it of a coupling whose multiplier is 1; a row can come twice.
+def efforts_of_relation(functions: Functions, relation: int) -> Iterator[tuple[int, float]]:
+    """Rows of coordinates, each with the effort on it of a relation whose multiplier is 1; a row can come twice.
 
-    By virtual work this effort is also the slope of the coupling by the coordinate.
+    By virtual work this effort is also the slope of the relation by the coordinate.
     """
-    for joint, coefficient in functions.plane.coupling_rows[coupling].items():
+    for joint, coefficient in functions.plane.relation_rows[relation].items():
         yield from efforts_of_joint(functions, joint, coefficient)
 
 

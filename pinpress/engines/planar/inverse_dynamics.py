@@ -89,7 +89,7 @@ def _fill(
 ) -> None:
     """Fill in the result of a piece of the motion."""
     plane, bodies, loads = statics.plane, statics.bodies, conditions.loads
-    pose, multipliers = moving.pose, result.coupling
+    pose, multipliers = moving.pose, result.relations
     tree = open_tree(statics, moving.second, loads)
     needed = bearings or friction is not None
     flat = not needed or not out_of_plane.is_loaded(bodies, loads)
@@ -132,7 +132,7 @@ class Balanced(NamedTuple):
     compliance: Array | None
 
     def torque(self, tree: OpenTree, multipliers: Array, bearing_efforts: Array | None) -> Array:
-        """Fill in the forces of the tree and the ``multipliers`` (couplings, n), and return the driving torque (n,).
+        """Fill in the forces of the tree and the ``multipliers`` (relations, n), and return the driving torque (n,).
 
         Efforts (bearings, n) of friction supply a part of what the joints need.
         """
@@ -150,7 +150,7 @@ class Balanced(NamedTuple):
         self.torque(copied, multipliers, bearing_efforts)
         forces = copied.array[count:]
         for rack in plane.racks:  # as `engines.racks` says
-            push = plane.coupling_rows[rack.coupling][rack.slide] * multipliers[rack.coupling]
+            push = plane.relation_rows[rack.relation][rack.slide] * multipliers[rack.relation]
             forces[rack.shaft] += push * direction_of(self.statics, self.pose, rack.slide).conj()
         return forces
 
@@ -232,7 +232,7 @@ def _moments_about_normal(statics: Statics, multipliers: Array, torque: Array, f
 
     Args:
         statics: constants of the linkage.
-        multipliers: (nc, n) multipliers of the couplings.
+        multipliers: (nr, n) multipliers of the relations.
         torque: (n,) driving torque [N m].
         friction_efforts: (bearings, n) efforts of friction, None for none.
     """
@@ -240,10 +240,10 @@ def _moments_about_normal(statics: Statics, multipliers: Array, torque: Array, f
     moments: dict[int, Any] = {}
     if plane.sense[plane.driver]:  # the force of a driver that slides is part of its bearing force
         moments[plane.driver] = plane.sense[plane.driver] * torque
-    for coupling, coefficients in enumerate(plane.coupling_rows):
+    for relation, coefficients in enumerate(plane.relation_rows):
         for joint, by in coefficients.items():
             if plane.sense[joint]:
-                moments[joint] = moments.get(joint, 0.0) + plane.sense[joint] * by * multipliers[coupling]
+                moments[joint] = moments.get(joint, 0.0) + plane.sense[joint] * by * multipliers[relation]
     if friction_efforts is not None:
         for bearing, effort in enumerate(friction_efforts):
             if bearing >= len(plane.parents):
@@ -254,9 +254,9 @@ def _moments_about_normal(statics: Statics, multipliers: Array, torque: Array, f
 
 
 def _turn_into_torques(plane: Plane, multipliers: Array) -> None:
-    """Turn multipliers of the couplings (nc, n) into torques on their followers."""
+    """Turn multipliers of the relations (nr, n) into efforts on the joints that they determine."""
     if len(multipliers):
-        multipliers *= np.array([gear[j] for gear, j in zip(plane.coupling_rows, plane.followers, strict=True)])[:, None]
+        multipliers *= plane.relation_units[:, None]
 
 
 def _put_forces(plane: Plane, forces: ComplexArray, out: Array) -> None:

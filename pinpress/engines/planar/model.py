@@ -27,10 +27,10 @@ from numpy.typing import NDArray
 
 from ...common.quantities import CRANK, RAM, Array, ComplexArray, DriverCoordinate
 from ..blocks import ordered_groups
+from ..constraints import LoopJoint, Relation
 from ..engine import PIECE
-from ..joints import Coupling, Entries, LoopJoint, array_of, drawn_placements, joints_between
-from ..joints import axes as joint_axes
-from ..racks import Rack, racks
+from ..racks import Rack
+from ..structure import Entries, Structure, array_of, drawn_placements
 
 EPSILON = float(np.finfo(float).eps)
 COORDINATES = 40_960  # joint coordinates of the states that are worked through at a time: their arrays take some megabytes
@@ -40,28 +40,28 @@ ROUNDING = 1e-12  # share of the distances of points from the world origin below
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Block:
-    """Equations that are solved together, two for each loop and one for each coupling, and the joints that they determine.
+    """Equations that are solved together, two for each loop and one for each relation, and the joints that they determine.
 
     Attributes:
         loops: indices of the loops.
-        couplings: indices of the couplings.
+        relations: indices of the relations.
         joints: indices in v of the joints that this block determines; where there are more equations than joints, some are redundant.
     """
 
     loops: tuple[int, ...]
-    couplings: tuple[int, ...]
+    relations: tuple[int, ...]
     joints: tuple[int, ...]
 
     @cached_property
     def redundant(self) -> int:
         """Number of redundant equations."""
-        return 2 * len(self.loops) + len(self.couplings) - len(self.joints)
+        return 2 * len(self.loops) + len(self.relations) - len(self.joints)
 
     @cached_property
     def kind(self) -> str:
         """Kind of the block. Three have a closed solution: "dyad" (two joints close a loop), "lever" (one joint closes a loop) and "gear"
-        (a coupling determines a joint). All others are "dense"."""
-        shape = len(self.loops), len(self.couplings), len(self.joints)
+        (a relation determines a joint). All others are "dense"."""
+        shape = len(self.loops), len(self.relations), len(self.joints)
         return {(1, 0, 2): "dyad", (1, 0, 1): "lever", (0, 1, 1): "gear"}.get(shape, "dense")
 
 
@@ -94,11 +94,11 @@ class Plane:
         loop_points: (nl, nb) point 1 of every loop.
         loop_heights: (nl,) points of the loops along the normal, from the world origin [m].
         resists_tilting: (nl,) whether the loop's bearing keeps its links from tilting out of the plane: a revolute one does.
-        coupled: (nc, nv) coefficients of the coupling equations; those of followers that turn are multiplied by ``size``.
-        offsets: (nc,) right-hand sides of the coupling equations.
-        coupling_rows: (nc,) coefficients of the coupling equations by joints, rising.
-        followers: (nc,) joints whose coordinates the couplings determine.
-        racks: the couplings between whose joints teeth push.
+        relation_slopes: (nr, nv) slopes of the relations.
+        relation_rows: (nr,) the same by joints, rising, without zeros.
+        relation_units: (nr,) lengths by which relations are multiplied: ``size`` for those that determine a joint that turns, else 1.
+        offsets: (nr,) right-hand sides of the relations.
+        racks: the relations between whose joints teeth push.
         blocks: the equations in the order in which they are solved.
         subtree: (nv, nv) 1 where joint j (the row) carries the link of joint k.
         incidence: (nv, nl) +1 where joint j carries only end 2 of loop l, -1 where it carries only end 1.
@@ -128,10 +128,10 @@ class Plane:
     loop_points: ComplexArray
     loop_heights: Array
     resists_tilting: NDArray[np.bool_]
-    coupled: Array
-    coupling_rows: tuple[Mapping[int, float], ...]
+    relation_slopes: Array
+    relation_rows: tuple[Mapping[int, float], ...]
+    relation_units: Array
     offsets: Array
-    followers: tuple[int, ...]
     racks: tuple[Rack, ...]
     blocks: tuple[Block, ...]
     subtree: Array
@@ -212,21 +212,18 @@ def put_normal(plane: Plane, values: Array, out: Array) -> None:
             np.multiply(values, along, out=out[..., i])
 
 
-def build_plane(
-    model: pin.Model, loops: Sequence[LoopJoint], couplings: Sequence[Coupling], driver: int, one_block: bool = False
-) -> Plane | None:
+def build_plane(structure: Structure, one_block: bool = False) -> Plane | None:
     """Constants of a linkage with one driver.
 
     None where the linkage is not planar, or where its equations do not fall into blocks with as many unknown joints as equations, or fewer.
 
     Args:
-        model: Pinocchio's model of the tree.
-        loops: its loop joints.
-        couplings: its gear pairs.
-        driver: index of the driver joint in v.
+        structure: of the linkage.
         one_block: whether to solve all equations together.
     """
-    place, directions, turning = _drawn_joints(model)
+    model, loops, relations, driver = structure.model, structure.loops, structure.relations, structure.drivers[0]
+    place, turning = drawn_placements(model), [axis.turns for axis in structure.axes]
+    directions = [p.rotation @ axis.direction for p, axis in zip(place[1:], structure.axes, strict=True)]
     normal = _normal(directions, turning, driver)
     if normal is None or _misalignment(directions, turning, normal) > PARALLEL:
         return None
@@ -237,8 +234,8 @@ def build_plane(
     gaps = [_difference(second.row, first.row) for first, second in ends]
     if any(abs(first.height - second.height) > PARALLEL * _length(gap) for (first, second), gap in zip(ends, gaps, strict=True)):
         return None
-    incidence = [joints_between(tree.parents, loop.joint1 - 1, loop.joint2 - 1) for loop in loops]
-    blocks = ordered_blocks(incidence, couplings, driver, count, one_block)
+    incidence = structure.joints_of_loop
+    blocks = ordered_blocks(incidence, relations, driver, count, one_block)
     if blocks is None:
         return None
     revolute, prismatic = tree.revolute, tree.prismatic
@@ -247,8 +244,8 @@ def build_plane(
     if size <= ROUNDING * reach:  # slides alone go round the loops, so that the lengths round them are the rounding of points
         size = reach
     size = size or 1.0
-    units = [size if turning[coupling.follower] else 1.0 for coupling in couplings]
-    coupling_rows = [_coupling_row(coupling, unit) for coupling, unit in zip(couplings, units, strict=True)]
+    units = np.array([size if turning[relation.joint] else 1.0 for relation in relations])
+    slopes = units[:, None] * array_of([relation.coefficients for relation in relations], count, float)
     carriers = [_ancestry(tree.parents, j) for j in range(count)]
     spin = [{k: tree.sense[k] for k in line if turning[k]} for line in carriers]
     centers = [{tree.rotors[j]: tree.flat(place[j + 1].rotation @ model.inertias[j + 1].lever)} for j in range(count)]
@@ -275,23 +272,17 @@ def build_plane(
         loop_points=array_of([first.row for first, _ in ends], 1 + count),
         loop_heights=np.array([first.height for first, _ in ends]),
         resists_tilting=np.array([loop.held_rotations > 0 for loop in loops], dtype=bool),
-        coupled=array_of(coupling_rows, count, float),
-        coupling_rows=tuple({joint: by for joint, by in row.items() if by} for row in coupling_rows),
-        offsets=np.array([unit * coupling.offset for coupling, unit in zip(couplings, units, strict=True)]),
-        followers=tuple(coupling.follower for coupling in couplings),
-        racks=racks(model, joint_axes(model), couplings),
+        relation_slopes=slopes,
+        relation_rows=tuple({joint: float(row[joint]) for joint in np.flatnonzero(row).tolist()} for row in slopes),
+        relation_units=units,
+        offsets=units * [relation.offset for relation in relations],
+        racks=structure.racks,
         blocks=blocks,
         subtree=array_of(_transposed([dict.fromkeys(line, 1.0) for line in carriers], count), count, float),
         incidence=array_of(_transposed(incidence, count), len(loops), float),
         loops_of_joint=tuple(_transposed(incidence, count)),
         size=size,
     )
-
-
-def _drawn_joints(model: pin.Model) -> tuple[list[pin.SE3], list[Array], list[bool]]:
-    """Placements of the world and the joints in the drawn pose, the joints' axes in the world, and whether they turn."""
-    place, found = drawn_placements(model), joint_axes(model)
-    return place, [p.rotation @ axis.direction for p, axis in zip(place[1:], found, strict=True)], [axis.turns for axis in found]
 
 
 def _normal(directions: Sequence[Array], turning: Sequence[bool], driver: int) -> Array | None:
@@ -364,7 +355,7 @@ class _PlanarTree(NamedTuple):
 def _planar_tree(
     model: pin.Model, place: Sequence[pin.SE3], directions: Sequence[Array], turning: Sequence[bool], normal: Array
 ) -> _PlanarTree:
-    """The tree from what `_drawn_joints` found."""
+    """The tree from placements of the world and the joints in the drawn pose, the joints' axes in the world, and whether they turn."""
     normal, axes = _axes_of_plane(normal)
     parents = tuple(int(parent) - 1 for parent in list(model.parents)[1:])
     revolute, prismatic = (tuple(j for j in range(model.nv) if turning[j] is turns) for turns in (True, False))
@@ -393,11 +384,6 @@ def _axes_of_plane(normal: Array) -> tuple[Array, Array]:
     first = start - (start @ normal) * normal
     first /= np.linalg.norm(first)
     return normal, np.array([first, np.cross(normal, first)]) + 0.0  # + 0.0 turns -0.0 into 0.0
-
-
-def _coupling_row(coupling: Coupling, unit: float) -> dict[int, float]:
-    """Coefficients of a coupling equation by joints, rising."""
-    return dict(sorted({coupling.follower: unit, coupling.leader: -unit * coupling.multiplier}.items()))
 
 
 def _moved(row: Entries, rotor: int, step: complex) -> dict[int, complex]:
@@ -438,7 +424,7 @@ def _ancestry(parents: Sequence[int], joint: int) -> list[int]:
 
 
 def ordered_blocks(
-    between: Sequence[Collection[int]], couplings: Sequence[Coupling], driver: int, joints: int, one_block: bool
+    between: Sequence[Collection[int]], relations: Sequence[Relation], driver: int, joints: int, one_block: bool
 ) -> tuple[Block, ...] | None:
     """The equations in blocks as small as possible, ordered so that each needs only the joints of the ones before it.
 
@@ -446,14 +432,15 @@ def ordered_blocks(
 
     Args:
         between: of every loop the joints between its ends.
-        couplings: the gear pairs.
+        relations: between joint coordinates.
         driver: index of the driver joint.
         joints: number of joints.
         one_block: whether to put all equations into one block.
     """
     loops = len(between)
-    # couplings stand first, so that redundant equations are found among the loops
-    involved: dict[int, Collection[int]] = {loops + k: {c.follower, c.leader} for k, c in enumerate(couplings)} | dict(enumerate(between))
+    # relations stand first, so that redundant equations are found among the loops
+    involved: dict[int, Collection[int]] = {loops + k: set(relation.coefficients) for k, relation in enumerate(relations)}
+    involved |= dict(enumerate(between))
     known, blocks = {driver}, []
     for found, unknown in ordered_groups(involved, lambda k: 2 if k < loops else 1, known, one_block=one_block) or ():
         members = tuple(k for k in found if k < loops)

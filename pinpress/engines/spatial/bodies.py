@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...common.frozen import Frozen
 from ...common.quantities import Array
 from ..engine import ClosedStates, EnergyRates, PowerBalance
-from ..pinocchio.model import SpatialModel
+from ..structure import Structure
 from ..wrenches import AppliedForce
 
 ACROSS = (slice(1, 3), slice(2, None, -2), slice(0, 2))  # the other two axes of a frame, in cyclic order after each
@@ -53,11 +53,11 @@ class Bodies(Frozen):
     gravity: Array
 
 
-def build_bodies(spatial: SpatialModel) -> Bodies:
+def build_bodies(structure: Structure) -> Bodies:
     """The constants of a linkage."""
-    model = spatial.model
+    model = structure.model
     inertias, placement, along, aligned = list(model.inertias)[1:], [], [], []
-    for place, axis in zip(list(model.jointPlacements)[1:], spatial.axes, strict=True):
+    for place, axis in zip(list(model.jointPlacements)[1:], structure.axes, strict=True):
         own = int(np.argmax(axis.direction))
         turned_frame = None if np.array_equal(axis.direction, np.eye(3)[own]) else _frame_with(axis.direction)
         frame = place.rotation if turned_frame is None else place.rotation @ turned_frame
@@ -66,7 +66,7 @@ def build_bodies(spatial: SpatialModel) -> Bodies:
         aligned.append(turned_frame)
     return Bodies(
         parents=tuple(int(parent) for parent in list(model.parents)[1:]),
-        turns=np.array([axis.turns for axis in spatial.axes]),
+        turns=np.array([axis.turns for axis in structure.axes]),
         placement=np.array(placement),
         along=tuple(along),
         aligned=tuple(aligned),

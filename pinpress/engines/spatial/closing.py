@@ -55,7 +55,7 @@ class PassiveColumns:
 
     def rates(self, target: Array) -> Array:
         """Joint rates (nv, n), those of drivers zero, that change the gaps by ``target`` (rows, n) in the least-squares sense."""
-        result = np.zeros((self.loops.spatial.model.nv, self.n))
+        result = np.zeros((self.loops.structure.model.nv, self.n))
         if self._blocks is not None:
             self._blocks.rates(target, result)
         if not self.regular:
@@ -124,7 +124,7 @@ def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins
 
 
 def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool, by: Kinematics) -> Closure:
-    moving = list(loops.spatial.drivers)
+    moving = list(loops.structure.drivers)
     x = guess.copy()
     x[moving] = drivers
     found, gap, steps = _solved(loops, x, by)
@@ -145,7 +145,7 @@ def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margin
 def _solved(loops: Loops, x: Array, by: Kinematics) -> tuple[Equations, Array, int]:
     """The equations where Newton's method ends, from joint coordinates (nv, n), which it changes; their largest gaps (n,) [m], not finite
     where it failed; and the number of steps."""
-    tolerance = loops.spatial.tolerance
+    tolerance = loops.structure.tolerance
     before, steps = np.full(x.shape[1], np.inf), 0
     while True:
         found = by.equations(loops, x)
@@ -168,7 +168,7 @@ def rates(loops: Loops, position: Array, speed: Array, acceleration: Array, by: 
         pieces = (slice(k, k + step) for k in range(0, n, step))
         parts = [rates(loops, position[:, piece], speed[:, piece], acceleration[:, piece], by) for piece in pieces]
         return JointRates(*(np.concatenate([part[k] for part in parts], axis=-1) for k in range(3)))
-    moving, found = list(loops.spatial.drivers), by.equations(loops, position)
+    moving, found = list(loops.structure.drivers), by.equations(loops, position)
     passive, columns = PassiveColumns(loops, found.entries, by.in_blocks), found.driving
     v = passive.rates(-np.einsum("rdn,dn->rn", columns, speed))
     v[moving] = speed

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
-from ..pinocchio.engine import PinocchioEngine
+from ..pinocchio.kinematics import redundant
+from ..structure import Structure
 from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import bodies, closing, equations
 from .equations import AT_ONCE, Loops, build_loops
@@ -22,17 +23,17 @@ class SpatialEngine:
     """The engine of a linkage in space; see `Engine`.
 
     Attributes:
-        one_by_one: Pinocchio's engine of the linkage.
+        structure: of the linkage.
     """
 
-    one_by_one: PinocchioEngine
+    structure: Structure
 
     name = "space"
 
     @cached_property
     def loops(self) -> Loops:
         """Constants of the linkage."""
-        return build_loops(self.one_by_one.spatial)
+        return build_loops(self.structure)
 
     @property
     def piece(self) -> int:
@@ -40,7 +41,7 @@ class SpatialEngine:
 
     @property
     def tolerance(self) -> float:
-        return self.one_by_one.tolerance
+        return self.structure.tolerance
 
     @property
     def directions(self) -> Array:
@@ -67,10 +68,10 @@ class SpatialEngine:
         return equations.gaps(self.loops, position)
 
     def redundant(self, x: Array) -> bool:
-        return self.one_by_one.redundant(x)
+        return redundant(self.structure, x)
 
     def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
-        return self.one_by_one.closing_order()
+        return enumerate(self.structure.joints_of_constraints)
 
     # -------------------------------------------------------------------------------------------------------------------- motion
 

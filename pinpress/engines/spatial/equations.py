@@ -1,6 +1,6 @@
-"""The equations of loops and couplings in space at all configurations at once.
+"""The equations of loops and relations in space at all configurations at once.
 
-Equations, their order and their scaling are those of `pinocchio.model`. Of their Jacobian only the entries are computed that can differ
+Equations, their order and their scaling are those of `engines.structure`. Of their Jacobian only the entries are computed that can differ
 from zero: a joint moves only the loops that it is on.
 """
 
@@ -20,11 +20,11 @@ from ...common.products import product
 from ...common.quantities import Array
 from ..engine import PIECE
 from ..friction import REST
-from ..joints import array_of
-from ..pinocchio.model import PARALLEL_TO_ROUNDING, SpatialModel, coupling_equations
+from ..structure import Structure, array_of
 from .blocks import Blocks, build_blocks
 from .bodies import Bodies, Placements, accelerations, build_bodies, cross, displaced, motion_axes, placements, turned, velocities
 
+PARALLEL_TO_ROUNDING = 1e-14  # sine of an angle that rounding leaves between parallel axes: an entry as small is zero
 JACOBIANS = 500_000  # entries of the Jacobians of all configurations that are worked through at a time
 HALF_TURN = -0.99  # cosine of an angle from which on the logarithm of a rotation needs care
 
@@ -34,7 +34,7 @@ class Loops(Frozen):
     """Constants of the equations of a linkage.
 
     Attributes:
-        spatial: constants of the linkage for Pinocchio's engine.
+        structure: of the linkage.
         bodies: constants of its bodies.
         joint: (2, nl) Pinocchio's indices of the joints whose bodies carry ends 1 and 2.
         point: (2, nl, 3) ends in the frames of these joints [m].
@@ -42,14 +42,12 @@ class Loops(Frozen):
         pair_loop: (np,) a loop of each pair of a loop and a joint that carries one of its ends alone.
         pair_joint: (np,) index in v of the joint of each pair.
         pair_end: (np,) the end that it carries, 0 for end 1, 1 for end 2.
-        coupled: (nc, nv) coefficients of the couplings.
-        offsets: (nc,) their right-hand sides.
         entries: (2, ne) equation and joint of every entry of the Jacobian that can differ from zero: three for each pair, then those of
-            the rotations that bearings prevent, loop by loop and joint by joint, then those of the couplings.
+            the rotations that bearings prevent, loop by loop and joint by joint, then those of the relations.
         rows: number of equations.
     """
 
-    spatial: SpatialModel
+    structure: Structure
     bodies: Bodies
     joint: NDArray[np.intp]
     point: Array
@@ -57,8 +55,6 @@ class Loops(Frozen):
     pair_loop: NDArray[np.intp]
     pair_joint: NDArray[np.intp]
     pair_end: NDArray[np.intp]
-    coupled: Array
-    offsets: Array
     entries: NDArray[np.intp]
     rows: int
 
@@ -71,21 +67,21 @@ class Loops(Frozen):
     def _irregular(self) -> Array:
         """(ne + 1, 1) see `Equations.entries`, in a configuration in which nothing is as it is by accident; it leaves the loops open."""
         turns = self.bodies.turns
-        x = np.where(turns, 0.2, 0.2 * self.spatial.size) * np.sin(1.0 + 1.7 * np.arange(len(turns)))
+        x = np.where(turns, 0.2, 0.2 * self.structure.size) * np.sin(1.0 + 1.7 * np.arange(len(turns)))
         return equations(self, x[:, None]).entries
 
     @cached_property
     def blocks(self) -> Blocks | None:
         """The order in which the equations are solved; None where there are fewer of them than passive joints."""
-        spatial, count = self.spatial, len(self.spatial.loops)
-        held = np.repeat(np.arange(count), [loop.held_rotations for loop in spatial.loops])
-        members = np.concatenate([np.repeat(np.arange(count), 3), held, count + np.arange(len(self.offsets))])
+        structure, count = self.structure, len(self.structure.loops)
+        held = np.repeat(np.arange(count), [loop.held_rotations for loop in structure.loops])
+        members = np.concatenate([np.repeat(np.arange(count), 3), held, count + np.arange(len(structure.relations))])
         return build_blocks(self.entries, self._irregular[:-1, 0], members, self.passive)
 
     @cached_property
     def driving_places(self) -> NDArray[np.intp]:
         """(rows, drivers) see `places_in`."""
-        return self.places_in(np.array(self.spatial.drivers, dtype=np.intp))
+        return self.places_in(np.array(self.structure.drivers, dtype=np.intp))
 
     @cached_property
     def passive_places(self) -> NDArray[np.intp]:
@@ -104,9 +100,11 @@ class Loops(Frozen):
 
     @cached_property
     def fixed_entries(self) -> Array:
-        """(entries of couplings, 1) the entries of the Jacobian that do not change."""
-        own = self.entries[:, self.entries[0] >= self.rows - len(self.offsets)]
-        return np.array([[self.coupled[row - self.rows + len(self.offsets), joint]] for row, joint in own.T]).reshape(-1, 1)
+        """(entries of relations, 1) the entries of the Jacobian that do not change."""
+        slopes = self.structure.relation_slopes
+        first = self.rows - len(slopes)
+        rows, joints = self.entries[:, self.entries[0] >= first]
+        return np.asarray(slopes[rows - first, joints][:, None])
 
     @cached_property
     def pair_sign(self) -> Array:
@@ -122,7 +120,7 @@ class Loops(Frozen):
     @cached_property
     def spinning(self) -> Array:
         """(nl, nv) sums over the joints on a loop, +1 where a joint carries only its end 2, -1 where only its end 1."""
-        return np.asarray(array_of(self.spatial.joints_of_loop, len(self.bodies.parents), float))
+        return np.asarray(array_of(self.structure.joints_of_loop, len(self.bodies.parents), float))
 
     @cached_property
     def pair_turns(self) -> NDArray[np.bool_]:
@@ -130,31 +128,28 @@ class Loops(Frozen):
         return np.asarray(self.bodies.turns[self.pair_joint])
 
 
-def build_loops(spatial: SpatialModel) -> Loops:
+def build_loops(structure: Structure) -> Loops:
     """The constants of a linkage."""
-    loops, bodies = spatial.loops, build_bodies(spatial)
-    pairs = [(k, joint, int(sign > 0)) for k, joints in enumerate(spatial.joints_of_loop) for joint, sign in joints.items()]
+    loops, bodies = structure.loops, build_bodies(structure)
+    pairs = [(k, joint, int(sign > 0)) for k, joints in enumerate(structure.joints_of_loop) for joint, sign in joints.items()]
     pair_loop, pair_joint, pair_end = np.array(pairs, dtype=np.intp).reshape(-1, 3).T.copy()
-    coupled, offsets = coupling_equations(spatial)
     entries = [(3 * k + row, joint) for k, joint, _ in pairs for row in range(3)]
     row = 3 * len(loops)
-    for loop, joints in zip(loops, spatial.joints_of_loop, strict=True):
+    for loop, joints in zip(loops, structure.joints_of_loop, strict=True):
         entries += [(row + held, joint) for joint in joints if bodies.turns[joint] for held in range(loop.held_rotations)]
         row += loop.held_rotations
-    entries += [(row + k, joint) for k, coupling in enumerate(coupled) for joint in coupling]
+    entries += [(row + k, joint) for k, relation in enumerate(structure.relations) for joint in relation.coefficients]
     return Loops(
-        spatial=spatial,
+        structure=structure,
         bodies=bodies,
         joint=np.array([[loop.joint1 for loop in loops], [loop.joint2 for loop in loops]], dtype=np.intp),
         point=np.array([[loop.point1 for loop in loops], [loop.point2 for loop in loops]]).reshape(2, len(loops), 3),
-        passive=np.array(spatial.passive_joints, dtype=np.intp),
+        passive=np.array(structure.passive_joints, dtype=np.intp),
         pair_loop=pair_loop,
         pair_joint=pair_joint,
         pair_end=pair_end,
-        coupled=array_of(coupled, spatial.model.nv, float),
-        offsets=offsets,
         entries=np.array(entries, dtype=np.intp).reshape(-1, 2).T.copy(),
-        rows=row + len(offsets),
+        rows=row + len(structure.relations),
     )
 
 
@@ -186,7 +181,7 @@ class Equations:
         return self.entries.take(self.loops.driving_places, axis=0)
 
     def widest(self) -> Array:
-        """Largest gaps (n,) of a loop or coupling [m]."""
+        """Largest gaps (n,) of a loop or relation [m]."""
         loops, n = self.ends.shape[1], self.gaps.shape[1]
         points = np.sqrt((self.gaps[: 3 * loops].reshape(loops, 3, n) ** 2).sum(axis=1)).max(axis=0, initial=0.0)
         return np.asarray(np.maximum(points, np.abs(self.gaps[3 * loops :]).max(axis=0, initial=0.0)))
@@ -220,9 +215,9 @@ def equations(loops: Loops, x: Array, moved: Moved | None = None) -> Equations:
     entries[: 3 * pairs] = _moving_pairs(loops, placed, ends).reshape(3 * pairs, n)
     held = _fill_rotation_rows(loops, placed, gaps, entries[3 * pairs :])
     entries[-1] = 0.0
-    if len(loops.offsets):
+    if relations := len(loops.structure.relations):
         entries[-1 - len(loops.fixed_entries) : -1] = loops.fixed_entries
-        gaps[-len(loops.offsets) :] = loops.coupled @ x - loops.offsets[:, None]
+        gaps[-relations:] = loops.structure.relation_slopes @ x - loops.structure.relation_offsets[:, None]
     return Equations(loops, x, placed, ends, gaps, entries, held)
 
 
@@ -238,9 +233,9 @@ def _moving_pairs(loops: Loops, placed: Placements, ends: Array) -> Array:
 
 def _fill_rotation_rows(loops: Loops, placed: Placements, gaps: Array, entries: Array) -> list[Array]:
     """Fill in the gaps and the ``entries`` of the rotations that bearings prevent, and return their world axes."""
-    spatial, n = loops.spatial, gaps.shape[1]
-    row, entry, held = 3 * len(spatial.loops), 0, []
-    for k, loop in enumerate(spatial.loops):
+    structure, n = loops.structure, gaps.shape[1]
+    row, entry, held = 3 * len(structure.loops), 0, []
+    for k, loop in enumerate(structure.loops):
         if not loop.held_rotations:
             held.append(np.empty((3, 0, n)))
             continue
@@ -254,12 +249,12 @@ def _fill_rotation_rows(loops: Loops, placed: Placements, gaps: Array, entries: 
             error = np.einsum("ikn,kn->in", first, _logarithm(np.einsum("kin,kjn->ijn", first, second)))
         prevented = first[:, 3 - loop.held_rotations :]
         rows = slice(row, row + loop.held_rotations)
-        gaps[rows] = spatial.size * np.einsum("ihn,in->hn", prevented, error)
-        for joint, sign in spatial.joints_of_loop[k].items():
+        gaps[rows] = structure.size * np.einsum("ihn,in->hn", prevented, error)
+        for joint, sign in structure.joints_of_loop[k].items():
             if loops.bodies.turns[joint]:
                 along = np.einsum("ihn,in->hn", prevented, sign * placed.axis[joint])
                 along[np.abs(along) < PARALLEL_TO_ROUNDING] = 0.0
-                np.multiply(spatial.size, along, out=entries[entry : entry + loop.held_rotations])
+                np.multiply(structure.size, along, out=entries[entry : entry + loop.held_rotations])
                 entry += loop.held_rotations
         held.append(prevented)
         row += loop.held_rotations
@@ -285,7 +280,7 @@ def gaps(loops: Loops, position: Array) -> Array:
 
 def drift(loops: Loops, found: Equations, axes: Array, v: Array) -> Array:
     """Second derivative (rows, n) of the gaps at joint rates (nv, n) and no joint acceleration; ``axes``: of `motion_axes`."""
-    spatial, count = loops.spatial, len(loops.spatial.loops)
+    structure, count = loops.structure, len(loops.structure.loops)
     moved = velocities(loops.bodies, axes, v)
     changed = accelerations(loops.bodies, axes, moved, v, None)
     spin, linear = moved.spin[loops.joint], moved.linear[loops.joint]
@@ -294,12 +289,12 @@ def drift(loops: Loops, found: Equations, axes: Array, v: Array) -> Array:
     result = np.zeros_like(found.gaps)
     result[: 3 * count] = (of_ends[1] - of_ends[0]).reshape(3 * count, v.shape[1])
     row = 3 * count
-    for k, (loop, held) in enumerate(zip(spatial.loops, found.held, strict=True)):
+    for k, (loop, held) in enumerate(zip(structure.loops, found.held, strict=True)):
         if loop.held_rotations:
             (spin1, spin2), (turned1, turned2) = spin[:, k], changed.turning[loops.joint[:, k]]
             # of t . (spin2 - spin1), where the direction t turns with body 1
             relative = turned2 - turned1 + cross(spin2 - spin1, spin1)
-            result[row : row + loop.held_rotations] = spatial.size * np.einsum("ihn,in->hn", held, relative)
+            result[row : row + loop.held_rotations] = structure.size * np.einsum("ihn,in->hn", held, relative)
             row += loop.held_rotations
     return result
 
@@ -314,10 +309,10 @@ def loop_turning(loops: Loops, placed: Placements, v: Array) -> tuple[Array, Arr
     turning = np.where(loops.bodies.turns[:, None, None], placed.axis, 0.0) * v[:, None]
     count, _, n = turning.shape
     spins = np.asarray(product(loops.spinning, turning.reshape(count, 3 * n)).reshape(-1, 3, n))
-    speeds, lengths = np.sqrt((spins * spins).sum(axis=1)), np.where(loops.bodies.turns, 1.0, loops.spatial.size)
+    speeds, lengths = np.sqrt((spins * spins).sum(axis=1)), np.where(loops.bodies.turns, 1.0, loops.structure.size)
     speeds[speeds <= REST * (np.abs(v) / lengths[:, None]).max(axis=0)] = 0.0
     axes = np.where(speeds[:, None] > 0.0, spins / np.where(speeds > 0.0, speeds, 1.0)[:, None], 0.0)
-    for k, loop in enumerate(loops.spatial.loops):
+    for k, loop in enumerate(loops.structure.loops):
         if loop.type == "revolute":
             axes[k] = np.einsum("ikn,k->in", placed.rotation[loop.joint1], loop.rotation1[:, 0])
             speeds[k] = (axes[k] * spins[k]).sum(axis=0)

@@ -53,8 +53,8 @@ class Method(NamedTuple):
 
 def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedConditions, bearings: bool, by: Method) -> Wrenches:
     """Driving torque and the wrenches of joints and loops; see `Engine.inverse_dynamics`."""
-    spatial, n, law = loops.spatial, states.v.shape[1], conditions.law
-    result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), spatial.model.nv + len(spatial.loops), n, bearings)
+    structure, n, law = loops.structure, states.v.shape[1], conditions.law
+    result = Wrenches.zeros(len(structure.drivers), len(structure.relations), structure.model.nv + len(structure.loops), n, bearings)
     pieces = [slice(start, start + loops.piece) for start in range(0, n, loops.piece)]
     fastest = None if law is None or len(pieces) == 1 else law.moving(_speeds(loops, states, pieces, by))
     for some in pieces:
@@ -87,10 +87,10 @@ def bearing_loads(
 
 
 def indeterminate(loops: Loops, position: Array, axes: Array, by: Method) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Force and moment components (bearings, 6) along the rows of ``axes`` (3, 3), and coupling torques (nc,), that idle forces change in
-    any of the positions (nv, n); see `Engine.indeterminate`."""
-    spatial = loops.spatial
-    marks, couplings = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
+    """Force and moment components (bearings, 6) along the rows of ``axes`` (3, 3), and efforts of relations (nr,), that idle forces
+    change in any of the positions (nv, n); see `Engine.indeterminate`."""
+    structure = loops.structure
+    marks, relations = np.zeros((structure.model.nv + len(structure.loops), 6), dtype=bool), np.zeros(len(structure.relations), dtype=bool)
     for start in range(0, position.shape[1], loops.piece):
         found = by.kinematics.equations(loops, position[:, start : start + loops.piece])
         for part in PassiveColumns(loops, found.entries, by.kinematics.in_blocks).parts:
@@ -100,11 +100,11 @@ def indeterminate(loops: Loops, position: Array, axes: Array, by: Method) -> tup
             forces, moments = _loop_wrenches(loops, found, part.states, idle)
             for place, vectors, unit in (
                 (0, _forces_of_bearings(loops, forces), 1.0),
-                (3, _moments_of_bearings(loops, found, part.states, forces, moments), spatial.size),
+                (3, _moments_of_bearings(loops, found, part.states, forces, moments), structure.size),
             ):
                 marks[:, place : place + 3] |= np.abs(np.einsum("ai,kbim->bakm", axes, vectors)).max(axis=(2, 3)) > RANK * unit
-            couplings |= np.abs(idle[:, loops.rows - len(couplings) :]).max(axis=(0, 2)) > RANK
-    return marks, couplings
+            relations |= np.abs(idle[:, loops.rows - len(relations) :]).max(axis=(0, 2)) > RANK
+    return marks, relations
 
 
 def _open_tree(loops: Loops, found: Equations, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
@@ -169,20 +169,20 @@ class _Balance:
         else:
             self.found, self.passive = states.solved
         self.effort, self.force, self.moment = by.open_tree(loops, self.found, states, loads)
-        self.size = loops.spatial.size
+        self.size = loops.structure.size
 
     def _refuse_open(self, found: Equations) -> None:
-        spatial = self.loops.spatial
-        wrong = ~(np.abs(found.gaps).max(axis=0, initial=0.0) <= LOOSEST * spatial.size)
+        structure = self.loops.structure
+        wrong = ~(np.abs(found.gaps).max(axis=0, initial=0.0) <= LOOSEST * structure.size)
         if wrong.any():
             i = int(np.argmax(wrong))
             gap = float(found.widest()[i])
-            raise other_linkage(float(self.states.position[spatial.drivers[0], i]), gap, spatial.place(self.states.position[:, i]))
+            raise other_linkage(float(self.states.position[structure.drivers[0], i]), gap, structure.place(self.states.position[:, i]))
 
     # -------------------------------------------------------------------------------------------------------------------- friction
 
     def no_friction(self) -> _Friction:
-        return _Friction(np.zeros((self.count, self.n)), np.zeros((len(self.loops.spatial.loops), 3, self.n)))
+        return _Friction(np.zeros((self.count, self.n)), np.zeros((len(self.loops.structure.loops), 3, self.n)))
 
     def friction(self, efforts: Array, directions: Array) -> _Friction:
         """Friction of efforts (bearings, n) about directions (bearings, 3, n)."""
@@ -217,16 +217,17 @@ class _Balance:
             vectors = self.radial(self.multipliers(self.friction(efforts, directions)), directions)
             return np.asarray(np.sqrt(np.einsum("bin,bin->bn", vectors, vectors)))
 
-        spatial = self.loops.spatial
-        efforts = law.efforts(speeds, radial, lambda state: spatial.place(self.states.position[:, state]))
+        structure = self.loops.structure
+        efforts = law.efforts(speeds, radial, lambda state: structure.place(self.states.position[:, state]))
         friction = self.friction(efforts, directions)
         return self.multipliers(friction), friction, -efforts * speeds
 
     def radial(self, multipliers: Array, directions: Array) -> Array:
         """Vectors (bearings, 3, n) across the axes of the bearings, whose lengths are the radial forces [N]."""
-        forces, placed, spatial = self._forces(multipliers), self.found.placed, self.loops.spatial
-        for rack in spatial.racks:
-            efforts = spatial.follower_unit(rack.coupling) * multipliers[self.loops.rows - len(spatial.couplings) + rack.coupling]
+        forces, placed, structure = self._forces(multipliers), self.found.placed, self.loops.structure
+        for rack in structure.racks:
+            row = self.loops.rows - len(structure.relations) + rack.relation
+            efforts = structure.relation_units[rack.relation] * multipliers[row]
             forces[rack.shaft] += rack.by_torque * efforts * placed.axis[rack.slide]
         return cross(forces, directions)
 
@@ -300,7 +301,7 @@ class _Balance:
         return vectors
 
     def _needed(self, friction: _Friction) -> Array:
-        """Efforts (nv, n) that loops, couplings and drives have to supply: those of the open tree less friction."""
+        """Efforts (nv, n) that loops, relations and drives have to supply: those of the open tree less friction."""
         needed: Array = self.effort - friction.efforts
         if friction.couples.any():
             loops = self.loops
@@ -314,11 +315,11 @@ class _Balance:
 
     def fill(self, result: Wrenches, multipliers: Array, friction: _Friction, bearings: bool) -> None:
         """Write the wrenches of these states into the result."""
-        loops, spatial = self.loops, self.loops.spatial
-        driving = list(spatial.drivers)
+        loops, structure = self.loops, self.loops.structure
+        driving = list(structure.drivers)
         result.torque[:] = self._needed(friction)[driving] - np.einsum("rdn,rn->dn", self.found.driving, multipliers)
-        units = np.array([spatial.follower_unit(k) for k in range(len(spatial.couplings))])
-        result.coupling[:] = units[:, None] * multipliers[loops.rows - len(units) :]
+        units = structure.relation_units
+        result.relations[:] = units[:, None] * multipliers[loops.rows - len(units) :]
         if bearings:
             result.force[:] = self._forces(multipliers).transpose(0, 2, 1)
             result.moment[:] = self._moments(multipliers, friction).transpose(0, 2, 1)
@@ -344,7 +345,7 @@ def _configurations_last(idle: Array) -> Array:
 
 def _loop_forces(loops: Loops, multipliers: Array) -> Array:
     """Forces (k, nl, 3, m) of the loops from multipliers (k, rows, m)."""
-    count = len(loops.spatial.loops)
+    count = len(loops.structure.loops)
     return multipliers[:, : 3 * count].reshape(len(multipliers), count, 3, multipliers.shape[2])
 
 
@@ -352,10 +353,10 @@ def _loop_wrenches(loops: Loops, found: Equations, states: NDArray[np.intp] | sl
     """Forces and moments (k, nl, 3, m) of the loops from multipliers (k, rows, m)."""
     forces = _loop_forces(loops, multipliers)
     moments, row = np.zeros_like(forces), 3 * forces.shape[1]
-    for index, loop in enumerate(loops.spatial.loops):
+    for index, loop in enumerate(loops.structure.loops):
         if loop.held_rotations:
             own = multipliers[:, row : row + loop.held_rotations]
-            moments[:, index] = loops.spatial.size * np.einsum("ihm,khm->kim", found.held[index][:, :, states], own)
+            moments[:, index] = loops.structure.size * np.einsum("ihm,khm->kim", found.held[index][:, :, states], own)
             row += loop.held_rotations
     return forces, moments
 

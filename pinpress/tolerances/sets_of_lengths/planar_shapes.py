@@ -69,7 +69,7 @@ class PlanarShapes(Shapes):
         plane = self.plane
         basis = basis_at(plane, x)
         gaps = self._opened(basis, added)
-        slips = plane.coupled @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
+        slips = plane.relation_slopes @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
         gap = np.abs(gaps).max(axis=0, initial=0.0)
         if len(slips):
             gap = np.maximum(gap, np.abs(slips).max(axis=0))

@@ -50,8 +50,8 @@ class SpatialShapes(Shapes):
         ends = np.stack([each.ends.swapaxes(0, 1) for each in moved], axis=-1)
         guide = press.slide_guide
         along = press.model.jointPlacements[guide.joint + 1].rotation @ press.axes[guide.joint].direction
-        loops = build_loops(press.spatial_model)
-        return SpatialShapes(press, along @ joints[guide.joint], press.spatial_model.tolerance, loops, joints, ends)
+        loops = build_loops(press.structure)
+        return SpatialShapes(press, along @ joints[guide.joint], press.structure.tolerance, loops, joints, ends)
 
     def added(self, deviations: Array) -> Moved:
         return Moved(self.joints @ deviations, self.ends @ deviations)

@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from ...common.errors import PinpressError
 from ...common.quantities import Array
-from ...engines.joints import drawn_placements
+from ...engines.structure import drawn_placements
 from ...linkage.linkage import Linkage
 from ...linkage.writing import AddedBallast
 

@@ -54,7 +54,7 @@ def test_solutions_are_those_of_all_equations_at_once(factorised):
     wanted = np.sin(1.0 + np.arange(len(passive) * 5.0)).reshape(len(passive), 5)
     rates = solved.rates(np.einsum("nrk,kn->rn", columns, wanted))
     np.testing.assert_allclose(rates[passive], wanted, rtol=0, atol=1e-12)
-    assert not rates[list(in_space(press).one_by_one.spatial.drivers)].any()
+    assert not rates[list(in_space(press).structure.drivers)].any()
 
     effort = np.zeros((press.model.nv, 5))
     effort[passive] = wanted

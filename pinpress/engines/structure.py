@@ -1,0 +1,253 @@
+"""The structure of a linkage: the tree of its joints, its constraints and drivers, its size; and the coordinates of its joints.
+
+Every joint has one coordinate, in the order of v: an angle [rad], unwrapped, or a travel [m], zero in the drawn pose. Pinocchio's q holds
+these coordinates too, but for an unbounded (``continuous``) joint it holds the cosine and sine of its angle.
+
+The equations of a structure are, in this order: for every loop the distance of its ends, three rows (point 2 less point 1, world axes); for
+every loop the rotations that its bearing prevents, of body 2 against body 1 about axes of end 1; one row for every relation. Rows of angles
+[rad] are multiplied by the size of the linkage, so that all rows are lengths and can be compared. The multiplier of such a row is a torque
+divided by that length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from ..common.errors import PinpressError
+from ..common.quantities import CRANK, RAM, Array, DriverCoordinate
+from .constraints import LoopJoint, Relation
+from .racks import Rack, find_racks
+
+MOST_JOINTS = 200  # `pin.Data` has 7 arrays whose size grows with the cube of the joints: half a gigabyte at this number
+
+Entries = Mapping[int, complex]
+"""A row of a matrix: its entries by their columns."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Structure:
+    """What the engines compute with: a linkage without names and masses of its links.
+
+    Attributes:
+        model: Pinocchio's model of the tree.
+        loops: bearings at which loops were cut, as declared.
+        relations: between joint coordinates, as declared.
+        drivers: indices of the driver joints in v.
+        size: length of the linkage [m]: largest extent of joints and loop points in the drawn pose.
+        tolerance: gap at which a loop is closed to rounding [m].
+        slots: places of the joints in q.
+        axes: axes of the joints.
+    """
+
+    model: pin.Model
+    loops: tuple[LoopJoint, ...]
+    relations: tuple[Relation, ...]
+    drivers: tuple[int, ...]
+    size: float
+    tolerance: float
+    slots: tuple[Slot, ...]
+    axes: tuple[Axis, ...]
+
+    @cached_property
+    def parents(self) -> tuple[int, ...]:
+        """(nv,) index in v of every joint's parent joint, -1 for the frame."""
+        return tuple(int(parent) - 1 for parent in list(self.model.parents)[1:])
+
+    @cached_property
+    def passive_joints(self) -> tuple[int, ...]:
+        """Indices in v of all joints but the drivers."""
+        return tuple(j for j in range(self.model.nv) if j not in self.drivers)
+
+    @cached_property
+    def joints_of_loop(self) -> tuple[dict[int, float], ...]:
+        """(nl,) the joints on every loop: +1 where a joint carries only its end 2, -1 where only its end 1."""
+        return tuple(joints_between(self.parents, loop.joint1 - 1, loop.joint2 - 1) for loop in self.loops)
+
+    @cached_property
+    def joints_of_constraints(self) -> tuple[tuple[int, ...], ...]:
+        """(nl + nr,) the joints that every loop, then every relation names."""
+        return (*map(tuple, self.joints_of_loop), *(tuple(relation.coefficients) for relation in self.relations))
+
+    @cached_property
+    def on_loop(self) -> NDArray[np.bool_]:
+        """(nv,) whether a joint is on a loop."""
+        return np.asarray((self.incidence != 0.0).any(axis=1))
+
+    @cached_property
+    def incidence(self) -> Array:
+        """(nv, nl) ``joints_of_loop`` as a matrix, zero where a joint is not on a loop."""
+        return np.asarray(array_of(self.joints_of_loop, self.model.nv, float).T)
+
+    @cached_property
+    def relation_units(self) -> Array:
+        """(nr,) factors that make the equations of the relations lengths [m; 1 if the joint slides that a relation determines]. The
+        multiplier of an equation times its factor is the effort on this joint."""
+        return np.array([self.size if self.axes[relation.joint].turns else 1.0 for relation in self.relations])
+
+    @cached_property
+    def relation_slopes(self) -> Array:
+        """(nr, nv) slopes of the equations of the relations."""
+        rows = array_of([relation.coefficients for relation in self.relations], self.model.nv, float)
+        return np.asarray(self.relation_units[:, None] * rows)
+
+    @cached_property
+    def relation_offsets(self) -> Array:
+        """(nr,) right-hand sides of these equations."""
+        return np.asarray(self.relation_units * [relation.offset for relation in self.relations])
+
+    @cached_property
+    def racks(self) -> tuple[Rack, ...]:
+        """The relations between whose joints teeth or threads push."""
+        return find_racks(self.parents, [axis.turns for axis in self.axes], self.relations)
+
+    @cached_property
+    def coordinates(self) -> tuple[DriverCoordinate, ...]:
+        """What the coordinates of the drivers are."""
+        return tuple(CRANK if self.axes[driver].turns else RAM for driver in self.drivers)
+
+    def place(self, position: Array) -> str:
+        """Where the drivers are at joint coordinates (nv,), as text: "crank angle 30 deg", of several "A 30 deg, B -30 deg"."""
+        return self.place_of_drivers(position[list(self.drivers)])
+
+    def place_of_drivers(self, positions: Array) -> str:
+        """`place` by the positions (drivers,) of the drivers [rad or m]; of many drivers the first few are named."""
+        if len(self.drivers) == 1:
+            return self.coordinates[0].at(float(positions[0]))
+        places = zip((self.model.names[driver + 1] for driver in self.drivers), self.coordinates, positions, strict=True)
+        shown = [f"{name} {coordinate.shown(float(position))}" for name, coordinate, position in places]
+        most = 6  # more would fill the message
+        return ", ".join(shown) if len(shown) <= most else f"{', '.join(shown[:most])} and {len(shown) - most} more"
+
+
+def build_structure(model: pin.Model, loops: tuple[LoopJoint, ...], relations: tuple[Relation, ...], drivers: tuple[int, ...]) -> Structure:
+    """The structure of a linkage from Pinocchio's model of its tree, its loops and relations, and the indices of its drivers in v."""
+    size, reach = _extent(model, loops)
+    return Structure(
+        model=model,
+        loops=loops,
+        relations=relations,
+        drivers=drivers,
+        size=size,
+        tolerance=8 * float(np.finfo(float).eps) * (size + reach),
+        slots=slots(model),
+        axes=axes(model),
+    )
+
+
+def _extent(model: pin.Model, loops: tuple[LoopJoint, ...]) -> tuple[float, float]:
+    """Largest extent of joints and loop points in the drawn pose, and their largest distance from the world origin [m]."""
+    places = drawn_placements(model)
+    points = [place.translation.copy() for place in places[1:]]
+    points += [places[k.joint1].act(k.point1) for k in loops] + [places[k.joint2].act(k.point2) for k in loops]
+    cloud = np.array(points)
+    size = float(np.linalg.norm(cloud.max(axis=0) - cloud.min(axis=0)))
+    return size or 1.0, float(np.linalg.norm(cloud, axis=1).max())
+
+
+def joints_between(parents: Sequence[int], joint1: int, joint2: int) -> dict[int, float]:
+    """The joints on the path through the tree between two joints, rising: +1 for those that carry only the second one, -1 for those that
+    carry only the first one.
+
+    Args:
+        parents: parent of every joint. Joints are counted in the order of v, -1 stands for the frame.
+        joint1: the first joint.
+        joint2: the second joint.
+    """
+    signs: dict[int, float] = {}
+    for joint, sign in ((joint2, 1.0), (joint1, -1.0)):
+        while joint >= 0:
+            signs[joint] = signs.get(joint, 0.0) + sign
+            joint = parents[joint]
+    return {joint: sign for joint, sign in sorted(signs.items()) if sign}
+
+
+# ------------------------------------------------------------------------------------------------------- Pinocchio's model of the tree
+
+
+class Slot(NamedTuple):
+    """Place of a joint in q.
+
+    Attributes:
+        start: index of its first number.
+        unbounded: whether it has two numbers, cosine and sine, in place of one.
+    """
+
+    start: int
+    unbounded: bool
+
+
+def slots(model: pin.Model) -> tuple[Slot, ...]:
+    """Slots of the moving joints, in the order of v."""
+    return tuple(Slot(joint.idx_q, joint.nq == 2) for joint in list(model.joints)[1:])
+
+
+class Axis(NamedTuple):
+    """Axis of a joint.
+
+    Attributes:
+        direction: (3,) unit vector in the joint's own frame.
+        turns: True where the joint turns about it, False where it slides along it.
+    """
+
+    direction: Array
+    turns: bool
+
+
+def axes(model: pin.Model) -> tuple[Axis, ...]:
+    """Axes of the moving joints, in the order of v."""
+    columns = (np.ravel(joint.createData().S) for joint in list(model.joints)[1:])
+    return tuple(Axis(c[3:].copy(), True) if np.linalg.norm(c[3:]) > 0.5 else Axis(c[:3].copy(), False) for c in columns)
+
+
+def data_of(model: pin.Model) -> pin.Data:
+    """Pinocchio's workspace for a model.
+
+    Raises:
+        PinpressError: more than `MOST_JOINTS` joints, for which it would take gigabytes.
+    """
+    if model.nv > MOST_JOINTS:
+        problem = f"{model.name} has {model.nv} joints, more than the {MOST_JOINTS} that Pinocchio has room for"
+        raise PinpressError(f"{problem}; model fewer, or ask only for what the planar engine computes")
+    return model.createData()
+
+
+def drawn_placements(model: pin.Model) -> list[pin.SE3]:
+    """Placements of all joints in the world in the drawn pose, the world's own first.
+
+    They are products of constant placements down the tree. Pinocchio's own function needs `pin.Data`, whose size grows with nv cubed.
+    """
+    places = [pin.SE3.Identity()]
+    for joint, parent in enumerate(list(model.parents)[1:], 1):
+        places.append(places[parent] * model.jointPlacements[joint])
+    return places
+
+
+def configuration(slots: tuple[Slot, ...], x: Array) -> Array:
+    """Configurations (nq, ...) of joint coordinates (nv, ...)."""
+    q = np.empty((sum(2 if slot.unbounded else 1 for slot in slots), *x.shape[1:]))
+    for (start, unbounded), coordinate in zip(slots, x, strict=True):
+        if unbounded:
+            np.cos(coordinate, out=q[start, ...])
+            np.sin(coordinate, out=q[start + 1, ...])
+        else:
+            q[start] = coordinate
+    return q
+
+
+# ------------------------------------------------------------------------------------------------------------------------ constant matrices
+
+
+def array_of(rows: Sequence[Entries], width: int, dtype: type = complex) -> Any:
+    """The array (rows, width) with these entries, of numbers of this type; all others are zero."""
+    result: Array = np.zeros((len(rows), width), dtype)
+    for place, row in enumerate(rows):
+        for column, entry in row.items():
+            result[place, column] = entry
+    return result
