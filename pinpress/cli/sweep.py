@@ -1,4 +1,4 @@
-"""`pinpress sweep`: a function of your own at every point of a grid, here or on a Dask cluster, into a folder of Parquet files."""
+"""`pinpress sweep`: a function of your own at every point of a grid, here or on a Dask cluster, into an SQLite file."""
 
 from __future__ import annotations
 
@@ -38,9 +38,10 @@ range has one value, whatever the number of axes.
 A cluster is started by `dask scheduler` on one machine, and on each that works by
     MALLOC_TRIM_THRESHOLD_=134217728 MALLOC_MMAP_THRESHOLD_=33554432 dask worker tcp://SCHEDULER:8786 --nworkers -1 --nthreads 1
 all with pip install 'pinpress[cluster]'. They are sent the file, but not other modules of yours that it imports. After Ctrl-C the same
-command goes on; what is in the folder can be read meanwhile: pandas.read_parquet("runs").
+command goes on. Any program that knows SQLite reads the file; pp.sweeps.read("runs.sqlite").to_parquet("runs.parquet") writes it for
+pandas, Polars and DuckDB.
 
-e.g. pinpress sweep strokes.py:strokes --axis inertia=100:200:100 --axis force=0:250e3:100 --at-once --to runs --processes 4
+e.g. pinpress sweep strokes.py:strokes --axis inertia=100:200:100 --axis force=0:250e3:100 --at-once --to runs.sqlite --processes 4
 """
 
 
@@ -48,9 +49,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Put `sweep` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "sweep",
-        help="a function of your own at every point of a grid, in processes or on a cluster, into Parquet files",
+        help="a function of your own at every point of a grid, in processes or on a cluster, into an SQLite file",
         description="Call a function of your own at every point of a grid, in processes of this machine or on a Dask cluster, and write\n"
-        "the results to a folder of Parquet files, part by part. The same command goes on with what a stop has left.",
+        "the results to an SQLite file as they arrive. The same command goes on with what a stop has left.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -60,9 +61,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     help = "a Latin hypercube of so many points in place of all combinations; each --axis is NAME=LOW:HIGH then"
     option("--latin-hypercube", type=int, metavar="N", help=help)
     option("--seed", type=int, metavar="S", help="of its random numbers (default: 0); the same one gives the same points")
-    option("--to", type=Path, required=True, metavar="DIR", help="folder for the results, one of its own; made if it is not there")
-    option("--points-a-part", type=int, default=1000, metavar="N", help="points of a part, each a file (default: %(default)s)")
-    option("--at-once", action="store_true", help="the function takes all points of a part at once, as arrays")
+    option("--to", type=Path, required=True, metavar="FILE.sqlite", help="file for the results, with a name that ends with .sqlite")
+    option("--at-once", action="store_true", help="the function takes many points at once, as arrays")
+    option("--points-a-part", type=int, metavar="N", help="how many, with --at-once (default: 1000)")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--processes", type=int, default=1, metavar="N", help="processes of this machine (default: this one alone)")
     where.add_argument("--cluster", metavar="ADDRESS", help="scheduler of a Dask cluster, such as tcp://127.0.0.1:8786")
@@ -75,8 +76,10 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: an option is at fault, the function cannot be imported, the cluster cannot be reached, or the sweep fails.
     """
-    from ..sweeps.parquet_sweep import sweep_to_parquet  # to save start-up time, that of all other commands
+    from ..sweeps.sweeping import sweep  # to save start-up time, that of all other commands
 
+    if options.points_a_part is not None and not options.at_once:
+        raise PinpressError("--points-a-part is how many points the function takes at once: give --at-once too, or leave it out")
     grid = _grid(options)
     function, file = _function(options.function)
     done = 0.0
@@ -88,19 +91,18 @@ def run(options: argparse.Namespace) -> int:
                 done = share
                 told(share)
 
-            found = sweep_to_parquet(
+            found = sweep(
                 function,
                 grid,
                 to=options.to,
-                points_a_part=options.points_a_part,
-                at_once=options.at_once,
+                at_once=options.at_once if options.points_a_part is None else options.points_a_part,
                 paired=options.latin_hypercube is not None,
                 executor=executor,
                 in_flight=max(IN_FLIGHT, 2 * threads),
                 progress=tell,
             )
     except KeyboardInterrupt:  # here the bar is wiped
-        said = f"{100 * done:.1f} % of the points are in {options.to}; " if done else ""  # before the first part that is unknown
+        said = f"{100 * done:.1f} % of the points are in {options.to}; " if done else ""  # before the first task that is unknown
         print(f"{said}the same command goes on", file=sys.stderr)
         raise
     print(found)

@@ -4,10 +4,10 @@
     table.to_frame()  # peaks of torque and every bearing force, one row for each speed
 
     found = pp.sweeps.sweep(torque_of, {"speed": [5.0, 6.0, 7.0]})  # def torque_of(speed): ... return {"torque": ...}
-    found.values["torque"]
+    found.column("torque")
 
-`sweep` runs in several processes where it is given an executor. With a file for its results it goes on where it was stopped.
-`sweep_to_parquet` does the same for millions of points, in parts, into a folder that others read.
+`sweep` runs in several processes, or on a cluster, with an executor. With a file for its results it goes on where it was stopped.
+`sweep(..., at_once=True)` gives the function many points at once, as arrays.
 """
 
 from ..common.public_names import public_names

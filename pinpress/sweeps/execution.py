@@ -1,46 +1,21 @@
-"""The work of a sweep, in this process or by the workers of an executor: pieces that are done one by one or several a task, and what a
-function gives at a point."""
+"""The work of a sweep, in this process or by the workers of an executor: pieces that are done one by one or several a task."""
 
 import time
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import partial
 from queue import Empty, SimpleQueue
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, TypeVar
 from uuid import uuid4
 
-from ..common.errors import shown
-from .grid import LONGEST, RESERVED, Grid, Scalar, scalar
-
-Function = Callable[..., Mapping[str, object]]
 Result = TypeVar("Result")
 
 TASK = 0.1  # length of a task [s]; sending one costs a tenth of a millisecond with processes, and some milliseconds with a cluster
 LONGEST_TASK = 2 * TASK  # after this time a task returns the pieces it has done [s]
 LEAVE_TIME = 1.0  # time in which finished tasks may arrive after one has failed [s]
-
-
-class Outcome(NamedTuple):
-    """The outcome of a point.
-
-    Attributes:
-        number: number of the point.
-        values: values that the function returned, by name; empty where it failed.
-        error: type and text of the exception where it failed; else empty.
-    """
-
-    number: int
-    values: dict[str, Scalar]
-    error: str
-
-
-KILLS = (
-    "BrokenProcessPool: the function ends the process that it runs in, by os._exit, a crash of compiled code, or because it takes too much"
-    " memory"
-)
 
 
 @dataclass(frozen=True)
@@ -93,11 +68,6 @@ class Apart(Executor):
     def close(self) -> None:
         for pool in self._idle:
             pool.shutdown(wait=False)
-
-
-def points_of(function: Function, grid: Grid) -> Work[Outcome]:
-    """The points of a sweep as pieces of work, by their numbers."""
-    return Work(partial(outcome, function), grid.point, lambda number: Outcome(number, {}, KILLS))
 
 
 def done(work: Work[Result], numbers: Sequence[int], executor: Executor | None, in_flight: int) -> Generator[list[Result], None, None]:
@@ -237,51 +207,6 @@ def results(call: Callable[[int, Any], Result], pieces: Sequence[tuple[int, Any]
     return found, seconds
 
 
-def outcome(function: Function, number: int, point: Mapping[str, object]) -> Outcome:
-    """The function at one point."""
-    try:
-        return Outcome(number, _checked(function(**point)), "")
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # after any error, SystemExit too, the other points go on
-        return Outcome(number, {}, described(error))
-
-
-def described(error: BaseException) -> str:
-    """Type and text of an exception, as a table takes them."""
-    try:
-        said = str(error)
-    except Exception as other:
-        said = f"its text cannot be had ({type(other).__name__})"
-    return as_told(f"{type(error).__name__}: {said}")
-
-
-def as_told(text: str) -> str:
-    """A text as a table takes it: of UTF-8, without null characters, and not too long."""
-    return text.encode("utf-8", "backslashreplace").decode().replace("\0", "\\0")[:LONGEST]
-
-
-def _checked(returned: object) -> dict[str, Scalar]:
-    """The values that the function returned, as a table takes them.
-
-    Raises:
-        TypeError: it returned no mapping of names to values.
-        ValueError: a table cannot hold a value.
-    """
-    if not isinstance(returned, Mapping) or not returned:
-        raise TypeError(f"the function returned {short(returned)}; return a mapping of names to numbers, {{'peak_torque': 1.0}}")
-    values = {}
-    for name, value in returned.items():
-        if not isinstance(name, str) or not name or name in RESERVED:
-            raise TypeError(f"the function returned a value under {shown(name)}; name it by a word other than {', '.join(RESERVED)}")
-        try:
-            scalar(name)
-            values[name] = scalar(value)
-        except ValueError as error:
-            raise ValueError(f"the function returned under {shown(name)} {error}") from None
-    return values
-
-
 def _left(finished: "SimpleQueue[Future[tuple[list[Result], float]]]", count: int) -> Iterator[list[Result]]:
     """Results of other tasks that finish soon after one has failed; in a broken pool all fail at once."""
     until = time.monotonic() + LEAVE_TIME
@@ -297,8 +222,3 @@ def _left(finished: "SimpleQueue[Future[tuple[list[Result], float]]]", count: in
 def _killed(error: Exception) -> bool:
     """Whether a task has killed its worker: one of a pool, or several of a Dask cluster, which then gives the task up."""
     return isinstance(error, BrokenProcessPool) or type(error).__name__ == "KilledWorker"
-
-
-def short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -1,10 +1,13 @@
 """The points of a sweep: axes of labelled values, all combinations or side by side, and the comparison of two sweeps."""
 
 import math
+import operator
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.errors import PinpressError, shown
 
@@ -47,12 +50,27 @@ class Grid:
         """The arguments of the function at a point."""
         return {name: objects[k] for (name, objects), k in zip(self.objects.items(), self._places(number), strict=True)}
 
-    def columns(self) -> dict[str, list[Scalar]]:
-        """The labels of all n points, by the axes' names."""
+    def columns(self, first: int, last: int) -> dict[str, NDArray[Any]]:
+        """The labels of the points from number ``first`` to before ``last``, by the axes' names."""
         if self.paired:
-            return {name: list(labels) for name, labels in self.axes.items()}
-        places = np.unravel_index(np.arange(len(self)), self.shape)
-        return {name: [labels[k] for k in where.tolist()] for (name, labels), where in zip(self.axes.items(), places, strict=True)}
+            return {name: as_array(labels[first:last]) for name, labels in self.axes.items()}
+        places = np.unravel_index(np.arange(first, last), self.shape)
+        return {name: as_array(labels)[k] for (name, labels), k in zip(self.axes.items(), places, strict=True)}
+
+    def arguments(self) -> dict[str, NDArray[Any]]:
+        """The labels of every axis as an array, or its objects where it was given as a mapping."""
+        return {
+            name: as_array(labels) if all(map(operator.is_, self.objects[name], labels)) else _as_objects(self.objects[name])
+            for name, labels in self.axes.items()
+        }
+
+    def refuse_mixed_labels(self) -> None:
+        """Raise PinpressError where the labels of an axis are of several kinds."""
+        for name, labels in self.axes.items():
+            if len({kind(label) for label in labels}) > 1:
+                raise PinpressError(
+                    f"grid: the labels of axis {shown(name)} are of several kinds: give numbers alone, bools alone or words alone"
+                )
 
     def _places(self, number: int) -> list[int]:
         if self.paired:
@@ -168,6 +186,18 @@ def _axis(name: str, values: object) -> tuple[tuple[Scalar, ...], tuple[object, 
                 f"grid: value {k} of axis {shown(name)} is {error}; give finite numbers or words, objects under labels: {{'label': object}}"
             ) from None
     return tuple(kept), objects or tuple(kept)
+
+
+def as_array(labels: Sequence[Scalar]) -> NDArray[Any]:
+    """Labels as an array; labels of different kinds as objects, because NumPy would turn all into words."""
+    return np.array(labels) if len({kind(label) for label in labels}) == 1 else _as_objects(labels)
+
+
+def _as_objects(objects: Sequence[object]) -> NDArray[Any]:
+    array = np.empty(len(objects), dtype=object)  # one by one: NumPy would look into lists and arrays
+    for k, item in enumerate(objects):
+        array[k] = item
+    return array
 
 
 def _flat(values: Sequence[object] | np.ndarray) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import os
 import pickle
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -15,17 +15,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common import tables
+from ..common import files, tables
 from ..common.arguments import is_whole_number, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.files import path_of
-from ..common.frozen import read_only
+from ..common.frozen import FrozenMapping, read_only
 from ..common.results import Record, Records, Tabular
-from .execution import Function, Outcome, TaskError, done, points_of
-from .grid import Grid, Scalar, gridded
-from .store import Results, opened, results
+from .execution import TaskError, Work, done
+from .grid import Grid, Scalar, as_array, gridded
+from .points import KILLS, Function, Results, at_point, at_points, failed, many_points
+from .store import Contents, Store, opened, store
 
 Column = NDArray[Any]
+
+POINTS_AT_ONCE = 1000  # with more of them `simulate_batch` makes hardly more runs a second
+MOST_AT_ONCE = 1_000_000
+PIECE = 100_000  # points of a row group in a Parquet file
 
 
 @typed
@@ -34,12 +39,13 @@ def sweep(
     grid: Mapping[str, object],
     *,
     to: str | os.PathLike[str] | None = None,
+    at_once: bool | int = False,
     executor: Executor | None = None,
     paired: bool = False,
     retry_failed: bool = False,
     in_flight: int = 64,
     progress: Callable[[float], None] | None = None,
-) -> SweepTable:
+) -> Sweep:
     """Call a function at every point of a grid, and collect the results.
 
     Args:
@@ -52,33 +58,50 @@ def sweep(
             after Ctrl-C, a crash or a kill, and it does the missing points; after the end it reads the file. The file knows the sweep by
             the names of the function and the axes and by the labels, not by the function's code. Checksums find what was changed or
             damaged, which is refused. `read` makes a table of an unfinished file.
+        at_once: whether the function takes many points at once, or how many (True: 1000). It then takes an array (n,) of values for each
+            axis, whose labels are of one kind, and returns an array (n,) or a list for each name. It may also return ``"error"``, n errors
+            (exceptions or words; None for a point that succeeded). Where it raises, halves of the points are tried, down to those at which
+            it raises: these have failed.
         executor: an executor of `concurrent.futures`, such as ``ProcessPoolExecutor()``, or ``distributed.Client(...).get_executor()`` of a
             Dask cluster; it stays open. None: point by point in this process. When a worker of a process pool dies, the pool is broken, and
             the sweep goes on with pools of one process each, made with the pool's arguments.
         paired: whether the axes are columns of equal length, so that point k has value k of each.
         retry_failed: whether to repeat points that failed in an earlier run.
         in_flight: number of tasks submitted at once; on a cluster at least twice its threads. A task has so many points that it takes about
-            a tenth of a second, which is lost when its worker is killed.
+            a tenth of a second, which is lost when its worker is killed; but at least one call of the function.
         progress: function called with the share of points done, 0 to 1, those of earlier runs included.
 
     Raises:
         PinpressError: an argument is not as described, the function cannot be sent to other processes, the file is of another sweep, is
-            damaged, in use, or cannot be written, results differ in names or kinds, or the executor is gone. The file has all that was
-            finished.
+            damaged, in use, or cannot be written, results differ in names or kinds or make no table, or the executor is gone. The file has
+            all that was finished.
     """
-    check_arguments(function, executor, in_flight, progress)
+    _check_arguments(function, executor, in_flight, progress)
+    together = _points_at_once(at_once)
     points = gridded(grid, paired)
-    check_call(function, points)
+    _check_call(function, points)
+    if together:
+        points.refuse_mixed_labels()
     if isinstance(executor, ProcessPoolExecutor):
-        check_sendable(function, points)
+        _check_sendable(function, points)
     name = name_of(function)
-    with results(points, name, to, retry_failed) as kept:
-        _run(function, points, kept, executor, in_flight, progress, to)
-        return table(name, points, kept.kinds, kept.known)
+    with store(points, name, to) as kept:
+        if retry_failed:
+            kept.forget_failed()
+        known = kept.contents().known
+        if not known.all():
+            kept.begin()
+        try:
+            # A part that ends its process is done once more, point by point, so that only the points fail that do so.
+            for length in (together, 1) if together else (0,):
+                _run(function, points, length, known, kept, executor, in_flight, progress)
+        except TaskError as error:
+            raise _executor_is_gone(error, int(known.sum()), len(points), to) from error.__cause__
+        return _sweep(name, points, kept.contents())
 
 
 @typed
-def read(path: str | os.PathLike[str]) -> SweepTable:
+def read(path: str | os.PathLike[str]) -> Sweep:
     """Read the file of a sweep, finished or stopped. Results of points that failed or are not done yet are masked.
 
     Args:
@@ -90,78 +113,118 @@ def read(path: str | os.PathLike[str]) -> SweepTable:
     file = Path(path_of("path", path))
     if not file.exists():
         raise PinpressError(f"there is no file {file}: give the one that sweep has written by to=")
-    with opened(file) as found:
-        said = found.description
-        axes = {name: tuple(labels) for name, labels in said["axes"].items()}
-        return table(said["function"], Grid(axes, axes, said["paired"]), found.kinds, found.outcomes())
+    with opened(file) as kept:
+        description = kept.description
+        axes = {name: tuple(labels) for name, labels in description["axes"].items()}
+        return _sweep(description["function"], Grid(axes, axes, description["paired"]), kept.contents())
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SweepTable(Tabular):
+class Sweep(Tabular):
     """Results at all n points of a sweep, in the order of the grid (last axis fastest). All arrays are read-only.
 
     Attributes:
         function: name of the function.
         axes: name -> labels of each axis.
         paired: whether the axes run side by side.
-        shape: lengths of the axes; (n,) where they run side by side.
-        values: name -> (n,) labels of each axis, then values of each result, as masked arrays with a mask at points that failed or are
-            missing.
-        failed: the points that failed, with their errors.
+        results: name -> (n,) values of each result, as masked arrays with a mask at points that failed or are missing. Numbers are floats.
+        errors: number of a point that failed -> type and text of the exception.
         missing: numbers of the points that are not done yet, where `read` reads a sweep that was stopped; else empty.
     """
 
     function: str
     axes: Mapping[str, tuple[Scalar, ...]]
     paired: bool
-    shape: tuple[int, ...]
-    values: Mapping[str, Column]
-    failed: Records[FailedPoint]
+    results: Mapping[str, Column]
+    errors: Mapping[int, str]
     missing: tuple[int, ...] = ()
 
     @property
     def title(self) -> str:
-        return f"SweepTable of {self.function}: {self._size} points, {self._not_there}"
+        return f"Sweep of {self.function}: {len(self._grid)} points, {self._not_there}"
 
     def __str__(self) -> str:
         over = " side by side" if self.paired else ""
-        lines = [f"{self.function} at {self._size} points, {self._not_there}; axes{over}"]
+        lines = [f"{self.function} at {len(self._grid)} points, {self._not_there}; axes{over}"]
         lines += tables.table(([name, f"{len(labels):6} values, {_ends(labels)}"] for name, labels in self.axes.items()), [26, 0])
         lines += ["", *tables.table([["Results", "smallest", "largest"]], [28, 14], indent="")]
-        lines += tables.ranges({name: self.values[name] for name in self._results}, 26)
-        lines += ["", "Failed"] if self.failed else []
-        lines += [f"  {', '.join(f'{k}={v}' for k, v in bad.point.items())}: {bad.error.splitlines()[0]}" for bad in self.failed[:5]]
-        lines += [f"  and {len(self.failed) - 5} more"] if len(self.failed) > 5 else []
+        lines += tables.ranges(self.results, 26)
+        bad = self._failed(5)
+        lines += ["", "Failed"] if bad else []
+        lines += [f"  {', '.join(f'{k}={v}' for k, v in each.point.items())}: {each.error.splitlines()[0]}" for each in bad]
+        lines += [f"  and {len(self.errors) - 5} more"] if len(self.errors) > 5 else []
         return "\n".join(lines)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the axes; (n,) where they run side by side."""
+        return self._grid.shape
+
+    @property
+    def failed(self) -> Records[FailedPoint]:
+        """The points that failed, with their labels and errors."""
+        return Records(FailedPoint, self._failed(None))
 
     def columns(self) -> dict[str, Column | list[str]]:
         """A row for each point: labels, results, and the error where it failed."""
-        errors = [""] * self._size
-        for bad in self.failed:
-            errors[bad.number] = bad.error
-        return dict(self.values) | {"error": errors}
+        return self._rows(0, len(self._grid))
 
-    def grid(self, name: str) -> Column:
-        """A result as an array with the axes' lengths as its shape, masked at points that failed.
+    def column(self, name: str) -> Column:
+        """An axis' labels or a result, of all points (n,); results are masked at points that failed or are missing.
 
         Raises:
-            UnknownNameError: there is no such result.
+            UnknownNameError: there is no such axis or result.
         """
-        if name not in self.values:
-            raise UnknownNameError("result", name, self._results)
-        return self.values[name].reshape(self.shape)
+        if name in self.results:
+            return self.results[name]
+        if name in self.axes:
+            return read_only(self._grid.columns(0, len(self._grid))[name])
+        raise UnknownNameError("result", name, [*self.results])
+
+    def grid(self, name: str) -> Column:
+        """The same as an array with the axes' lengths as its shape.
+
+        Raises:
+            UnknownNameError: there is no such axis or result.
+        """
+        return self.column(name).reshape(self.shape)
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> None:
+        """Write a Parquet file, a hundred thousand points a piece; missing values are null. Needs pyarrow.
+
+        Raises:
+            PinpressError: the file cannot be written, or pyarrow is not installed.
+        """
+        tables.needs_pyarrow()
+        import pyarrow  # optional, and slow to import
+        import pyarrow.parquet
+
+        typical = {name: as_array(labels) for name, labels in self.axes.items()} | {**self.results}
+        schema = pyarrow.schema([*((name, _arrow_type(column)) for name, column in typical.items()), ("error", pyarrow.string())])
+        with files.written(path) as file, pyarrow.parquet.ParquetWriter(file, schema) as writer:
+            for first in range(0, len(self._grid), PIECE):
+                columns = {name: _for_arrow(column) for name, column in self._rows(first, first + PIECE).items()}
+                writer.write_table(pyarrow.table(columns, schema=schema))
+
+    def _rows(self, first: int, last: int) -> dict[str, Column | list[str]]:
+        last = min(last, len(self._grid))
+        errors = [self.errors.get(number, "") for number in range(first, last)]
+        results = {name: column[first:last] for name, column in self.results.items()}
+        return {**self._grid.columns(first, last), **results, "error": errors}
+
+    def _failed(self, most: int | None) -> list[FailedPoint]:
+        return [FailedPoint(number, self._point(number), self.errors[number]) for number in sorted(self.errors)[:most]]
+
+    def _point(self, number: int) -> dict[str, Scalar]:
+        return dict(zip(self.axes, self._grid.labels(number), strict=True))
 
     @property
-    def _size(self) -> int:
-        return int(np.prod(self.shape))
+    def _grid(self) -> Grid:
+        return Grid(self.axes, self.axes, self.paired)
 
     @property
     def _not_there(self) -> str:
-        return f"{len(self.failed)} of which failed" + (f", {len(self.missing)} are not done" if self.missing else "")
-
-    @property
-    def _results(self) -> list[str]:
-        return [name for name in self.values if name not in self.axes]
+        return f"{len(self.errors)} of which failed" + (f", {len(self.missing)} are not done" if self.missing else "")
 
 
 @dataclass(frozen=True, repr=False)
@@ -182,34 +245,29 @@ class FailedPoint(Record):
         return {"number": self.number, **self.point, "error": self.error}
 
 
-def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[int, Outcome]) -> SweepTable:
-    """The table of a sweep from the outcomes that are known, by the numbers of their points."""
-    nothing = Outcome(-1, {}, "")
-    values = [known.get(number, nothing).values for number in range(len(grid))]
-    masked = np.array([not found for found in values])
-    columns: dict[str, Column] = {name: _column(labels) for name, labels in grid.columns().items()}
-    columns |= {
-        name: np.ma.MaskedArray(_filled([found.get(name) for found in values], kind), masked.copy()) for name, kind in kinds.items()
-    }
-    return SweepTable(
+def _sweep(function: str, grid: Grid, contents: Contents) -> Sweep:
+    failed = ~contents.known
+    failed[list(contents.errors)] = True
+    return Sweep(
         function=function,
-        axes=dict(grid.axes),
+        axes=FrozenMapping(dict(grid.axes)),
         paired=grid.paired,
-        shape=grid.shape,
-        values=read_only(columns),
-        failed=Records(
-            FailedPoint,
-            (
-                FailedPoint(number, dict(zip(grid.axes, grid.labels(number), strict=True)), known[number].error)
-                for number in sorted(known)
-                if known[number].error
-            ),
-        ),
-        missing=tuple(number for number in range(len(grid)) if number not in known),
+        results=read_only({name: np.ma.MaskedArray(values, failed.copy()) for name, values in contents.columns.items()}),
+        errors=FrozenMapping(contents.errors),
+        missing=tuple(np.flatnonzero(~contents.known).tolist()),
     )
 
 
-def check_arguments(function: object, executor: object, in_flight: object, progress: object) -> None:
+def _points_at_once(at_once: object) -> int:
+    """How many points the function takes at once; 0: it takes one point."""
+    if isinstance(at_once, bool | np.bool_):
+        return POINTS_AT_ONCE if at_once else 0
+    if not is_whole_number(at_once) or not 1 <= at_once <= MOST_AT_ONCE:
+        raise PinpressError(f"at_once is {shown(at_once)}: give True, False, or the number of points, from 1 to {MOST_AT_ONCE}")
+    return int(at_once)
+
+
+def _check_arguments(function: object, executor: object, in_flight: object, progress: object) -> None:
     if not callable(function):
         raise PinpressError(f"function is {shown(function)}: give a function that takes the axes' names and returns a mapping")
     if executor is not None and not isinstance(executor, Executor):
@@ -223,7 +281,7 @@ def check_arguments(function: object, executor: object, in_flight: object, progr
         raise PinpressError(f"progress is {shown(progress)}: give a function of the share done")
 
 
-def check_call(function: Function, grid: Grid) -> None:
+def _check_call(function: Function, grid: Grid) -> None:
     """Refuse a function that does not take the axes, before it fails at every point."""
     try:
         signature = inspect.signature(function)
@@ -235,7 +293,7 @@ def check_call(function: Function, grid: Grid) -> None:
         raise PinpressError(f"{name_of(function)} does not take the axes {', '.join(grid.axes)}: {error}") from None
 
 
-def check_sendable(function: Function, grid: Grid) -> None:
+def _check_sendable(function: Function, grid: Grid) -> None:
     try:
         pickle.dumps(function)
     except Exception as error:  # pickling may raise anything
@@ -252,34 +310,55 @@ def check_sendable(function: Function, grid: Grid) -> None:
                 raise PinpressError(f"{shown(label)} of axis {shown(name)} cannot be sent to other processes ({error})") from error
 
 
+def _work(function: Function, grid: Grid, missing: Sequence[int], length: int) -> tuple[Sequence[int], Work[Results]]:
+    """Numbers of the pieces of work, and the work: a point each, or with a ``length`` the missing ones of so many consecutive points."""
+    if not length:
+        return missing, Work(partial(at_point, function), grid.point, lambda number: failed([number], KILLS))
+    parts, points = list(_parts(missing, length)), many_points(grid)
+    killed = (lambda k: failed(parts[k], KILLS)) if length == 1 else (lambda _: failed([], KILLS))
+    return range(len(parts)), Work(partial(at_points, function), lambda k: points(parts[k]), killed)
+
+
+def _parts(missing: Sequence[int], length: int) -> Iterator[Sequence[int]]:
+    """The missing points, divided at multiples of the length: the function is given the same points together whenever it is resumed."""
+    numbers = np.asarray(missing, dtype=int)
+    for part in np.split(numbers, np.flatnonzero(np.diff(numbers // length)) + 1) if len(numbers) else ():
+        first, last = int(part[0]), int(part[-1]) + 1
+        yield range(first, last) if last - first == len(part) else part.tolist()
+
+
 def _run(
     function: Function,
     grid: Grid,
-    kept: Results,
+    length: int,
+    known: NDArray[np.bool_],
+    kept: Store,
     executor: Executor | None,
     in_flight: int,
     progress: Callable[[float], None] | None,
-    to: str | os.PathLike[str] | None,
 ) -> None:
-    """Call the function at the points that are missing.
+    """Call the function at the points that are missing, and mark these as known.
 
     Raises:
-        PinpressError: the executor is gone, or as `Results.add`.
+        TaskError: the executor is gone.
+        PinpressError: as `Store.add`.
     """
-    numbers = [number for number in range(len(grid)) if number not in kept.known]
-    work = done(points_of(function, grid), numbers, executor, in_flight)
+    numbers, work = _work(function, grid, np.flatnonzero(~known).tolist(), length)
+    count = int(known.sum())
+    arriving = done(work, numbers, executor, in_flight)
     try:
-        for found in work:
-            kept.add(found)
+        for arrived in arriving:
+            kept.add(arrived)
+            for results in arrived:
+                known[list(results.numbers)] = True
+                count += len(results.numbers)
             if progress is not None:
-                progress(len(kept.known) / len(grid))
-    except TaskError as error:
-        raise executor_is_gone(error, len(kept.known), len(grid), to) from error.__cause__
+                progress(count / len(known))
     finally:
-        work.close()  # nothing more is begun
+        arriving.close()  # nothing more is begun
 
 
-def executor_is_gone(error: TaskError, known: int, points: int, to: str | os.PathLike[str] | None) -> PinpressError:
+def _executor_is_gone(error: TaskError, known: int, points: int, to: str | os.PathLike[str] | None) -> PinpressError:
     """The error of a sweep whose executor could not do its work, when so many of its points were known."""
     cause = error.__cause__
     where = "which are lost: give to=, a file that keeps them" if to is None else f"which are in {os.fspath(to)}"
@@ -288,19 +367,20 @@ def executor_is_gone(error: TaskError, known: int, points: int, to: str | os.Pat
     return PinpressError(f"the executor could not do its work ({said}) after {known} of {points} points, {where}{again}")
 
 
-def _column(labels: list[Scalar]) -> Column:
-    """Labels as an array; labels of different kinds as objects, because NumPy would turn all into words."""
-    kinds = {str if isinstance(label, str) else bool if isinstance(label, bool) else float for label in labels}
-    return np.array(labels) if len(kinds) == 1 else np.array(labels, dtype=object)
+def _arrow_type(column: Column) -> Any:
+    """The type of Arrow for an axis or a result. Labels of several kinds become words."""
+    import pyarrow  # optional, and slow to import
+
+    if column.dtype.kind != "O":
+        return pyarrow.from_numpy_dtype(column.dtype) if column.dtype.kind != "U" else pyarrow.string()
+    return pyarrow.bool_() if all(value is None or isinstance(value, bool) for value in column.tolist()) else pyarrow.string()
 
 
-def _filled(values: list[Scalar | None], kind: str) -> Column:
-    """Results as an array. The mask hides NaN or None, so that nothing passes for a result where the mask is taken off."""
-    if kind != "number":
-        return np.array(values, dtype=object if None in values else None)
-    if None in values:
-        return np.array([np.nan if value is None else value for value in values], dtype=float)
-    return np.array(values)
+def _for_arrow(column: Column | list[str]) -> Any:
+    """A column as Arrow takes it: numbers as an array, other values as a list with None where there is none."""
+    if isinstance(column, list) or column.dtype.kind in "fib":
+        return column
+    return [value if value is None or isinstance(value, bool | str) else str(value) for value in column.tolist()]
 
 
 def _ends(labels: tuple[Scalar, ...]) -> str:

@@ -12,8 +12,7 @@ from support.dask_processes import dask_processes
 import pinpress as pp
 from pinpress.cli.main import main
 
-pandas = pytest.importorskip("pandas")
-pytest.importorskip("pyarrow")
+pytest.importorskip("pandas")
 
 STUDY = """
 import time
@@ -46,9 +45,11 @@ def study(tmp_path, monkeypatch):
 
 
 def test_a_sweep_of_a_file(study, capsys):
-    assert main(["sweep", f"{study}:area", "--axis", "a=0:3:4", "--axis", "b=1,2.5", "--axis", "kind=full,half", "--to", "runs"]) == 0
-    assert "ParquetSweep of area: 16 points in 1 parts, 6 of which failed, in runs" in capsys.readouterr().out
-    frame = pandas.read_parquet("runs")
+    assert (
+        main(["sweep", f"{study}:area", "--axis", "a=0:3:4", "--axis", "b=1,2.5", "--axis", "kind=full,half", "--to", "runs.sqlite"]) == 0
+    )
+    assert "area at 16 points, 6 of which failed; axes" in capsys.readouterr().out
+    frame = pp.sweeps.read("runs.sqlite").to_frame()
     assert frame["a"].tolist() == [0.0] * 4 + [1.0] * 4 + [2.0] * 4 + [3.0] * 4
     good = frame[frame["error"] == ""]
     assert (good["area"] == good["a"] * good["b"]).all()
@@ -58,22 +59,31 @@ def test_a_sweep_of_a_file(study, capsys):
 
 def test_processes_and_one_process_write_the_same(study, capsys):
     axes = ["--axis", "a=0:3:50", "--axis", "b=1:2:40", "--at-once", "--points-a-part", "300"]
-    assert main(["sweep", f"{study}:areas", *axes, "--to", "one"]) == 0
-    assert main(["sweep", f"{study}:areas", *axes, "--to", "two", "--processes", "2"]) == 0
-    names = sorted(os.listdir("one"))
-    assert names == sorted(os.listdir("two"))
-    assert len(names) == 8
-    for name in names:
-        with open(f"one/{name}", "rb") as first, open(f"two/{name}", "rb") as second:
-            assert first.read() == second.read()
+    assert main(["sweep", f"{study}:areas", *axes, "--to", "one.sqlite"]) == 0
+    assert main(["sweep", f"{study}:areas", *axes, "--to", "two.sqlite", "--processes", "2"]) == 0
+    one, two = (pp.sweeps.read(f"{name}.sqlite").column("area") for name in ("one", "two"))
+    assert len(one) == 2000
+    assert one.tobytes() == two.tobytes()
 
 
 def test_a_latin_hypercube(study, capsys):
     """The points are those of Python, as many as are asked for; one in each part of each range; the same command finds them done."""
-    words = ["sweep", f"{study}:areas", "--axis", "a=0:3", "--axis", "b=1e3:2e3", "--latin-hypercube", "40", "--at-once", "--to", "spread"]
+    words = [
+        "sweep",
+        f"{study}:areas",
+        "--axis",
+        "a=0:3",
+        "--axis",
+        "b=1e3:2e3",
+        "--latin-hypercube",
+        "40",
+        "--at-once",
+        "--to",
+        "spread.sqlite",
+    ]
     assert main([*words, "--seed", "7"]) == 0
     assert "40 points" in capsys.readouterr().out
-    frame, points = pandas.read_parquet("spread"), pp.sweeps.latin_hypercube({"a": (0.0, 3.0), "b": (1e3, 2e3)}, 40, seed=7)
+    frame, points = pp.sweeps.read("spread.sqlite").to_frame(), pp.sweeps.latin_hypercube({"a": (0.0, 3.0), "b": (1e3, 2e3)}, 40, seed=7)
     for name, (low, high) in {"a": (0, 3), "b": (1e3, 2e3)}.items():
         assert frame[name].tolist() == list(points[name])
         assert sorted(((frame[name] - low) / (high - low) * 40).astype(int)) == list(range(40))
@@ -107,38 +117,50 @@ def test_a_latin_hypercube(study, capsys):
         (["{}:area", "--axis", "a=x:2:3"], "give two numbers"),
         (["{}:area", "--axis", "a=1", "--axis", "a=2"], "a is given twice"),
         (["{}:area", "--axis", "a=1", "--processes", "0"], "--processes 0"),
-        (["{}:slowly", "--axis", "a=1", "--points-a-part", "0"], "points_a_part is 0"),
+        (["{}:slowly", "--axis", "a=1", "--at-once", "--points-a-part", "0"], "at_once is 0"),
+        (["{}:slowly", "--axis", "a=1", "--points-a-part", "9"], "give --at-once too, or leave it out"),
     ],
 )
 def test_what_is_refused(study, capsys, words, says):
     for name, content in (("broken", "1 / 0"), ("json", "")):
         with open(f"{name}.py", "w") as file:
             file.write(content)
-    assert main(["sweep", *(word.format(study) for word in words), "--to", "runs"]) == 2
+    assert main(["sweep", *(word.format(study) for word in words), "--to", "runs.sqlite"]) == 2
     printed = capsys.readouterr().err
     assert says in printed
     assert printed.count("\n") == 1
-    assert not os.path.exists("runs")
+    assert not os.path.exists("runs.sqlite")
+
+
+@pytest.mark.parametrize(("to", "name"), [("runs", "runs"), ("runs.csv", "runs"), ("runs.parquet", "runs"), ("a.b.db", "a.b")])
+def test_other_endings_are_refused(study, capsys, to, name):
+    assert main(["sweep", f"{study}:area", "--axis", "a=0:3:4", "--axis", "b=1,2.5", "--to", to]) == 2
+    assert f"write '{name}.sqlite'; a CSV or Parquet file is written from the result" in capsys.readouterr().err
+    assert not os.path.exists(to)
+
+
+def _wait_for_points(process):
+    """Until a sweep has put some points into its log."""
+    while not os.path.exists("runs.sqlite-wal") or os.path.getsize("runs.sqlite-wal") < 10_000:
+        assert process.poll() is None
+        time.sleep(0.01)
 
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("where", [[], ["--processes", "2"]])
 def test_ctrl_c_leaves_what_was_done(study, where):
-    command = [sys.executable, "-m", "pinpress", "sweep", f"{study}:slowly", "--axis", "a=1:40:40", "--points-a-part", "2", "--to", "runs"]
+    command = [sys.executable, "-m", "pinpress", "sweep", f"{study}:slowly", "--axis", "a=1:40:40", "--to", "runs.sqlite"]
     process = subprocess.Popen([*command, *where], stderr=subprocess.PIPE, text=True, start_new_session=True)
-    while not os.path.exists("runs/part-000003.parquet"):
-        assert process.poll() is None
-        time.sleep(0.01)
+    _wait_for_points(process)
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does, to the processes of the pool too
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert "of the points are in runs; the same command goes on" in said
+    assert "of the points are in runs.sqlite; the same command goes on" in said
     assert "Traceback" not in said
-    left = len(pandas.read_parquet("runs"))
-    assert 8 <= left < 40
+    assert 0 < len(pp.sweeps.read("runs.sqlite").missing) < 40
     done = subprocess.run([*command, *where], stdout=subprocess.PIPE, text=True, check=True)
-    assert "40 points in 20 parts, 0 of which failed" in done.stdout
-    assert pandas.read_parquet("runs")["twice"].tolist() == [2.0 * k for k in range(1, 41)]
+    assert "40 points, 0 of which failed" in done.stdout
+    assert pp.sweeps.read("runs.sqlite").column("twice").tolist() == [2.0 * k for k in range(1, 41)]
 
 
 @pytest.mark.exhaustive
@@ -150,21 +172,20 @@ def test_a_cluster(study, tmp_path, capsys):
         with distributed.Client(scheduler_file=str(file)) as client:
             client.wait_for_workers(2, timeout=60)
             address = client.scheduler.address
-        assert main(["sweep", f"{study}:areas", *axes, "--to", "runs", "--cluster", address]) == 0
+        assert main(["sweep", f"{study}:areas", *axes, "--to", "runs.sqlite", "--cluster", address]) == 0
     assert "2 threads; dashboard" in capsys.readouterr().out
-    assert main(["sweep", f"{study}:areas", *axes, "--to", "one"]) == 0
-    for name in os.listdir("one"):
-        with open(f"one/{name}", "rb") as first, open(f"runs/{name}", "rb") as second:
-            assert first.read() == second.read()
-    assert main(["sweep", f"{study}:areas", *axes, "--to", "other", "--cluster", address]) == 2
+    assert main(["sweep", f"{study}:areas", *axes, "--to", "one.sqlite"]) == 0
+    one, runs = (pp.sweeps.read(f"{name}.sqlite").column("area") for name in ("one", "runs"))
+    assert one.tobytes() == runs.tobytes()
+    assert main(["sweep", f"{study}:areas", *axes, "--to", "other.sqlite", "--cluster", address]) == 2
     assert "start one by `dask scheduler`" in capsys.readouterr().err
-    assert main(["sweep", f"{study}:areas", *axes, "--to", "other", "--cluster", "nowhere"]) == 2
+    assert main(["sweep", f"{study}:areas", *axes, "--to", "other.sqlite", "--cluster", "nowhere"]) == 2
 
 
 @pytest.mark.exhaustive
 def test_a_scheduler_that_dies_is_told_without_tracebacks(study, tmp_path):
     distributed = pytest.importorskip("distributed")
-    words = [f"{study}:slowly", "--axis", "a=1:400:400", "--points-a-part", "2", "--to", "runs"]
+    words = [f"{study}:slowly", "--axis", "a=1:400:400", "--to", "runs.sqlite"]
     (tmp_path / "cluster").mkdir()
     with dask_processes(tmp_path / "cluster") as (file, (scheduler, *_)):
         with distributed.Client(scheduler_file=str(file)) as client:
@@ -172,12 +193,11 @@ def test_a_scheduler_that_dies_is_told_without_tracebacks(study, tmp_path):
             address = client.scheduler.address
         command = [sys.executable, "-m", "pinpress", "sweep", *words, "--cluster", address]
         process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-        while not os.path.exists("runs/part-000003.parquet"):
-            assert process.poll() is None
-            time.sleep(0.01)
+        _wait_for_points(process)
         scheduler.kill()
         _, said = process.communicate(timeout=60)
     assert process.returncode == 2
     assert f"pinpress: the scheduler at {address} is gone, and its workers with it: start them again" in said
     assert "Traceback" not in said
-    assert f"after {len(pandas.read_parquet('runs'))} of 400 points, which are in runs; call the same sweep again" in said
+    done = 400 - len(pp.sweeps.read("runs.sqlite").missing)
+    assert f"after {done} of 400 points, which are in runs.sqlite; call the same sweep again" in said

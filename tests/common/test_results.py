@@ -25,8 +25,7 @@ OF_CALLERS = {
     "BoundedQuantity",
     "DesignTradeOff",
     "FailedPoint",
-    "ParquetSweep",
-    "SweepTable",
+    "Sweep",
     "SynthesisResult",
 }
 OF_WORDS = {"CheckResult", "Facts", "Finding", "Place"}

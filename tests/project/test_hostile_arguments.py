@@ -81,8 +81,7 @@ MADE |= {
     "MotionTable",
     "TriedMotor",
     "MotorChoice",
-    "ParquetSweep",
-    "SweepTable",
+    "Sweep",
     "SynthesisResult",
 }
 MADE |= {

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 from support import hammer_hits, texts
-from support.process_folder import process_folder
 from support.sweep_points import fails_at_odd
 
 import pinpress as pp
@@ -206,12 +205,6 @@ def sweep():
 
 
 @cache
-def parquet_sweep():
-    folder = process_folder("pinpress-sweep-")
-    return pp.sweeps.sweep_to_parquet(fails_at_odd, {"a": [1, 2, 3]}, to=folder / "runs", points_a_part=2)
-
-
-@cache
 def balance():
     return pp.balancing.balance(
         press(), motion(), regions=[pp.balancing.CounterweightRegion("crank", radius=0.2, mass=(0, 50))], minimise=Z, limits={X: 1e5}
@@ -322,7 +315,6 @@ def made():
             run_over_joints(),
             runs(),
             sweep(),
-            parquet_sweep(),
             *sweep().failed,
             run().stats,
         ),

@@ -64,15 +64,15 @@ def test_levels_are_equally_spaced_and_combine():
     axes = pp.sweeps.full_factorial({"a": (0.0, 4.0), "b": (-1.0, 1.0)}, {"a": 5, "b": 2})
     assert axes == {"a": (0.0, 1.0, 2.0, 3.0, 4.0), "b": (-1.0, 1.0)}
     table = pp.sweeps.sweep(lambda a, b: {"sum": a + b}, axes)
-    assert table.values["sum"].tolist() == [a + b for a, b in itertools.product(*axes.values())]
+    assert table.column("sum").tolist() == [a + b for a, b in itertools.product(*axes.values())]
     assert pp.sweeps.full_factorial({"a": np.array([1.0, 2.0])}, 3)["a"] == (1.0, 1.5, 2.0)
 
 
 def test_a_sweep_is_filled():
     points = pp.sweeps.latin_hypercube({"a": (0.0, 4.0), "b": (-1.0, 1.0)}, 7, seed=2)
     table = pp.sweeps.sweep(lambda a, b: {"sum": a + b}, points, paired=True)
-    assert table.values["a"].tolist() == list(points["a"])
-    assert table.values["sum"].tolist() == pytest.approx(np.add(points["a"], points["b"]))
+    assert table.column("a").tolist() == list(points["a"])
+    assert table.column("sum").tolist() == pytest.approx(np.add(points["a"], points["b"]))
 
 
 @pytest.mark.parametrize(

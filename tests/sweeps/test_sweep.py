@@ -35,9 +35,9 @@ def file(tmp_path):
 
 
 def points(path):
-    """What another program reads in the file: (number, results, error, checksum) of every point."""
+    """What another program reads in the file: (point, error, checksum, results) of every point."""
     with closing(sqlite3.connect(path)) as database:
-        return database.execute("SELECT * FROM points ORDER BY number").fetchall()
+        return database.execute("SELECT * FROM points ORDER BY point").fetchall()
 
 
 def rows(path):
@@ -46,22 +46,23 @@ def rows(path):
 
 
 def same(one, other):
-    assert list(one.values) == list(other.values)
+    assert list(one.columns()) == list(other.columns())
     assert one.failed == other.failed
-    for name, column in one.values.items():
-        assert column.dtype == other.values[name].dtype
-        np.testing.assert_array_equal(np.ma.getmaskarray(column), np.ma.getmaskarray(other.values[name]))
-        assert column.tolist() == other.values[name].tolist()
+    for name in (*one.axes, *one.results):
+        column = one.column(name)
+        assert column.dtype == other.column(name).dtype
+        np.testing.assert_array_equal(np.ma.getmaskarray(column), np.ma.getmaskarray(other.column(name)))
+        assert column.tolist() == other.column(name).tolist()
 
 
 def test_last_axis_is_the_fastest():
     found = sweep(product, GRID)
     assert found.shape == (3, 2)
-    assert found.values["a"].tolist() == [3, 3, 1, 1, 2, 2]
-    assert found.values["b"].tolist() == [0.5, 4.0] * 3
+    assert found.column("a").tolist() == [3, 3, 1, 1, 2, 2]
+    assert found.column("b").tolist() == [0.5, 4.0] * 3
     np.testing.assert_array_equal(found.grid("product"), np.outer(GRID["a"], GRID["b"]))
-    assert found.values["even"].dtype == bool
-    assert found.values["which"].tolist() == ["a", "b, or, both", "a", "b, or, both", "a", "b, or, both"]
+    assert found.column("even").dtype == bool
+    assert found.column("which").tolist() == ["a", "b, or, both", "a", "b, or, both", "a", "b, or, both"]
     assert found.failed == ()
     with pytest.raises(pp.UnknownNameError, match="product"):
         found.grid("produkt")
@@ -82,7 +83,7 @@ def test_objects_under_labels():
         return {"torque": pp.inverse_dynamics(press, motion, loads, bearings=()).driving_torque.max()}
 
     found = sweep(torque, {"loads": dies, "speed": [5.0, 10.0]})
-    assert found.values["loads"].tolist() == ["none", "none", "drawing", "drawing"]
+    assert found.column("loads").tolist() == ["none", "none", "drawing", "drawing"]
     for i, loads in enumerate(dies.values()):
         for j, speed in enumerate((5.0, 10.0)):
             expected = pp.inverse_dynamics(press, pp.cycle(press, speed, points=60), loads).driving_torque.max()
@@ -107,9 +108,9 @@ def test_file_is_read_again_and_written_out(file, tmp_path):
     same(second, alone)
     assert os.listdir(tmp_path) == [file.name]
     frame = second.to_frame()
-    assert frame["product"].tolist() == alone.values["product"].tolist()
+    assert frame["product"].tolist() == alone.column("product").tolist()
     second.to_csv(tmp_path / "table.csv")
-    assert [float(row[2]) for row in rows(tmp_path / "table.csv")[1:]] == alone.values["product"].tolist()
+    assert [float(row[2]) for row in rows(tmp_path / "table.csv")[1:]] == alone.column("product").tolist()
     pandas = pytest.importorskip("pandas")
     second.to_parquet(tmp_path / "table.parquet")
     pandas.testing.assert_frame_equal(pandas.read_parquet(tmp_path / "table.parquet"), frame, check_dtype=False)
@@ -139,7 +140,7 @@ def test_failed_points_are_recorded_and_done_again_where_asked(file):
 def test_all_points_fail(file):
     found = sweep(fails_at_odd, {"a": [1, 3]}, to=file)
     assert len(found.failed) == 2
-    assert list(found.values) == ["a"]
+    assert list(found.columns()) == ["a", "error"]
     same(sweep(fails_at_odd, {"a": [1, 3]}, to=file), found)
 
 
@@ -166,16 +167,27 @@ def test_what_a_table_cannot_hold_has_failed(returned, words):
 def test_words_come_back_as_they_were(file):
     words = ["", "a,b", 'say "x"', "two\nlines", "two\r\nlines", "two\rlines", "\r", ",00000000\n0", "1.0", "True", "é 滑块"]
     found = sweep(lambda k: {"word": words[k]}, {"k": range(len(words))}, to=file)
-    assert sweep(lambda k: {}, {"k": range(len(words))}, to=file).values["word"].tolist() == words == found.values["word"].tolist()
+    assert sweep(lambda k: {}, {"k": range(len(words))}, to=file).column("word").tolist() == words == found.column("word").tolist()
     found.to_csv(file.with_name("table.csv"))
     assert [row[1] for row in rows(file.with_name("table.csv"))[1:]] == words
+
+
+def test_names_that_sql_takes_for_one(file):
+    """And names of its own columns."""
+    names = ["x", "X", "number", "Point", "select", 'say "x"', "Error", "é", "a b"]
+    grid = {"k": range(3)}
+    found = sweep(lambda k: {name: float(10 * k + j) for j, name in enumerate(names)}, grid, to=file)
+    assert [found.column(name)[2] for name in names] == [20.0 + j for j in range(len(names))]
+    same(sweep(lambda k: {}, grid, to=file), found)
+    with pytest.raises(pp.PinpressError, match="returns 2000 values: return at most 1900"):
+        sweep(lambda k: {f"x{j}": j for j in range(2000)}, grid)
 
 
 def test_labels_of_several_kinds(file):
     grid = {"size": {1: 10, "large": 30, 2.5: 20}, "left": [True, False]}
     found = sweep(lambda size, left: {"x": -size if left else size}, grid, to=file)
-    assert found.values["size"].tolist() == [1, 1, "large", "large", 2.5, 2.5]
-    assert found.values["x"].tolist() == [-10, 10, -30, 30, -20, 20]
+    assert found.column("size").tolist() == [1, 1, "large", "large", 2.5, 2.5]
+    assert found.column("x").tolist() == [-10, 10, -30, 30, -20, 20]
     same(sweep(lambda size, left: {}, grid, to=file), found)
 
 
@@ -190,7 +202,7 @@ def test_names_may_come_in_any_order(file):
         return {"x": a, "y": -a} if a % 2 else {"y": -a, "x": a}
 
     found = sweep(either, {"a": range(4)}, to=file)
-    assert found.values["x"].tolist() == [0, 1, 2, 3]
+    assert found.column("x").tolist() == [0, 1, 2, 3]
     same(sweep(either, {"a": range(4)}, to=file), found)
 
 
@@ -198,9 +210,8 @@ def test_numbers_come_back_bit_by_bit(file):
     numbers = [0.1 + 0.2, -0.0, 5e-324, 1.7976931348623157e308, 2.0, 2, -(2**53), np.float64(1 / 3), np.float32(0.1), np.int64(7), 1e22]
     found = sweep(lambda k: {"x": numbers[k]}, {"k": range(len(numbers))}, to=file)
     again = sweep(lambda k: {}, {"k": range(len(numbers))}, to=file)
-    assert again.values["x"].tobytes() == found.values["x"].tobytes() == np.array([float(number) for number in numbers]).tobytes()
-    sweep(lambda k: {"x": k}, {"k": range(3)}, to=file.with_name("whole.sqlite"))
-    assert sweep(lambda k: {}, {"k": range(3)}, to=file.with_name("whole.sqlite")).values["x"].dtype == np.int64
+    expected = np.array([float(number) for number in numbers]) + 0.0  # SQLite takes -0.0 for 0.0
+    assert again.column("x").tobytes() == found.column("x").tobytes() == expected.tobytes()
 
 
 def test_a_file_without_points_is_begun(file):
@@ -209,14 +220,37 @@ def test_a_file_without_points_is_begun(file):
     same(sweep(product, GRID, to=file), sweep(product, GRID))
 
 
+@pytest.mark.parametrize("rest", [1, 99, 1024, 1500, 2500])
+def test_a_file_that_is_cut_off(file, rest):
+    sweep(product, GRID, to=file)
+    file.write_bytes(file.read_bytes()[:-rest])
+    for call in (lambda: pp.sweeps.read(file), lambda: sweep(product, GRID, to=file)):
+        with pytest.raises(pp.PinpressError, match="is damaged"):
+            call()
+
+
+def test_a_read_only_place():
+    for to in ("/proc/r.sqlite", "/sys/kernel/r.sqlite"):
+        with pytest.raises(pp.PinpressError, match=f"cannot write {to}"):
+            sweep(product, GRID, to=to)
+
+
 def test_what_another_program_changes_is_refused(file):
     sweep(product, GRID, to=file)
     content = file.read_bytes()
     for changed, words in (
-        ("UPDATE points SET results = replace(results, '4.0', '4.5') WHERE number = 3", "point 3 is damaged or was changed"),
-        ("UPDATE points SET error = 'it failed' WHERE number = 2", "point 2 is damaged or was changed"),
-        ("UPDATE points SET number = 99 WHERE number = 2", "point 99 is damaged or was changed"),
-        ("INSERT INTO points SELECT 7, results, error, checksum FROM points WHERE number = 1", "point 7 is damaged or was changed"),
+        ("UPDATE points SET product = 4.5 WHERE point = 3", "point 3 is damaged or was changed"),
+        ("UPDATE points SET product = 'four' WHERE point = 3", "point 3 is damaged or was changed"),
+        ("UPDATE points SET product = NULL WHERE point = 3", "point 3 is damaged or was changed"),
+        ("UPDATE points SET even = NOT even WHERE point = 3", "point 3 is damaged or was changed"),
+        ("UPDATE points SET which = 'none' WHERE point = 3", "point 3 is damaged or was changed"),
+        ("UPDATE points SET error = 'it failed' WHERE point = 2", "point 2 is damaged or was changed"),
+        ("UPDATE points SET point = 99 WHERE point = 2", "point 99 is damaged or was changed"),
+        (
+            "INSERT INTO points SELECT 7, error, checksum, product, larger, even, which FROM points WHERE point = 1",
+            "point 7 is damaged or was changed",
+        ),
+        ("ALTER TABLE points ADD COLUMN more REAL", "does not have the columns that its description names"),
         ("UPDATE sweep SET description = replace(description, 'larger', 'smaller')", "the checksum of its description does not fit"),
         ("DELETE FROM sweep", "the checksum of its description does not fit"),
         ("CREATE INDEX i ON points(error)", "not have the tables of a sweep"),
@@ -234,7 +268,7 @@ def test_what_another_program_changes_is_refused(file):
 def test_a_point_that_is_deleted_is_done_again(file):
     right, done = sweep(product, GRID, to=file), []
     with closing(sqlite3.connect(file)) as database, database:
-        database.execute("DELETE FROM points WHERE number = 3")
+        database.execute("DELETE FROM points WHERE point = 3")
 
     def counted(**point):
         done.append(point)
@@ -381,7 +415,7 @@ def test_a_sweep_that_was_stopped_can_be_read(file):
     whole = sweep(told, {"k": range(30)})
     assert found.missing == tuple(range(12, 30))
     assert found.failed == whole.failed[:2]
-    assert np.ma.compressed(found.values["word"]).tolist() == np.ma.compressed(whole.values["word"][:12]).tolist()
+    assert np.ma.compressed(found.column("word")).tolist() == np.ma.compressed(whole.column("word")[:12]).tolist()
     assert "2 of which failed, 18 are not done" in str(found)
     found.to_csv(file.with_name("table.csv"))
     assert [row[1] for row in rows(file.with_name("table.csv"))[12:15]] == ["1.1", "", ""]
@@ -438,7 +472,8 @@ def test_another_sweep_is_refused_with_what_differs(file, function, grid, how, w
         ({"grid": {"a": np.ones((2, 2)), "b": [1]}}, "give a sequence"),
         ({"grid": {"error": [1]}}, "cannot be an axis"),
         ({"grid": {"a": [1, 2], "b": [1]}, "paired": True}, "equally long"),
-        ({"to": "results.csv"}, r"ends with \.sqlite; a CSV or Parquet file is written"),
+        ({"to": "results.csv"}, r"write 'results\.sqlite'; a CSV or Parquet file is written"),
+        ({"to": "runs"}, r"write 'runs\.sqlite'"),
         ({"to": "no/such/folder/r.sqlite"}, "cannot write no/such/folder/r.sqlite: unable to open"),
         ({"to": 5}, "cannot write 5"),
         ({"executor": 4}, "executor is 4"),
@@ -481,7 +516,7 @@ def test_a_point_that_kills_its_worker_has_failed(file, how):
     assert [bad.number for bad in found.failed] == [20, 200, 201]
     assert "ends the process that it runs in" in found.failed[0].error
     good = [a for a in range(300) if a not in (20, 200, 201)]
-    assert np.ma.compressed(found.values["twice"]).tolist() == [2 * a for a in good]
+    assert np.ma.compressed(found.column("twice")).tolist() == [2 * a for a in good]
     called = Counter(log.read_text().split())
     assert max(called[str(a)] for a in (20, 200, 201)) <= 3
     again = sweep(partial(dies, at=(), how=how, log=str(log)), {"a": range(300)}, to=file)
@@ -553,7 +588,7 @@ def test_points_beside_one_that_kills_its_workers_do_not_fail():
     assert [bad.number for bad in found.failed] == [7]
     assert cluster.accused[7] == 3, "in a task of several, alone beside others, with nothing beside it"
     assert max(count for number, count in cluster.accused.items() if number != 7) == 2, "others were accused as it was, twice"
-    assert found.values["twice"].tolist() == [2 * a if a != 7 else None for a in range(50)]
+    assert found.column("twice").tolist() == [2 * a if a != 7 else None for a in range(50)]
 
 
 def test_a_result_is_lost_on_its_way():
@@ -572,7 +607,7 @@ def test_a_result_is_lost_on_its_way():
     with Cluster(2) as pool:
         found = sweep(doubled, {"a": range(50)}, executor=pool, in_flight=2)
     assert not found.failed
-    assert found.values["twice"].tolist() == [2 * a for a in range(50)]
+    assert found.column("twice").tolist() == [2 * a for a in range(50)]
     lost = 10**9
     with Cluster(2) as pool, pytest.raises(pp.PinpressError, match=r"could not do its work \(ValueError: not enough values"):
         sweep(doubled, {"a": range(50)}, executor=pool, in_flight=2)
@@ -598,7 +633,7 @@ def test_whatever_a_function_raises_the_sweep_goes_on(error, processes):
         found = sweep(partial(raises_at_1, error=type(error)), {"a": [0, 1, 2]}, executor=pool)
     assert [bad.number for bad in found.failed] == [1]
     assert found.failed[0].error.startswith(f"{type(error).__name__}: ")
-    assert found.values["twice"].tolist() == [0, None, 4]
+    assert found.column("twice").tolist() == [0, None, 4]
 
 
 def test_few_points_are_in_flight_and_the_executor_stays_open():
@@ -622,7 +657,7 @@ def test_few_points_are_in_flight_and_the_executor_stays_open():
     with Counting(2) as pool:
         found = sweep(lambda a: {"x": a}, {"a": range(5000)}, executor=pool, in_flight=3)
         assert pool.submit(int, 3).result() == 3
-    assert found.values["x"].tolist() == list(range(5000))
+    assert found.column("x").tolist() == list(range(5000))
     assert most <= 3
 
 
@@ -642,14 +677,14 @@ def test_a_task_that_takes_longer_than_expected_hands_points_back():
             slow_at_the_end, {"a": range(1010)}, executor=pool, in_flight=1, progress=lambda share: shares.append((share, len(begun)))
         )
     assert begun == list(range(1000, 1010))
-    assert found.values["x"].tolist() == list(range(1010))
+    assert found.column("x").tolist() == list(range(1010))
     assert np.diff([count for _, count in shares]).max() <= 4
 
 
 def test_ctrl_c_in_a_worker_stops_the_sweep(file):
     with ProcessPoolExecutor(1) as pool, pytest.raises(KeyboardInterrupt):
         sweep(partial(raises_at_1, error=KeyboardInterrupt), {"a": [0, 1, 2]}, to=file, executor=pool)
-    assert sweep(partial(raises_at_1, error=ValueError), {"a": [0, 1, 2]}, to=file).values["twice"].tolist() == [0, None, 4]
+    assert sweep(partial(raises_at_1, error=ValueError), {"a": [0, 1, 2]}, to=file).column("twice").tolist() == [0, None, 4]
 
 
 def test_interrupted_and_resumed(file):
@@ -663,23 +698,27 @@ def test_interrupted_and_resumed(file):
     with pytest.raises(KeyboardInterrupt):
         sweep(interrupted, {"a": range(6)}, to=file)
     resumed = True
-    assert sweep(interrupted, {"a": range(6)}, to=file).values["x"].tolist() == done == list(range(6))
+    assert sweep(interrupted, {"a": range(6)}, to=file).column("x").tolist() == done == list(range(6))
+
+
+def test_a_file_that_is_written_takes_no_other_sweep(file):
+    tried = []
+
+    def again(a):
+        for call in (lambda: sweep(product, GRID, to=file), lambda: pp.sweeps.read(file)):
+            with pytest.raises(pp.PinpressError, match="in use, by another sweep"):
+                call()
+        tried.append(a)
+        return {"x": a}
+
+    sweep(again, {"a": [1]}, to=file)
+    assert tried == [1]
 
 
 @pytest.mark.exhaustive
 def test_one_at_a_time(tmp_path):
-    """Refused in this process and from another one, which a kill releases."""
-    file, log = tmp_path / "r.sqlite", tmp_path / "log"
-    held = []
-
-    def again(a):
-        with pytest.raises(pp.PinpressError, match="in use, by another sweep"):
-            sweep(product, GRID, to=file)
-        held.append(a)
-        return {"x": a}
-
-    sweep(again, {"a": [1]}, to=file)
-    assert held == [1]
+    """Refused from another process, which a kill releases."""
+    log = tmp_path / "log"
     other = tmp_path / "other.sqlite"
     words = (
         "from functools import partial; from support.sweep_points import logged; from pinpress.sweeps.sweeping import sweep;"
@@ -697,5 +736,5 @@ def test_one_at_a_time(tmp_path):
     finally:
         holder.send_signal(signal.SIGKILL)
         holder.wait()
-    assert sweep(partial(logged, log=str(log), pause=0), {"a": [1]}, to=other).values["twice"].tolist() == [2]
-    assert sorted(os.listdir(tmp_path)) == ["log", "other.sqlite", "r.sqlite"]
+    assert sweep(partial(logged, log=str(log), pause=0), {"a": [1]}, to=other).column("twice").tolist() == [2]
+    assert sorted(os.listdir(tmp_path)) == ["log", "other.sqlite"]

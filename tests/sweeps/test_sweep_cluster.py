@@ -14,7 +14,6 @@ from support.sweep_points import dies_at_once, fails_at_odd, logged, logged_at_o
 from support.time_limit import within
 
 import pinpress as pp
-from pinpress.sweeps.parquet_sweep import sweep_to_parquet
 from pinpress.sweeps.sweeping import sweep
 
 
@@ -44,8 +43,8 @@ def test_a_worker_is_killed_in_the_middle(cluster, tmp_path):
         found = sweep(function, {"a": points}, to=file, executor=client.get_executor(), in_flight=8, progress=kill)
     assert killed == [workers[0].pid]
     assert found.failed == ()
-    assert found.values["twice"].tolist() == [2 * a for a in points]
-    by = Counter(found.values["process"].tolist())
+    assert found.column("twice").tolist() == [2 * a for a in points]
+    by = Counter(found.column("process").tolist())
     assert set(by) == {worker.pid for worker in workers}, "both have worked"
     done = Counter(int(line.split(",")[0]) for line in log.read_text().splitlines())
     assert sorted(done) == list(points)
@@ -66,17 +65,12 @@ def test_a_worker_is_killed_in_the_middle(cluster, tmp_path):
     assert len(points) - len(pp.sweeps.read(other).missing) > 0.2 * len(points)
 
 
-def contents(folder):
-    return {file.name: file.read_bytes() for file in folder.iterdir()}
-
-
 @pytest.mark.exhaustive
-def test_parts_of_a_cluster_are_those_of_one_process(cluster, tmp_path):
-    """Byte by byte, though a worker is killed on the way; and what the scheduler's death leaves is gone on with."""
+def test_a_cluster_writes_what_one_process_writes(cluster, tmp_path):
+    """Though a worker is killed on the way; and what the scheduler's death leaves is gone on with."""
     client, (scheduler, *workers) = cluster
     grid, log = {"a": np.linspace(0.0, 1.0, 100), "b": np.linspace(0.0, 2.0, 100)}, str(tmp_path / "log")
-    how = {"points_a_part": 100, "at_once": True}
-    sweep_to_parquet(partial(logged_at_once, log=log, pause=0.0), grid, to=tmp_path / "alone", **how)
+    alone = sweep(partial(logged_at_once, log=log, pause=0.0), grid, at_once=100)
     function, killed = partial(logged_at_once, log=log, pause=0.02), []
 
     def kill(share):
@@ -86,24 +80,25 @@ def test_parts_of_a_cluster_are_those_of_one_process(cluster, tmp_path):
 
     with within(120):
         executor = client.get_executor()
-        found = sweep_to_parquet(function, grid, to=tmp_path / "cluster", executor=executor, in_flight=8, progress=kill, **how)
+        found = sweep(function, grid, to=tmp_path / "r.sqlite", at_once=100, executor=executor, in_flight=8, progress=kill)
     assert killed == [workers[0].pid]
-    assert found.failed == 0
-    assert contents(tmp_path / "cluster") == contents(tmp_path / "alone")
+    assert found.failed == ()
+    assert found.column("c").tobytes() == alone.column("c").tobytes()
 
     def kill_the_scheduler(share):
         if share > 0.3 and scheduler.poll() is None:
             scheduler.kill()
             scheduler.wait()
 
+    other = tmp_path / "other.sqlite"
     with within(120), pytest.raises(pp.PinpressError, match="call the same sweep again, with a new executor"):
-        sweep_to_parquet(function, grid, to=tmp_path / "other", executor=executor, in_flight=8, progress=kill_the_scheduler, **how)
-    left = 100 - len(list((tmp_path / "other").glob("*.parquet")))
-    assert 0 < left < 75
+        sweep(function, grid, to=other, at_once=100, executor=executor, in_flight=8, progress=kill_the_scheduler)
+    left = len(pp.sweeps.read(other).missing)
+    assert 0 < left < 7500
     before = len(Path(log).read_text().splitlines())
-    sweep_to_parquet(partial(logged_at_once, log=log, pause=0.0), grid, to=tmp_path / "other", **how)
-    assert len(Path(log).read_text().splitlines()) - before == left
-    assert contents(tmp_path / "other") == contents(tmp_path / "alone")
+    again = sweep(partial(logged_at_once, log=log, pause=0.0), grid, to=other, at_once=100)
+    assert len(Path(log).read_text().splitlines()) - before == left / 100
+    assert again.column("c").tobytes() == alone.column("c").tobytes()
 
 
 @pytest.mark.exhaustive
@@ -115,14 +110,7 @@ def test_a_point_that_kills_its_workers_has_failed_on_a_cluster(tmp_path):
         client.wait_for_workers(2, timeout=60)
         with urlopen(client.dashboard_link, timeout=30) as page:
             assert "BokehJS" in page.read().decode() or page.status == 200
-        found = sweep_to_parquet(
-            partial(dies_at_once, at=(7,), how="exit", log=os.devnull),
-            {"a": range(20)},
-            to=tmp_path / "runs",
-            points_a_part=5,
-            at_once=True,
-            executor=client.get_executor(),
-        )
-    columns = found.columns()
-    assert [k for k, error in enumerate(columns["error"]) if error] == [7]
-    assert np.ma.compressed(columns["twice"]).tolist() == [2 * k for k in range(20) if k != 7]
+        function = partial(dies_at_once, at=(7,), how="exit", log=os.devnull)
+        found = sweep(function, {"a": range(20)}, to=tmp_path / "r.sqlite", at_once=5, executor=client.get_executor())
+    assert [bad.number for bad in found.failed] == [7]
+    assert np.ma.compressed(found.column("twice")).tolist() == [2 * k for k in range(20) if k != 7]

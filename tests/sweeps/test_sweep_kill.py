@@ -33,7 +33,7 @@ def finished(file, copies):
     for path in (file, file.with_name(f"{file.name}-wal")):
         shutil.copy(path, copies)
     with closing(sqlite3.connect(copies / file.name)) as database:
-        numbers = [number for (number,) in database.execute("SELECT number FROM points")]
+        numbers = [number for (number,) in database.execute("SELECT point FROM points")]
     speeds = grid(SPEEDS)["speed"]
     return [f"{float(speeds[k // len(INERTIAS)])!r},{float(INERTIAS[k % len(INERTIAS)])!r}" for k in numbers]
 
@@ -83,8 +83,8 @@ def test_killed_twice_and_resumed(tmp_path):
     assert executions(log) == done  # all of it was there
     assert found.failed == ()
     for number in range(0, points, max(1, points // 20) + 1):
-        speed, inertia = (float(found.values[name][number]) for name in ("speed", "inertia"))
+        speed, inertia = (float(found.column(name)[number]) for name in ("speed", "inertia"))
         again = stroke(speed, inertia, log=os.devnull)
-        assert {name: found.values[name][number] for name in again} == again
+        assert {name: found.column(name)[number] for name in again} == again
         alone = pp.simulate(PRESS, DURATION, speed=speed, flywheel=pp.drives.Flywheel(inertia), points=2)
         np.testing.assert_allclose([again["angle"], again["speed_after"]], [alone.crank_angle[-1], alone.crank_speed[-1]], rtol=1e-12)

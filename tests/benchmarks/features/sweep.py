@@ -1,8 +1,8 @@
 """Operating points a second, beside a loop over inverse dynamics; and what a sweep adds to each of its points.
 
 Run `python tests/benchmarks/features/sweep.py`; `--cluster 1000000` for that many simulations on a Dask cluster of two worker processes,
-into a folder of Parquet files (10 000 without a number; `--to` keeps the folder). pytest does not collect this file. CPU time of one core
-for operating points, wall time for sweeps.
+into an SQLite file (10 000 without a number; `--to` keeps it); `--store 1000000` for that many small points in a file, and read back.
+pytest does not collect this file. CPU time of one core for operating points, wall time for sweeps.
 """
 
 from __future__ import annotations
@@ -29,8 +29,7 @@ from support.sweep_points import product
 import pinpress as pp
 from pinpress.sweeps import execution
 from pinpress.sweeps.operating_map import operating_points
-from pinpress.sweeps.parquet_sweep import sweep_to_parquet
-from pinpress.sweeps.sweeping import sweep
+from pinpress.sweeps.sweeping import read, sweep
 
 START = 0.020  # m above bottom dead centre
 SPEEDS, FORCES = np.linspace(10, 100, 1000) * pp.RPM, np.linspace(0, 3e6, 1000)
@@ -103,19 +102,19 @@ def large(points: int, to: Path | None) -> None:
     from distributed import Client
 
     usual = execution.TASK
-    with tempfile.TemporaryDirectory() as name, dask_processes(name) as (file, processes), Client(scheduler_file=str(file)) as client:
+    with tempfile.TemporaryDirectory() as name, dask_processes(name) as (address, processes), Client(scheduler_file=str(address)) as client:
         client.wait_for_workers(2)
-        for said, function, task, count, length, folder in (
-            ("nothing to do", press_strokes.nothing, usual, points, 1000, Path(name, "nothing")),
-            ("nothing to do, each part of ten points a task", press_strokes.nothing, 0.0, points // 50, 10, Path(name, "small")),
-            ("ten strokes", press_strokes.strokes_at_once, usual, points, 1000, to or Path(name, "runs")),
+        for said, function, task, count, length, file in (
+            ("nothing to do", press_strokes.nothing, usual, points, 1000, Path(name, "nothing.sqlite")),
+            ("nothing to do, each part of ten points a task", press_strokes.nothing, 0.0, points // 50, 10, Path(name, "small.sqlite")),
+            ("ten strokes", press_strokes.strokes_at_once, usual, points, 1000, to or Path(name, "runs.sqlite")),
         ):
             execution.TASK = task
             print(f"\n{said}")
-            on_cluster(client, processes[0].pid, function, count, length, folder)
+            on_cluster(client, processes[0].pid, function, count, length, file)
 
 
-def on_cluster(client: Any, scheduler: int, function: Callable[..., Any], points: int, length: int, folder: Path) -> None:
+def on_cluster(client: Any, scheduler: int, function: Callable[..., Any], points: int, length: int, file: Path) -> None:
     """A sweep, what it takes and what travels."""
     import cloudpickle
     import psutil
@@ -131,27 +130,57 @@ def on_cluster(client: Any, scheduler: int, function: Callable[..., Any], points
     executor.submit = counted
     started = client.run(time.process_time)
     start, own, before = time.perf_counter(), time.process_time(), sum(psutil.Process(scheduler).cpu_times()[:2])
-    found = sweep_to_parquet(function, press_strokes.grid(points), to=folder, points_a_part=length, at_once=True, executor=executor)
+    found = sweep(function, press_strokes.grid(points), to=file, at_once=length, executor=executor)
+    count = found.column("force").size
     seconds, own = time.perf_counter() - start, time.process_time() - own
     sorting = sum(psutil.Process(scheduler).cpu_times()[:2]) - before
     working = sum(spent - started[worker] for worker, spent in client.run(time.process_time).items())
-    size = sum(each.stat().st_size for each in folder.iterdir())
-    print(f"  {found.points} points in {found.parts} parts and {len(tasks)} tasks, {found.failed} points failed")
-    print(f"  {seconds:.4g} s, {found.points / seconds:.4g} points/s, {1e6 * seconds / found.points:.4g} us a point")
+    size = file.stat().st_size
+    print(f"  {count} points in {len(tasks)} tasks, {len(found.failed)} points failed")
+    print(f"  {seconds:.4g} s, {count / seconds:.4g} points/s, {1e6 * seconds / count:.4g} us a point")
     print(f"  CPU: workers {working:.4g} s, scheduler {sorting:.4g} s, this process {own:.4g} s")
     print(f"  a task: scheduler {1e3 * sorting / len(tasks):.3g} ms, this process {1e3 * own / len(tasks):.3g} ms")
-    print(f"  sent {sum(tasks) / len(tasks):.4g} bytes a task; files {size / 1e6:.4g} MB, {size / found.points:.3g} bytes a point")
+    print(f"  sent {sum(tasks) / len(tasks):.4g} bytes a task; file {size / 1e6:.4g} MB, {size / count:.3g} bytes a point")
     print(f"  most memory of this process {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3:.4g} MB", flush=True)
+
+
+def stored(points: int) -> None:
+    """Small points in a file: six results at once, written, read back and exported; and one by one, each with a commit of its own."""
+    count = round(points**0.5)
+    grid = {"a": range(count), "b": range(count)}
+
+    def six(a: Any, b: Any) -> dict[str, Any]:
+        return {f"x{k}": a * 1.1 + b * k for k in range(6)}
+
+    with tempfile.TemporaryDirectory() as name:
+        file, single, exported = Path(name, "r.sqlite"), Path(name, "single.sqlite"), Path(name, "r.parquet")
+        few = {"a": range(count // 10), "b": range(count // 10)}
+        print(f"{count**2} points with six results: processor time, and time by the clock [s]")
+        for said, work in (
+            ("written, 1000 points a call", lambda: sweep(six, grid, to=file, at_once=True)),
+            ("the same without a file", lambda: sweep(six, grid, at_once=True)),
+            ("read", lambda: read(file)),
+            ("read, and exported to Parquet", lambda: read(file).to_parquet(exported)),
+            ("a hundredth of them, one point a call", lambda: sweep(six, few, to=single)),
+        ):
+            clock = time.perf_counter()
+            spent = cpu(work, 1)
+            print(f"  {said:42}{spent:8.2f}{time.perf_counter() - clock:8.2f}")
+        print(f"  file {file.stat().st_size / 1e6:.3g} MB, Parquet {exported.stat().st_size / 1e6:.3g} MB")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cluster", nargs="?", type=int, const=10_000, metavar="POINTS", help="simulations on a Dask cluster, and no more")
-    parser.add_argument("--to", type=Path, help="folder for the results of these simulations")
+    parser.add_argument("--to", type=Path, help="SQLite file for the results of these simulations")
+    parser.add_argument("--store", nargs="?", type=int, const=10_000, metavar="POINTS", help="small points in a file, and no more")
     options = parser.parse_args()
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     if options.cluster:
         large(options.cluster, options.to)
+        return
+    if options.store:
+        stored(options.store)
         return
     points()
     both_ways()

@@ -1342,21 +1342,7 @@ def calls() -> dict[str, Call]:
         (
             "sweep",
             pp.sweeps.sweep,
-            lambda: {"function": swept, "grid": {"x": [1.0, 2.0]}, "executor": Inline(), "paired": False, "in_flight": 2},
-        ),
-        (
-            "sweeps.sweep_to_parquet",
-            pp.sweeps.sweep_to_parquet,
-            lambda: {
-                "function": swept,
-                "grid": {"x": [1.0, 2.0]},
-                "to": FOLDER / "parts",
-                "points_a_part": 1,
-                "at_once": False,
-                "executor": Inline(),
-                "paired": False,
-                "in_flight": 2,
-            },
+            lambda: {"function": swept, "grid": {"x": [1.0, 2.0]}, "executor": Inline(), "at_once": False, "paired": False, "in_flight": 2},
         ),
         ("sweeps.read", pp.sweeps.read, lambda: {"path": SWEPT}),
         ("sweeps.full_factorial", pp.sweeps.full_factorial, lambda: {"ranges": {"x": (0.0, 1.0), "y": (2.0, 3.0)}, "levels": 3}),
