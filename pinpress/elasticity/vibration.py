@@ -26,10 +26,10 @@ from ..kinematics.cycle import motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage, OfPress
 from ..simulation.elastic.description import Elastic
-from ..simulation.elastic.press.assembly import press_on_springs
+from ..simulation.elastic.press.assembly import sprung_press
 from ..simulation.elastic.press.plane import PlaneGeometry
 from ..simulation.elastic.press.space import SpaceGeometry
-from ..simulation.elastic.press.sprung_press import BodyState, SprungPress, reference_angle
+from ..simulation.elastic.press.sprung_press import BodyState, SprungPress
 from ..simulation.elastic.yielding import FRAME, link_joint, part_stiffness
 from .modes_in_space import kinetic_energy_in_space, shapes_in_space
 
@@ -135,7 +135,7 @@ def natural_frequencies(
     """
     if isinstance(elastic, Elastic) and elastic.clearances:
         raise PinpressError("a pin with clearance has no natural frequency, as it opens and closes: leave the clearances out")
-    sprung, angles = press_on_springs(press, elastic), _angles(press, angle)
+    sprung, angles = sprung_press(press, elastic), _angles(press, angle)
     geometry = sprung.geometry
     coordinates, _, _ = geometry.rigid(motion_through_change_points(press, angles, 0.0))
     state = geometry.state(coordinates, np.zeros_like(coordinates))
@@ -169,7 +169,7 @@ def natural_frequencies(
         shapes=read_only(displaced.copy()),
         strain_energy=_shares(_strain_energy(sprung, elastic, state, moved)),
         kinetic_energy=_shares(kinetic),
-        _bottom=reference_angle(press),
+        _bottom=float(sprung.reference.crank_angle[0]),
         _bending=read_only(bending.copy()),
     )
 

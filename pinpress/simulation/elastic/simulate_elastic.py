@@ -9,7 +9,6 @@ import numpy as np
 
 from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
-from ...kinematics.cycle import motion_through_change_points
 from ...linkage.linkage import Linkage
 from ..driven_press import DrivenPress, GeneralizedForce, JointPosition
 from ..failures import failure
@@ -20,7 +19,7 @@ from .description import Elastic
 from .equations import ElasticEquations, HeldCrank
 from .march import march, resting
 from .period import periodic, periodic_near
-from .press.assembly import press_on_springs
+from .press.assembly import sprung_press
 from .press.drive import drive_train
 from .press.friction import bearing_friction
 from .press.paths import LengthPath, LinePath, from_frame, load_path, refuse_on_flexible_links
@@ -147,7 +146,7 @@ def _task(
     which the rigid press turns; ``sprung``: the press on its springs where it is known."""
     _refuse_unsuitable(driven, elastic)
     if sprung is None:
-        sprung = press_on_springs(driven.press, elastic).with_opening_joints()
+        sprung = sprung_press(driven.press, elastic).with_opening_joints()
     if steady and sprung.open_pins:
         raise PinpressError(
             "a press with clearance has no steady state: its journals strike differently in each turn; let it run with simulate, and look"
@@ -184,8 +183,8 @@ def _task_from(start: float, sprung: SprungPress, strokes: Strokes, speed: float
     paths += tuple(LinePath(sprung.geometry.alone(joint.spring)) for joint in sprung.open_joints)
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:
-        found = sprung.rigid(motion_through_change_points(press, start + speed * times, speed))
-        return found[0][:, :-1], found[1][:, :-1], found[2][:, :-1]
+        y, v, a = sprung.rigid(start + speed * times, speed)
+        return y[:, :-1], v[:, :-1], a[:, :-1]
 
     period = 2 * np.pi * press.period_turns / abs(speed)
     gain = _gain(*rigid(np.array([0.0, period]))[0])
@@ -226,8 +225,7 @@ def _free(task: Task, period: Trajectory | None, displacement: float) -> Task:
         else:
             sample = period.at(times)
             angle, speed, acceleration = sample.position[0], sample.speed[0], sample.acceleration[0]
-        found = equations.sprung.rigid(motion_through_change_points(equations.sprung.press, angle, speed, acceleration))
-        y, v, a = (np.pad(each, ((0, 0), (train.count, 0))) for each in found)
+        y, v, a = (np.pad(values, ((0, 0), (train.count, 0))) for values in equations.sprung.rigid(angle, speed, acceleration))
         if period is not None and train.scale:
             states = sample.drive_states
             assert driven.drive is not None

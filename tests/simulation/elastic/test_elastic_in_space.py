@@ -13,12 +13,11 @@ from scipy.spatial.transform import Rotation
 from support.texts import FILES, shipped
 
 import pinpress as pp
-from pinpress.elasticity import vibration
 from pinpress.kinematics.poses import poses
 from pinpress.pin_table.templates import template
-from pinpress.simulation.elastic import simulate_elastic
-from pinpress.simulation.elastic.press import space, turning
+from pinpress.simulation.elastic.press import assembly, space, turning
 from pinpress.simulation.elastic.press.assembly_in_space import press_in_space
+from pinpress.simulation.elastic.press.sprung_press import reference_motion
 
 SPEED = 100 * pp.RPM
 PINS = ("O", "B_cross", "B", "slide_guide")  # of the template, with its crank O, rod and slide
@@ -51,7 +50,7 @@ def simulated(*given, **named):
 
 
 def in_space(press, elastic):
-    return press_in_space(press, elastic)
+    return press_in_space(press, elastic, reference_motion(press))
 
 
 @pytest.mark.exhaustive
@@ -60,7 +59,7 @@ def test_a_planar_press_moves_in_space_as_in_its_plane(monkeypatch):
     press, speed, stiffness = shipped("jf75g_125_plain"), 300 * pp.RPM, 2e9
     more = {"loads": [pp.loads.Blanking(1.25e6, 0.010, 0.005)], "points": 91}
     plane = stroke(press, speed, springs(press, stiffness, ["slide_guide"]), **more)
-    monkeypatch.setattr(simulate_elastic, "press_on_springs", press_in_space)
+    monkeypatch.setattr(assembly, "press_in_plane", press_in_space)
     space = stroke(press, speed, springs(press, stiffness, press.joints), **more)
     assert space.stats.steps == plane.stats.steps
     for bearing, peak in plane.peaks.items():
@@ -216,7 +215,7 @@ def test_vibrations_of_a_planar_press_are_among_those_in_space(monkeypatch):
     press, wheel = shipped("jf75g_125_plain"), pp.drives.Flywheel(30.0)
     given = {"angle": [0.3, 2.0], "flywheel": wheel}
     plane = pp.elasticity.natural_frequencies(press, springs(press, 2e9, ["slide_guide"]), **given)
-    monkeypatch.setattr(vibration, "press_on_springs", press_in_space)
+    monkeypatch.setattr(assembly, "press_in_plane", press_in_space)
     space = pp.elasticity.natural_frequencies(press, springs(press, 2e9, press.joints), **given)
     for state in range(2):
         beside = np.abs(space.natural_frequency[state] / plane.natural_frequency[state][:, None] - 1)
@@ -309,7 +308,7 @@ def test_gibs_of_a_planar_press_open_in_space_as_in_its_plane(monkeypatch, until
     press, held = shipped("crank_slide"), pp.drives.PrescribedSpeed(2.0)
     given = {"speed": 2.0, "angle": 5.865, "drive": held, "loads": [pp.loads.Blanking(3e4, 0.02, 0.01)], "points": 41, "tolerance": 1e-6}
     plane = simulated(press, until, elastic=with_gibs(press, GIBS, ["slide_guide"], damping_ratio=0.1), **given)
-    monkeypatch.setattr(simulate_elastic, "press_on_springs", press_in_space)
+    monkeypatch.setattr(assembly, "press_in_plane", press_in_space)
     space = simulated(press, until, elastic=with_gibs(press, GIBS, press.joints, damping_ratio=0.1), **given)
     assert len(plane.events) >= 3
     np.testing.assert_allclose(space.events, plane.events, rtol=0, atol=1e-7)

@@ -12,6 +12,7 @@ from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.elastic.press.assembly import sprung_press
 from pinpress.simulation.elastic.press.assembly_in_space import press_in_space
 from pinpress.simulation.elastic.press.paths import LengthPath, LinePath, from_frame, load_path
+from pinpress.simulation.elastic.press.sprung_press import reference_motion
 
 FRAME = pp.foundation.Frame(9000.0, (0.0, 0.0, 0.3), (3000.0, 4000.0, 2500.0))
 MOUNTS = [pp.foundation.Mount((x, y, -0.8), (2e6,) * 3, (2e4,) * 3) for x in (-0.6, 0.6) for y in (-0.5, 0.5)]
@@ -27,7 +28,7 @@ def standing(where: str) -> tuple[Any, Any]:
     press = shipped("crank_slide") if where == "space" else jf75g()
     if where == "space":
         stiffness = pp.elasticity.Stiffness(dict.fromkeys(press.bearings, 1e8), moments=dict.fromkeys(press.joints, 1e7))
-        sprung = press_in_space(press, pp.elasticity.Elastic(stiffness))
+        sprung = press_in_space(press, pp.elasticity.Elastic(stiffness), reference_motion(press))
     else:
         more = {"mounted_frame": FRAME, "mounts": MOUNTS} if where == "mounts" else {}
         sprung = sprung_press(press, pp.elasticity.Elastic(springs(press).stiffness, **more))
@@ -43,7 +44,7 @@ def standing(where: str) -> tuple[Any, Any]:
 def test_derivatives_of_paths(where):
     sprung, paths = standing(where)
     random, step = np.random.default_rng(2), 1e-5
-    rigid = sprung.rigid(pp.servo_cycle(sprung.press, angle=[0.4, 2.0], speed=3.0))[0]
+    rigid = sprung.rigid(np.array([0.4, 2.0]), 3.0)[0]
     free = rigid + 1e-2 * random.normal(size=rigid.shape)
     rates = random.normal(size=free.shape)
     assert any(isinstance(path, LengthPath) for path in paths)
@@ -67,7 +68,7 @@ def test_paths_of_the_rigid_press_are_its_coordinates(where):
     sprung, paths = standing(where)
     motion = pp.servo_cycle(sprung.press, angle=[0.4, 2.0, 4.0], speed=3.0)
     driven = driven_press(sprung.press, pp.drives.PrescribedSpeed(SPEED), None, LOADS, None, None, {})
-    state = sprung.state(*sprung.rigid(motion)[:2])
+    state = sprung.state(*sprung.rigid(motion.crank_angle, 3.0)[:2])
     for path, coordinate in zip(paths, driven.coordinates, strict=False):
         expected = coordinate.over(sprung.press, motion)
         np.testing.assert_allclose(path.over(sprung, state).value, expected, rtol=1e-11, atol=1e-12)

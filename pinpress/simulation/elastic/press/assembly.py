@@ -19,6 +19,7 @@ from ....common.arguments import positive
 from ....common.errors import PinpressError, shown
 from ....common.quantities import Array
 from ....engines.planar.model import Plane, to_complex
+from ....kinematics.motion import Motion
 from ....linkage.linkage import Linkage
 from ..contact import Clearance, OpenPin
 from ..description import Elastic, Rod
@@ -41,40 +42,39 @@ from ..yielding import (
 from .assembly_in_space import press_in_space
 from .mounts import on_mounts
 from .plane import DrawnBodies, Lines, PlaneGeometry
-from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
+from .sprung_press import LinearSprings, Springs, SprungPress, reference_motion
 
 
-def press_on_springs(press: Linkage, elastic: Elastic) -> SprungPress:
+def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     """A press on its springs and dampers, planar or in space.
 
     Raises:
         UnknownNameError: the linkage has no such bearing or link.
-        PinpressError: see `sprung_press` and `press_in_space`.
+        PinpressError: the press has several drivers, a driver that slides, or no slide; see also `press_in_plane` and `press_in_space`.
     """
     if not isinstance(elastic, Elastic):
         raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic(Stiffness(bearings={{...}}, moments={{...}}))")
-    sprung = sprung_press(press, elastic) if "plane" in press.engines else press_in_space(press, elastic)
+    press.refuse_several_drivers("elastic motion is that of a press with one; see slide_deflection of their motion")
+    press.refuse_sliding_driver("elastic motion is that of a press with a crank")
+    _ = press.slide_guide
+    build = press_in_plane if "plane" in press.engines else press_in_space
+    sprung = build(press, elastic, reference_motion(press))
     doubt_stiffness(press, elastic.stiffness)
     if elastic.crown_mass is not None:
         plausibility.crown(float(elastic.crown_mass), sum(float(each.mass) for each in press.model.inertias))
     return sprung
 
 
-def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
-    """A planar press on its springs and dampers.
+def press_in_plane(press: Linkage, elastic: Elastic, reference: Motion) -> SprungPress:
+    """A planar press on its springs and dampers, with its `SprungPress.reference`.
 
     Raises:
         UnknownNameError: the linkage has no such bearing or link.
-        PinpressError: the press is not planar, has no slide, a link has no mass, a bearing has no stiffness, a driver or
-            gear pair slides, a loop is welded, or a rod is not as described.
+        PinpressError: a link has no mass, a bearing has no stiffness, a gear pair slides, a loop is welded, or a rod is not as described.
     """
-    if "plane" not in press.engines:
-        raise PinpressError(f"{press.name} does not move in a plane, or has several drivers: this is for planar presses with one driver")
-    press.refuse_sliding_driver("elastic motion is that of a press with a crank")
-    _ = press.slide_guide
     drawn = DrawnBodies(press)
     bodies = _bodies(press, drawn, elastic)
-    stiff = _with_springs(drawn, bodies, elastic)
+    stiff = _with_springs(drawn, bodies, elastic, reference)
     bending = _with_flexible_links(drawn, stiff, elastic) if len(elastic.flexible_links) else stiff
     closed = bending.with_dampers(elastic.damping_ratio, dampers_by_bearing(press, elastic.dampers))
     if elastic.mounted_frame is not None:
@@ -185,7 +185,7 @@ class _Softer(NamedTuple):
         return 1 / part_stiffness(f"rod {shown(self.name)}", self.stiffness) / self.ends
 
 
-def _with_springs(drawn: DrawnBodies, bare: PlaneGeometry, elastic: Elastic) -> SprungPress:
+def _with_springs(drawn: DrawnBodies, bare: PlaneGeometry, elastic: Elastic, reference: Motion) -> SprungPress:
     press, stiffness, frame = drawn.press, elastic.stiffness, len(bare.centers) - 1
     carry, rest = _conditions(bare)
     words = {
@@ -253,7 +253,7 @@ def _with_springs(drawn: DrawnBodies, bare: PlaneGeometry, elastic: Elastic) -> 
         linear=_against_turning(turns, len(rest)),
         carry=carry,
         drawn=rest,
-        reference=reference_pose(press, geometry),
+        reference=reference,
         alike=tuple(range(len(press.bearings))),
         joints=tuple(joints),
     )
@@ -392,7 +392,6 @@ def _with_flexible_links(drawn: DrawnBodies, rigid: SprungPress, elastic: Elasti
             (*linear.parts, *(bent.name for bent in bodies for _ in bent.stiffness)),
         ),
         drawn=np.append(rigid.drawn, nothing),
-        reference=np.pad(rigid.reference, ((0, 0), (0, more))),
         carry=carry,
     )
 

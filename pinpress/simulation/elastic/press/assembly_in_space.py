@@ -17,12 +17,13 @@ import numpy as np
 
 from ....common.errors import PinpressError, shown
 from ....common.quantities import Array
+from ....kinematics.motion import Motion
 from ....linkage.linkage import Linkage
 from ..description import Elastic
 from ..preloaded_joint import JointSpring, PreloadedJoint
 from ..yielding import LIGHTEST, by_bearing, dampers_by_bearing
 from .space import LinesInSpace, SpaceGeometry
-from .sprung_press import LinearSprings, Springs, SprungPress, reference_pose
+from .sprung_press import LinearSprings, Springs, SprungPress
 from .turning import nominal_turns
 
 
@@ -50,20 +51,17 @@ class _Joint(NamedTuple):
     axes2: Array
 
 
-def press_in_space(press: Linkage, elastic: Elastic) -> SprungPress:
-    """A linkage in space on its springs and dampers.
+def press_in_space(press: Linkage, elastic: Elastic, reference: Motion) -> SprungPress:
+    """A linkage in space on its springs and dampers, with its `SprungPress.reference`.
 
     Raises:
         UnknownNameError: the linkage has no such bearing.
-        PinpressError: it has several drivers, gear pairs or no slide, its driver is not carried by the frame, a link has no mass, a bearing
-            lacks a stiffness, a link is held by nothing, or ``elastic`` has parts that motions in space do not know.
+        PinpressError: it has gear pairs, its driver is not carried by the frame, a link has no mass, a bearing lacks a stiffness, a link is
+            held by nothing, or ``elastic`` has parts that motions in space do not know.
     """
-    press.refuse_several_drivers("elastic motion is that of a press with one; see slide_deflection of their motion")
-    press.refuse_sliding_driver("elastic motion is that of a press with a crank")
-    _ = press.slide_guide
     _refuse_unsuitable(press, elastic)
     joints = _joints(press, _light(press))
-    stiff = _with_springs(_bodies(press, _light(press)), joints, elastic)
+    stiff = _with_springs(_bodies(press, _light(press)), joints, elastic, reference)
     _refuse_loose(stiff)
     return stiff.with_dampers(elastic.damping_ratio, dampers_by_bearing(press, elastic.dampers))
 
@@ -198,7 +196,7 @@ def _tree_joint(press: Linkage, light: set[int], joint: int) -> _Joint:
 # --------------------------------------------------------------------------------------------------------------------------------- springs
 
 
-def _with_springs(bare: SpaceGeometry, joints: Sequence[_Joint], elastic: Elastic) -> SprungPress:
+def _with_springs(bare: SpaceGeometry, joints: Sequence[_Joint], elastic: Elastic, reference: Motion) -> SprungPress:
     press, frame, stiffness = bare.press, bare.count, elastic.stiffness
     every = [member for each in joints for member in each.members]
     held = [member for each in joints if each.kind != "ball" for member in each.members]
@@ -243,7 +241,7 @@ def _with_springs(bare: SpaceGeometry, joints: Sequence[_Joint], elastic: Elasti
         linear=LinearSprings(np.zeros((0, bare.size)), np.zeros(0), np.zeros(0), np.zeros(0), ()),
         carry=bare.carry,
         drawn=np.zeros(bare.size),
-        reference=reference_pose(press, geometry),
+        reference=reference,
         alike=tuple(alike),
         joints=tuple(preloaded),
     )

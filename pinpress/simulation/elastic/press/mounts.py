@@ -56,7 +56,6 @@ def on_mounts(sprung: SprungPress, frame: Frame, mounts: Sequence[Mount]) -> Spr
         linear=sprung.linear._replace(rows=np.pad(sprung.linear.rows, behind)),
         carry=_carried(sprung, place),
         drawn=np.concatenate([sprung.drawn, np.zeros(3)]),
-        reference=np.pad(sprung.reference, behind),
         fixed=sprung,
     )
 

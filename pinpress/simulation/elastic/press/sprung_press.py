@@ -241,7 +241,7 @@ class SprungPress:
         linear: springs with constant gradients.
         carry: (k, f) free coordinates, the crank's angle last, to all coordinates.
         drawn: (k,) all coordinates where the free ones are zero.
-        reference: (1, k) all coordinates of the rigid press at its bottom dead centre, else at the crank angle 0.
+        reference: the rigid press at its bottom dead centre, else at the crank angle 0; one state.
         alike: for each bearing the one that has its springs: itself, but for joints of a cross without mass, which carries as much.
         joints: preloaded joints, whose springs in ``springs`` are those of closed joints.
         open_pins: pins with clearance, which have no springs in ``springs``.
@@ -256,7 +256,7 @@ class SprungPress:
     linear: LinearSprings
     carry: Array
     drawn: Array
-    reference: Array
+    reference: Motion
     alike: tuple[int, ...]
     joints: tuple[JointSpring, ...] = ()
     open_pins: tuple[OpenPin, ...] = ()
@@ -345,8 +345,9 @@ class SprungPress:
             return np.asarray(matrices[:, rows[:, None], rows] * np.multiply.outer(signs, signs))
         return np.asarray(self.carry.T @ matrices @ self.carry)
 
-    def rigid(self, motion: Motion) -> tuple[Array, Array, Array]:
-        """Free coordinates, rates and accelerations (n, f) of the rigid press in a motion."""
+    def rigid(self, angle: Array, speed: Any, acceleration: Any = 0.0) -> tuple[Array, Array, Array]:
+        """Free coordinates, rates and accelerations (n, f) of the rigid press, of those (n,) of its crank."""
+        motion = motion_through_change_points(self.press, angle, speed, acceleration)
         coordinates, rates, accelerations = self.geometry.rigid(motion)
         return self.free_coordinates(coordinates), self.free_rates(rates), self.free_rates(accelerations)
 
@@ -415,7 +416,8 @@ class SprungPress:
     @cached_property
     def frequencies(self) -> Array:
         """(f - 1,) natural frequencies in the reference pose with the crank held, rising, without dampers and loads [rad/s]."""
-        state = self.geometry.state(self.reference, np.zeros_like(self.reference))
+        coordinates, rates, _ = self.geometry.rigid(self.reference)
+        state = self.geometry.state(coordinates, rates)
         forces, mass = self.spring_forces(state), self.mass_at(state)
         assert forces.stiffness is not None
         inverse = np.linalg.inv(np.linalg.cholesky(mass[..., :-1, :-1]))
@@ -457,17 +459,13 @@ class SprungPress:
         return np.asarray(0.5 * springs + joints - state.coordinates @ self.geometry.weight)
 
 
-def reference_angle(press: Linkage) -> float:
-    """Crank angle of the rigid bottom dead centre, else 0 [rad]."""
+def reference_motion(press: Linkage) -> Motion:
+    """One state of the rigid press: at rest at its bottom dead centre, else at the crank angle 0."""
     try:
-        return dead_centres(press).bottom_angle
+        angle = dead_centres(press).bottom_angle
     except PinpressError:
-        return 0.0
-
-
-def reference_pose(press: Linkage, geometry: Geometry) -> Array:
-    """All coordinates (1, k) of the rigid press at its `reference_angle`."""
-    return geometry.rigid(motion_through_change_points(press, np.array([reference_angle(press)]), 0.0))[0]
+        angle = 0.0
+    return motion_through_change_points(press, np.array([angle]), 0.0)
 
 
 def some_of(state: Any, some: Indices) -> Any:
