@@ -25,7 +25,7 @@ from ..simulation.elastic.contact import OpenPin
 from ..simulation.elastic.description import Elastic
 from ..simulation.elastic.press.friction import bodies_of
 from ..simulation.elastic.press.plane import PlaneGeometry
-from ..simulation.elastic.run import ElasticRun, ElasticSegment, bearing_forces, journal_places, solution_states
+from ..simulation.elastic.run import ElasticRun, ElasticSegment, bearing_forces, journal_places, segment_of, solution_states
 from ..simulation.elastic.yielding import bearing_number
 from ..simulation.simulate import simulate
 
@@ -242,9 +242,7 @@ def _joined(parts: Sequence[ImpactsByTurn]) -> ImpactsByTurn:
 def _segment(run: ElasticRun) -> ElasticSegment:
     if not isinstance(run, ElasticRun):
         raise PinpressError(f"run is {shown(run)}: give an ElasticRun, as simulate(..., elastic=...) returns it")
-    segment = run.trajectory.segments[0]
-    assert isinstance(segment, ElasticSegment)
-    return segment
+    return segment_of(run)
 
 
 def _open_pin(segment: ElasticSegment, press: Linkage, bearing: str) -> OpenPin:

@@ -186,9 +186,10 @@ def simulate(
             of_flywheel = None if driven.clutch is None or driven.flywheel is None else driven.flywheel.speed
             doubt_motor(press, drive, problem.speed if of_flywheel is None else np.array([of_flywheel]))
         if elastic is not None:
-            from .elastic.simulate_elastic import elastic_simulation  # a third of what a rigid run imports of ours
+            from .elastic.press.assembly import opening_press  # with the next one a third of what a rigid run imports of ours
+            from .elastic.simulate_elastic import elastic_simulation
 
-            return elastic_simulation(problem, elastic, points, began, progress)
+            return elastic_simulation(problem, opening_press(press, elastic), points, began, progress)
         trajectory = march(problem, progress)
         run = as_run(problem, trajectory, points, began, start_sensitivity(problem, trajectory))
     _doubt_second_strokes(trajectory)

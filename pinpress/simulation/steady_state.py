@@ -146,11 +146,14 @@ def steady_state_near(
         _refuse_without_steady_state(driven, drive, near)
     doubt_speeds(press, near)
     if elastic is not None:
-        from .elastic.simulate_elastic import elastic_steady_state  # rigid periods need nothing of it, and it is large
+        from .elastic.press.assembly import opening_press  # rigid periods need nothing of these, and they are large
+        from .elastic.run import segment_of
+        from .elastic.simulate_elastic import elastic_steady_state
 
         rigid_period = partial(_rigid_period, driven, near, TOLERANCE)
         with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
-            return elastic_steady_state(driven, elastic, near, start, points, tolerance, began, rigid_period, neighbour)
+            sprung = opening_press(press, elastic) if neighbour is None else segment_of(neighbour).solution.equations.sprung
+            return elastic_steady_state(driven, sprung, near, start, points, tolerance, began, rigid_period, neighbour)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         period = _rigid_period(driven, near, tolerance, start)
         speeds = period.at(np.zeros(1), complete=False).speed[:, 0]

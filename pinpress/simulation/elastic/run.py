@@ -308,13 +308,19 @@ def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     return found
 
 
-def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: Elastic, points: int, began: float) -> ElasticRun:
+def segment_of(run: ElasticRun) -> ElasticSegment:
+    """The motion on springs of a run."""
+    (segment,) = run.trajectory.segments
+    assert isinstance(segment, ElasticSegment)
+    return segment
+
+
+def elastic_run(problem: SimulationProblem, segment: ElasticSegment, points: int, began: float) -> ElasticRun:
     """The run of a motion on springs.
 
     Args:
         problem: what was simulated.
         segment: its solution.
-        elastic: what yields.
         points: number of states.
         began: time of the clock at which the call began [s].
 
@@ -355,7 +361,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
         floor_force=_floor_force(solution, at.whole_acceleration),
         frame_motion=_frame_motion(solution, at.bodies.coordinates),
         decay_per_stroke=solution.decay if solution.periodic else None,
-        elastic=elastic,
+        elastic=sprung.elastic,
         _on_springs=_slide(solution, at),
         _extremes=_extremes(segment),
     )

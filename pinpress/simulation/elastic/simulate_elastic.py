@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...common.errors import PinpressError, shown
+from ...common.errors import PinpressError
 from ...common.quantities import Array
 from ...linkage.linkage import Linkage
 from ..driven_press import DrivenPress, GeneralizedForce, JointPosition
@@ -19,13 +19,12 @@ from .description import Elastic
 from .equations import ElasticEquations, HeldCrank
 from .march import march, resting
 from .period import periodic, periodic_near
-from .press.assembly import sprung_press
 from .press.drive import drive_train
 from .press.friction import bearing_friction
 from .press.paths import LengthPath, LinePath, from_frame, load_path, refuse_on_flexible_links
 from .press.plane import PlaneGeometry
 from .press.sprung_press import SprungPress
-from .run import ElasticRun, ElasticSegment, elastic_run
+from .run import ElasticRun, ElasticSegment, elastic_run, segment_of
 from .strokes import Strokes
 from .task import ElasticSolution, Task, largest_deflection
 
@@ -38,7 +37,7 @@ RigidPeriod = Callable[[float], Trajectory]
 
 def elastic_steady_state(
     driven: DrivenPress,
-    elastic: Elastic,
+    sprung: SprungPress,
     speed: float,
     angle: float,
     points: int | None,
@@ -51,7 +50,7 @@ def elastic_steady_state(
 
     Args:
         driven: the press with drive and loads.
-        elastic: what yields.
+        sprung: the press on its springs; that of ``near`` where there is one.
         speed: of the crank, or near which it is sought under a drive [rad/s].
         angle: of the crank at the start [rad].
         points: number of states returned.
@@ -62,10 +61,10 @@ def elastic_steady_state(
     """
     if driven.prescribed is not None and driven.prescribed.speed != speed:
         raise PinpressError(f"speed is {speed:g}, but the drive prescribes {driven.prescribed.speed:g} rad/s: give the same")
-    before = None if near is None else _solution(near)
+    before = None if near is None else segment_of(near).solution
     if before is not None:
         driven = replace(driven, forces=before.equations.driven.forces)  # segments are compared by the intervals of these
-    task, start = _task(driven, elastic, speed, angle, tolerance, steady=True, sprung=None if before is None else before.equations.sprung)
+    task, start = _task(driven, sprung, speed, angle, tolerance, steady=True)
     if driven.prescribed is None:
         task = _free(task, rigid_period(start), task.tolerance / tolerance)
     found = None if before is None else periodic_near(task, start, before)
@@ -75,13 +74,7 @@ def elastic_steady_state(
     segment = _from_angle(solution, task, start, angle)
     first = segment.states(np.zeros(1))
     problem = SimulationProblem(driven, "elastic", np.array([angle]), segment.crank(first)[1], segment.end, tolerance)
-    return elastic_run(problem, segment, elastic, state_count(points, abs(task.speed) * task.period / (2 * np.pi)), began)
-
-
-def _solution(run: ElasticRun) -> ElasticSolution:
-    (segment,) = run.trajectory.segments
-    assert isinstance(segment, ElasticSegment)
-    return segment.solution
+    return elastic_run(problem, segment, state_count(points, abs(task.speed) * task.period / (2 * np.pi)), began)
 
 
 def _from_angle(solution: ElasticSolution, task: Task, start: float, angle: float) -> ElasticSegment:
@@ -100,26 +93,25 @@ def _from_angle(solution: ElasticSolution, task: Task, start: float, angle: floa
 
 
 def elastic_simulation(
-    problem: SimulationProblem, elastic: Elastic, points: int | None, began: float, progress: Callable[[float], None] | None
+    problem: SimulationProblem, sprung: SprungPress, points: int | None, began: float, progress: Callable[[float], None] | None
 ) -> ElasticRun:
     """A run of a press on its springs; see `simulate`.
 
     Args:
         problem: what is simulated.
-        elastic: what yields.
+        sprung: the press on its springs.
         points: number of states returned.
         began: time of the clock at which the call began [s].
         progress: called with the time reached [s].
     """
-    problem.driven.press.refuse_several_drivers("an elastic motion is that of one crank; see slide_deflection of their motion")
     driven, angle, begins, until = problem.driven, float(problem.angle[0]), float(problem.speed[0]), problem.until
     speed = begins or _speed_ahead(driven)
-    task, start = _task(driven, elastic, speed, angle, problem.tolerance, steady=False)
+    task, start = _task(driven, sprung, speed, angle, problem.tolerance, steady=False)
     if driven.prescribed is None:
         task = _free(task, None, task.tolerance / problem.tolerance)._replace(begins=begins / speed)
     solution = march(task, start, resting(task, start), until, progress=progress)
     segment = ElasticSegment(solution, 0.0, until, task.gain, angle)
-    return elastic_run(replace(problem, method="elastic"), segment, elastic, state_count(points, segment.travelled / (2 * np.pi)), began)
+    return elastic_run(replace(problem, method="elastic"), segment, state_count(points, segment.travelled / (2 * np.pi)), began)
 
 
 def _speed_ahead(driven: DrivenPress) -> float:
@@ -133,20 +125,10 @@ def _speed_ahead(driven: DrivenPress) -> float:
     return flywheel.speed
 
 
-def _task(
-    driven: DrivenPress,
-    elastic: Elastic,
-    speed: float,
-    angle: float,
-    tolerance: float,
-    steady: bool,
-    sprung: SprungPress | None = None,
-) -> tuple[Task, float]:
+def _task(driven: DrivenPress, sprung: SprungPress, speed: float, angle: float, tolerance: float, steady: bool) -> tuple[Task, float]:
     """What is to be found for a crank at a constant speed, and the crank angle at which the solution begins: for a steady state one at
-    which the rigid press turns; ``sprung``: the press on its springs where it is known."""
-    _refuse_unsuitable(driven, elastic)
-    if sprung is None:
-        sprung = sprung_press(driven.press, elastic).with_opening_joints()
+    which the rigid press turns."""
+    _refuse_unsuitable(driven, sprung.elastic)
     if steady and sprung.open_pins:
         raise PinpressError(
             "a press with clearance has no steady state: its journals strike differently in each turn; let it run with simulate, and look"
@@ -256,8 +238,6 @@ def _refuse_soft(press: Linkage, deflection: float) -> None:
 
 
 def _refuse_unsuitable(driven: DrivenPress, elastic: Elastic) -> None:
-    if not isinstance(elastic, Elastic):
-        raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic(Stiffness(bearings={{...}}, moments={{...}}))")
     if elastic.stiffness.shaft is not None and driven.clutch is not None:
         raise PinpressError("a shaft that twists has no clutch at its end, whose driven side would have no inertia: leave out one of them")
     for name, part in (("clutch", driven.clutch), ("brake", driven.brake), ("friction", driven.friction)):

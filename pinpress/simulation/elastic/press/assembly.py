@@ -65,6 +65,11 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     return sprung
 
 
+def opening_press(press: Linkage, elastic: Elastic) -> SprungPress:
+    """The `sprung_press` of a run, whose preloaded joints may open."""
+    return sprung_press(press, elastic).with_opening_joints()
+
+
 def press_in_plane(press: Linkage, elastic: Elastic, reference: Motion) -> SprungPress:
     """A planar press on its springs and dampers, with its `SprungPress.reference`.
 
@@ -248,6 +253,7 @@ def _with_springs(drawn: DrawnBodies, bare: PlaneGeometry, elastic: Elastic, ref
     geometry = replace(bare, lines=_columns(Lines, lines), shapes=np.zeros((2, len(lines), 0), dtype=complex))
     return SprungPress(
         press=press,
+        elastic=elastic,
         geometry=geometry,
         springs=_columns(Springs, springs),
         linear=_against_turning(turns, len(rest)),

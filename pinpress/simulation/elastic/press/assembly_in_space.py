@@ -236,6 +236,7 @@ def _with_springs(bare: SpaceGeometry, joints: Sequence[_Joint], elastic: Elasti
     geometry = replace(bare, lines=LinesInSpace(*_columns(lines, (np.intp, np.intp, float, float, float, float, float))))
     return SprungPress(
         press=press,
+        elastic=elastic,
         geometry=geometry,
         springs=Springs(*_columns(springs, (float, float, float, np.intp, float))),
         linear=LinearSprings(np.zeros((0, bare.size)), np.zeros(0), np.zeros(0), np.zeros(0), ()),

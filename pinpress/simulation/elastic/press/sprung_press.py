@@ -29,6 +29,7 @@ from ....kinematics.motion import Motion
 from ....kinematics.slide_path import dead_centres
 from ....linkage.linkage import Linkage
 from ..contact import OpenPin
+from ..description import Elastic
 from ..panels import Indices
 from ..preloaded_joint import JointSpring, OpenJoint
 
@@ -236,6 +237,7 @@ class SprungPress:
 
     Attributes:
         press: the linkage.
+        elastic: what yields in it, as it was given.
         geometry: its bodies, and the lines of its springs.
         springs: along these lines.
         linear: springs with constant gradients.
@@ -251,6 +253,7 @@ class SprungPress:
     """
 
     press: Linkage
+    elastic: Elastic
     geometry: Any
     springs: Springs
     linear: LinearSprings
