@@ -103,9 +103,9 @@ class Reactions(Tabular):
     @cached_property
     def coupling_torque(self) -> NamedArrays[np.float64]:
         press = self._press
-        torques = self._complete.relations if press.relations else ()
-        pairs = zip(press.couplings, torques, strict=False)  # behind these torques come those that hold spins, which are zero
-        by_pair = [np.stack([torque, -pair.multiplier * torque], axis=1) for pair, torque in pairs]
+        pairs = [k for k, relation in enumerate(press.relations) if relation.is_pair]
+        torques = self._complete.relations[pairs] if pairs else ()
+        by_pair = [np.stack([torque, -pair.multiplier * torque], axis=1) for pair, torque in zip(press.couplings, torques, strict=True)]
         return NamedArrays(tuple(pair.name for pair in press.couplings), np.array(by_pair))
 
     @cached_property
@@ -165,8 +165,8 @@ class Reactions(Tabular):
 
     @property
     def indeterminate_coupling(self) -> NamedArrays[np.bool_]:
-        pairs = tuple(c.name for c in self._press.couplings)
-        return NamedArrays(pairs, self._indeterminate[1][: len(pairs)])
+        pairs = [(k, relation.name) for k, relation in enumerate(self._press.relations) if relation.is_pair]
+        return NamedArrays(tuple(name for _, name in pairs), self._indeterminate[1][[k for k, _ in pairs]])
 
     @cached_property
     def indeterminate_axes(self) -> Array:

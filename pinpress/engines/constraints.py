@@ -7,9 +7,10 @@ multiplier.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -55,9 +56,21 @@ class LoopJoint(Frozen):
         return _PREVENTED_ROTATIONS[self.type]
 
 
+class Curve(NamedTuple):
+    """A function of the coordinate of one joint, as the lift of a cam.
+
+    Attributes:
+        joint: index of the joint in v.
+        function: coordinates (n,) -> values and first and second derivatives (n,) each [rad or m, by rad or m].
+    """
+
+    joint: int
+    function: Callable[[Array], tuple[Array, Array, Array]]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Relation:
-    """One equation between joint coordinates: the sum of coefficient x coordinate is the offset.
+    """One equation between joint coordinates: the sum of coefficient x coordinate, less the value of a curve, is the offset.
 
     It determines the first joint that it names, and its multiplier is the effort on that joint. Gear pairs, racks and screws are relations
     of two joints (`gear`), a joint that stands still is one of a single joint.
@@ -67,23 +80,35 @@ class Relation:
         coefficients: by the indices of joints in v; that of the first joint, which it determines, is 1.
         offset: right-hand side, in the unit of the first joint [rad or m].
         line: line of its element in the URDF; 0 if none stands there.
+        curve: of a joint without a coefficient; None for a linear relation.
     """
 
     name: str
     coefficients: Mapping[int, float]
     offset: float = 0.0
     line: int = 0
+    curve: Curve | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "coefficients", MappingProxyType(dict(self.coefficients)))
 
     def __reduce__(self) -> tuple[object, ...]:  # a mapping proxy cannot be pickled
-        return Relation, (self.name, dict(self.coefficients), self.offset, self.line)
+        return Relation, (self.name, dict(self.coefficients), self.offset, self.line, self.curve)
 
     @property
     def joint(self) -> int:
         """Index in v of the joint that it determines."""
         return next(iter(self.coefficients))
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """Indices in v of all joints that it names."""
+        return (*self.coefficients, *(() if self.curve is None else (self.curve.joint,)))
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether it keeps a ratio between two joints."""
+        return len(self.coefficients) == 2 and self.curve is None
 
     @property
     def ratios(self) -> dict[int, float]:

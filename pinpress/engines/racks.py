@@ -45,6 +45,8 @@ def find_racks(parents: Sequence[int], turns: Sequence[bool], relations: Sequenc
     """
     racks = []
     for k, relation in enumerate(relations):
+        if relation.curve is not None:
+            continue
         joints = [joint for joint, coefficient in relation.coefficients.items() if coefficient]
         slides, shafts = ([joint for joint in joints if turns[joint] is turning] for turning in (False, True))
         if len(slides) == len(shafts) == 1 and parents[slides[0]] == parents[shafts[0]]:

@@ -11,7 +11,7 @@ divided by that length.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import PinpressError
 from ..common.quantities import CRANK, RAM, Array, DriverCoordinate
-from .constraints import LoopJoint, Relation
+from .constraints import Curve, LoopJoint, Relation
 from .racks import Rack, find_racks
 
 MOST_JOINTS = 200  # `pin.Data` has 7 arrays whose size grows with the cube of the joints: half a gigabyte at this number
@@ -73,7 +73,7 @@ class Structure:
     @cached_property
     def joints_of_constraints(self) -> tuple[tuple[int, ...], ...]:
         """(nl + nr,) the joints that every loop, then every relation names."""
-        return (*map(tuple, self.joints_of_loop), *(tuple(relation.coefficients) for relation in self.relations))
+        return (*map(tuple, self.joints_of_loop), *(relation.joints for relation in self.relations))
 
     @cached_property
     def on_loop(self) -> NDArray[np.bool_]:
@@ -93,7 +93,7 @@ class Structure:
 
     @cached_property
     def relation_slopes(self) -> Array:
-        """(nr, nv) slopes of the equations of the relations."""
+        """(nr, nv) slopes of the equations of the relations, without those of curves."""
         rows = array_of([relation.coefficients for relation in self.relations], self.model.nv, float)
         return np.asarray(self.relation_units[:, None] * rows)
 
@@ -101,6 +101,30 @@ class Structure:
     def relation_offsets(self) -> Array:
         """(nr,) right-hand sides of these equations."""
         return np.asarray(self.relation_units * [relation.offset for relation in self.relations])
+
+    @cached_property
+    def curves(self) -> tuple[tuple[int, Curve], ...]:
+        """Indices of the relations with curves, and the curves."""
+        return tuple((k, relation.curve) for k, relation in enumerate(self.relations) if relation.curve is not None)
+
+    def relation_gaps(self, x: Array) -> Array:
+        """What the equations of the relations miss at joint coordinates (nv, n): (nr, n)."""
+        gaps = np.asarray(self.relation_slopes @ x - self.relation_offsets[:, None])
+        for k, curve in self.curves:
+            gaps[k] -= self.relation_units[k] * curve.function(x[curve.joint])[0]
+        return gaps
+
+    def slopes_of_curves(self, x: Array) -> Iterator[tuple[int, int, Array]]:
+        """Relation, joint and slope (n,) by this joint of every curve, at joint coordinates (nv, n)."""
+        for k, curve in self.curves:
+            yield k, curve.joint, -self.relation_units[k] * curve.function(x[curve.joint])[1]
+
+    def relation_drift(self, x: Array, v: Array) -> Array:
+        """Second derivative (nr, n) of these gaps at joint coordinates and rates (nv, n) and no joint acceleration."""
+        drift = np.zeros((len(self.relations), *x.shape[1:]))
+        for k, curve in self.curves:
+            drift[k] = -self.relation_units[k] * curve.function(x[curve.joint])[2] * v[curve.joint] ** 2
+        return drift
 
     @cached_property
     def racks(self) -> tuple[Rack, ...]:

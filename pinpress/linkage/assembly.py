@@ -255,8 +255,8 @@ def drawn_coordinates(structure: Structure) -> Array:
 
 
 def _relations_with_one_joint_left(structure: Structure, placed: Collection[int]) -> Iterator[tuple[Relation, int]]:
-    """The relations all of whose joints but one are placed, with this joint."""
-    for relation in structure.relations:
+    """The linear relations all of whose joints but one are placed, with this joint."""
+    for relation in (relation for relation in structure.relations if relation.curve is None):
         left = [joint for joint, coefficient in relation.coefficients.items() if coefficient and joint not in placed]
         if len(left) == 1:
             yield relation, left[0]

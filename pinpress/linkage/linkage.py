@@ -195,7 +195,7 @@ class Linkage(Frozen):
     @cached_property
     def couplings(self) -> tuple[Coupling, ...]:
         """The relations between the coordinates of two joints each, as follower, leader and ratio: gear pairs, racks and screws."""
-        return tuple(Coupling.of(relation) for relation in self.relations)
+        return tuple(Coupling.of(relation) for relation in self.relations if relation.is_pair)
 
     @property
     def mobility(self) -> int:
@@ -649,5 +649,5 @@ def _made_of(press: Linkage) -> tuple[object, ...]:
     """What a linkage is made of, apart from the texts and lines of its file."""
     ends = "point1", "rotation1", "point2", "rotation2"
     loops = [(each.name, each.type, each.joint1, each.joint2, *(getattr(each, end).tolist() for end in ends)) for each in press.loops]
-    relations = [(each.name, dict(each.coefficients), each.offset) for each in press.relations]
+    relations = [(each.name, dict(each.coefficients), each.offset, each.curve) for each in press.relations]
     return press.name, press.links, press.drivers, press.slide, press.zero, loops, relations, press.model

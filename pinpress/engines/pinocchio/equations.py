@@ -67,11 +67,13 @@ class OneConfiguration:
         held = self._fill_rotation_rows(gaps, columns) if self.rotations_held else [np.empty((3, 0))] * len(self.loops)
         if relations := len(self.structure.relations):
             columns[-relations:] = self.structure.relation_slopes
-            gaps[-relations:] = self.structure.relation_slopes @ x - self.structure.relation_offsets
+            gaps[-relations:] = self.structure.relation_gaps(x[:, None])[:, 0]
+            for k, joint, slope in self.structure.slopes_of_curves(x[:, None]):
+                columns[k - relations, joint] = slope[0]
         return Rows(q, gaps, columns, held)
 
     def drift(self, rows: Rows, v: Array) -> Array:
-        """Second derivative (rows,) of the gaps at joint rates (nv,) and no joint acceleration."""
+        """Second derivative (rows,) of the gaps at joint rates (nv,) and no joint acceleration, without that of curves."""
         pin.forwardKinematics(self.model, self.data, rows.q, v, np.zeros(self.model.nv))
         result = np.zeros(self.rows)
         row = 3 * len(self.loops)
@@ -169,4 +171,6 @@ def _drift(one: OneConfiguration, loops: Loops, found: Equations, v: Array) -> A
     for i in range(v.shape[1]):
         rows = Rows(np.ascontiguousarray(q[:, i]), nothing, nothing, [np.ascontiguousarray(held[..., i]) for held in found.held])
         result[:, i] = one.drift(rows, np.ascontiguousarray(v[:, i]))
+    if loops.structure.curves:
+        result[-len(loops.structure.relations) :] = loops.structure.relation_drift(found.x, v)
     return result

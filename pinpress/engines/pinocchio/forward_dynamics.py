@@ -87,8 +87,12 @@ class ForwardDynamics:
             name: name of the linkage, for errors.
 
         Raises:
-            PinpressError: an armature of another shape, or not finite.
+            PinpressError: an armature of another shape, or not finite; a curve that relates joints.
         """
+        for k, _ in structure.curves:
+            raise PinpressError(
+                f"joint {structure.relations[k].name!r} of {name} follows a curve, which forward dynamics does not take: use motions"
+            )
         self._made_of = structure, closed, rank, armature, name
         self.name, self.joints, self.driver, self.rank = name, tuple(structure.model.names)[1:], structure.drivers[0], rank
         self.structure = structure

@@ -215,7 +215,8 @@ def put_normal(plane: Plane, values: Array, out: Array) -> None:
 def build_plane(structure: Structure, one_block: bool = False) -> Plane | None:
     """Constants of a linkage with one driver.
 
-    None where the linkage is not planar, or where its equations do not fall into blocks with as many unknown joints as equations, or fewer.
+    None where the linkage is not planar, where a curve relates its joints, or where its equations do not fall into blocks with as many
+    unknown joints as equations, or fewer.
 
     Args:
         structure: of the linkage.
@@ -225,7 +226,7 @@ def build_plane(structure: Structure, one_block: bool = False) -> Plane | None:
     place, turning = drawn_placements(model), [axis.turns for axis in structure.axes]
     directions = [p.rotation @ axis.direction for p, axis in zip(place[1:], structure.axes, strict=True)]
     normal = _normal(directions, turning, driver)
-    if normal is None or _misalignment(directions, turning, normal) > PARALLEL:
+    if structure.curves or normal is None or _misalignment(directions, turning, normal) > PARALLEL:
         return None
     if not all(_moves_in_plane(loop, place, normal) for loop in loops):
         return None

@@ -107,6 +107,12 @@ class Loops(Frozen):
         return np.asarray(slopes[rows - first, joints][:, None])
 
     @cached_property
+    def curve_places(self) -> list[int]:
+        """Places of the slopes of curves among the Jacobian's entries."""
+        first, places = self.rows - len(self.structure.relations), list(map(tuple, self.entries.T.tolist()))
+        return [places.index((first + k, curve.joint)) for k, curve in self.structure.curves]
+
+    @cached_property
     def pair_sign(self) -> Array:
         """(np, 1, 1) +1 where the joint carries end 2, -1 where it carries end 1."""
         return np.asarray(2.0 * self.pair_end[:, None, None] - 1.0)
@@ -138,7 +144,7 @@ def build_loops(structure: Structure) -> Loops:
     for loop, joints in zip(loops, structure.joints_of_loop, strict=True):
         entries += [(row + held, joint) for joint in joints if bodies.turns[joint] for held in range(loop.held_rotations)]
         row += loop.held_rotations
-    entries += [(row + k, joint) for k, relation in enumerate(structure.relations) for joint in relation.coefficients]
+    entries += [(row + k, joint) for k, relation in enumerate(structure.relations) for joint in relation.joints]
     return Loops(
         structure=structure,
         bodies=bodies,
@@ -217,7 +223,9 @@ def equations(loops: Loops, x: Array, moved: Moved | None = None) -> Equations:
     entries[-1] = 0.0
     if relations := len(loops.structure.relations):
         entries[-1 - len(loops.fixed_entries) : -1] = loops.fixed_entries
-        gaps[-relations:] = loops.structure.relation_slopes @ x - loops.structure.relation_offsets[:, None]
+        gaps[-relations:] = loops.structure.relation_gaps(x)
+        for place, (_, _, slope) in zip(loops.curve_places, loops.structure.slopes_of_curves(x), strict=True):
+            entries[place] = slope
     return Equations(loops, x, placed, ends, gaps, entries, held)
 
 
@@ -296,6 +304,8 @@ def drift(loops: Loops, found: Equations, axes: Array, v: Array) -> Array:
             relative = turned2 - turned1 + cross(spin2 - spin1, spin1)
             result[row : row + loop.held_rotations] = structure.size * np.einsum("ihn,in->hn", held, relative)
             row += loop.held_rotations
+    if structure.curves:
+        result[row:] = structure.relation_drift(found.x, v)
     return result
 
 
