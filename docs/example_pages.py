@@ -1,15 +1,15 @@
-"""The examples of docs/examples and the exercises of docs/exercises: runs them, and writes a page, a picture and a notebook of each, and
-the pages that list them.
+"""The examples of docs/examples and the exercises of docs/exercises: runs them, and writes their pages, pictures and notebooks, and the page
+that lists them.
 
     python docs/example_pages.py                # all, in two minutes
-    python docs/example_pages.py floor four_bar # some, and the lists
+    python docs/example_pages.py floor four_bar # these, and the list
 
 An example is a script of at most 60 lines that answers one question. The first line of its docstring is the question, what it prints is the
-answer, and ``figure`` is its picture.
+answer, and ``figure`` is its picture. The examples of a group share a page.
 
 An exercise is such a script too, the solution, in steps for a class. A step begins with ``# %% Heading``; the comment below says what to
-do, from ``# Hint:`` on how. What students are to write stands between ``# Gap: what it is`` and ``# End of the gap``: their notebook has a
-line there that says what is missing, and the page shows it folded.
+do, from ``# Hint:`` on how. What students are to write is between ``# Gap: what it is`` and ``# End of the gap``: their notebook has a
+line there that says what is missing. The page has the steps without code, and what comes out.
 """
 
 import ast
@@ -30,15 +30,15 @@ import pinpress as pp
 
 DOCS = Path(__file__).resolve().parent
 FOLDER = DOCS / "examples"
-GROUPS = {
-    "Motion and forces": ("press_from_a_sketch", "bearing_forces", "friction", "does_it_lock", "ball_ended_rod"),
-    "Motor, flywheel, brake": ("flywheel", "emergency_stop", "which_servo_motor", "balance_cylinder"),
-    "What the press may do": ("permissible_force", "how_fast", "torque_over_speed_and_force"),
-    "A quieter press": ("which_counterweight", "floor", "break_through", "worn_pin"),
-    "A more exact press": ("bottom_dead_centre", "even_drawing_speed", "real_slide_mass"),
-    "For roboticists": ("my_own_robot", "path_of_the_hand", "pinocchio_beside"),
+GROUPS = {  # by the page's file
+    "forces": ("Examples: motion and forces", ("press_from_a_sketch", "bearing_forces", "friction", "does_it_lock", "ball_ended_rod")),
+    "motor": ("Examples: motor, flywheel, brake", ("flywheel", "emergency_stop", "which_servo_motor", "balance_cylinder")),
+    "permissible": ("Examples: what the press may do", ("permissible_force", "how_fast", "torque_over_speed_and_force")),
+    "quiet": ("Examples: a quieter press", ("which_counterweight", "floor", "break_through", "worn_pin")),
+    "exact": ("Examples: a more exact press", ("bottom_dead_centre", "even_drawing_speed", "real_slide_mass")),
+    "robots": ("Examples: for roboticists", ("my_own_robot", "path_of_the_hand", "pinocchio_beside")),
 }
-NAMES = tuple(name for names in GROUPS.values() for name in names)
+NAMES = tuple(name for _, names in GROUPS.values() for name in names)
 EXERCISES = {  # and what is found in each
     "four_bar": "position, velocity, acceleration and pin forces from the closed loop of vectors",
     "half_balance": "the shaking force and its orders, a counterweight, why half, and a proof",
@@ -46,18 +46,26 @@ EXERCISES = {  # and what is found in each
 }
 GAP = re.compile(r"^# Gap: (.*?)\n(.*?)^# End of the gap\n?", re.MULTILINE | re.DOTALL)
 BELOW_THE_GUIDE = ("---", "search:", "  boost: 0.5", "---", "")  # where one searches
-TO_TEACHERS = """
-These are three classes of about two hours each. Students find results by hand, with hints, and then compare them with pinpress. Each step
-of a notebook has a gap to fill. Below the gap stands a check, which compares with a conservation law or with pinpress, to nine digits and
-more, and says what is wrong. A gap that is still open says what belongs there.
+INDEX = """\
+# Examples and exercises
 
-{list}
+Each example answers one question in at most 60 lines, and has its notebook.
+
+{examples}
+
+## Exercises for classes
+
+These are three classes of about two hours each. Students find results by hand, with hints, and then compare them with pinpress. Each step
+of a notebook has a gap to fill. Below the gap is a check, which compares with a conservation law or with pinpress, to nine digits and
+more, and says what is wrong.
+
+{exercises}
 
 Students start from the notebooks; in the folder of the repository, `pip install '.[plots]' notebook` brings all that they need. The
-solutions are the scripts in `docs/exercises`; the pages show them folded. `python docs/example_pages.py` runs them and writes pages,
-pictures and notebooks.
+solutions are the scripts in `docs/exercises`. `python docs/example_pages.py` runs examples and exercises and writes pages, pictures and
+notebooks.
 """
-BESIDE = dict.fromkeys(("my_own_robot", "path_of_the_hand"), "five_bar.urdf")  # a file of the folder that the example reads
+BESIDE = {"my_own_robot": "five_bar.urdf"}  # a file of the folder that this example and those below it read
 
 
 class Step(NamedTuple):
@@ -121,14 +129,20 @@ def run(name: str) -> tuple[str, Figure]:
     return printed.getvalue(), figure
 
 
-def page(name: str, printed: str) -> str:
-    """The page of an example that prints this."""
+def page(group: str, printed: dict[str, str]) -> str:
+    """The page of a group whose examples print this."""
+    title, names = GROUPS[group]
+    return "\n".join([*BELOW_THE_GUIDE, f"# {title}", "", *(section(name, printed[name]) for name in names)])
+
+
+def section(name: str, printed: str) -> str:
+    """The section of an example that prints this."""
     question, words, code = parts(name)
-    lines = [*BELOW_THE_GUIDE, f"# {question}", "", words, "", "```python", code, "```", "", "```text", printed.rstrip(), "```", ""]
+    lines = [f"## {question}", "", words, "", "```python", code, "```", "", "```text", printed.rstrip(), "```", ""]
     lines += [f"![{question}]({name}.svg)", ""]
     if name in BESIDE:
         read = (FOLDER / BESIDE[name]).read_text(encoding="utf-8").rstrip()
-        lines += [f"[`{BESIDE[name]}`]({BESIDE[name]}), which the notebook reads from its own folder:", "", "```xml", read, "```", ""]
+        lines += [f"[`{BESIDE[name]}`]({BESIDE[name]}), which the notebook reads from its folder:", "", "```xml", read, "```", ""]
     return "\n".join([*lines, f"[Notebook]({name}.ipynb) · `docs/examples/{name}.py` · [all examples](../examples.md)", ""])
 
 
@@ -147,15 +161,14 @@ def steps(name: str) -> list[Step]:
 def exercise_page(name: str, printed: str) -> str:
     """The page of an exercise whose solution prints this."""
     question, words, _ = parts(name)
-    lines = [*BELOW_THE_GUIDE, f"# {question}", "", words, "", f"[Notebook with gaps]({name}.ipynb) · [all exercises](../exercises.md)", ""]
+    links = f"[Notebook with gaps]({name}.ipynb) · [all exercises](../examples.md#exercises-for-classes)"
+    lines = [*BELOW_THE_GUIDE, f"# {question}", "", words, "", links, ""]
     for step in steps(name):
-        lines += [f"## {step.heading}", "", step.words, "", "```python", step.with_gap.strip(), "```", ""]
+        lines += [f"## {step.heading}", "", step.words, ""]
         if step.hint:
             lines += _folded("Hint", step.hint)
-        if step.gap:
-            lines += _folded("Solution", f"```python\n{step.gap}\n```")
     lines += ["## What comes out", "", "```text", printed.rstrip(), "```", "", f"![{question}]({name}.svg)", ""]
-    return "\n".join([*lines, f"The whole solution: `docs/exercises/{name}.py`.", ""])
+    return "\n".join([*lines, f"The solution: `docs/exercises/{name}.py`.", ""])
 
 
 def exercise_notebook(name: str) -> str:
@@ -168,12 +181,6 @@ def exercise_notebook(name: str) -> str:
             cells.append(("markdown", "\n".join(_folded("Hint", step.hint)).strip()))
         cells.append(("code", step.with_gap.strip()))
     return _notebook_of(cells)
-
-
-def exercise_index() -> str:
-    """The page that lists the exercises."""
-    listed = "\n".join(f"- [{parts(name)[0]}](exercises/{name}.md): {found}" for name, found in EXERCISES.items())
-    return f"# Exercises\n{TO_TEACHERS.replace('{list}', listed)}"
 
 
 def notebook(name: str) -> str:
@@ -200,11 +207,19 @@ def _notebook_of(pieces: list[tuple[str, str]]) -> str:
 
 
 def index() -> str:
-    """The page that lists the examples."""
-    lines = ["# Examples", "", "Each page answers one question in at most 60 lines, and has its notebook.", ""]
-    for group, names in GROUPS.items():
-        lines += [f"## {group}", "", *(f"- [{parts(name)[0]}](examples/{name}.md)" for name in names), ""]
-    return "\n".join([*lines, "`python docs/example_pages.py` runs them and writes their pages, pictures and notebooks.", ""])
+    """The page that lists examples and exercises."""
+    groups = []
+    for group, (title, names) in GROUPS.items():
+        heading = title.partition(": ")[2]
+        linked = [f"- [{parts(name)[0]}](examples/{group}.md#{_place(parts(name)[0])})" for name in names]
+        groups += [f"## {heading[0].upper()}{heading[1:]}", "", *linked, ""]
+    exercises = "\n".join(f"- [{parts(name)[0]}](exercises/{name}.md): {what}" for name, what in EXERCISES.items())
+    return INDEX.replace("{examples}", "\n".join(groups).strip()).replace("{exercises}", exercises)
+
+
+def _place(heading: str) -> str:
+    """The name of a heading's place in its page."""
+    return re.sub(r"[^\w\s-]", "", heading).strip().lower().replace(" ", "-")
 
 
 def _folded(title: str, text: str) -> list[str]:
@@ -217,14 +232,19 @@ def _lines(text: str) -> list[str]:
 
 
 def main(names: list[str]) -> None:
-    for name in names or (*NAMES, *EXERCISES):
-        printed, figure = run(name)
-        write_page, write_notebook = (exercise_page, exercise_notebook) if name in EXERCISES else (page, notebook)
-        (folder(name) / f"{name}.md").write_text(write_page(name, printed), encoding="utf-8")
+    chosen = names or [*NAMES, *EXERCISES]
+    groups = [group for group, (_, members) in GROUPS.items() if set(members) & set(chosen)]
+    printed = {}
+    for name in dict.fromkeys([*(name for group in groups for name in GROUPS[group][1]), *(name for name in chosen if name in EXERCISES)]):
+        printed[name], figure = run(name)
+        write_notebook = exercise_notebook if name in EXERCISES else notebook
         (folder(name) / f"{name}.ipynb").write_text(write_notebook(name), encoding="utf-8")
+        if name in EXERCISES:
+            (folder(name) / f"{name}.md").write_text(exercise_page(name, printed[name]), encoding="utf-8")
         pp.plots.save(figure, folder(name) / f"{name}.svg")
         print(name)
-    (DOCS / "exercises.md").write_text(exercise_index(), encoding="utf-8")
+    for group in groups:
+        (FOLDER / f"{group}.md").write_text(page(group, printed), encoding="utf-8")
     (DOCS / "examples.md").write_text(index(), encoding="utf-8")
 
 

@@ -23,7 +23,7 @@ import pinpress as pp
 
 ROOT = Path(__file__).resolve().parent.parent
 LEFT_OUT = ("CHANGELOG.md",)
-BELOW = ("examples.md", "exercises.md")  # whose links are chapters of their own, which the menu has not
+BELOW = ("examples.md",)  # whose links are chapters, which the menu does not have
 # Pages are read from the built site and put one behind the other into the first one, whose style they have. Names of places begin with that
 # of their page, so that links lead to places of the manual.
 ASSEMBLE = """([chapters, title, pages]) => {
@@ -108,7 +108,7 @@ def chapters(menu: list[Any], site: Path, depth: int = 0) -> Iterator[Chapter]:
             page = inside.removesuffix(".md") + ".html"
             yield Chapter(title or _heading(site / page), depth, page)
             if inside in BELOW:
-                for linked in re.findall(rf'href="({inside.removesuffix(".md")}/[^"]+\.html)"', (site / page).read_text(encoding="utf-8")):
+                for linked in re.findall(r'href="((?:examples|exercises)/[^"#]+\.html)', (site / page).read_text(encoding="utf-8")):
                     yield Chapter(_heading(site / linked), depth + 1, linked)
 
 

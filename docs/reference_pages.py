@@ -1,4 +1,4 @@
-"""Writes docs/reference: a page a namespace, with every public name as the stubs list them, functions before classes.
+"""Writes docs/reference: every public name as the stubs list them, a few namespaces a page, functions before classes.
 
     python docs/reference_pages.py
 
@@ -18,22 +18,29 @@ TOP = (
     " simulate_batch steady_state Run ElasticRun RunBatch record record_modes report view LiveView visual_model RPM"
 )
 MADE_BY_FUNCTIONS = ("Linkage", "Motion", "Reactions", "Run", "ElasticRun", "RunBatch", "LiveView")
-SPACES = (
-    "pin_table loads drives measures ratings servo measured tolerances elasticity foundation balancing balancing.classical synthesis"
-    " derivatives sweeps plots video accuracy"
-)
+PAGES = {  # by file: title, and the namespaces that share the page
+    "motion": ("Pin tables and measures", "pin_table measures"),
+    "loads": ("Loads and drives", "loads drives"),
+    "ratings": ("Ratings and servo motions", "ratings servo"),
+    "measured": ("Measured machines and tolerances", "measured tolerances"),
+    "elasticity": ("Elasticity and foundation", "elasticity foundation"),
+    "design": ("Balancing, synthesis, derivatives, sweeps", "balancing balancing.classical synthesis derivatives sweeps"),
+    "pages": ("Plots, films, accuracy", "plots video accuracy"),
+}
 
 INDEX = """\
 # Reference
 
-Every public name of `import pinpress as pp`, from the docstrings in the code. Quantities are in SI units and radians; signs are in
-[Units and signs](../units_and_signs.md). The names that everyone uses stand in `pp` itself, the others in one namespace a room.
+You find here every public name of `import pinpress as pp`, from the docstrings in the code. Quantities are in SI units and radians; signs are in
+[Units and signs](../units_and_signs.md). The names that everyone uses are in `pp`, the others in one namespace a room.
 
-| namespace | names |
+| page | namespaces |
 | --- | --- |
+| [A press, its motion, forces and runs](pp.md) | `pp` |
 """
 SPACE = """\
-# pp.{space}
+
+## pp.{space}
 
 ::: pinpress.{space}
     options:
@@ -52,15 +59,19 @@ def pages() -> dict[str, str]:
     top = sorted((name for name in dir(pp) if not inspect.ismodule(getattr(pp, name))), key=_place)
     written = {"pp.md": "# pp\n\nWhat everyone uses: a press, its motion, the forces, a run, the pages to look at, and the errors.\n"}
     written["pp.md"] += "".join(f"\n::: pinpress.{name}\n{MADE if name in MADE_BY_FUNCTIONS else ''}" for name in top)
-    index = INDEX + _row("pp", "pp.md", "", top)
-    for space in SPACES.split():
-        inside = attrgetter(space)(pp)
-        names = [name for name in dir(inside) if not inspect.ismodule(getattr(inside, name))]
-        names.sort(key=lambda name: (inspect.isclass(getattr(inside, name)), name))
-        file = f"{space.replace('.', '_')}.md"
-        written[file] = SPACE.format(space=space) + "".join(f"\n::: pinpress.{space}.{name}\n" for name in names)
-        index += _row(f"pp.{space}", file, f"{space}.", names)
+    index = INDEX
+    for file, (title, spaces) in PAGES.items():
+        written[f"{file}.md"] = f"# {title}\n" + "".join(map(_space, spaces.split()))
+        index += f"| [{title}]({file}.md) | {', '.join(f'`pp.{space}`' for space in spaces.split())} |\n"
     return written | {"index.md": index}
+
+
+def _space(space: str) -> str:
+    """The part of a page that has a namespace, functions before classes."""
+    inside = attrgetter(space)(pp)
+    names = [name for name in dir(inside) if not inspect.ismodule(getattr(inside, name))]
+    names.sort(key=lambda name: (inspect.isclass(getattr(inside, name)), name))
+    return SPACE.format(space=space) + "".join(f"\n::: pinpress.{space}.{name}\n" for name in names)
 
 
 def _place(name: str) -> tuple[int, str]:
@@ -69,14 +80,10 @@ def _place(name: str) -> tuple[int, str]:
     return (order.index(name) if name in order else len(order), name)
 
 
-def _row(title: str, file: str, prefix: str, names: list[str]) -> str:
-    return f"| [`{title}`]({file}) | {', '.join(f'[`{name}`]({file}#pinpress.{prefix}{name})' for name in names)} |\n"
-
-
 def menu() -> str:
     """The lines of mkdocs.yml that lead to these pages."""
-    files = {"pp": "pp"} | {f"pp.{space}": space.replace(".", "_") for space in SPACES.split()}
-    return "".join(f"      - {title}: reference/{file}.md\n" for title, file in files.items())
+    titles = {"pp": "A press, its motion, forces and runs"} | {file: title for file, (title, _) in PAGES.items()}
+    return "".join(f'      - "{title}": reference/{file}.md\n' for file, title in titles.items())
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Ratings of the ZXN2-3000(B) and the JF75G-125: the tables of docs/ratings.md, and the first one's force, stroke and energy as a picture.
+"""Ratings of the ZXN2-3000(B) and the JF75G-125: the table of docs/ratings.md, and the first one's force, stroke and energy as a picture.
 
 python viz/ratings.py
 
@@ -14,8 +14,7 @@ import numpy as np
 import pinpress as pp
 
 HERE = Path(__file__).parent
-POINTS = 1081  # of the tables: between them they are linear
-SHOWN = (0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0, 100.0)  # heights, percent of the stroke
+POINTS = 1081
 SPEEDS = {"zxn2_3000b": 70 * pp.RPM, "jf75g_125": 300 * pp.RPM}  # Kong 2025, Zhang 2007
 TITLES = {"zxn2_3000b": "ZXN2-3000(B), 70 strokes/min", "jf75g_125": "JF75G-125, 300 strokes/min"}
 PRINTED = {
@@ -43,16 +42,12 @@ def capacities(name: str) -> pp.ratings.Capacities:
 
 
 @cache
-def rated(name: str, at_speed: bool = False) -> pp.ratings.PressRatings:
-    return pp.ratings.rate(pp.load(name), SPEEDS[name], capacities(name), at_speed=at_speed, points=POINTS)
+def rated(name: str) -> pp.ratings.PressRatings:
+    return pp.ratings.rate(pp.load(name), SPEEDS[name], capacities(name), points=POINTS)
 
 
 def table() -> str:
-    """Markdown: assumptions and main data, then the force of each press over its height."""
-    return "\n\n".join([main_data(), *(forces(name) for name in SPEEDS)])
-
-
-def main_data() -> str:
+    """Markdown: assumptions and main data of both presses."""
     names = list(SPEEDS)
     rows: list[tuple[str, list[str]]] = []
     found = {name: rated(name) for name in names}
@@ -109,34 +104,6 @@ def eccentricity(name: str) -> str:
     left, right = pp.ratings.permissible_eccentricity(press, motion, force=force, gibs=GIBS[name], pressure=PRESSURE)
     central = pp.ratings.eccentric_load(press, motion, force=force, offset=(0.0, 0.0, 0.0), gibs=GIBS[name]).pressure.max()
     return f"{1e3 * left:.1f} to {1e3 * right:+.1f} mm (centred: {central / 1e6:.2f} MPa)"
-
-
-def forces(name: str) -> str:
-    """Permissible forces at heights, static and at speed."""
-    static, moving = rated(name), rated(name, at_speed=True)
-    lines = [
-        f"| {TITLES[name]}: height [mm] | torque per force [mm] | by torque [kN] | at speed [kN] | by energy [kN] | permissible [kN] |"
-        " limited by |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    for share in SHOWN:
-        height = share / 100 * static.stroke
-        by_torque, at_speed = (at(one, one.limits["torque"], height) for one in (static, moving))
-        energy = min(one / height for one in static.energies.values())
-        force = at(static, static.force, height)
-        governing = static.limited_by[int(np.flatnonzero(static.height >= height - 1e-12)[-1])]
-        lever = at(static, np.abs(static.travel_per_angle), height)
-        nominal = static.capacities.nominal_force
-        lines.append(
-            f"| {1e3 * height:.2f} | {1e3 * lever:.2f} | {by_torque / 1e3:.0f} | {at_speed / 1e3:.0f} | {min(energy, nominal) / 1e3:.0f} |"
-            f" {force / 1e3:.0f} | {governing} |"
-        )
-    return "\n".join(lines)
-
-
-def at(one: pp.ratings.PressRatings, values: np.ndarray, height: float) -> float:
-    """A quantity between the states, linear in the height."""
-    return float(np.interp(height, one.height[::-1], values[::-1]))
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import pinpress as pp
 from pinpress import servo
-from pinpress.loads import Blanking, DeepDrawing, ForceStroke
+from pinpress.loads import DeepDrawing, ForceStroke
 
 KNUCKLE = Path(__file__).parents[1] / "docs" / "tour" / "knuckle.urdf"
 COINING = ForceStroke([0.002, 0.001, 0.0005, 0.0], forces=[0.0, 0.30e6, 0.70e6, 1.60e6])
@@ -31,9 +31,9 @@ class Case(NamedTuple):
     words: str
     press: str | Path
     inertia: float
-    load: DeepDrawing | Blanking | ForceStroke
+    load: DeepDrawing | ForceStroke
     time: float
-    path: servo.Turn | servo.Stop | servo.Pendulum
+    path: servo.Turn | servo.Stop
     limits: Sequence[servo.SlideSpeed]
 
 
@@ -47,35 +47,7 @@ CASES: Mapping[str, Case] = {
         servo.Turn(),
         [servo.SlideSpeed(0.2, (0.06, 0.0))],
     ),
-    "A, stop": Case("the same with a stop at top", "zxn2_3000b", 800.0, DeepDrawing(1.5e6, 0.06), 60 / 25, servo.Stop(), []),
-    "B": Case(
-        "jf75g_125 blanks 600 kN from 3 to 1 mm, 120/min, at most 0.08 m/s",
-        "jf75g_125",
-        2.0,
-        Blanking(0.6e6, 0.003, 0.001),
-        0.5,
-        servo.Turn(),
-        [servo.SlideSpeed(0.08, (0.003, 0.0))],
-    ),
-    "C": Case(
-        "thin_wall draws 20 kN over 150 mm, 72/min, at most 0.8 m/s",
-        "thin_wall",
-        2.0,
-        DeepDrawing(20e3, 0.15),
-        60 / 72,
-        servo.Turn(),
-        [servo.SlideSpeed(0.8, (0.15, 0.0))],
-    ),
-    "D": Case("the tour's knuckle press coins, 1 s, rests 0.15 s at bottom", KNUCKLE, 10.0, COINING, 1.0, servo.Stop(bottom=0.15), []),
-    "E": Case(
-        "the same press as a pendulum of 60 mm, 60/min, at most 0.05 m/s",
-        KNUCKLE,
-        10.0,
-        COINING,
-        2.0,
-        servo.Pendulum(opening=0.06),
-        [servo.SlideSpeed(0.05, (0.004, 0.0))],
-    ),
+    "B": Case("the tour's knuckle press coins, 1 s, rests 0.15 s at bottom", KNUCKLE, 10.0, COINING, 1.0, servo.Stop(bottom=0.15), []),
 }
 
 

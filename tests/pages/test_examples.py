@@ -21,18 +21,25 @@ LONGEST = 60  # lines
 def test_example_answers_as_its_page_says(name: str) -> None:
     plt = pytest.importorskip("matplotlib.pyplot")
     printed, figure = PAGES["run"](name)
-    assert (DOCS / "examples" / f"{name}.md").read_text(encoding="utf-8") == PAGES["page"](name, printed), "python docs/example_pages.py"
+    assert PAGES["section"](name, printed) in page_of(name), "python docs/example_pages.py"
     assert figure.axes
     plt.close("all")
 
 
-def test_every_example_is_listed_short_and_has_page_picture_and_notebook() -> None:
+def page_of(name: str) -> str:
+    (group,) = (group for group, (_, names) in PAGES["GROUPS"].items() if name in names)
+    return (DOCS / "examples" / f"{group}.md").read_text(encoding="utf-8")
+
+
+def test_every_example_is_listed_short_and_has_section_picture_and_notebook() -> None:
     folder = DOCS / "examples"
-    for kind in ("py", "md", "svg", "ipynb"):
+    for kind in ("py", "svg", "ipynb"):
         assert {path.stem for path in folder.glob(f"*.{kind}")} == set(PAGES["NAMES"]), kind
+    assert {path.stem for path in folder.glob("*.md")} == set(PAGES["GROUPS"])
     for name in PAGES["NAMES"]:
         assert len(PAGES["script"](name).splitlines()) <= LONGEST
         assert PAGES["parts"](name)[0].endswith("?")
+        assert f"\n## {PAGES['parts'](name)[0]}\n" in page_of(name)
     assert (DOCS / "examples.md").read_text(encoding="utf-8") == PAGES["index"](), "python docs/example_pages.py"
 
 
@@ -84,7 +91,7 @@ def stop_by_hand(signal: float, torque: float) -> float:
 @pytest.mark.exhaustive
 def test_emergency_stop_names_where_the_brake_does_not_hold_the_worst_signal_and_the_formula_of_the_norm() -> None:
     plt = pytest.importorskip("matplotlib.pyplot")
-    printed = (DOCS / "examples" / "emergency_stop.md").read_text(encoding="utf-8")
+    printed = page_of("emergency_stop")
     names = runpy.run_path(str(DOCS / "examples" / "emergency_stop.py"))
     plt.close("all")
     wave = np.exp(1j * np.outer(np.radians(np.arange(3600) / 10), ORDER))

@@ -50,11 +50,10 @@ def test_solution_finds_what_its_page_says(name: str) -> None:
     plt.close("all")
 
 
-def test_every_exercise_is_listed_and_has_page_picture_and_notebook() -> None:
+def test_every_exercise_has_page_picture_and_notebook() -> None:
     folder = DOCS / "exercises"
     for kind in ("py", "md", "svg", "ipynb"):
         assert {path.stem for path in folder.glob(f"*.{kind}")} == set(NAMES), kind
-    assert (DOCS / "exercises.md").read_text(encoding="utf-8") == PAGES["exercise_index"](), "python docs/example_pages.py"
     for name in NAMES:
         assert PAGES["parts"](name)[0].endswith("?")
         assert (folder / f"{name}.ipynb").read_text(encoding="utf-8") == PAGES["exercise_notebook"](name), "python docs/example_pages.py"
