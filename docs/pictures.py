@@ -92,8 +92,8 @@ def polar() -> Figure:
 
 
 def process_force() -> Figure:
-    """docs/process_force.md: the force that the page finds, over the one that acted."""
-    names = _of_page("process_force")
+    """docs/measured.md: the force that the page finds, over the one that acted."""
+    names = _of_page("measured")
     figure = pp.plots.measured_force({"found from the torque of the drive": names["force"]})
     height = np.linspace(0.0, 0.010, 400)
     acted = np.where((height < 0.009) & (height > 0.001), 1500 * np.sin(np.pi * (0.009 - height) / 0.008), 0.0)
@@ -408,7 +408,7 @@ def _report_in(page: str, command: str, title: str) -> bytes:
 
 
 def live() -> bytes:
-    """docs/live.md: the live window in Chromium, in which a crank has been made longer."""
+    """docs/recording.md: the live window in Chromium, in which a crank has been made longer."""
     with pp.view(six_bar(), speed=SPEED, loads=[DRAWING], browser=False) as window:
         return _in_window(window.url, ".row", LONGER_CRANK)
 
