@@ -1,5 +1,5 @@
-"""The examples of docs/examples and the exercises of docs/exercises: runs them, and writes their pages, pictures and notebooks, and the page
-that lists them.
+"""The examples of docs/examples and the exercises of docs/exercises: runs them, and writes their pages, pictures and notebooks, and the
+page that lists them.
 
     python docs/example_pages.py                # all, in two minutes
     python docs/example_pages.py floor four_bar # these, and the list

@@ -31,8 +31,8 @@ PAGES = {  # by file: title, and the namespaces that share the page
 INDEX = """\
 # Reference
 
-You find here every public name of `import pinpress as pp`, from the docstrings in the code. Quantities are in SI units and radians; signs are in
-[Units and signs](../units_and_signs.md). The names that everyone uses are in `pp`, the others in one namespace a room.
+You find here every public name of `import pinpress as pp`, from the docstrings in the code. Quantities are in SI units and radians; signs
+are in [Units and signs](../units_and_signs.md). The names that everyone uses are in `pp`, the others in one namespace a room.
 
 | page | namespaces |
 | --- | --- |
