@@ -310,19 +310,18 @@ def _check_sendable(function: Function, grid: Grid) -> None:
                 raise PinpressError(f"{shown(label)} of axis {shown(name)} cannot be sent to other processes ({error})") from error
 
 
-def _work(function: Function, grid: Grid, missing: Sequence[int], length: int) -> tuple[Sequence[int], Work[Results]]:
+def _work(function: Function, grid: Grid, missing: NDArray[np.intp], length: int) -> tuple[Sequence[int], Work[Results]]:
     """Numbers of the pieces of work, and the work: a point each, or with a ``length`` the missing ones of so many consecutive points."""
     if not length:
-        return missing, Work(partial(at_point, function), grid.point, lambda number: failed([number], KILLS))
+        return missing.tolist(), Work(partial(at_point, function), grid.point, lambda number: failed([number], KILLS))
     parts, points = list(_parts(missing, length)), many_points(grid)
     killed = (lambda k: failed(parts[k], KILLS)) if length == 1 else (lambda _: failed([], KILLS))
     return range(len(parts)), Work(partial(at_points, function), lambda k: points(parts[k]), killed)
 
 
-def _parts(missing: Sequence[int], length: int) -> Iterator[Sequence[int]]:
+def _parts(missing: NDArray[np.intp], length: int) -> Iterator[Sequence[int]]:
     """The missing points, divided at multiples of the length: the function is given the same points together whenever it is resumed."""
-    numbers = np.asarray(missing, dtype=int)
-    for part in np.split(numbers, np.flatnonzero(np.diff(numbers // length)) + 1) if len(numbers) else ():
+    for part in np.split(missing, np.flatnonzero(np.diff(missing // length)) + 1) if len(missing) else ():
         first, last = int(part[0]), int(part[-1]) + 1
         yield range(first, last) if last - first == len(part) else part.tolist()
 
@@ -343,7 +342,7 @@ def _run(
         TaskError: the executor is gone.
         PinpressError: as `Store.add`.
     """
-    numbers, work = _work(function, grid, np.flatnonzero(~known).tolist(), length)
+    numbers, work = _work(function, grid, np.flatnonzero(~known), length)
     count = int(known.sum())
     arriving = done(work, numbers, executor, in_flight)
     try:
