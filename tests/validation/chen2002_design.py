@@ -5,10 +5,12 @@ prints no forces and no process; the process here, a force of 10 kN over the 120
 """
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from typing import Any
 
 import numpy as np
+from validation.rows import FORMULA, Row, Table
 
 from pinpress.common.quantities import Array
 from pinpress.derivatives.reshape import reshaped
@@ -17,15 +19,9 @@ from pinpress.kinematics.cycle import cycle
 from pinpress.kinematics.measures import bearing_positions, pressure_angle, quick_return_ratio, speed_variation, stroke
 from pinpress.linkage.linkage import Linkage
 from pinpress.loads.process import ForceStroke
-from pinpress.plots.style import COLOURS, drawing, grid
 from pinpress.synthesis.design import Trial
 from pinpress.synthesis.pareto_curve import DesignTradeOff, trade_off
 from pinpress.synthesis.synthesis import SynthesisResult, synthesise
-from validation.pages import BEYOND, Grid, PageEntry, Panel, Row, draw
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SPEED = 7.54  # speed of the crank [rad/s]
 STROKE, RATIO, DRAWN = 0.400, 1.5, 0.120  # stroke [m], time ratio and length drawn [m] of the example
@@ -39,11 +35,10 @@ STEEPEST = math.radians(40)  # largest pressure angle that the paper allows
 # -------------------------------------------------------------------------------------------------------------------------------- charts
 
 CRANKS, HEIGHTS = np.linspace(0.08, 0.28, 11), np.linspace(0.88, 1.08, 11)  # l1 / l3 and h / l3
-FINE = 8  # points between two of them at which a formula is drawn
 CHARTED = 90  # states of a turn
-EXAMPLE = PRINTED["l1"] / PRINTED_BAR, PRINTED["h"] / PRINTED_BAR
 
 
+@cache
 def charted(press: Linkage, crank: float, height: float) -> tuple[float, float, float, float]:
     """Time ratio, stroke by l3, largest pressure angle [deg] and drop of speed [%] over 30 % of the stroke.
 
@@ -65,65 +60,30 @@ def steepest(crank: Any, height: Any) -> Any:
     return np.degrees(np.arcsin(ends * PRINTED_BAR / PRINTED["l4"]))
 
 
-def charts_entry(press: Linkage) -> PageEntry:
-    """Time ratio and stroke over the crank, pressure angle and drop of speed over crank and height."""
-    values = np.array([[charted(press, crank, height) for crank in CRANKS] for height in HEIGHTS])
-    rows = []
+def chart_rows(press: Callable[[], Linkage]) -> Iterator[Row]:
+    """Two points of the charts; their time ratio, stroke and pressure angle by formulas."""
     for i, j in ((1, 2), (6, 8)):
-        crank, height, (ratio, way, angle, drop) = float(CRANKS[i]), float(HEIGHTS[j]), values[j, i].tolist()
-        half, where = math.asin(crank * PRINTED_BAR / PIVOTS), f"l1 / l3 = {crank:g}, h / l3 = {height:g}"
-        rows += [
-            Row(f"{where}: time ratio K", f"{(math.pi + 2 * half) / (math.pi - 2 * half):.6f}", ratio, 1e-4, None, "formula"),
-            Row(f"{where}: stroke / l3", f"{2 * math.sin(half):.6f}", way, 1e-4, None, "formula"),
-            Row(f"{where}: largest pressure angle [deg]", f"{steepest(crank, height):.5f}", angle, 1e-3, None, "formula"),
-            Row(f"{where}: drop of speed over 30 % of the stroke [%]", "", drop, places=2),
-        ]
-    least = Grid(
-        ("l1 / l3", "least drop of speed in the chart [%]", "at h / l3", "pressure angle there [deg]"),
-        tuple(
-            (f"{CRANKS[i]:g}", f"{values[j, i, 3]:.2f}", f"{HEIGHTS[j]:.2f}", f"{values[j, i, 2]:.1f}")
-            for i in (1, 4, 8)
-            for j in [int(values[:, i, 3].argmin())]
-        ),
-    )
+        place = float(CRANKS[i]), float(HEIGHTS[j])
+        half, where = math.asin(place[0] * PRINTED_BAR / PIVOTS), f"l1 / l3 = {place[0]:g}, h / l3 = {place[1]:g}"
 
-    def shown() -> "Figure":
-        cranks, heights = (np.linspace(each[0], each[-1], FINE * len(each)) for each in (CRANKS, HEIGHTS))
-        with drawing(13.0) as figure:
-            (ratio, way), (angle, drop) = figure.subplots(2, 2, sharex=True)
-            _curve(ratio, "time ratio K", values[0, :, 0])
-            _curve(way, "stroke / l3", values[0, :, 1])
-            _contours(angle, cranks, heights, steepest(cranks, heights[:, None]), (6, 10, 15, 20, 25), "%g deg")
-            _contours(drop, CRANKS, HEIGHTS, values[..., 3], (3, 3.25, 3.5, 3.75, 4, 4.25), "%g %%")
-        return figure
+        def ours(k: int, place: tuple[float, float] = place) -> Callable[[], float]:
+            return lambda: charted(press(), *place)[k]
 
-    reason = (
-        "The charts are for presses with the proportions l6 / l3 = 0.540 and l4 / l3 = 0.340 of the example. The time ratio gives l1 / l3,"
-        " then the stroke gives l3. The height is a choice between a small pressure angle and an even speed. A longer crank makes both the"
-        " working part evener and the return quicker. The height of (19) has the least pressure angle, up to the rounding of the example."
-        " The speed is evenest at larger heights, where the coupler pushes at 6 to 33 deg."
-    )
-    caption = (
-        "Above: time ratio and stroke over l1 / l3. Below: h / l3 over l1 / l3, with lines of equal largest pressure angle (left) and of"
-        " equal drop of speed over 30 % of the stroke (right). Cross: the example."
-    )
-    return PageEntry(
-        ("Design charts",), "over l1 / l3 and h / l3", BEYOND, tuple(rows), reason, "chen2002_charts", shown, caption, (least,)
-    )
+        yield Row(f"{where}: time ratio K", f"{(math.pi + 2 * half) / (math.pi - 2 * half):.6f}", ours(0), 1e-4, FORMULA)
+        yield Row(f"{where}: stroke / l3", f"{2 * math.sin(half):.6f}", ours(1), 1e-4, FORMULA)
+        yield Row(f"{where}: largest pressure angle [deg]", f"{steepest(*place):.5f}", ours(2), 1e-3, FORMULA)
+        yield Row(f"{where}: drop of speed over 30 % of the stroke [%]", "", ours(3), places=2)
 
 
-def _curve(axes: "Axes", label: str, values: Array) -> None:
-    grid(axes, label)
-    axes.plot(CRANKS, values, color=COLOURS[0])
-    axes.plot(EXAMPLE[0], np.interp(EXAMPLE[0], CRANKS, values), color=COLOURS[1], marker="x")
-
-
-def _contours(axes: "Axes", cranks: Array, heights: Array, values: Array, levels: tuple[float, ...], words: str) -> None:
-    grid(axes, "h / l3")
-    lines = axes.contour(cranks, heights, values, levels=levels, colors=COLOURS[0])
-    axes.clabel(lines, fmt=words)
-    axes.plot(*EXAMPLE, color=COLOURS[1], marker="x")
-    axes.set_xlabel("l1 / l3")
+def evenest(press: Linkage) -> Table:
+    """For three cranks the height with the evenest speed."""
+    rows = []
+    for i in (1, 4, 8):
+        crank = float(CRANKS[i])
+        values = [charted(press, crank, float(height)) for height in HEIGHTS]
+        j = min(range(len(HEIGHTS)), key=lambda k: values[k][3])
+        rows.append((f"{crank:g}", f"{values[j][3]:.2f}", f"{HEIGHTS[j]:.2f}", f"{values[j][2]:.1f}"))
+    return Table(("l1 / l3", "least drop of speed in the chart [%]", "at h / l3", "pressure angle there [deg]"), tuple(rows))
 
 
 # ------------------------------------------------------------------------------------------------------------ even speed against forces
@@ -170,38 +130,16 @@ def _size(force: Array) -> Array:
     return np.asarray(np.sqrt((force * force).sum(axis=1)))
 
 
-def weighing_entry(press: Linkage) -> PageEntry:
+def weighed_table(press: Linkage) -> Table:
     """Trade-offs between even speed and forces, and the design that weighs all of them equally."""
-    fronts = {"pins": front(press, pins), "guide": front(press, guide)}
-    best, example = weighed(press), worth(press)
-    shown_of = {name: [worth(design.press) for design in curve.designs] for name, curve in fronts.items()}
-    rows = [_cells("the example", PRINTED, example)]
-    for name, words in (("pins", "force in the pins"), ("guide", "side force on the guide")):
-        for k, (design, values) in enumerate(zip(fronts[name].designs, shown_of[name], strict=True), 1):
-            rows.append(_cells(f"even speed against {words}, {k}", design.variables, values))
+    rows = [_cells("the example", PRINTED, worth(press))]
+    for force, words in ((pins, "force in the pins"), (guide, "side force on the guide")):
+        for k, design in enumerate(front(press, force).designs, 1):
+            rows.append(_cells(f"even speed against {words}, {k}", design.variables, worth(design.press)))
+    best = weighed(press)
     rows.append(_cells("all four weighed equally", best.variables, worth(best.press)))
     heads = ("design", "l1 [mm]", "l4 [mm]", "h [mm]", "drop of speed [%]", "torque [N m]", "pins [kN]", "guide [kN]")
-
-    def shown() -> "Figure":
-        panels = []
-        for name, place, label in (("pins", 2, "largest force in a pin [kN]"), ("guide", 3, "side force on the guide [kN]")):
-            x, y = (np.array([values[k] for values in shown_of[name]]) for k in (0, place))
-            panels.append(Panel(label, {"": (x, y)}, (), ((example[0], example[place]),)))
-        return draw("drop of speed over 120 mm [%]", panels, 4.5)
-
-    reason = (
-        "Stroke and time ratio are the paper's, and l3 follows from them. Free are l1 (80 to 160 mm, with l6), l4 (80 to 600 mm) and h,"
-        " with a pressure angle of up to 40 deg. The process is ours, 10 kN over 120 mm; the bodies keep the masses of the example. The"
-        " torque conflicts with nothing: by virtual work the force and the speed of the ram decide it, and it differs by 0.4 % between all"
-        " designs. A longer crank lowers the forces in its pin, and does not change how even the speed is. Even speed costs side force: a"
-        " short coupler that pushes at 40 deg lowers the drop of speed from 3.7 to 3.4 %, and multiplies the side force on the guide by"
-        " more than five. Weighed equally, a longer crank and a long coupler are better than the example in all four."
-    )
-    caption = "Lines: designs that no other beats in both; cross: the example."
-    grids = (Grid(heads, tuple(rows)),)
-    return PageEntry(
-        ("Weighed",), "even speed, torque and bearing forces together", BEYOND, (), reason, "chen2002_weighed", shown, caption, grids
-    )
+    return Table(heads, tuple(rows))
 
 
 def _cells(words: str, lengths: Mapping[str, float], values: tuple[float, float, float, float]) -> tuple[str, ...]:

@@ -7,6 +7,8 @@ proved optimum of `balance`, with moments of inertia that are those of the count
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from validation.rows import Table
+
 from pinpress.balancing.counterweights import Counterweight, with_counterweights
 from pinpress.balancing.optimum import balance
 from pinpress.balancing.problem import AddedMass, Criterion, Range, Target
@@ -18,7 +20,6 @@ from pinpress.dynamics.reactions import Reactions
 from pinpress.kinematics.cycle import cycle
 from pinpress.kinematics.motion import Motion
 from pinpress.linkage.linkage import Linkage
-from validation.pages import BEYOND, Grid, PageEntry
 
 SPEED = 70 * RPM
 POINTS = 720
@@ -30,7 +31,6 @@ AXES = {"x": "x", "vertical": "z"}
 BEARINGS = {f"{pin}, {words}": Range("bearing_force", axis, bearing=pin) for pin in "ABCDEF" for words, axis in AXES.items()}
 TORQUE = {"torque": Range("driving_torque")}
 SHAKING = {f"shaking force, {words}": Range("shaking_force", axis) for words, axis in AXES.items()}
-FAR = 0.8  # distance beyond E of a mass on the rod, outside of the regions [m]
 ROUNDING = 1e-4  # a change that is less is none [%]
 
 
@@ -80,8 +80,8 @@ def unharmed(press: Linkage, motion: Motion, before: Reactions, goal: str) -> Ba
     return _balanced(press, motion, (BEARINGS | SHAKING)[goal], {AddedMass(): ADDED, **limits})
 
 
-def conclusion(press: Linkage) -> PageEntry:
-    """What conclusion (4) would take, for the press before balancing."""
+def compared(press: Linkage) -> Table:
+    """The paper's counterweights, and those with which no range rises, for the press before balancing."""
     motion = cycle(press, SPEED, points=POINTS)
     before = inverse_dynamics(press, motion)
     designs = {"the paper's": (inverse_dynamics(with_counterweights(press, PAPER), motion), f"{ADDED:.0f} kg on crank and rod")}
@@ -89,32 +89,21 @@ def conclusion(press: Linkage) -> PageEntry:
         kept = unharmed(press, motion, before, goal)
         designs[f"least {goal}, none higher"] = inverse_dynamics(kept.press, motion), _listed(kept)
     columns = {words: BEARINGS[words] for words in ("A, x", "A, vertical")} | TORQUE | SHAKING
-    compared = Grid(
-        ("counterweights", "masses", "ranges in A to F that rise", *(f"{words} [%]" for words in columns)),
-        tuple(
-            (words, listed, _risen(before, after), *(f"{_change(before, after, each):+.2f}" for each in columns.values()))
-            for words, (after, listed) in designs.items()
-        ),
+    rows = (
+        (words, listed, _risen(before, after), *(f"{_change(before, after, criterion):+.2f}" for criterion in columns.values()))
+        for words, (after, listed) in designs.items()
     )
-    priced = Grid(
-        ("range", f"largest fall with {ADDED:.0f} kg [%]", f"{FALL:g} % less takes", "rises most then"),
-        tuple(
-            (
-                each.words,
-                f"{round(each.most, 2) + 0.0:.2f}",
-                *((each.listed, f"{each.rises}, {each.rise:+.0f} %") if each.mass else ("no mass within the radii", "")),
-            )
-            for each in prices(press, motion, before)
-        ),
-    )
-    reason = (
-        "The vertical force in F carries the slide's weight and inertia alone: no counterweight changes it. The one in E carries the"
-        f" rod's too. Counterweights within {REGIONS[2].radius:g} m of the rod's pin do not lower it (tables; radii as in"
-        f" [Balancing](balancing.md)); {FAR} m beyond E a mass on the rod does: 500 kg by {_far(press, motion, before, 500.0):.1f} %,"
-        f" 3900 kg by {_far(press, motion, before, 3900.0):.0f} %. At best no range rises. A counterweight on the crank alone does this"
-        " best: only A and the torque feel it. All this holds for the empty press."
-    )
-    return PageEntry(("Conclusion (4)",), "which bearing forces can fall, and at what price", BEYOND, (), reason, grids=(compared, priced))
+    return Table(("counterweights", "masses", "ranges in A to F that rise", *(f"{words} [%]" for words in columns)), tuple(rows))
+
+
+def priced(press: Linkage) -> Table:
+    """What a noticeable fall of each range takes."""
+    motion = cycle(press, SPEED, points=POINTS)
+    rows = []
+    for price in prices(press, motion, inverse_dynamics(press, motion)):
+        cost = (price.listed, f"{price.rises}, {price.rise:+.0f} %") if price.mass else ("no mass within the radii", "")
+        rows.append((price.words, f"{round(price.most, 2) + 0.0:.2f}", *cost))
+    return Table(("range", f"largest fall with {ADDED:.0f} kg [%]", f"{FALL:g} % less takes", "rises most then"), tuple(rows))
 
 
 def _balanced(press: Linkage, motion: Motion, minimise: Target, limits: Mapping[Target, float]) -> BalancedPress:
@@ -124,12 +113,6 @@ def _balanced(press: Linkage, motion: Motion, minimise: Target, limits: Mapping[
 def _change(before: Reactions, after: Reactions, criterion: Criterion) -> float:
     """Relative change of a criterion [%]."""
     return 100 * (criterion.value(after) / criterion.value(before) - 1)
-
-
-def _far(press: Linkage, motion: Motion, before: Reactions, mass: float) -> float:
-    """Fall of the range of the vertical force in E by a mass on the rod beyond E [%]."""
-    after = inverse_dynamics(with_counterweights(press, [Counterweight("rod", mass, (-FAR, 0.0, 0.0))]), motion)
-    return -_change(before, after, BEARINGS["E, vertical"])
 
 
 def _risen(before: Reactions, after: Reactions) -> str:

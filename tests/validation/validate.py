@@ -1,49 +1,46 @@
-"""`python tests/validation/validate.py`: every table and figure of the documents, ours beside theirs."""
+"""What the three documents print next to what pinpress computes.
+
+python tests/validation/validate.py                   # the tables of all documents, as text
+python tests/validation/validate.py kong2025          # of one
+python tests/validation/validate.py --write           # into their pages in docs, with the pictures
+
+The exit code is 1 if a number is not within the tolerance next to it.
+"""
 
 import argparse
 import sys
-import time
+from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
 
-from pinpress.common.command_end import ended
-
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from validation import DOCUMENTS, reproduced
+from validation import pictures, rows
+
+DOCS = Path(__file__).parents[2] / "docs"
+DOCUMENTS = ("kong2025", "zhang2007", "chen2002")
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the command.
-
-    Args:
-        arguments: words behind ``python tests/validation/validate.py``; by default those of this process.
-
-    Returns:
-        The exit code: 1 where a number that counts as reproduced is not, 2 with a line on stderr where the input is at fault, others see
-        `command_end.ended`.
-    """
-    return ended("validate", lambda: _run(arguments))
-
-
-def _run(arguments: list[str] | None) -> int:
-    parser = argparse.ArgumentParser(
-        prog="python tests/validation/validate.py",
-        description="Every table and figure of the documents behind the shipped presses, ours beside theirs.",
-    )
-    parser.add_argument("documents", nargs="*", metavar="DOCUMENT", help=f"which of {', '.join(DOCUMENTS)}; default: all")
-    parser.add_argument("--out", metavar="DIR", help="write a page for each document, with figures, instead of printing")
-    options = parser.parse_args(arguments)
+def main(words: Sequence[str] | None = None, quick: bool = False) -> int:
+    """Print or write the tables; ``quick`` takes the first document alone."""
+    parser = argparse.ArgumentParser(prog="validate.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("documents", nargs="*", metavar="DOCUMENT", help=f"of {', '.join(DOCUMENTS)}; default: all")
+    parser.add_argument("--write", action="store_true", help="write the tables and pictures of the pages in docs")
+    options = parser.parse_args([DOCUMENTS[0]] if quick else words)
+    if unknown := set(options.documents) - set(DOCUMENTS):
+        parser.error(f"there is no document {', '.join(sorted(unknown))}: write {', '.join(DOCUMENTS)}")
     failed = False
-    for name in dict.fromkeys(options.documents or DOCUMENTS):
-        began = time.perf_counter()
-        print(f"{name} ...", end=" ", file=sys.stderr, flush=True)
-        page = reproduced(name)
-        missed = [row for row in page.rows if row.holds is False]
-        text = page.markdown() if options.out is None else "\n".join(map(str, page.write(options.out)))
-        print(f"{time.perf_counter() - began:.1f} s", file=sys.stderr)
-        print(text)
-        for row in missed:
-            print(f"{name}: {row.quantity} is {row.ours}, not {row.theirs}", file=sys.stderr)
-        failed = failed or bool(missed)
+    for name in options.documents or DOCUMENTS:
+        document = import_module(f"validation.{name}")
+        if options.write:
+            rows.write(DOCS / f"{name}.md", document.PARTS)
+            for picture, draw in document.PICTURES.items():
+                pictures.save(draw(), DOCS / "figures" / f"{picture}.png")
+        else:
+            print("\n\n".join(part.markdown() for part in document.PARTS))
+        for row in rows.rows_of(document.PARTS):
+            if row.holds is False:
+                print(f"{name}: {row.quantity} is {row.value}, not {row.printed}", file=sys.stderr)
+                failed = True
     return int(failed)
 
 

@@ -1,11 +1,12 @@
 """Zhang 2007, parts of the press that the thesis names and does not compute: those of 2.1, and the measures of 5.7.6 against the shock."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
+from validation.rows import Row, computed
+from validation.zhang2007_balancing import SPEED, plain
 
 from pinpress.common.quantities import RPM, Array
 from pinpress.drives.motors import ServoMotor
@@ -14,8 +15,8 @@ from pinpress.elasticity.guide_surfaces import eight_way_guide, guide_contact
 from pinpress.elasticity.springs import Elastic, PreloadedJoint, Stiffness
 from pinpress.elasticity.unit_load import compliance
 from pinpress.kinematics.cycle import cycle
+from pinpress.kinematics.motion import Motion
 from pinpress.kinematics.slide_path import dead_centres
-from pinpress.linkage.linkage import Linkage
 from pinpress.loads.hydraulics import ImpactDamper, orifice_coefficient
 from pinpress.loads.link import Friction
 from pinpress.loads.pneumatics import BalanceCylinder
@@ -23,11 +24,6 @@ from pinpress.loads.process import Blanking, ProcessLoad
 from pinpress.loads.shearing import RateSensitiveBlanking
 from pinpress.simulation.elastic.run import ElasticRun
 from pinpress.simulation.simulate import simulate
-from validation.pages import BEYOND, PageEntry, Panel, Row, draw
-from validation.zhang2007_balancing import SPEED
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 NOMINAL = 1250e3  # [N]
 BEARINGS = {"O": 3e9, "P2": 4e9, "P4": 4e9, "slide_guide": 2e9}  # springs of `jf75g_125_plain`, assumed [N/m]
@@ -42,61 +38,55 @@ PAUSE, NEAR = np.radians(333), 0.05  # angle of the pause, and how far it reache
 SLOWEST = 0.02  # least share of the even speed
 
 
-def entries(plain: Linkage) -> tuple[PageEntry, ...]:
-    """The parts of 2.1, and what those of 5.7.6 do."""
-    return _of_the_frame(plain), _against_the_shock(plain)
+def frame_rows() -> Iterator[Row]:
+    """Tie rods, balance cylinders and the eight-way guide of 2.1."""
 
+    def rods() -> list[float]:
+        pulled, pressed = (1e-3 * float(force) for force in TIE_RODS.forces(NOMINAL))
+        frames = TIE_RODS, TIE_RODS.loaded
+        stiffness = [1e-6 * compliance(plain(), Stiffness(BEARINGS, frame=frame)).bottom_stiffness for frame in frames]
+        torques = [np.ptp(inverse_dynamics(plain(), turn(), loads=loads).driving_torque) for loads in ([], [CYLINDERS])]
+        return [pulled, pressed, 1e-3 * TIE_RODS.opening_load, *stiffness, *map(float, torques)]
 
-def _of_the_frame(plain: Linkage) -> PageEntry:
-    bare = compliance(plain, Stiffness(BEARINGS, frame=TIE_RODS.loaded))
-    closed = compliance(plain, Stiffness(BEARINGS, frame=TIE_RODS))
-    pulled, pressed = (float(force) for force in TIE_RODS.forces(NOMINAL))
-    turn = cycle(plain, SPEED, points=720)
-    empty, carried = (np.ptp(inverse_dynamics(plain, turn, loads=given).driving_torque) for given in ([], [CYLINDERS]))
-    rows = (
-        Row("tie rods under the nominal force [kN]", "", 1e-3 * pulled, places=0),
-        Row("uprights under the nominal force [kN]", "", 1e-3 * pressed, places=0),
-        Row("force at which the uprights lift off [kN]", "", 1e-3 * TIE_RODS.opening_load, places=0),
-        Row("stiffness at bottom dead centre, with the preload [kN/mm]", "", 1e-6 * closed.bottom_stiffness, places=0),
-        Row("stiffness at bottom dead centre, tie rods alone [kN/mm]", "", 1e-6 * bare.bottom_stiffness, places=0),
-        Row("range of the driving torque, idle, 300 strokes/min [N m]", "", float(empty), places=0),
-        Row("range of the driving torque with balance cylinders [N m]", "", float(carried), places=0),
-        *_guide(plain),
+    names = (
+        "tie rods under the nominal force [kN]",
+        "uprights under the nominal force [kN]",
+        "force at which the uprights lift off [kN]",
+        "stiffness at bottom dead centre, with the preload [kN/mm]",
+        "stiffness at bottom dead centre, tie rods alone [kN/mm]",
+        "range of the driving torque, idle, 300 strokes/min [N m]",
+        "range of the driving torque with balance cylinders [N m]",
     )
-    reason = (
-        "2.1 lists four tie rods preloaded to twice the nominal force, an eight-way slide guide and balance cylinders, without their"
-        " data. All of ours are assumed: rods of 2e9 N/m, uprights of 6e9 N/m, four cylinders of 125 mm at 4.4 bar with a tank of 60"
-        " l, eight gibs of 600 x 80 mm and 2e9 N/m. Preloaded gibs rub without a load; needles (1.2) take a tenth of it."
-    )
-    return PageEntry(("2.1",), "tie rods, eight-way guide and balance cylinders", BEYOND, rows, reason)
-
-
-def _guide(plain: Linkage) -> Iterator[Row]:
-    """The eight surfaces of the slide's guide under the nominal force beside its axis, with and without enough preload."""
-    turn = cycle(plain, SPEED, points=720)
-    forces = inverse_dynamics(plain, turn, loads=[Blanking(NOMINAL, 0.004, 0.002)])
+    yield from computed(rods, *((name, "", None, "", 0) for name in names))
     for preload in (GIB_PRELOAD, 0.1 * GIB_PRELOAD):
-        surfaces = eight_way_guide(
-            facing_x=(0.45, 0.30), facing_y=(0.40, 0.35), length=0.6, width=0.08, stiffness=2e9, preload=preload, middle=0.1
-        )
-        found = guide_contact(plain, forces, surfaces, offset=(0.03, 0.0, 0.0))
         words = f"nominal force 30 mm beside the axis, gibs with {1e-3 * preload:.0f} kN each"
-        yield Row(f"{words}: slide tilts by [1e-6 rad]", "", 1e6 * float(np.linalg.norm(found.rotation, axis=1).max()), places=0)
-        yield Row(
-            f"{words}: they touch on at least [% of their length]",
-            "",
-            100 * min(float(each.min()) for each in found.contact.values()),
-            places=0,
-        )
+        names = (f"{words}: slide tilts by [1e-6 rad]", f"{words}: they touch on at least [% of their length]")
+        yield from computed(lambda preload=preload: guide(preload), *((name, "", None, "", 0) for name in names))
     for coefficient, words in ((0.03, "sliding"), (0.003, "on needles")):
-        rubbing = {"slide_guide": Friction(coefficient, preload=8 * GIB_PRELOAD)}
-        lost = inverse_dynamics(plain, turn, friction=rubbing).friction_power["slide_guide"].mean()
-        yield Row(
-            f"lost by gibs with {1e-3 * GIB_PRELOAD:.0f} kN each, {words} (coefficient {coefficient:g}) [kW]",
-            "",
-            1e-3 * float(lost),
-            places=2,
-        )
+        name = f"lost by gibs with {1e-3 * GIB_PRELOAD:.0f} kN each, {words} (coefficient {coefficient:g}) [kW]"
+        yield Row(name, "", lambda coefficient=coefficient: rubbing(coefficient), places=2)
+
+
+@cache
+def turn() -> Motion:
+    return cycle(plain(), SPEED, points=720)
+
+
+def guide(preload: float) -> tuple[float, float]:
+    """Tilt of the slide [1e-6 rad] and least contact of a surface [%] under the nominal force beside the axis."""
+    forces = inverse_dynamics(plain(), turn(), loads=[Blanking(NOMINAL, 0.004, 0.002)])
+    surfaces = eight_way_guide(
+        facing_x=(0.45, 0.30), facing_y=(0.40, 0.35), length=0.6, width=0.08, stiffness=2e9, preload=preload, middle=0.1
+    )
+    contact = guide_contact(plain(), forces, surfaces, offset=(0.03, 0.0, 0.0))
+    tilt = 1e6 * float(np.linalg.norm(contact.rotation, axis=1).max())
+    return tilt, 100 * min(float(share.min()) for share in contact.contact.values())
+
+
+def rubbing(coefficient: float) -> float:
+    """Power lost by preloaded gibs [kW]."""
+    gibs = {"slide_guide": Friction(coefficient, preload=8 * GIB_PRELOAD)}
+    return 1e-3 * float(inverse_dynamics(plain(), turn(), friction=gibs).friction_power["slide_guide"].mean())
 
 
 class _Shock(NamedTuple):
@@ -118,7 +108,7 @@ class _Shock(NamedTuple):
         return np.asarray(self.run.time > self.broken)
 
 
-def shock(plain: Linkage, slowest: float, loads: list[ProcessLoad]) -> _Shock:
+def shock(slowest: float, loads: list[ProcessLoad]) -> _Shock:
     """A blank breaks on the press on springs, whose servo slows down to a share of its even speed near break-through."""
     angle = np.linspace(FIRST - 0.1, FIRST + 2 * np.pi, 4065)  # from before the run on, because a program stands still at its ends
     pace = EVEN * (1 - (1 - slowest) * np.exp(-(((angle - PAUSE) / NEAR) ** 2)))
@@ -127,49 +117,33 @@ def shock(plain: Linkage, slowest: float, loads: list[ProcessLoad]) -> _Shock:
     servo = ServoMotor(times, angle, stiffness=2e7, damping=2e5, peak_torque=1e6, inertia=60.0)
     springs = Elastic(Stiffness(BEARINGS, {"slide_guide": GIBS_TURNING}, frame=TIE_RODS), damping_ratio=0.03, crown_mass=CROWN)
     until = float(np.interp(np.radians(375), angle, times))
-    run = simulate(plain, until, speed=EVEN, angle=FIRST, drive=servo, loads=loads, elastic=springs, points=4001, tolerance=1e-3)
+    run = simulate(plain(), until, speed=EVEN, angle=FIRST, drive=servo, loads=loads, elastic=springs, points=4001, tolerance=1e-3)
     assert isinstance(run, ElasticRun)
-    bottom = dead_centres(plain).bottom_position
+    bottom = dead_centres(plain()).bottom_position
     broken = next(time for time, _, place in run.events if abs(place - bottom - BLANK.end) < 1e-9)
     return _Shock(run, broken, float(times[-1]))
 
 
-def _against_the_shock(plain: Linkage) -> PageEntry:
+def shock_rows() -> Iterator[Row]:
+    """Measures against the shock of blanking, of 5.7.6."""
+
+    def ours(slowest: float, loads: list[ProcessLoad]) -> list[float]:
+        blow = shock(slowest, loads)
+        upwards = 1e-3 * float(blow.run.bearing_force["P4"][blow.after, 2].max())
+        hardest = float(np.abs(blow.run.slide_acceleration[blow.after]).max())
+        return [upwards, hardest, 1e-3 * float(np.ptp(blow.run.shaking_force[blow.after, 2])), blow.period]
+
     oil = 2 * orifice_coefficient(0.160, 0.012)
     dampers = ImpactDamper([-0.003, 0.0025], [oil, oil])
-    found = {
-        "even pace": shock(plain, 1.0, [BLANK]),
-        "pause": shock(plain, SLOWEST, [BLANK]),
-        "impact dampers": shock(plain, 1.0, [BLANK, dampers]),
-    }
-    rows = []
-    for name, each in found.items():
-        hardest = float(np.abs(each.run.slide_acceleration[each.after]).max())
-        upwards = float(each.run.bearing_force["P4"][each.after, 2].max())
-        rows += [
-            Row(f"{name}: reverse load after break-through [kN]", "", 1e-3 * upwards, places=0),
-            Row(f"{name}: largest acceleration of the slide after it [m/s2]", "", hardest, places=0),
-            Row(
-                f"{name}: range of the vertical force on the frame after it [kN]",
-                "",
-                1e-3 * float(np.ptp(each.run.shaking_force[each.after, 2])),
-                places=0,
-            ),
-            Row(f"{name}: time of the stroke [s]", "", each.period, places=3),
-        ]
-
-    def figure() -> Figure:
-        curves = {}
-        for name, each in found.items():
-            near = np.abs(each.run.time - each.broken) < 0.05
-            curves[name] = 1e3 * (each.run.time[near] - each.broken), -1e-3 * each.run.bearing_force["P4"][near, 2]
-        return draw("time from break-through [ms]", [Panel("rod on slide, downwards [kN]", curves)])
-
-    reason = (
-        "5.7.6 and 1.2.1 name three measures against the shock of blanking, without numbers: another motion of the slide, impact"
-        " dampers, and a servo that stops just before break-through. Ours: `jf75g_125_plain` on springs, 60 strokes/min, a blank of"
-        " 600 kN whose force falls to half before it breaks; a pace that falls to 2 % at 27 degrees before bottom dead centre; two"
-        " dampers with orifices of 12 mm. All is assumed: what counts is the comparison."
-    )
-    caption = "Force of the rod on the slide about break-through."
-    return PageEntry(("5.7.6",), "measures against the shock of blanking", BEYOND, tuple(rows), reason, "zhang2007_shock", figure, caption)
+    for name, slowest, loads in (
+        ("even pace", 1.0, [BLANK]),
+        ("pause", SLOWEST, [BLANK]),
+        ("impact dampers", 1.0, [BLANK, dampers]),
+    ):
+        yield from computed(
+            lambda slowest=slowest, loads=loads: ours(slowest, loads),
+            (f"{name}: reverse load after break-through [kN]", "", None, "", 0),
+            (f"{name}: largest acceleration of the slide after it [m/s2]", "", None, "", 0),
+            (f"{name}: range of the vertical force on the frame after it [kN]", "", None, "", 0),
+            (f"{name}: time of the stroke [s]", "", None, "", 3),
+        )

@@ -6,7 +6,7 @@ The thesis prints no data of the frame, so all data of it are assumed here; only
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -25,10 +25,6 @@ from pinpress.linkage.loading import load
 from pinpress.loads.link import PointForce
 from pinpress.loads.process import ConstantForce
 from pinpress.simulation.simulate import simulate
-from validation.pages import Panel, draw
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 BED = Frame(mass=8000, centre=(0, 0, -1.0), inertia=(3000, 2500, 3000))
 # The crown weighs 7 t with what stands aside on it: the flywheel on the crankshaft's end, whose 940 kg and 136 kg m2 the thesis prints,
@@ -58,6 +54,18 @@ REAL = "with its counterweight"
 AT = 350 * RPM  # speed of the thesis's signals
 DURATION = 1.2  # of a run under piling [s]
 STEP = 1e-4  # step of a run under piling, a sixtieth of the stretching's period [s]
+
+
+SAID = (  # places and findings, as `Vibration.findings` has them
+    "Fig. 2-7: flywheel alone, 350 per min: vibration very small",
+    "Figs. 2-8 to 2-15: idle, to 300 per min: not yet marked; 350: strong",
+    "Figs. 2-12 to 2-15: idle: signals like a sine, the machine sways",
+    "Figs. 2-12 to 2-15: the top beam moves more than columns and lower beam",
+    "Figs. 2-8 to 2-15: the columns on the motor's side move more",
+    "Figs. 2-17, 2-18: piling: dies away after every stroke",
+    "2.3.4: so the speed is far from the natural frequencies",
+    "2.3.4: rubber or springs below keep it from the floor",
+)
 
 
 class VibrationFinding(NamedTuple):
@@ -177,11 +185,6 @@ class Vibration:
             "springs yes, this rubber no",
         )
 
-    def draw(self) -> "Figure":
-        """Acceleration of the top beam over the speed, idle."""
-        curves = {name: (SPEEDS / RPM, self.top_beam(name)) for name in PRESSES}
-        return draw("strokes per minute", [Panel("top beam, rms [m/s²]", curves, logarithmic=True)], high=6.0)
-
 
 def standing(press: Linkage, pad: RubberPad = PAD) -> MountedPress:
     """A press in the assumed frame, on four pads."""
@@ -228,6 +231,3 @@ def _decay(system: MountedPress, motion: FrameMotion) -> tuple[float, float]:
 
 def _size(vector: Array) -> float:
     return float(np.linalg.norm(vector))
-
-
-# FIX
