@@ -13,7 +13,7 @@ import numpy as np
 from ..common import files, tables
 from ..common.errors import PinpressError, PinpressWarning, PinTableError
 from ..kinematics.check import check_document, said_in_a_line
-from ..linkage.urdf.document import MOST_BYTES
+from ..linkage.element import MOST_BYTES
 from ..pin_table.templates import TEMPLATES, template
 from .words.press import add_refused_option, add_slide_option, drawn
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from ..common.errors import PinTableError
 from ..common.results import Records
 from ..kinematics.check import CheckResult, check
-from ..linkage.urdf.document import Finding
+from ..linkage.document import Finding
 from .words.press import add_reading_options, add_refused_option, drawn, names_table
 
 

@@ -18,12 +18,13 @@ from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..engines.constraints import LoopJoint
 from ..engines.rank import rank as rank_of
-from ..linkage import assembly_checks, mobility
-from ..linkage.assembly_checks import open_in_words
+from ..linkage.checks import assembly as assembly_checks
+from ..linkage.checks import elements as element_checks
+from ..linkage.checks import mobility
+from ..linkage.checks.assembly import open_in_words
+from ..linkage.document import SEVERITIES, Document, Finding
 from ..linkage.linkage import Linkage
 from ..linkage.loading import build_linkage, hold_spins, locate, read_document
-from ..linkage.urdf import element_checks
-from ..linkage.urdf.document import SEVERITIES, Document, Finding
 from .dyads import Dyad, least_transmission_angles
 from .main_data import MainData, main_data, main_lines
 from .slide_path import turning_points
@@ -198,7 +199,7 @@ def check_document(
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> CheckResult:
     """`check` of what was read from a file."""
-    findings = [*element_checks.errors(document), *document.remarks, *element_checks.remarks(document.robot)]
+    findings = [*element_checks.errors(document), *document.remarks, *element_checks.remarks(document)]
     facts = None
     if all(finding.error is None for finding in findings):
         try:

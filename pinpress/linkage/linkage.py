@@ -36,9 +36,9 @@ from .assembly import (
     walk_branch_beside,
     walk_through_change_points,
 )
+from .document import Document
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .tool_point import ToolPoint, tool_point
-from .urdf.document import Document
 
 if TYPE_CHECKING:
     from ..engines.pinocchio.forward_dynamics import ForwardDynamics

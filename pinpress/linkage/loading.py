@@ -15,12 +15,13 @@ from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution,
 from ..common.files import alike, path_of
 from ..common.quantities import Array
 from ..engines.constraints import LoopJoint, gear
-from . import assembly_checks, mobility
+from .checks import assembly as assembly_checks
+from .checks import elements as element_checks
+from .checks import mobility
+from .description import Description, Loop
+from .document import Document, check_command, read, refuse_errors
 from .formats import dialects
 from .linkage import Linkage
-from .urdf import element_checks
-from .urdf.description import Description, Loop
-from .urdf.document import Document, check_command, read, refuse_errors
 
 MANY = 12  # names that a message lists
 

@@ -24,12 +24,13 @@ from ..common.files import path_of
 from ..common.quantities import Array
 from ..engines.constraints import LoopJoint
 from ..engines.structure import Axis, Slot, axes, slots
-from . import assembly_checks, loading
+from . import description, loading
+from .checks import assembly as assembly_checks
+from .checks import elements as element_checks
+from .document import Document, Finding
+from .element import Element
 from .linkage import Linkage
-from .urdf import description, element_checks
-from .urdf.document import Document, Finding
-from .urdf.element import Element
-from .urdf.text import MOMENTS, Text, tag, written
+from .text import MOMENTS, Text, tag, written
 
 ACCEPTED = 1e-12  # relative difference from the linkage that is accepted of a text: a hundred times the rounding of turned frames
 

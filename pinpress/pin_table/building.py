@@ -31,9 +31,9 @@ from ..common.tables import Columns
 from ..kinematics.check import CheckResult, check_document
 from ..kinematics.cycle import cycle
 from ..kinematics.servo_motion import servo_cycle
+from ..linkage.document import Document, Finding, check_command
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load_document
-from ..linkage.urdf.document import Document, Finding, check_command
 from ..visual.shapes.appearance import bodies
 from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, formula, parameters_of

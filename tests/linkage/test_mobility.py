@@ -8,7 +8,7 @@ from support.generators.malformed_linkages import AXIS, GEAR, PENDULUM, STAYS, c
 
 import pinpress as pp
 from pinpress.engines.constraints import Relation
-from pinpress.linkage import mobility
+from pinpress.linkage.checks import mobility
 
 SECOND_GEAR = '<mimic joint="G" multiplier="0.1"/>'
 

@@ -9,8 +9,8 @@ from support import mistakes
 
 import pinpress as pp
 from pinpress.common.errors import UrdfError
+from pinpress.linkage.checks import elements as element_checks
 from pinpress.linkage.loading import read_document
-from pinpress.linkage.urdf import element_checks
 
 RIGHT = mistakes.URDF.read_text(encoding="utf-8")
 JOINT = '<joint name="P" type="continuous">'

@@ -28,10 +28,10 @@ from support.generators.malformed_urdf import (
 
 import pinpress as pp
 from pinpress.common.errors import UrdfError
+from pinpress.linkage import description as urdf
+from pinpress.linkage.checks.elements import errors
+from pinpress.linkage.document import Document, check_command, refuse_errors
 from pinpress.linkage.loading import read_document
-from pinpress.linkage.urdf import description as urdf
-from pinpress.linkage.urdf.document import Document, check_command, refuse_errors
-from pinpress.linkage.urdf.element_checks import errors
 
 SHIPPED = Path(__file__).parents[2] / "urdf"
 
@@ -75,12 +75,11 @@ def test_valid_file(file):
     assert (read(file).file, read(file).text) == (str(file), VALID.encode())
     assert read(file).description == urdf.Description(
         name="press",
-        root="frame",
         links=("frame", "crank", "rod", "slide"),
         joints=(
-            urdf.Joint("O", "continuous", "frame", "crank", (0, 0, 0), None, LINE_O),
-            urdf.Joint("P", "revolute", "crank", "rod", (0.1, 0, 0), None, LINE_P),
-            urdf.Joint("guide", "prismatic", "frame", "slide", (0, 0, -0.5), None, GUIDE),
+            urdf.Joint("O", "continuous", "frame", "crank", (0, 0, 0), None, None, LINE_O),
+            urdf.Joint("P", "revolute", "crank", "rod", (0.1, 0, 0), (-4, 4), None, LINE_P),
+            urdf.Joint("guide", "prismatic", "frame", "slide", (0, 0, -0.5), (-0.1, 0.3), None, GUIDE),
         ),
         loops=(
             urdf.Loop(
@@ -93,7 +92,10 @@ def test_valid_file(file):
             ),
         ),
         drivers=("O",),
-        bodies={link: link for link in ("frame", "crank", "rod", "slide")},
+    )
+    assert (read(file).description.root, read(file).description.bodies) == (
+        "frame",
+        {link: link for link in ("frame", "crank", "rod", "slide")},
     )
 
 

@@ -25,7 +25,7 @@ from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
 from pinpress.balancing import Counterweight, with_counterweights
-from pinpress.linkage.urdf.document import Document
+from pinpress.linkage.document import Document
 from pinpress.visual.shapes import appearance
 from pinpress.visual.shapes.appearance import bodies
 from pinpress.visual.shapes.solids import Box, Cylinder, Plate, Sphere, TriangleMesh, corners, half_disc, rounded_plate, volume_and_centre

@@ -22,10 +22,10 @@ from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
 from ...kinematics.poses import poses
 from ...linkage import loading
+from ...linkage.checks import elements as element_checks
+from ...linkage.document import Document, check_command, refuse_errors
 from ...linkage.linkage import Linkage
-from ...linkage.urdf import element_checks
-from ...linkage.urdf.document import Document, check_command, refuse_errors
-from ...linkage.urdf.text import MOMENTS, tag
+from ...linkage.text import MOMENTS, tag
 from ..counterweights import combined, rigid_body, with_counterweights, with_die
 from .crank_slider import CENTRED, CrankSlider, approximate_balance, as_crank_slider, harmonic_coefficients
 

@@ -15,11 +15,11 @@ import numpy as np
 import pinocchio as pin
 
 from ...common.quantities import Array
-from ..urdf.description import names
-from ..urdf.document import Document, Finding, Origin, tree
-from ..urdf.element import Element
-from ..urdf.element_checks import LOOP_TYPES, MOST
-from ..urdf.text import Text
+from ..checks.elements import LOOP_TYPES
+from ..description import MOST, names
+from ..document import Document, Finding, Origin
+from ..element import Element, tree
+from ..text import Text
 from .elements import (
     ALONE,
     direction,

@@ -9,13 +9,13 @@ from typing import NoReturn
 import numpy as np
 import pinocchio as pin
 
+from ...common.arguments import LARGEST
 from ...common.errors import UrdfError, shown, suggestion
 from ...common.quantities import Array
-from ..urdf.document import Finding, Origin
-from ..urdf.element import NUMBER, Element
+from ..document import Finding, Origin
+from ..element import NUMBER, Element
 
 ALONE = "write the linkage of the press alone"
-LARGEST = 1e12  # largest number that is computed with
 _DIGITS = 4  # least decimals of an angle that is read as a quarter turn if it is one to all of them: 1.5708
 
 

@@ -14,8 +14,8 @@ import numpy as np
 import pinocchio as pin
 
 from ...common.quantities import Array
-from ..urdf.document import Document, Finding, Origin
-from ..urdf.text import MOMENTS, tag, written
+from ..document import Document, Finding, Origin
+from ..text import MOMENTS, tag, written
 
 # What a URDF asks of every limited joint, where the other format has no such limit. Nothing here is computed with.
 UNLIMITED = 1000.0  # limit of position and velocity that is written where there is none [rad or m], [rad/s or m/s]

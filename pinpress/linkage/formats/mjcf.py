@@ -18,10 +18,10 @@ import pinocchio as pin
 
 from ...common.errors import PinpressError, UrdfError, shown
 from ...common.quantities import Array
-from ..urdf.document import Document, Finding, Origin, tree
-from ..urdf.document import read as read_text
-from ..urdf.element import Element
-from ..urdf.text import written
+from ..document import Document, Finding, Origin
+from ..document import read as read_text
+from ..element import Element, tree
+from ..text import written
 from .elements import refuse, remark, unused
 from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule
 

@@ -16,15 +16,15 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
+from ...common.arguments import LARGEST
 from ...common.errors import suggestion
 from ...common.quantities import Array
-from ..urdf.document import Document, Finding, Origin, tree
-from ..urdf.element import NUMBER, Element
-from ..urdf.element_checks import DEEPEST_JOINTS, MOST
+from ..description import DEEPEST_JOINTS, MOST
+from ..document import Document, Finding, Origin
+from ..element import NUMBER, Element, tree
 from .dialects import BALL, BUSHING, SPRING, ball_ends, bushing_axis, bushing_ends, bushing_remark, spring_remark
 from .elements import (
     ALONE,
-    LARGEST,
     direction,
     needed,
     numbers,

@@ -16,8 +16,8 @@ from ...common.errors import PinpressError
 from ...common.quantities import Array
 from ...engines.branch import predict
 from ...kinematics.motion import Motion, refuse_motion_of_another
+from ...linkage.element import Element
 from ...linkage.linkage import Linkage
-from ...linkage.urdf.element import Element
 from ...linkage.writing import is_ballast
 from .solids import Box, Cylinder, Part, Plate, Shape, Sphere, TriangleMesh, part, read_mesh
 from .stand_ins import ShaftFlywheel, made_up_parts

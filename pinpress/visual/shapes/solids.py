@@ -24,8 +24,7 @@ from ...common import files
 from ...common.errors import PinpressError, UrdfError
 from ...common.frozen import read_only
 from ...common.quantities import Array
-from ...linkage.urdf.document import tree
-from ...linkage.urdf.element import Element
+from ...linkage.element import Element, tree
 
 KINDS = "STL (.stl), Wavefront (.obj) or COLLADA (.dae)"
 # A page with more would hardly open in a browser; a mesh of this size takes half a gigabyte while it is read.

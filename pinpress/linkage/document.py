@@ -5,33 +5,18 @@ start from.
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
-from xml.parsers import expat
 
-from ...common import files
-from ...common.errors import PinpressError, UrdfError, shown
-from ...common.results import Record
+from ..common import files
+from ..common.errors import PinpressError, UrdfError
+from ..common.results import Record
 from .description import Description, describe
-from .element import Element
+from .element import MOST_BYTES, Element, tree
 
 SEVERITIES = ("error", "warning", "note")
-
-# The largest URDF that comes with pinpress has 30 kB and 200 elements. These limits are far beyond any press, and small enough for a file
-# that is none to be refused at once.
-MOST_BYTES = 20_000_000
-MOST_ELEMENTS = 100_000
-MOST_ATTRIBUTES = 100  # most attributes of one element
-MOST_CHARACTERS = 1000  # most characters of a name or value
-DEEPEST_ELEMENTS = 200  # most levels of elements; Pinocchio's parser stops at 500
-
-START_TAG = re.compile(rb"<(?:[^\"'>]|\"[^\"]*\"|'[^']*')*>")
-_REFERENCE = re.compile(r"&(?:#x([0-9a-fA-F]+)|#([0-9]+)|(\w+));")
-_ENTITIES = {"lt": "<", "gt": ">", "amp": "&", "quot": '"', "apos": "'"}
-_ATTRIBUTE = re.compile(r"([^\s=\"']+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 
 
 class Origin(NamedTuple):
@@ -144,65 +129,6 @@ def read(path: str | os.PathLike[str]) -> bytes:
     return text
 
 
-def tree(file: str, document: bytes, with_text: bool = False) -> Element:
-    """The root element of an XML document in UTF-8.
-
-    Args:
-        file: path of the file, for errors.
-        document: the text.
-        with_text: whether the elements keep the characters in them.
-
-    Raises:
-        UrdfError: the document is too large, or no XML.
-    """
-    # The encoding is given, because Pinocchio reads UTF-8 whatever the XML declaration says. Expat ignores namespaces here, as Pinocchio
-    # does, and so accepts <drake:...> without its xmlns:drake.
-    parser = expat.ParserCreate("utf-8")
-    opened: list[Element] = []
-    roots: list[Element] = []
-    count = 0
-
-    def forbid(problem: str, remedy: str, element: str | None = None) -> None:
-        raise UrdfError(file, element, parser.CurrentLineNumber, problem, remedy)
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal count
-        count += 1
-        if problem := _too_large(count, tag, attributes):
-            forbid(problem, "remove what does not belong to the press")
-        attributes |= _broken(document, parser.CurrentByteIndex)
-        element = Element(tag, attributes, parser.CurrentLineNumber, opened[-1] if opened else None, parser.CurrentByteIndex)
-        if tag.startswith("xacro:"):
-            forbid("is xacro, not URDF", "expand the file first: xacro press.urdf.xacro > press.urdf", str(element))
-        if tag.endswith(":include"):
-            forbid("is XInclude, which Pinocchio does not read", "write what it includes in its place", str(element))
-        if len(opened) > DEEPEST_ELEMENTS:
-            forbid("is nested too deeply", "remove it", str(element))
-        (opened[-1].children if opened else roots).append(element)
-        opened.append(element)
-
-    def end(_: str) -> None:
-        opened.pop().end = parser.CurrentByteIndex
-
-    def characters(text: str) -> None:
-        opened[-1].text += text
-
-    parser.StartElementHandler = start
-    parser.EndElementHandler = end
-    if with_text:
-        parser.CharacterDataHandler = characters
-    parser.StartDoctypeDeclHandler = lambda *_: forbid(
-        "has a document type declaration", "write its entities out, and remove <!DOCTYPE ...>"
-    )
-    parser.ProcessingInstructionHandler = lambda name, _: forbid("has a processing instruction", f"remove <?{name} ...?>")
-    try:
-        parser.Parse(document, True)
-    except expat.ExpatError as error:
-        reason = expat.ErrorString(error.code)
-        raise UrdfError(file, None, error.lineno, f"is not well-formed XML: {reason}", "correct the XML at this line") from error
-    return roots[0]
-
-
 def refuse_errors(findings: Iterable[Finding], command: str) -> None:
     """Raise the first error among findings. Its message says how many more there are, and that ``command`` lists them."""
     errors = [finding.error for finding in findings if finding.error is not None]
@@ -228,34 +154,3 @@ def _name_origins(element: Element, origins: Mapping[tuple[int, str], Origin], t
         element.origin, element.line = origin
     for child in element.children:
         _name_origins(child, origins, child.tag if element.parent is None else tag)
-
-
-def _broken(document: bytes, start: int) -> dict[str, str]:
-    """Those attributes of the tag at byte ``start`` that contain tabs or line breaks, with these.
-
-    XML reads them as spaces. Pinocchio's parser does not: it fails on a number with a line break in it, or drops it.
-    """
-    tag = START_TAG.match(document, start)
-    found = _ATTRIBUTE.findall(tag[0].decode()) if tag and re.search(rb"[\t\r\n]", tag[0]) else ()
-    values = {name: double or single for name, double, single in found}
-    return {
-        name: _REFERENCE.sub(_meant, re.sub(r"\r\n?|\n\r", "\n", value)) for name, value in values.items() if re.search(r"[\t\r\n]", value)
-    }
-
-
-def _meant(reference: re.Match[str]) -> str:
-    """The character that a reference such as ``&#10;`` or ``&lt;`` stands for."""
-    hexadecimal, decimal, name = reference.groups()
-    return _ENTITIES[name] if name else chr(int(hexadecimal, 16) if hexadecimal else int(decimal))
-
-
-def _too_large(count: int, tag: str, attributes: Mapping[str, str]) -> str | None:
-    """What is too large in the ``count``th element of a file; None where nothing is."""
-    if count > MOST_ELEMENTS:
-        return f"has more than {MOST_ELEMENTS} elements"
-    if len(attributes) > MOST_ATTRIBUTES:
-        return f"an element has {len(attributes)} attributes, more than {MOST_ATTRIBUTES}"
-    longest = max((tag, *attributes, *attributes.values()), key=len)
-    if len(longest) > MOST_CHARACTERS:
-        return f"a name or value of {len(longest)} characters, more than {MOST_CHARACTERS}: {shown(longest[:40])}..."
-    return None

@@ -1,5 +1,5 @@
-"""Checks of the elements of a URDF: `problems` from single numbers to gear pairs; `link_problems` of the links as bodies, of how joints and
-loops connect them and of their inertia; `remarks` about what is allowed but hardly meant, or has no effect.
+"""Checks of the elements of a URDF, before its links are put together: `errors`, and `remarks` about what is allowed, but probably a
+mistake or without effect.
 
 Every check yields the elements at fault and goes on, so that all problems of a file can be listed together. Therefore no check may rely on
 another one having passed.
@@ -12,10 +12,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from ...common.arguments import LARGEST
 from ...common.errors import UrdfError, odd_character, shown, suggestion
-from .description import bodies_of, ends_of, names
-from .document import Document, Finding
-from .element import Element
+from ..description import DEEPEST_JOINTS, MOST, Description, Joint, names
+from ..document import Document, Finding
+from ..element import Element
 
 LOOP_TYPES = ("spherical", "revolute", "fixed")
 _JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
@@ -87,55 +88,45 @@ _DRAWN = ("visual", "collision", "material")  # what is drawn is not mechanics: 
 _WHOLE = ("origin", "parent", "child", "link1", "link2", "axis", "mass", "inertia", "limit", "mimic", "tool")  # they contain no others
 # Elements of a <transmission> in ROS, in this spelling; the one that is read is <joint>.
 _IN_TRANSMISSION = ("joint", "actuator", "type", "mechanicalReduction", "gap_joint", "passive_joint", "flexJoint", "rollJoint")
-_QUANTITIES = ("xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset")  # what is computed with, and
-_LARGEST = 1e12  # may have powers and products in floating point
-_LEAST_RATIO = 1e-7  # least ratio of a gear pair, or of a rack [m/rad]
+_QUANTITIES = ("xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset")  # what is computed with
 _OPEN_TO_ATTRIBUTES = ("dynamics", "calibration", "safety_controller", "mesh", "color", "texture")  # nothing here enters the mechanics
-
-# Most elements of a URDF: the largest that comes with pinpress has 13 joints and 4 loops.
-MOST = {"link": 1000, "joint": 1000, "loop_joint": 500, "transmission": 500, "material": 1000}
-DEEPEST_JOINTS = 500  # most joints from the root to a link: Pinocchio's parser calls itself for each, and ends the process after 2000
-
-MOST_ERRORS = 100  # most errors that are listed: each may compare a name with all others, which takes time
 
 Problem = tuple[Element, str, str]
 """The element at fault, the problem, and the remedy."""
 
 
 def errors(document: Document) -> list[Finding]:
-    """Errors in the elements of a URDF, before its links are assembled: all of them, or the first `MOST_ERRORS`.
+    """Errors in the elements of a URDF, before its links are put together: all of them, or the first hundred.
 
     Pinocchio drops much of what it cannot read and carries on: a misspelt ``<axis>`` becomes the x axis, a mass "2,5" no inertia at all.
     Therefore everything that enters the mechanics is checked, so that Pinocchio then reads all of a file that passes.
     """
-    robot = document.robot
-    found = list(size_problems(robot))
-    if not found:  # checking everything in a file that is too large would take long
-        found = list(itertools.islice(itertools.chain(problems(robot), link_problems(robot)), MOST_ERRORS))
-    return [Finding.of(UrdfError(document.file, str(element), element.line, *said)) for element, *said in found]
+    robot, description = document.robot, document.description
+    problems = list(_size_problems(robot, description))
+    if not problems:  # checking everything in a file that is too large would take long
+        checks = (
+            _robot_problems(robot),
+            _content_problems(robot),
+            _name_problems(robot),
+            _type_problems(robot),
+            _mimic_problems(robot, description),
+            _transmission_problems(robot, description),
+            _tree_problems(robot, description),
+            _inertia_problems(robot, description),
+            _loop_problems(robot, description),
+        )
+        # Each error may compare a name with all others, which takes time.
+        problems = list(itertools.islice(itertools.chain(*checks), 100))
+    return [Finding.of(UrdfError(document.file, str(element), element.line, *said)) for element, *said in problems]
 
 
-def problems(robot: Element) -> Iterator[Problem]:
-    """All problems of a URDF."""
+def _robot_problems(robot: Element) -> Iterator[Problem]:
     if not robot.get("name"):
         yield robot, "has no name", 'write <robot name="press">'
     elif odd := odd_character(robot.get("name"), with_control=False):
         yield robot, _odd_name(robot, odd), "give it another name"
     if robot.attributes.get("version", "1.0") not in ("1.0", "1.1"):
         yield robot, f"unknown URDF version {robot.get('version')!r}", 'write version="1.0", or no version'
-    yield from _content_problems(robot)
-    yield from _name_problems(robot)
-    for joint in robot.all("joint"):
-        yield from _type_problems(joint, "joint", _JOINT_TYPES, _UNSUPPORTED_JOINT_TYPES)
-        yield from _joint_problems(joint)
-    for loop in robot.all("loop_joint"):
-        yield from _type_problems(loop, "loop", LOOP_TYPES, {})
-        if loop.get("type") == "revolute":
-            yield from _axis_problems(loop)
-        elif loop.all("axis"):
-            yield loop.all("axis")[0], f"a {loop.get('type')} loop has no axis", 'remove <axis>, or write type="revolute"'
-    yield from _mimic_problems(robot)
-    yield from _transmission_problems(robot)
 
 
 def _content_problems(element: Element) -> Iterator[Problem]:
@@ -179,8 +170,8 @@ def _attribute_problems(element: Element) -> Iterator[Problem]:
                 'URDF has no infinite numbers: write 1e9 for no limit, or type="continuous" of a joint that turns' if no_limit else plain
             )
             yield element, f"{name}={shown(text)}: {fault}", remedy
-        elif name in _QUANTITIES and tag != "axis" and max(map(abs, element.numbers(name))) > _LARGEST:
-            yield element, f"{name}={shown(text)} is out of range", f"write SI units; {_LARGEST:g} is the largest number"
+        elif name in _QUANTITIES and tag != "axis" and max(map(abs, element.numbers(name))) > LARGEST:
+            yield element, f"{name}={shown(text)} is out of range", f"write SI units; {LARGEST:g} is the largest number"
         elif name in ("size", "radius", "length") and min(element.numbers(name)) <= 0:
             yield element, f"{name}={shown(text)} is not positive", "write the size in metres"
         elif name == "rgba" and not all(0 <= part <= 1 for part in element.numbers(name)):
@@ -217,7 +208,32 @@ def _odd_name(element: Element, odd: str) -> str:
     return f"its name {element.get('name')!a} has the character {odd}, which no line shows as it is"
 
 
-def _type_problems(element: Element, word: str, types: Sequence[str], unsupported: Mapping[str, str]) -> Iterator[Problem]:
+def _type_problems(robot: Element) -> Iterator[Problem]:
+    """Problems of joints and loops by themselves: types, limits and axes."""
+    for joint in robot.all("joint"):
+        yield from _unknown_type(joint, "joint", _JOINT_TYPES, _UNSUPPORTED_JOINT_TYPES)
+        kind, limits = joint.get("type"), joint.all("limit")
+        if kind in ("revolute", "prismatic") and not limits:
+            remedy = 'write <limit lower="..." upper="..." effort="..." velocity="..."/>'
+            yield joint, f"a {kind} joint needs a <limit>", f'{remedy} or type="continuous"' if kind == "revolute" else remedy
+        for limit in limits:
+            for name in ("effort", "velocity"):
+                if limit.number(name, 0.0) < 0:
+                    yield limit, f"{name} is negative", "write how large it may be, in SI units"
+            lower, upper = limit.number("lower", 0.0), limit.number("upper", 0.0)
+            if kind in ("revolute", "prismatic") and lower > upper:
+                yield limit, f"lower ({lower!r}) is above upper ({upper!r})", "exchange them (either is 0 where it is missing)"
+        if kind != "fixed":
+            yield from _axis_problems(joint)
+    for loop in robot.all("loop_joint"):
+        yield from _unknown_type(loop, "loop", LOOP_TYPES, {})
+        if loop.get("type") == "revolute":
+            yield from _axis_problems(loop)
+        elif loop.all("axis"):
+            yield loop.all("axis")[0], f"a {loop.get('type')} loop has no axis", 'remove <axis>, or write type="revolute"'
+
+
+def _unknown_type(element: Element, word: str, types: Sequence[str], unsupported: Mapping[str, str]) -> Iterator[Problem]:
     kind, remedy = element.get("type"), f"write one of: {', '.join(types)}"
     if not kind:
         yield element, "has no type", remedy
@@ -225,22 +241,6 @@ def _type_problems(element: Element, word: str, types: Sequence[str], unsupporte
         yield element, f"{word} type {kind!r} is not supported", unsupported[kind]
     elif kind not in types:
         yield element, f"unknown {word} type {kind!r}{suggestion(kind, types)}", remedy
-
-
-def _joint_problems(joint: Element) -> Iterator[Problem]:
-    kind, limits = joint.get("type"), joint.all("limit")
-    if kind in ("revolute", "prismatic") and not limits:
-        remedy = 'write <limit lower="..." upper="..." effort="..." velocity="..."/>'
-        yield joint, f"a {kind} joint needs a <limit>", f'{remedy} or type="continuous"' if kind == "revolute" else remedy
-    for limit in limits:
-        for name in ("effort", "velocity"):
-            if any(value < 0 for value in limit.numbers(name)):
-                yield limit, f"{name} is negative", "write how large it may be, in SI units"
-        lower, upper = limit.numbers("lower") or (0.0,), limit.numbers("upper") or (0.0,)
-        if kind in ("revolute", "prismatic") and lower > upper:
-            yield limit, f"lower ({lower[0]!r}) is above upper ({upper[0]!r})", "exchange them (either is 0 where it is missing)"
-    if kind != "fixed":
-        yield from _axis_problems(joint)
 
 
 def _axis_problems(joint: Element) -> Iterator[Problem]:
@@ -254,8 +254,8 @@ def _axis_problems(joint: Element) -> Iterator[Problem]:
             yield element, f"the axis has length {length:.9g}, not 1", f'write xyz="{unit}"'
 
 
-def _mimic_problems(robot: Element) -> Iterator[Problem]:
-    types = {joint.get("name"): joint.get("type") for joint in robot.all("joint")}
+def _mimic_problems(robot: Element, description: Description) -> Iterator[Problem]:
+    types = description.types
     for joint in robot.all("joint"):
         for mimic in joint.all("mimic"):
             leader = mimic.get("joint")
@@ -267,39 +267,40 @@ def _mimic_problems(robot: Element) -> Iterator[Problem]:
                 yield mimic, "the joint mimics itself", "name the joint that it is geared to"
             elif leader and types[leader] == "fixed":
                 yield mimic, f"joint {leader!r} is fixed: nothing to follow", "name a joint that moves"
-            for ratio in map(abs, mimic.numbers("multiplier")):
-                if ratio < _LEAST_RATIO:  # one this small would count as rounding, in the rank of the equations
-                    size = "0" if ratio == 0 else f"{ratio:g}, as good as 0"
-                    yield mimic, f"multiplier is {size}, which locks the joint", 'write the ratio of the gear pair, or type="fixed"'
-                elif 1 / _LEAST_RATIO < ratio <= _LARGEST:
-                    yield mimic, f"multiplier is {ratio:g}, which locks joint {leader!r}", "write the ratio of the gear pair"
-    yield from _gear_ring_problems(robot)
+            ratio = abs(mimic.number("multiplier", 1.0))
+            if ratio < 1e-7:  # [-, m/rad of a rack]: one this small would count as rounding, in the rank of the equations
+                size = "0" if ratio == 0 else f"{ratio:g}, as good as 0"
+                yield mimic, f"multiplier is {size}, which locks the joint", 'write the ratio of the gear pair, or type="fixed"'
+            elif 1e7 < ratio <= LARGEST:
+                yield mimic, f"multiplier is {ratio:g}, which locks joint {leader!r}", "write the ratio of the gear pair"
+    yield from _gear_ring_problems(robot, description)
 
 
-def _gear_ring_problems(robot: Element) -> Iterator[Problem]:
+def _gear_ring_problems(robot: Element, description: Description) -> Iterator[Problem]:
     """Problems of joints that mimic each other in a ring: the turn of a joint must come back to it unchanged."""
-    leaders = {joint.get("name"): (mimic.get("joint"), mimic) for joint in robot.all("joint") for mimic in joint.all("mimic")[:1]}
+    mimics = {joint.name: joint.mimic for joint in description.joints if joint.mimic is not None}
     seen: set[str] = set()
-    for name in leaders:
+    for name in mimics:
         path: list[str] = []
-        while name in leaders and name not in seen and name not in path:
+        while name in mimics and name not in seen and name not in path:
             path.append(name)
-            name = leaders[name][0]
+            name = mimics[name].leader
         seen.update(path)
         ring = path[path.index(name) :] if name in path else []
         if len(ring) < 2:
             continue  # a joint that mimics itself is reported by `_mimic_problems`
         multiplier, offset = 1.0, 0.0
-        for follower in reversed(ring):  # in the end, the first one = multiplier x itself + offset
-            (ratio,), (shift,) = (leaders[follower][1].numbers(word) or (start,) for word, start in (("multiplier", 1.0), ("offset", 0.0)))
-            multiplier, offset = ratio * multiplier, ratio * offset + shift
+        for follower in reversed(ring):  # at the end, the first one = multiplier x itself + offset
+            mimic = mimics[follower]
+            multiplier, offset = mimic.multiplier * multiplier, mimic.multiplier * offset + mimic.offset
         if abs(multiplier - 1) > 1e-9 or abs(offset) > 1e-9:
             problem = f"a ring of gear pairs that locks: {' mimics '.join([*ring, ring[0]])}; one turn comes back as {multiplier:.9g}"
-            yield leaders[ring[0]][1], f"{problem} turns, {offset:.9g} further", "remove one <mimic> of the ring"
+            first = next(joint for joint in robot.all("joint") if joint.get("name") == ring[0] and joint.all("mimic"))
+            yield first.all("mimic")[0], f"{problem} turns, {offset:.9g} further", "remove one <mimic> of the ring"
 
 
-def _transmission_problems(robot: Element) -> Iterator[Problem]:
-    types = {joint.get("name"): joint.get("type") for joint in robot.all("joint")}
+def _transmission_problems(robot: Element, description: Description) -> Iterator[Problem]:
+    types = description.types
     for transmission in robot.all("transmission"):
         if not transmission.all("joint"):
             yield transmission, "names no <joint>", 'write <joint name="..."/> in it, the driver'
@@ -313,62 +314,39 @@ def _transmission_problems(robot: Element) -> Iterator[Problem]:
                 yield joint, f"joint {name!r} is fixed and cannot drive", "name a revolute, continuous or prismatic joint"
 
 
-def size_problems(robot: Element) -> Iterator[Problem]:
-    """Elements of which a URDF has too many."""
+def _size_problems(robot: Element, description: Description) -> Iterator[Problem]:
+    """Problems of a URDF that has too many elements, or joints too far from its root."""
     remedy = "write the linkage of the press alone"
     for tag, most in MOST.items():
-        found = robot.all(tag)
-        if len(found) > most:
-            yield found[most], f"there are {len(found)} <{tag}>, more than {most}", remedy
-    for joint in _too_deep(robot.all("joint")):
-        yield joint, f"it is more than {DEEPEST_JOINTS} joints away from the root link", "weld links together, and " + remedy
-        return
+        elements = robot.all(tag)
+        if len(elements) > most:
+            yield elements[most], f"there are {len(elements)} <{tag}>, more than {most}", remedy
+    depths = {description.root: 0}
+    for link, joint in description.carriers.items():
+        depths[link] = depths[joint.parent] + 1
+        if depths[link] > DEEPEST_JOINTS:
+            element = robot.all("joint")[description.joints.index(joint)]
+            yield element, f"it is more than {DEEPEST_JOINTS} joints away from the root link", "weld links together, and " + remedy
+            return
 
 
-def _too_deep(joints: list[Element]) -> Iterator[Element]:
-    """Joints that have too many others between them and the root."""
-    below: dict[str, list[tuple[str, Element]]] = {}
-    for joint in joints:
-        for parent in joint.all("parent")[:1]:
-            below.setdefault(parent.get("link"), []).extend((end.get("link"), joint) for end in joint.all("child")[:1])
-    children = {child for carried in below.values() for child, _ in carried}
-    depth = {link: 0 for link in below if link not in children}
-    reached = list(depth)
-    for link in reached:  # grows as it goes
-        for child, joint in below.get(link, []):
-            if child not in depth:
-                depth[child] = depth[link] + 1
-                reached.append(child)
-                if depth[child] > DEEPEST_JOINTS:
-                    yield joint
-
-
-def link_problems(robot: Element) -> Iterator[Problem]:
-    """All problems of the bodies of a URDF."""
-    bodies = bodies_of(robot)
-    yield from _tree_problems(robot, bodies)
-    yield from _inertia_problems(robot, bodies)
-    yield from _loop_problems(robot, bodies)
-
-
-def _tree_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Problem]:
-    links = names(robot, "link")
+def _tree_problems(robot: Element, description: Description) -> Iterator[Problem]:
+    links, bodies = names(robot, "link"), description.bodies
     if not links:
         yield robot, "has no <link>", "write the links and joints of the linkage"
         return
-    carriers: dict[str, str] = {}
+    carriers: dict[str, Joint] = {}
     unsound = False
-    for joint in robot.all("joint"):
-        ends = list(_end_problems(joint, "parent", "child", links))
-        yield from ends
-        parent, child = ends_of(joint, "parent", "child")
-        unsound = unsound or bool(ends) or not (parent and child)
-        if not ends and child in carriers:
+    for element, joint in zip(robot.all("joint"), description.joints, strict=True):
+        problems = list(_end_problems(element, "parent", "child", joint.parent, joint.child, links))
+        yield from problems
+        unsound = unsound or bool(problems) or not (joint.parent and joint.child)
+        if not problems and joint.child in carriers:
             remedy = "a link has one parent; write the second joint as a <loop_joint>"
-            yield joint, f"its child {child!r} is already the child of joint {carriers[child]!r}", remedy
-        carriers.setdefault(child, joint.get("name"))
+            yield element, f"its child {joint.child!r} is already the child of joint {carriers[joint.child].name!r}", remedy
+        carriers.setdefault(joint.child, joint)
     if unsound:
-        return  # it is not known what the joints connect
+        return  # it is not clear what the joints connect
 
     elements = {link.get("name"): link for link in robot.all("link")}
     roots = [link for link in links if link not in carriers]
@@ -382,20 +360,24 @@ def _tree_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Proble
         yield elements[lost[0]], f"a cycle of joints, not connected to the root: {', '.join(lost)}", remedy
 
 
-def _inertia_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Problem]:
-    frame = next(iter(bodies), None)
+def _inertia_problems(robot: Element, description: Description) -> Iterator[Problem]:
+    bodies = description.bodies
     heavy = {bodies.get(link.get("name")) for link in robot.all("link") if link.all("inertial")}
-    connected = _count_bearings(robot, bodies)
+    connected = Counter(bodies.get(link) for joint in description.joints if joint.type != "fixed" for link in (joint.parent, joint.child))
+    connected.update(bodies.get(end.link) for loop in description.loops for end in (loop.link1, loop.link2))
     for link in robot.all("link"):
         name = link.get("name")
-        moving = bodies.get(name, frame) != frame
+        moving = description.moves(name)
         if moving and bodies[name] == name and name not in heavy:
             remedy = "write <inertial> with <mass> and <inertia>; zeros are a link without mass"
             yield link, "it moves, but has no <inertial>, nor has any link welded to it", remedy
         for inertial in link.all("inertial"):
             for element in inertial.all("mass"):
                 for mass in element.numbers("value"):
-                    if moving and (mass < 0 or (mass == 0 and not _is_idealised(inertial, bodies[name], connected))):
+                    # A cross piece or rod between two bearings may be modelled without mass and moments of inertia.
+                    between = mass == 0 and moving and connected[bodies[name]] > 1
+                    idealised = between and all(principal_moments(tensor) == (0.0, 0.0, 0.0) for tensor in inertial.all("inertia"))
+                    if moving and mass <= 0 and not idealised:
                         remedy = (
                             "write it in kg, or remove <inertial>; a link between two bearings may have none, without moments of inertia"
                         )
@@ -407,28 +389,23 @@ def _inertia_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Pro
                     yield element, problem, "write the moments about the centre of mass [kg m2], products with the sign of -integral xy dm"
 
 
-def _count_bearings(robot: Element, bodies: Mapping[str, str]) -> Counter[str]:
-    """Number of bearings, joints and loops, of every body."""
-    found: Counter[str] = Counter()
-    for element in robot.all("joint", "loop_joint"):
-        if element.get("type") != "fixed" or element.tag == "loop_joint":
-            ends = ends_of(element, "link1", "link2") if element.tag == "loop_joint" else ends_of(element, "parent", "child")
-            found.update(bodies[link] for link in ends if link in bodies)
-    return found
-
-
-def _is_idealised(inertial: Element, body: str, connected: Counter[str]) -> bool:
-    """Whether an inertia without mass is meant: that of a cross piece or rod between two bearings."""
-    return connected[body] > 1 and not any(principal_moments(tensor) != (0.0, 0.0, 0.0) for tensor in inertial.all("inertia"))
-
-
-def _loop_problems(robot: Element, bodies: Mapping[str, str]) -> Iterator[Problem]:
-    links = names(robot, "link")
-    for loop in robot.all("loop_joint"):
-        yield from _end_problems(loop, "link1", "link2", links)
-        name1, name2 = ends_of(loop, "link1", "link2")
+def _loop_problems(robot: Element, description: Description) -> Iterator[Problem]:
+    links, bodies = names(robot, "link"), description.bodies
+    for element, loop in zip(robot.all("loop_joint"), description.loops, strict=True):
+        name1, name2 = loop.link1.link, loop.link2.link
+        yield from _end_problems(element, "link1", "link2", name1, name2, links)
         if name1 != name2 and name1 in bodies and bodies[name1] == bodies.get(name2):
-            yield loop, f"{name1!r} and {name2!r} are welded together by fixed joints", "write links of the two bodies that it connects"
+            yield element, f"{name1!r} and {name2!r} are welded together by fixed joints", "write links of the two bodies that it connects"
+
+
+def _end_problems(element: Element, tag1: str, tag2: str, name1: str, name2: str, links: Sequence[str]) -> Iterator[Problem]:
+    """Problems of the two links that a joint or loop connects."""
+    for end in element.all(tag1, tag2):
+        name = end.get("link")
+        if name and name not in links:
+            yield end, f"no link {name!r}{suggestion(name, links)}", "name a <link> of this file"
+    if name1 and name1 == name2:
+        yield element, f"{tag1} and {tag2} are the same link {name1!r}", "write the two links that it connects"
 
 
 def principal_moments(inertia: Element) -> tuple[float, ...]:
@@ -457,17 +434,6 @@ def _tensor_problem(inertia: Element) -> str | None:
     if principal[2] > principal[0] + principal[1] + tolerance:
         return f"the largest principal moment of inertia exceeds the sum of the other two ({shown})"
     return None
-
-
-def _end_problems(element: Element, tag1: str, tag2: str, links: Sequence[str]) -> Iterator[Problem]:
-    """Problems of the two links that a joint or loop connects."""
-    for end in element.all(tag1, tag2):
-        name = end.get("link")
-        if name and name not in links:
-            yield end, f"no link {name!r}{suggestion(name, links)}", "name a <link> of this file"
-    name1, name2 = ends_of(element, tag1, tag2)
-    if name1 and name1 == name2:
-        yield element, f"{tag1} and {tag2} are the same link {name1!r}", "write the two links that it connects"
 
 
 def find_unknown(robot: Element) -> Iterator[Finding]:
@@ -506,24 +472,21 @@ def _unknown_attributes(element: Element, known: Sequence[str], all_of_them: boo
             yield _warning(element, f"its attribute {name!r} is not read{alike}", f"correct or remove it: {write}")
 
 
-def remarks(robot: Element) -> Iterator[Finding]:
+def remarks(document: Document) -> Iterator[Finding]:
     """Warnings and notes of a URDF; it may have errors too."""
+    robot, description = document.robot, document.description
     yield from find_unknown(robot)
     yield from _names(robot, "link")
     yield from _names(robot, "joint", "loop_joint")
-    yield from _drawn_limits(robot)
-    yield from _massless(robot)
-    yield from _unread(robot)
-
-
-def limits(robot: Element) -> dict[str, tuple[float, float, Element]]:
-    """For every joint that has limits, the lower and upper one [rad or m] and their element."""
-    found = {}
+    yield from _drawn_limits(robot, description)
+    yield from _massless(robot, description)
     for joint in robot.all("joint"):
-        for limit in joint.all("limit") if joint.get("type") in ("revolute", "prismatic") else ():
-            (lower,), (upper,) = limit.numbers("lower") or (0.0,), limit.numbers("upper") or (0.0,)
-            found[joint.get("name")] = lower, upper, limit
-    return found
+        for dynamics in joint.all("dynamics"):
+            values = [f"{name}={dynamics.get(name)!r}" for name in ("damping", "friction") if any(dynamics.numbers(name))]
+            if values:
+                problem = f"inverse dynamics does not read {' and '.join(values)}"
+                remedy = f"give it friction={{{joint.get('name')!r}: Friction(...)}}"
+                yield Finding("note", str(dynamics), dynamics.line, problem, remedy)
 
 
 def _names(robot: Element, *tags: str) -> Iterator[Finding]:
@@ -538,37 +501,26 @@ def _names(robot: Element, *tags: str) -> Iterator[Finding]:
             yield _warning(element, f"the name {name!r} differs from {said} only in case or spaces", "give one of them another name")
 
 
-def _drawn_limits(robot: Element) -> Iterator[Finding]:
-    offset = {joint.get("name") for joint in robot.all("joint") for mimic in joint.all("mimic") if any(mimic.numbers("offset"))}
-    for name, (lower, upper, limit) in limits(robot).items():
-        if not lower <= 0.0 <= upper and name not in offset:
+def _drawn_limits(robot: Element, description: Description) -> Iterator[Finding]:
+    for element, joint in zip(robot.all("joint"), description.joints, strict=True):
+        lower, upper = joint.limits or (0.0, 0.0)
+        if not lower <= 0.0 <= upper and not (joint.mimic and joint.mimic.offset):
             problem = f"the drawn pose, 0, is outside the limits {lower:g} to {upper:g}"
-            yield _warning(limit, problem, "limits count from the drawn pose: shift them (they do not enter any computation)")
+            remedy = "limits count from the drawn pose: shift them (they do not enter any computation)"
+            yield _warning(element.all("limit")[-1], problem, remedy)
 
 
-def _massless(robot: Element) -> Iterator[Finding]:
+def _massless(robot: Element, description: Description) -> Iterator[Finding]:
     """Bodies with a mass and no moment of inertia at all."""
-    bodies = bodies_of(robot)
-    frame = next(iter(bodies), None)
-    tensors: dict[str | None, list[Element]] = {}
+    tensors: dict[str, list[Element]] = {}
     for link in robot.all("link"):
         for inertial in link.all("inertial"):
             if any(any(mass.numbers("value")) for mass in inertial.all("mass")):
-                tensors.setdefault(bodies.get(link.get("name"), frame), []).extend(inertial.all("inertia"))
+                tensors.setdefault(description.bodies.get(link.get("name"), description.root), []).extend(inertial.all("inertia"))
     for body, inertias in tensors.items():
         moments = principal_moments(inertias[0]) if len(inertias) == 1 else ()
-        if body != frame and moments and not any(moments):
+        if body != description.root and moments and not any(moments):
             yield _warning(inertias[0], "all moments of inertia are 0: a point mass, which resists no turning", "write them in kg m2")
-
-
-def _unread(robot: Element) -> Iterator[Finding]:
-    for joint in robot.all("joint"):
-        for dynamics in joint.all("dynamics"):
-            values = [f"{name}={dynamics.get(name)!r}" for name in ("damping", "friction") if any(dynamics.numbers(name))]
-            if values:
-                problem = f"inverse dynamics does not read {' and '.join(values)}"
-                remedy = f"give it friction={{{joint.get('name')!r}: Friction(...)}}"
-                yield Finding("note", str(dynamics), dynamics.line, problem, remedy)
 
 
 def _warning(element: Element, problem: str, remedy: str) -> Finding:

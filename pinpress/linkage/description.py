@@ -1,12 +1,19 @@
-"""What a URDF without errors says: its links, joints, loops and drivers, and how they hang together."""
+"""What a URDF says: its links, joints, loops and drivers, and which links make one body.
+
+The URDF may have errors, which `checks.elements` finds: what is missing or no number has its default here, and names of links and joints
+that are not written are empty.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
 from .element import Element
+
+# Limits of a URDF: the largest that comes with pinpress has 13 joints and 4 loops.
+MOST = {"link": 1000, "joint": 1000, "loop_joint": 500, "transmission": 500, "material": 1000}
+DEEPEST_JOINTS = 500  # most joints from the root to a link: Pinocchio's parser calls itself for each, and ends the process after 2000
 
 Point = tuple[float, float, float]
 
@@ -74,7 +81,8 @@ class Joint:
         parent: name of the parent link.
         child: name of the child link.
         xyz: position of its origin in the frame of the parent link [m].
-        mimic: its gear pair, None where it has none.
+        limits: lower and upper one of a revolute or prismatic joint, 0 where it is not written [rad or m]; else None.
+        mimic: its gear pair; None if it has none.
         line: line of the element.
     """
 
@@ -83,36 +91,62 @@ class Joint:
     parent: str
     child: str
     xyz: Point
+    limits: tuple[float, float] | None
     mimic: Mimic | None
     line: int
 
 
 @dataclass(frozen=True)
 class Description:
-    """The contents of a URDF without errors.
+    """The contents of a URDF.
 
     Attributes:
         name: the robot's name.
-        root: name of the link that is no joint's child, the frame.
         links: names of the links, in document order.
         joints: the joints of the tree, in document order.
         loops: the loop joints, in document order.
         drivers: names of the joints in ``<transmission>`` elements, each once.
-        bodies: see `bodies_of`.
     """
 
     name: str
-    root: str
     links: tuple[str, ...]
     joints: tuple[Joint, ...]
     loops: tuple[Loop, ...]
     drivers: tuple[str, ...]
-    bodies: dict[str, str]
+
+    @cached_property
+    def types(self) -> dict[str, str]:
+        """The type of each joint."""
+        return {joint.name: joint.type for joint in self.joints}
 
     @cached_property
     def carriers(self) -> dict[str, Joint]:
-        """The joint that carries each link but the frame."""
-        return {joint.child: joint for joint in self.joints}
+        """The joint that carries each link that joints connect to the root, each link behind the one that carries it."""
+        below: dict[str, list[Joint]] = {}
+        for joint in self.joints:
+            below.setdefault(joint.parent, []).append(joint)
+        carriers: dict[str, Joint] = {}
+        reached = [self.root] if self.root else []
+        for link in reached:  # grows as it goes
+            for joint in below.get(link, ()):
+                if joint.child not in carriers and joint.child != self.root:
+                    carriers[joint.child] = joint
+                    reached.append(joint.child)
+        return carriers
+
+    @cached_property
+    def root(self) -> str:
+        """Name of the first link that is no joint's child, the frame; empty if every link is one."""
+        children = {joint.child for joint in self.joints}
+        return next((link for link in self.links if link and link not in children), "")
+
+    @cached_property
+    def bodies(self) -> dict[str, str]:
+        """For each link connected to the root, root first: the first link of its body, of those that fixed joints weld together."""
+        bodies = {self.root: self.root} if self.root else {}
+        for link, joint in self.carriers.items():
+            bodies[link] = bodies[joint.parent] if joint.type == "fixed" else link
+        return bodies
 
     @cached_property
     def pins(self) -> dict[str, list[Point]]:
@@ -129,15 +163,14 @@ class Description:
     def turning(self) -> set[str]:
         """Names of the links that a joint may turn."""
         links: set[str] = set()
-        for link in self.bodies:  # the frame first, every link behind the one that carries it
-            joint = self.carriers.get(link)
-            if joint is not None and (joint.type in ("revolute", "continuous") or joint.parent in links):
+        for link, joint in self.carriers.items():
+            if joint.type in ("revolute", "continuous") or joint.parent in links:
                 links.add(link)
         return links
 
     def moves(self, link: str) -> bool:
-        """Whether a link is not welded to the frame."""
-        return self.bodies[link] != self.root
+        """Whether joints connect a link to the frame and it is not welded to that."""
+        return self.bodies.get(link, self.root) != self.root
 
     def is_on_frame(self, link: str) -> bool:
         """Whether the joint that lets a link move stands on the frame."""
@@ -149,35 +182,8 @@ def describe(robot: Element) -> Description:
     links = tuple(link.get("name") for link in robot.all("link"))
     joints = tuple(_joint(joint) for joint in robot.all("joint"))
     loops = tuple(_loop(loop) for loop in robot.all("loop_joint"))
-    bodies = bodies_of(robot)
     drivers = [joint.get("name") for transmission in robot.all("transmission") for joint in transmission.all("joint")]
-    return Description(robot.get("name"), next(iter(bodies)), links, joints, loops, tuple(dict.fromkeys(drivers)), bodies)
-
-
-def bodies_of(robot: Element) -> dict[str, str]:
-    """For each link that joints connect to the root, root first, the first link of its body: of those welded together by fixed joints.
-
-    The URDF may have errors.
-    """
-    joints: dict[str, list[tuple[str, bool]]] = {}
-    for joint in robot.all("joint"):
-        parent, child = ends_of(joint, "parent", "child")
-        joints.setdefault(parent, []).append((child, joint.get("type") == "fixed"))
-    children = {child for carried in joints.values() for child, _ in carried}
-    reached = [link for link in names(robot, "link") if link not in children][:1]
-    bodies = {root: root for root in reached}
-    for parent in reached:  # grows as it goes
-        for child, fixed in joints.get(parent, ()):
-            if child not in bodies:
-                bodies[child] = bodies[parent] if fixed else child
-                reached.append(child)
-    return bodies
-
-
-def ends_of(element: Element, tag1: str, tag2: str) -> tuple[str, str]:
-    """Names of the links that a joint or loop connects, empty where missing."""
-    end1, end2 = element.all(tag1), element.all(tag2)
-    return end1[0].get("link") if end1 else "", end2[0].get("link") if end2 else ""
+    return Description(robot.get("name"), links, joints, loops, tuple(dict.fromkeys(drivers)))
 
 
 def names(robot: Element, tag: str) -> list[str]:
@@ -186,27 +192,22 @@ def names(robot: Element, tag: str) -> list[str]:
 
 
 def _joint(joint: Element) -> Joint:
-    parent, child = ends_of(joint, "parent", "child")
-    mimic = next((_mimic(element) for element in joint.all("mimic")), None)
-    return Joint(joint.get("name"), joint.get("type"), parent, child, _point(joint.all("origin"), "xyz"), mimic, joint.line)
-
-
-def _mimic(mimic: Element) -> Mimic:
-    (multiplier,), (offset,) = mimic.numbers("multiplier") or (1.0,), mimic.numbers("offset") or (0.0,)
-    return Mimic(mimic.get("joint"), multiplier, offset, mimic.line)
+    kind, limits, mimic = joint.get("type"), None, None
+    for limit in joint.all("limit") if kind in ("revolute", "prismatic") else ():
+        limits = limit.number("lower", 0.0), limit.number("upper", 0.0)
+    for element in joint.all("mimic")[:1]:
+        mimic = Mimic(element.get("joint"), element.number("multiplier", 1.0), element.number("offset", 0.0), element.line)
+    parent, child = joint.of_child("parent", "link"), joint.of_child("child", "link")
+    return Joint(joint.get("name"), kind, parent, child, _point(joint, "origin", "xyz"), limits, mimic, joint.line)
 
 
 def _loop(loop: Element) -> Loop:
-    axis = _point(loop.all("axis"), "xyz", (1.0, 0.0, 0.0))  # the default of URDF's <axis>
-    end1, end2 = (_loop_end(loop.all(tag)[0]) for tag in ("link1", "link2"))
+    end1, end2 = (LoopEnd(loop.of_child(end, "link"), _point(loop, end, "xyz"), _point(loop, end, "rpy")) for end in ("link1", "link2"))
+    axis = _point(loop, "axis", "xyz", (1.0, 0.0, 0.0))  # the default of URDF's <axis>
     return Loop(loop.get("name"), loop.get("type"), end1, end2, axis, loop.line)
 
 
-def _loop_end(end: Element) -> LoopEnd:
-    return LoopEnd(end.get("link"), _point([end], "xyz"), _point([end], "rpy"))
-
-
-def _point(elements: Iterable[Element], name: str, default: Point = (0.0, 0.0, 0.0)) -> Point:
-    """Three numbers of the first of the elements; the default where there is none, or it does not say them."""
-    x, y, z = next((element.numbers(name) for element in elements), ()) or default
+def _point(element: Element, tag: str, name: str, default: Point = (0.0, 0.0, 0.0)) -> Point:
+    """Three numbers of the first child with a tag."""
+    x, y, z = next((child.numbers(name) for child in element.all(tag)), ()) or default
     return x, y, z

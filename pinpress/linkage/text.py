@@ -8,8 +8,8 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from xml.parsers import expat
 
-from .document import START_TAG, Document
-from .element import Element
+from .document import Document
+from .element import START_TAG, Element
 
 MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
 """Attributes of ``<inertia>``, and their rows and columns in the tensor."""

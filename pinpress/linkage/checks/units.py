@@ -7,10 +7,10 @@ part reaches them. Only numbers that enter the mechanics are looked at, of a URD
 import math
 from collections.abc import Iterator
 
-from .description import Description
-from .document import Document, Finding
-from .element import Element
-from .element_checks import principal_moments
+from ..description import Description
+from ..document import Document, Finding
+from ..element import Element
+from .elements import principal_moments
 
 LARGEST = 50.0  # length of a linkage above which it is hardly meant [m]
 DENSEST = 1e7  # that a link may be [kg/m3], hundreds of times as dense as any metal: a wrong unit makes millions

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from ..common.quantities import Array
-from ..engines.constraints import LoopJoint, Relation
-from ..engines.pinocchio.equations import Rows
-from ..engines.rank import PassiveJacobian, rank, singular_values
-from ..engines.structure import data_of
-from .linkage import Linkage
-from .planarity import planarity
+from ...common.quantities import Array
+from ...engines.constraints import LoopJoint, Relation
+from ...engines.pinocchio.equations import Rows
+from ...engines.rank import PassiveJacobian, rank, singular_values
+from ...engines.structure import data_of
+from ..linkage import Linkage
+from ..planarity import planarity
 
 TAKES_PART = 1e-6  # share of a unit null vector above which a joint or an equation takes part in it
 BALANCED = 1e-6  # distance of a centre of mass from the line that its link spins about, that is rounding [lengths of the linkage]

@@ -11,21 +11,20 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from ..common.errors import AssemblyError, PinpressError, SingularityError, UrdfError
-from ..common.plausibility import UNWEIGHED
-from ..common.quantities import Array
-from ..engines.branch import MOST_TURNS, Branch, predict
-from ..engines.constraints import LoopJoint
-from ..engines.engine import ACCEPTED
-from ..engines.pinocchio.equations import Rows
-from ..engines.planar.model import PARALLEL
-from ..engines.rank import rank, singular_values
-from ..engines.structure import configuration, data_of, drawn_placements
-from . import mobility
-from .linkage import LEVEL, Linkage
-from .planarity import planarity
-from .urdf import element_checks, units
-from .urdf.document import Finding
+from ...common.errors import AssemblyError, PinpressError, SingularityError, UrdfError
+from ...common.plausibility import UNWEIGHED
+from ...common.quantities import Array
+from ...engines.branch import MOST_TURNS, Branch, predict
+from ...engines.constraints import LoopJoint
+from ...engines.engine import ACCEPTED
+from ...engines.pinocchio.equations import Rows
+from ...engines.planar.model import PARALLEL
+from ...engines.rank import rank, singular_values
+from ...engines.structure import configuration, data_of, drawn_placements
+from ..document import Finding
+from ..linkage import LEVEL, Linkage
+from ..planarity import planarity
+from . import mobility, units
 
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
 OPEN = 1e-6  # a loop drawn further open than this is reported [lengths of the linkage, rad]
@@ -440,8 +439,11 @@ def _limits(press: Linkage, branch: Branch) -> Iterator[Finding]:
     turns = (high - low) / (2 * np.pi) if branch.coordinate.turns else 1.0
     angles = np.linspace(low, high, 1 + max(1, round(SAMPLES * turns)))
     positions = predict(branch, angles)
-    for name, (lower, upper, element) in element_checks.limits(press.document.robot).items():
-        joint = press.joints.index(name)
+    elements = press.document.robot.all("joint")
+    for described, of in zip(press.document.description.joints, elements, strict=True):
+        if described.limits is None:
+            continue
+        (lower, upper), joint, element = described.limits, press.joints.index(described.name), of.all("limit")[0]
         if not lower <= 0.0 <= upper and not press.as_drawn[joint]:
             continue  # this is reported of the drawn pose
         for beyond, side, limit in ((lower - positions[joint], "lower", lower), (positions[joint] - upper, "upper", upper)):
