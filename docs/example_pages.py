@@ -9,7 +9,7 @@ answer, and ``figure`` is its picture. The examples of a group share a page.
 
 An exercise is such a script too, the solution, in steps for a class. A step begins with ``# %% Heading``; the comment below says what to
 do, from ``# Hint:`` on how. What students are to write is between ``# Gap: what it is`` and ``# End of the gap``: their notebook has a
-line there that says what is missing. The page has the steps without code, and what comes out.
+line there that says what is missing. The page has what comes out.
 """
 
 import ast
@@ -39,31 +39,28 @@ GROUPS = {  # by the page's file
     "robots": ("Examples: for roboticists", ("my_own_robot", "path_of_the_hand", "pinocchio_beside")),
 }
 NAMES = tuple(name for _, names in GROUPS.values() for name in names)
-EXERCISES = {  # and what is found in each
-    "four_bar": "position, velocity, acceleration and pin forces from the closed loop of vectors",
-    "half_balance": "the shaking force and its orders, a counterweight, why half, and a proof",
-    "stroke_under_load": "work, torque, flywheel, drop of speed, permissible force, motor",
-}
+EXERCISES = ("four_bar", "half_balance", "stroke_under_load")
 GAP = re.compile(r"^# Gap: (.*?)\n(.*?)^# End of the gap\n?", re.MULTILINE | re.DOTALL)
 BELOW_THE_GUIDE = ("---", "search:", "  boost: 0.5", "---", "")  # where one searches
 INDEX = """\
-# Examples and exercises
+# Examples
 
 Each example answers one question in at most 60 lines, and has its notebook.
 
 {examples}
 
-## Exercises for classes
+`python docs/example_pages.py` runs them and writes their pages, pictures and notebooks.
+"""
+EXERCISES_HEAD = """\
+# Exercises for classes
 
-These are three classes of about two hours each. Students find results by hand, with hints, and then compare them with pinpress. Each step
-of a notebook has a gap to fill. Below the gap is a check, which compares with a conservation law or with pinpress, to nine digits and
+You find here three classes of about two hours each. Students find results by hand, with hints, and then compare them with pinpress. Each
+step of a notebook has a gap to fill. Below the gap is a check, which compares with a conservation law or with pinpress, to nine digits and
 more, and says what is wrong.
 
-{exercises}
-
 Students start from the notebooks; in the folder of the repository, `pip install '.[plots]' notebook` brings all that they need. The
-solutions are the scripts in `docs/exercises`. `python docs/example_pages.py` runs examples and exercises and writes pages, pictures and
-notebooks.
+solutions are the scripts in `docs/exercises`. `python docs/example_pages.py` runs them and writes this page, pictures and notebooks.
+
 """
 BESIDE = {"my_own_robot": "five_bar.urdf"}  # a file of the folder that this example and those below it read
 
@@ -158,17 +155,18 @@ def steps(name: str) -> list[Step]:
     return found
 
 
-def exercise_page(name: str, printed: str) -> str:
-    """The page of an exercise whose solution prints this."""
+def exercises_page(printed: dict[str, str]) -> str:
+    """The page of the exercises whose solutions print this."""
+    return EXERCISES_HEAD + "\n".join(exercise_section(name, printed[name]) for name in EXERCISES)
+
+
+def exercise_section(name: str, printed: str) -> str:
+    """The section of an exercise whose solution prints this."""
     question, words, _ = parts(name)
-    links = f"[Notebook with gaps]({name}.ipynb) · [all exercises](../examples.md#exercises-for-classes)"
-    lines = [*BELOW_THE_GUIDE, f"# {question}", "", words, "", links, ""]
-    for step in steps(name):
-        lines += [f"## {step.heading}", "", step.words, ""]
-        if step.hint:
-            lines += _folded("Hint", step.hint)
-    lines += ["## What comes out", "", "```text", printed.rstrip(), "```", "", f"![{question}]({name}.svg)", ""]
-    return "\n".join([*lines, f"The solution: `docs/exercises/{name}.py`.", ""])
+    headings = ", ".join(step.heading.lower() for step in steps(name))
+    lines = [f"## {question}", "", words, "", f"Steps: {headings}. What comes out:", "", "```text", printed.rstrip(), "```", ""]
+    lines += [f"![{question}](exercises/{name}.svg)", ""]
+    return "\n".join([*lines, f"[Notebook with gaps](exercises/{name}.ipynb) · solution: `docs/exercises/{name}.py`", ""])
 
 
 def exercise_notebook(name: str) -> str:
@@ -207,14 +205,13 @@ def _notebook_of(pieces: list[tuple[str, str]]) -> str:
 
 
 def index() -> str:
-    """The page that lists examples and exercises."""
+    """The page that lists the examples."""
     groups = []
     for group, (title, names) in GROUPS.items():
         heading = title.partition(": ")[2]
         linked = [f"- [{parts(name)[0]}](examples/{group}.md#{_place(parts(name)[0])})" for name in names]
         groups += [f"## {heading[0].upper()}{heading[1:]}", "", *linked, ""]
-    exercises = "\n".join(f"- [{parts(name)[0]}](exercises/{name}.md): {what}" for name, what in EXERCISES.items())
-    return INDEX.replace("{examples}", "\n".join(groups).strip()).replace("{exercises}", exercises)
+    return INDEX.replace("{examples}", "\n".join(groups).strip())
 
 
 def _place(heading: str) -> str:
@@ -235,14 +232,15 @@ def main(names: list[str]) -> None:
     chosen = names or [*NAMES, *EXERCISES]
     groups = [group for group, (_, members) in GROUPS.items() if set(members) & set(chosen)]
     printed = {}
-    for name in dict.fromkeys([*(name for group in groups for name in GROUPS[group][1]), *(name for name in chosen if name in EXERCISES)]):
+    run_again = [name for group in groups for name in GROUPS[group][1]]  # a page has all examples of its group
+    for name in run_again + (list(EXERCISES) if set(EXERCISES) & set(chosen) else []):
         printed[name], figure = run(name)
         write_notebook = exercise_notebook if name in EXERCISES else notebook
         (folder(name) / f"{name}.ipynb").write_text(write_notebook(name), encoding="utf-8")
-        if name in EXERCISES:
-            (folder(name) / f"{name}.md").write_text(exercise_page(name, printed[name]), encoding="utf-8")
         pp.plots.save(figure, folder(name) / f"{name}.svg")
         print(name)
+    if set(EXERCISES) <= set(printed):
+        (DOCS / "exercises.md").write_text(exercises_page(printed), encoding="utf-8")
     for group in groups:
         (FOLDER / f"{group}.md").write_text(page(group, printed), encoding="utf-8")
     (DOCS / "examples.md").write_text(index(), encoding="utf-8")

@@ -108,7 +108,7 @@ def chapters(menu: list[Any], site: Path, depth: int = 0) -> Iterator[Chapter]:
             page = inside.removesuffix(".md") + ".html"
             yield Chapter(title or _heading(site / page), depth, page)
             if inside in BELOW:
-                for linked in re.findall(r'href="((?:examples|exercises)/[^"#]+\.html)', (site / page).read_text(encoding="utf-8")):
+                for linked in re.findall(r'href="(examples/[^"#]+\.html)', (site / page).read_text(encoding="utf-8")):
                     yield Chapter(_heading(site / linked), depth + 1, linked)
 
 
