@@ -1,13 +1,13 @@
 """A problem of simulation, and the solvers that take turns at it.
 
 A press with one driver turns by the reduced equation: over the crank angle while it turns and nothing depends on time, else over time.
-A linkage with all its joints is integrated over time. A solver is a class with the members of `Solver`, entered in `_ladder`.
+A linkage with all its joints is integrated over time. `march` chooses.
 """
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -74,30 +74,10 @@ def refuse_many_turns(speeds: Array, until: float, angle: float) -> None:
         raise failure("too many turns", 0.0, angle, most=MOST_PERIODS)
 
 
-class Leg(NamedTuple):
-    """What a solver has found.
-
-    Attributes:
-        segments: of the run, one after the other.
-        state: from which another solver has to go on; None where the end is reached.
-    """
-
-    segments: list[Segment]
-    state: State | None
-
-
-class Solver(Protocol):
-    """One way to follow a press."""
-
-    def refuses(self, state: State) -> bool:
-        """Whether another solver has to go on from a state."""
-
-    def advance(self, state: State, before: Sequence[Segment]) -> Leg:
-        """Follow the press from a state as far as this solver serves; ``before``: the segments found so far."""
-
-
 def march(problem: SimulationProblem, progress: Progress | None = None) -> Trajectory:
-    """Follow the press to the end. Each leg is left to the first solver of the ladder that does not refuse.
+    """Follow the press to the end.
+
+    Over the crank angle where that is possible. From a state at which it may stop there, it is followed over time until it turns for sure.
 
     Raises:
         SimulationError: the press stalls, runs against a lock or has no inertia, or the run would take too long.
@@ -105,22 +85,20 @@ def march(problem: SimulationProblem, progress: Progress | None = None) -> Traje
     driven = problem.driven
     if driven.clutch is None and driven.inertia < 0:
         _least_inertia(driven, needed=True)
-    ladder = _ladder(problem, progress)
-    segments: list[Segment] = []
+    if problem.method == "constraint":
+        return Trajectory([_all_joints_over_time(problem, progress)])
+    in_time = driven.timed or problem.step is not None or (problem.method == "implicit" and driven.prescribed is None)
+    turns = not in_time and _least_inertia(driven)[0] > 0  # without inertia the crank may stay between dead centres
+    over_time, segments, stopped = OverTime(problem, progress, turns), list[Segment](), None
     state: State | None = State(0.0, float(problem.angle[0]), float(problem.speed[0]), np.zeros(len(INTEGRALS)))
     while state is not None:
-        solver = next(solver for solver in ladder if not solver.refuses(state))
-        leg = solver.advance(state, segments)
-        segments += leg.segments
-        state = leg.state
+        if turns and state is not stopped:
+            found, stopped = _over_angle(problem, state, progress, first=not segments)
+            state = stopped
+        else:
+            found, state = over_time.advance(state, segments)
+        segments += found
     return Trajectory(segments)
-
-
-def _ladder(problem: SimulationProblem, progress: Progress | None) -> tuple[Solver, ...]:
-    if problem.method == "constraint":
-        return (AllJointsOverTime(problem, progress),)
-    over_angle = OverAngle(problem, progress)
-    return over_angle, OverTime(problem, progress, turns=over_angle.serves)
 
 
 def _least_inertia(driven: DrivenPress, needed: bool = False) -> tuple[float, float]:
@@ -133,34 +111,24 @@ def _least_inertia(driven: DrivenPress, needed: bool = False) -> tuple[float, fl
     return least, angle
 
 
-class OverAngle:
-    """The reduced equation over the crank angle, period by period (see `angle_solver`), while the crank turns."""
+def _over_angle(problem: SimulationProblem, state: State, progress: Progress | None, first: bool) -> tuple[list[Segment], State | None]:
+    """The reduced equation over the crank angle, period by period (see `angle_solver`), while the crank turns.
 
-    def __init__(self, problem: SimulationProblem, progress: Progress | None) -> None:
-        driven = problem.driven
-        implicit = problem.method == "implicit" and driven.prescribed is None
-        self.problem, self.progress = problem, progress
-        # without inertia the crank may stay between dead centres
-        self.serves = not (driven.timed or problem.step is not None or implicit) and _least_inertia(driven)[0] > 0
-        self.stopped: State | None = None
-
-    def refuses(self, state: State) -> bool:
-        return not self.serves or state is self.stopped
-
-    def advance(self, state: State, before: Sequence[Segment]) -> Leg:
-        problem, driven = self.problem, self.problem.driven
-        solver = AngleSolver(driven, state, problem.until, 0.1 * problem.tolerance)
-        stop = solver.run(self.progress)
-        if stop is None:
-            return Leg(solver.segments, None)
-        if stop.at_rest and not driven.forces and not before and driven.friction is None:  # in equilibrium, if an unstable one
-            return Leg([*solver.segments, StandstillSegment(stop.state, problem.until)], None)
-        self.stopped = stop.state
-        return Leg(solver.segments, stop.state)
+    Returns:
+        Segments, and the state at which the crank may stop; None at the end of the run.
+    """
+    driven = problem.driven
+    solver = AngleSolver(driven, state, problem.until, 0.1 * problem.tolerance)
+    stop = solver.run(progress)
+    if stop is None:
+        return solver.segments, None
+    if stop.at_rest and not driven.forces and first and driven.friction is None:  # in equilibrium, if an unstable one
+        return [*solver.segments, StandstillSegment(stop.state, problem.until)], None
+    return solver.segments, stop.state
 
 
 class OverTime:
-    """The reduced equation over time, whatever happens. If ``turns``, another solver goes on once the crank turns for sure."""
+    """The reduced equation over time, whatever happens. If ``turns``, it ends once the crank turns for sure."""
 
     def __init__(self, problem: SimulationProblem, progress: Progress | None, turns: bool) -> None:
         self.problem, self.progress, self.turns = problem, progress, turns
@@ -168,10 +136,9 @@ class OverTime:
         self.threshold: float | None = None  # kinetic energy from which the crank turns for sure [J]
         self.handed: State | None = None
 
-    def refuses(self, state: State) -> bool:
-        return False
-
-    def advance(self, state: State, before: Sequence[Segment]) -> Leg:
+    def advance(self, state: State, before: Sequence[Segment]) -> tuple[list[Segment], State | None]:
+        """Segments from a state on, and the state from which the crank turns for sure; None at the end of the run. ``before``: the segments
+        so far."""
         problem, driven = self.problem, self.problem.driven
         if self.threshold is None:
             self.threshold = _turning_energy(driven, state, before)
@@ -183,13 +150,13 @@ class OverTime:
             segment, state = self._integrated(system, state, followed)
             segments.append(segment)
             if segment.end >= problem.until:
-                return Leg(segments, None)
+                return segments, None
             if followed is None or not followed.swung:
                 self.handed = state
-                return Leg(segments, state)
+                return segments, state
             swinging = None if driven.heeds_speed else _swinging(system, segment, problem.tolerance, problem.until)
             if swinging is not None:
-                return Leg([*segments, *swinging], None)
+                return [*segments, *swinging], None
             self.swings = False
 
     def _integrated(self, system: HybridSystem, state: State, followed: "_Followed | None") -> "tuple[TimeSegment, State]":
@@ -277,27 +244,17 @@ def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, un
     return [swing, RepetitionSegment(Trajectory([swing]), begin, stops[2], until)] if len(stops) > 2 else None
 
 
-class AllJointsOverTime:
-    """All joints at once, over time."""
+def _all_joints_over_time(problem: SimulationProblem, progress: Progress | None) -> Segment:
+    """All joints at once, over time, to the end."""
+    from .over_time.time_solver import Settings, integrate  # imports SciPy's integrators
 
-    def __init__(self, problem: SimulationProblem, progress: Progress | None) -> None:
-        self.problem, self.progress = problem, progress
-
-    def refuses(self, state: State) -> bool:
-        return False
-
-    def advance(self, state: State, before: Sequence[Segment]) -> Leg:
-        from .over_time.time_solver import Settings, integrate  # imports SciPy's integrators
-
-        problem, driven, press = self.problem, self.problem.driven, self.problem.driven.press
-        joints = FullDynamics(press, driven.coordinates, driven.inertias)
-        system = HybridSystem(joints, driven)
-        angle, speed, several = problem.angle, problem.speed, len(press.drivers) > 1
-        first = servo_cycle(press, angle=angle[None], speed=speed[None]) if several else motion_through_change_points(press, angle, speed)
-        mode, y = system.begin(state.time, first.joint_position[0], first.v[0], state.integrals)
-        settings = Settings(problem.tolerance, _joint_sizes(driven, joints, speed, y), problem.step)
-        segment, _ = integrate(system, mode, state.time, y, problem.until, settings, progress=self.progress)
-        return Leg([segment], None)
+    driven, press, angle, speed = problem.driven, problem.driven.press, problem.angle, problem.speed
+    joints = FullDynamics(press, driven.coordinates, driven.inertias)
+    system, several = HybridSystem(joints, driven), len(press.drivers) > 1
+    first = servo_cycle(press, angle=angle[None], speed=speed[None]) if several else motion_through_change_points(press, angle, speed)
+    mode, y = system.begin(0.0, first.joint_position[0], first.v[0], np.zeros(len(INTEGRALS)))
+    settings = Settings(problem.tolerance, _joint_sizes(driven, joints, speed, y), problem.step)
+    return integrate(system, mode, 0.0, y, problem.until, settings, progress=progress)[0]
 
 
 def _begun(system: HybridSystem, state: State) -> tuple[Mode, Array]:
