@@ -5,7 +5,7 @@ A margin is positive in the mode; the event occurs where it falls below zero.
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
@@ -19,16 +19,9 @@ from ...loads.process import ForceInterval
 from ..coupling import HOLDING, OPEN, Side
 from ..failures import failure
 from ..trajectory import INTEGRALS
-from .hybrid_system import (
-    ForceMode,
-    HybridSystem,
-    Mode,
-    Snapshot,
-    force_mode,
-)
+from .hybrid_system import HybridSystem, Mode, Snapshot, force_mode
 
 SHAFT = -len(INTEGRALS) - 1  # place of the speed of a clutch's driving side in the vector
-SIDES: tuple[Side, ...] = ("clutch", "brake")
 
 
 class Event(ABC):
@@ -41,7 +34,7 @@ class Event(ABC):
     rank: ClassVar[int] = 3
 
     @abstractmethod
-    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
         """How far the event is away: positive in the mode, below zero once it has occurred."""
 
     @abstractmethod
@@ -61,43 +54,32 @@ class Event(ABC):
 
 def ending_events(system: HybridSystem, mode: Mode, y: Array) -> tuple[Event, ...]:
     """All events that may end a mode which begins with a vector."""
-    found: list[Event] = []
-    if not mode.rests:
-        for k, place in enumerate(mode.forces):
-            if place is not None:
-                found += _force_events(system, k, place)
+    events: list[Event] = []
+    for k, (force, place) in enumerate(zip(system.driven.forces, mode.forces, strict=True)):
+        if mode.rests or place is None:
+            continue
+        if math.isfinite(place.low):
+            events.append(BorderPassed(k, force.row, place.low, upwards=False))
+        if math.isfinite(place.high):
+            events.append(BorderPassed(k, force.row, place.high, upwards=True))
+        if force.rising is not force.falling:
+            events.append(CoordinateTurns(k, force.row, place.rising))
+        if place.interval is not None and place.interval.one_sided:
+            events.append(ContactChanges(k, force.row, force.datum, place.interval, place.pushing))
     with_crank = mode.way is not None and mode.clutch.grip is HOLDING  # the shaft passes standstill as the crank stops
     for k, (corner, above) in enumerate(zip(system.driven.corners, mode.sides, strict=True)):
         if corner or not with_crank:
-            found.append(CornerPassed(k, corner, above))
-    for side in SIDES:
+            events.append(CornerPassed(k, corner, above))
+    sides: tuple[Side, ...] = ("clutch", "brake")
+    for side in sides:
         switch = mode.coupling(side).next_switch(getattr(system.driven, side))
         if switch is not None:
-            found.append(CouplingSwitched(side, switch, mode.coupling(side).way))
+            events.append(CouplingSwitched(side, switch, mode.coupling(side).way))
         if side == "clutch" and system.driven.clutch is not None and mode.clutch.grip is not OPEN:
-            found.append(ClutchSlips() if mode.clutch.grip is HOLDING else ClutchGrips())
+            events.append(ClutchSlips() if mode.clutch.grip is HOLDING else ClutchGrips())
     if mode.way is not None:
-        found.append(PressStarts(system.starting(mode, y, 1), system.starting(mode, y, -1)) if mode.rests else CrankStops())
-    return tuple(found)
-
-
-def margins_of(events: Sequence[Event], system: HybridSystem, mode: Mode, time: float, y: Array) -> list[float]:
-    """The margins of events at a time and vector."""
-    at = system.at(y)
-    return [event.margin(system, mode, time, y, at) for event in events]
-
-
-def _force_events(system: HybridSystem, k: int, place: ForceMode) -> list[Event]:
-    force, found = system.driven.forces[k], list[Event]()
-    if math.isfinite(place.low):
-        found.append(BorderPassed(k, force.row, place.low, upwards=False))
-    if math.isfinite(place.high):
-        found.append(BorderPassed(k, force.row, place.high, upwards=True))
-    if force.rising is not force.falling:
-        found.append(CoordinateTurns(k, force.row, place.rising))
-    if place.interval is not None and place.interval.one_sided:
-        found.append(ContactChanges(k, force.row, force.datum, place.interval, place.pushing))
-    return found
+        events.append(PressStarts(system.starting(mode, y, 1), system.starting(mode, y, -1)) if mode.rests else CrankStops())
+    return tuple(events)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- forces and drive
@@ -119,8 +101,8 @@ class BorderPassed(Event):
     border: float
     upwards: bool
 
-    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        value: float = at.linkage.coordinates[self.row][0]
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
+        value: float = snapshot.linkage.coordinates[self.row][0]
         return self.border - value if self.upwards else value - self.border
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
@@ -150,8 +132,8 @@ class CoordinateTurns(Event):
     row: int
     rising: bool
 
-    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        rate: float = at.linkage.coordinates[self.row][1]
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
+        rate: float = snapshot.linkage.coordinates[self.row][1]
         return rate if self.rising else -rate
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
@@ -179,8 +161,8 @@ class ContactChanges(Event):
     interval: ForceInterval
     pushing: bool
 
-    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        value, rate = at.linkage.coordinates[self.row]
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
+        value, rate = snapshot.linkage.coordinates[self.row]
         law = self.interval.sense * float(self.interval.force(value - self.datum, rate))
         return law if self.pushing else -law
 
@@ -204,8 +186,8 @@ class CornerPassed(Event):
     speed: float
     side: int
 
-    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        return self.side * (at.shaft_speed - self.speed)
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
+        return self.side * (snapshot.shaft_speed - self.speed)
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         return mode._replace(sides=tuple(-side if k == self.corner else side for k, side in enumerate(mode.sides))), y
@@ -228,14 +210,14 @@ class CouplingSwitched(Event):
     when: SwitchPoint
     way: int
 
-    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        past = time - self.when.time if self.when.time is not None else (at.linkage.angle - (self.when.angle or 0.0)) * self.way
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
+        past = time - self.when.time if self.when.time is not None else (snapshot.linkage.angle - (self.when.angle or 0.0)) * self.way
         return -past
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
-        at, opens = system.at(y), getattr(system.driven, self.side).opens
-        relative = (at.shaft_speed if self.side == "clutch" else 0.0) - at.linkage.speed
-        way = 1 if opens is None or opens.angle is None or opens.angle > at.linkage.angle else -1
+        snapshot, opens = system.at(y), getattr(system.driven, self.side).opens
+        relative = (snapshot.shaft_speed if self.side == "clutch" else 0.0) - snapshot.linkage.speed
+        way = 1 if opens is None or opens.angle is None or opens.angle > snapshot.linkage.angle else -1
         switched = mode.coupling(self.side).switched(relative, time, way)
         return system.going_on(mode.with_coupling(self.side, switched), time, y), y
 
@@ -246,8 +228,8 @@ class ClutchGrips(Event):
 
     rank = 1
 
-    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        return float(mode.clutch.sign * (at.shaft_speed - at.linkage.speed))
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
+        return float(mode.clutch.sign * (snapshot.shaft_speed - snapshot.linkage.speed))
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         y = y.copy()
@@ -259,8 +241,8 @@ class ClutchGrips(Event):
 class ClutchSlips(Event):
     """A holding clutch would have to transmit more than it can."""
 
-    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        return system.clutch_reserve(mode, time, at)
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
+        return system.clutch_reserve(mode, time, snapshot)
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         return system.clutch_slips(mode, time, y), y
@@ -275,8 +257,8 @@ class CrankStops(Event):
 
     rank = 0
 
-    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        return (mode.way or 0) * float(at.linkage.speed)
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
+        return (mode.way or 0) * float(snapshot.linkage.speed)
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
         linkage = system.at(y).linkage
@@ -303,7 +285,7 @@ class PressStarts(Event):
     forward: Mode
     back: Mode
 
-    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
         rising, falling = system.tending(self.forward, time, y), -system.tending(self.back, time, y)
         return system.holding(rising, falling) - max(rising, falling)
 
@@ -321,10 +303,11 @@ class EventFinder:
     def __init__(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> None:
         self.system, self.mode = system, mode
         self.events = ending_events(system, mode, y)
-        self.margins = self._margins(time, y)
+        self.margins = self._margins(time, y) if self.events else []
 
     def _margins(self, time: float, y: Array) -> list[float]:
-        return margins_of(self.events, self.system, self.mode, time, y) if self.events else []
+        snapshot = self.system.at(y)
+        return [event.margin(self.system, self.mode, time, y, snapshot) for event in self.events]
 
     def first(self, piece: Callable[[float], Array], start: float, end: float) -> tuple[Event | None, float]:
         """The first event of a step and its time; None and the step's end where there is none. `margins` are then those at the last place
@@ -333,13 +316,13 @@ class EventFinder:
             return None, end
         since = start
         for share in (0.25, 0.5, 0.75, 1.0):
-            at = end if share == 1.0 else start + share * (end - start)
-            before, self.margins = self.margins, self._margins(at, piece(at))
+            time = end if share == 1.0 else start + share * (end - start)
+            before, self.margins = self.margins, self._margins(time, piece(time))
             fallen = [k for k, margin in enumerate(self.margins) if margin < 0]
             if fallen:
-                first, when = self._first_of(piece, since, before, at, fallen)
+                first, when = self._first_of(piece, since, before, time, fallen)
                 return self.events[first], when
-            since = at
+            since = time
         return None, end
 
     def _first_of(
@@ -360,16 +343,16 @@ class EventFinder:
 
         def margin(k: int, t: float) -> float:
             y = self.system.projected(t, piece(t))
-            found = self.events[k].margin(self.system, self.mode, t, y, self.system.at(y))
-            if math.isnan(found):
+            size = self.events[k].margin(self.system, self.mode, t, y, self.system.at(y))
+            if math.isnan(size):
                 raise self.system.cannot_go_on(t, y)
-            return found
+            return size
 
         first, rounding = (fallen[0], until), 8 * float(np.finfo(float).eps) * max(abs(until), abs(since))
         for _ in range(len(self.events) + 1):
-            found = [(_crossing(partial(margin, k), since, first[1], before[k]), k) for k in fallen]
-            when, which = min(found, key=lambda f: f[0])
-            which = min((k for at, k in found if at <= when + rounding), key=lambda k: (self.events[k].rank, k != which))
+            crossings = [(_crossing(partial(margin, k), since, first[1], before[k]), k) for k in fallen]
+            when, which = min(crossings, key=lambda crossing: crossing[0])
+            which = min((k for time, k in crossings if time <= when + rounding), key=lambda k: (self.events[k].rank, k != which))
             if when > first[1] - rounding and first[1] != until:
                 break
             first = which, when
@@ -378,9 +361,9 @@ class EventFinder:
             fallen = [k for k, after in enumerate(margins(when)) if after < 0 and k != which and before[k] > 0]
             if when <= since or not fallen:
                 break
-        return self._changed_before(margin, since, before, first)
+        return self._contact_before(margin, since, before, first)
 
-    def _changed_before(
+    def _contact_before(
         self, margin: Callable[[int, float], float], since: float, before: list[float], first: tuple[int, float]
     ) -> tuple[int, float]:
         """Index and time of a contact that changes shortly before the border at which it ends; of the ``first`` event where none does.
@@ -396,7 +379,7 @@ class EventFinder:
         for k, event in enumerate(self.events):
             if isinstance(event, ContactChanges) and event.force == passed.force and before[k] > 0:
                 looks = (when - 0.5**n * (when - since) for n in range(1, 24))
-                changed = next((at for at in looks if margin(k, at) < 0), None)
+                changed = next((time for time in looks if margin(k, time) < 0), None)
                 if changed is not None:
                     return k, _crossing(partial(margin, k), since, changed, before[k])
         return first

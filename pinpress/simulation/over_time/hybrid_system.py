@@ -200,14 +200,14 @@ class HybridSystem:
             modes: at these times.
         """
         n, drive, crank = self.dynamics.size, self.driven.drive, self.dynamics.crank
-        own = columns[n + crank] if self.driven.clutch is None else columns[-len(INTEGRALS) - 1]
+        speeds = columns[n + crank] if self.driven.clutch is None else columns[-len(INTEGRALS) - 1]
         if drive is None:
-            return np.zeros(len(times)), np.zeros(len(times)), own
+            return np.zeros(len(times)), np.zeros(len(times)), speeds
         states = self.drive_states(columns).T.tolist()
-        speeds = [self._on_side(mode, speed) for mode, speed in zip(modes, own.tolist(), strict=True)]
-        at = list(zip(speeds, columns[crank].tolist(), times.tolist(), map(tuple, states), strict=True))
-        torque, motor = (np.array([float(np.ravel(law(*one))[0]) for one in at]) for law in (drive.torque, drive.motor_torque))
-        return torque, motor, own
+        on_side = [self._on_side(mode, speed) for mode, speed in zip(modes, speeds.tolist(), strict=True)]
+        arguments = list(zip(on_side, columns[crank].tolist(), times.tolist(), map(tuple, states), strict=True))
+        torque, motor = (np.array([float(np.ravel(law(*row))[0]) for row in arguments]) for law in (drive.torque, drive.motor_torque))
+        return torque, motor, speeds
 
     def drive_states(self, columns: Array) -> Array:
         """(k, n) the drive's own states of vectors (len(y), n)."""
@@ -219,12 +219,12 @@ class HybridSystem:
         corners = self.driven.corners
         if not corners:
             return mode
-        own = self.at(y).shaft_speed
+        shaft_speed = self.at(y).shaft_speed
         sides = mode.sides or (0,) * len(corners)
-        near = min(range(len(corners)), key=lambda k: abs(own - corners[k]))
+        near = min(range(len(corners)), key=lambda k: abs(shaft_speed - corners[k]))
         return mode._replace(
             sides=tuple(
-                -side if side and k == near else side or (1 if own >= corner else -1)
+                -side if side and k == near else side or (1 if shaft_speed >= corner else -1)
                 for k, (corner, side) in enumerate(zip(corners, sides, strict=True))
             )
         )
@@ -234,55 +234,45 @@ class HybridSystem:
     def rates(self, mode: Mode, time: float, y: Array) -> Array:
         """dy/dt (len(y),)."""
         try:
-            return self._coasting(y) if self._free else self._rates(mode, time, y)
+            return self._rates(mode, time, y)
         except LawError as error:
             raise error.within(time, float(self.at(y).linkage.angle)) from error.__cause__
 
-    @cached_property
-    def _free(self) -> bool:
-        """Whether there are no forces but inertia and weight."""
-        driven = self.driven
-        parts = (driven.drive, driven.clutch, driven.brake, driven.friction)
-        return all(part is None for part in parts) and not driven.forces
-
-    def _coasting(self, y: Array) -> Array:
-        n = self.dynamics.size
-        result = np.zeros(len(y))
-        result[:n] = speed = y[n : 2 * n]
-        linkage = self.dynamics.at(y[:n], speed)
-        result[n : 2 * n] = self.dynamics.accelerations(linkage, 0.0, (), self.driven.inertia)
-        return result
-
     def _rates(self, mode: Mode, time: float, y: Array) -> Array:
         n, driven = self.dynamics.size, self.driven
-        linkage, shaft_speed, states = at = self.at(y)
-        torque = self.drive_torque(mode, time, at)
-        forces, taken, put_in, squared = self._forces(mode, time, linkage)
-        through, braking = self._friction(mode, time)
-        rigid, result, accelerated, friction_torque = mode.clutch.grip is HOLDING, np.zeros(len(y)), 0.0, 0.0
+        linkage, shaft_speed, states = snapshot = self.at(y)
+        torque = self.drive_torque(mode, time, snapshot)
+        forces, load_power, put_in, squared = self._forces(mode, time, linkage)
+        through, braking = self._coupling_torques(mode, time)
+        rigid, result, accelerated, rubbing = mode.clutch.grip is HOLDING, np.zeros(len(y)), 0.0, 0.0
         if not mode.rests:
-            on_crank, inertia = (torque, driven.inertia) if rigid else (through, 0.0)
-            friction_torque = self._friction_torque(mode, linkage, on_crank + braking, forces, inertia)
-            result[:n] = y[n : 2 * n]
-            result[n : 2 * n] = accelerations = self.dynamics.accelerations(linkage, on_crank + braking + friction_torque, forces, inertia)
+            accelerations, rubbing = self._accelerations(mode, linkage, torque if rigid else through, braking, forces)
+            result[:n], result[n : 2 * n] = y[n : 2 * n], accelerations
             accelerated = self.dynamics.of_crank(accelerations)
         if driven.drive is not None and states:
             result[2 * n : 2 * n + len(states)] = driven.drive.rates(shaft_speed, linkage.angle, time, states)
         if driven.clutch is not None:
             result[2 * n + len(states)] = accelerated if rigid else (torque - through) / driven.inertia
         motor = 0.0 if driven.drive is None else driven.drive.motor_torque(self._on_side(mode, shaft_speed), linkage.angle, time, states)
-        lost = through * (shaft_speed - linkage.speed) - (braking + friction_torque) * linkage.speed
-        result[-len(INTEGRALS) :] = (torque * shaft_speed + put_in, taken, motor * motor + squared, lost)
+        lost = through * (shaft_speed - linkage.speed) - (braking + rubbing) * linkage.speed
+        result[-len(INTEGRALS) :] = (torque * shaft_speed + put_in, load_power, motor * motor + squared, lost)
         return result
 
-    def _friction(self, mode: Mode, time: float) -> tuple[float, float]:
+    def _coupling_torques(self, mode: Mode, time: float) -> tuple[float, float]:
         """Friction torques on the crank of a clutch that slips, and of a brake while the crank turns [N m]."""
         clutch, brake = self.driven.clutch, self.driven.brake
         through = 0.0 if clutch is None or mode.clutch.grip is not SLIPPING else mode.clutch.sign * mode.clutch.capacity(clutch, time)
         braking = 0.0 if brake is None or mode.brake.grip is OPEN else -(mode.way or 0) * mode.brake.capacity(brake, time)
         return through, braking
 
-    def _friction_torque(self, mode: Mode, linkage: Any, torque: float, forces: Sequence[float], inertia: float) -> float:
+    def _accelerations(self, mode: Mode, linkage: Any, torque: float, braking: float, forces: Sequence[float]) -> tuple[Any, float]:
+        """Accelerations (size,) of the linkage where its crank is free to turn, and the torque of the bearings' friction on the crank;
+        ``torque``: of the drive, or of a clutch that does not hold."""
+        inertia = self.driven.inertia if mode.clutch.grip is HOLDING else 0.0
+        rubbing = self._bearing_friction(mode, linkage, torque + braking, forces, inertia)
+        return self.dynamics.accelerations(linkage, torque + braking + rubbing, forces, inertia), rubbing
+
+    def _bearing_friction(self, mode: Mode, linkage: Any, torque: float, forces: Sequence[float], inertia: float) -> float:
         """Torque of the bearings' friction on the crank; other arguments as of `Dynamics.accelerations`."""
         bearings, way = self.driven.bearing_model, mode.way
         if bearings is None or not way:
@@ -297,7 +287,7 @@ class HybridSystem:
     def _forces(self, mode: Mode, time: float, linkage: Any) -> tuple[list[float], float, float, float]:
         """The forces along every coordinate, the power taken by loads, the power of further drives, and the sum of the squares of these
         drives' motor torques."""
-        forces, taken, put_in, squared = [0.0] * len(linkage.coordinates), 0.0, 0.0, 0.0
+        forces, load_power, put_in, squared = [0.0] * len(linkage.coordinates), 0.0, 0.0, 0.0
         for force, place in zip(self.driven.forces, mode.forces, strict=True):
             value, rate = linkage.coordinates[force.row]
             if force.drive is not None:
@@ -310,16 +300,18 @@ class HybridSystem:
                 size = float(place.interval.force(value - force.datum, rate))
             forces[force.row] += size
             if force.drive is None:
-                taken -= size * rate
+                load_power -= size * rate
             else:
                 put_in += size * rate
                 squared += float(force.drive.motor_torque(rate, value, time)) ** 2
-        return forces, taken, put_in, squared
+        return forces, load_power, put_in, squared
 
-    def drive_torque(self, mode: Mode, time: float, at: Snapshot) -> Any:
+    def drive_torque(self, mode: Mode, time: float, snapshot: Snapshot) -> Any:
         """Torque of the drive at the driver joint [N m]."""
-        drive = self.driven.drive
-        return 0.0 if drive is None else drive.torque(self._on_side(mode, at.shaft_speed), at.linkage.angle, time, at.states)
+        if self.driven.drive is None:
+            return 0.0
+        speed = self._on_side(mode, snapshot.shaft_speed)
+        return self.driven.drive.torque(speed, snapshot.linkage.angle, time, snapshot.states)
 
     def _on_side(self, mode: Mode, speed: float) -> float:
         """A speed of the drive's shaft [rad/s], limited to the mode's side of those at which the torque jumps."""
@@ -338,16 +330,12 @@ class HybridSystem:
         drive, corners = self.driven.drive, self.driven.corners
         return () if drive is None else tuple((k, corners[k]) for k, (_, jump) in enumerate(corners_of(drive)) if jump or not corners[k])
 
-    def acceleration(self, mode: Mode, time: float, at: Snapshot) -> float:
+    def acceleration(self, mode: Mode, time: float, snapshot: Snapshot) -> float:
         """Acceleration of the crank where it is free to turn [rad/s2]."""
-        driven = self.driven
-        forces = self._forces(mode, time, at.linkage)[0]
-        through, braking = self._friction(mode, time)
-        rigid = mode.clutch.grip is HOLDING
-        on_crank, inertia = (self.drive_torque(mode, time, at), driven.inertia) if rigid else (through, 0.0)
-        torque = on_crank + braking
-        torque = torque + self._friction_torque(mode, at.linkage, torque, forces, inertia)
-        return self.dynamics.of_crank(self.dynamics.accelerations(at.linkage, torque, forces, inertia))
+        forces = self._forces(mode, time, snapshot.linkage)[0]
+        through, braking = self._coupling_torques(mode, time)
+        torque = self.drive_torque(mode, time, snapshot) if mode.clutch.grip is HOLDING else through
+        return self.dynamics.of_crank(self._accelerations(mode, snapshot.linkage, torque, braking, forces)[0])
 
     # Standstill
 
@@ -404,12 +392,12 @@ class HybridSystem:
 
     def going_on(self, mode: Mode, time: float, y: Array) -> Mode:
         """The mode after a stop of the crank or a change of a coupling. Raises as `placed`."""
-        at = self.at(y)
-        mode = self.turning(mode, sign_of(at.linkage.speed)) if at.linkage.speed else self.placed(mode, time, y)
+        snapshot = self.at(y)
+        mode = self.turning(mode, sign_of(snapshot.linkage.speed)) if snapshot.linkage.speed else self.placed(mode, time, y)
         if mode.clutch.grip is HOLDING and self.clutch_reserve(mode, *self._rising(mode, time, y)) < 0:
             return self.clutch_slips(mode, time, y)
         if 0 in mode.sides and mode.clutch.grip is not HOLDING:  # the shaft leaves its rest without the crank
-            way = sign_of(float(self.drive_torque(mode, time, at)) - self._friction(mode, time)[0])
+            way = sign_of(float(self.drive_torque(mode, time, snapshot)) - self._coupling_torques(mode, time)[0])
             mode = mode._replace(sides=tuple(side or way for side in mode.sides))
         return mode
 
@@ -466,20 +454,20 @@ class HybridSystem:
 
     def tending(self, mode: Mode, time: float, y: Array) -> float:
         """Acceleration with which a crank at rest would start in a mode [rad/s2]."""
-        at = self.at(y)  # computed again: `starting` has moved the linkage
+        snapshot = self.at(y)  # computed again: `starting` has moved the linkage
         try:
-            return self.acceleration(mode, time, at)
+            return self.acceleration(mode, time, snapshot)
         except LawError as error:
-            raise error.within(time, float(at.linkage.angle)) from error.__cause__
+            raise error.within(time, float(snapshot.linkage.angle)) from error.__cause__
 
-    def clutch_reserve(self, mode: Mode, time: float, at: Snapshot) -> float:
+    def clutch_reserve(self, mode: Mode, time: float, snapshot: Snapshot) -> float:
         """By how much the torque at which a clutch that holds lets go is larger than the one that it has to transmit [N m]."""
         clutch = self.driven.clutch
         if clutch is None:
             return math.inf
-        return float((1 + LETS_GO) * mode.clutch.capacity(clutch, time) - abs(self._clutch_torque(mode, time, at)))
+        return float((1 + LETS_GO) * mode.clutch.capacity(clutch, time) - abs(self._clutch_torque(mode, time, snapshot)))
 
-    def _clutch_torque(self, mode: Mode, time: float, at: Snapshot) -> float:
+    def _clutch_torque(self, mode: Mode, time: float, snapshot: Snapshot) -> float:
         """Torque on the crank that the clutch has to transmit to hold [N m]."""
-        torque = float(self.drive_torque(mode, time, at))
-        return torque if mode.rests else torque - self.driven.inertia * self.acceleration(mode, time, at)
+        torque = float(self.drive_torque(mode, time, snapshot))
+        return torque if mode.rests else torque - self.driven.inertia * self.acceleration(mode, time, snapshot)

@@ -29,15 +29,6 @@ from .events import CornerPassed, Event, EventFinder
 from .hybrid_system import HybridSystem, Mode
 
 EXPLICIT, IMPLICIT, FIXED, BY_STIFFNESS = "explicit", "implicit", "fixed step", "by stiffness"
-WINDOW = 5  # the pace of a method is measured over this many steps, after as many in which it finds its step
-# Multiples of the shortest time constant: DOP853 is hardly the slower method with shorter steps, Radau IIA with longer ones.
-SWIFT, SLOW = 1.0, 10.0
-LONG, LESS_SWIFT = 200, 0.3  # after this many steps a run is long enough to try Radau IIA from this smaller multiple on
-LEAST_RELATIVE = 3e-14  # smallest relative tolerance that SciPy takes: errors of angles must not grow with the angles
-LOOK, PATIENCE = 12_000, 3  # the pace is checked after so many evaluations; a run is given up after so many slow checks in a row
-# A press that moves by less between two checks creeps or vibrates [rad]; most evaluations of such a run.
-CREEPING, MOST_CREEPING = 1.0, 150_000
-MOST_STEPS = 1_000_000  # most steps of one run: each takes some memory
 
 
 @dataclass(eq=False, repr=False)
@@ -92,8 +83,8 @@ class TimeSegment:
     @property
     def standing(self) -> float | None:
         """Time since which the press stands at the end, held by other than a brake [s]; None where it does not stand."""
-        held = [mode.rests and mode.brake.grip is OPEN for mode in self.modes]
-        moving = next((k for k in range(len(held), 0, -1) if not held[k - 1]), 0)
+        stands = [mode.rests and mode.brake.grip is OPEN for mode in self.modes]
+        moving = next((k for k in range(len(stands), 0, -1) if not stands[k - 1]), 0)
         return None if moving == len(self.modes) else self.times[moving - 1] if moving else self.start
 
     @property
@@ -114,14 +105,14 @@ class TimeSegment:
 
     def stops(self) -> list[float]:
         """Times at which the crank stopped, where it is integrated alone; with the start where it began at rest [s]."""
-        found, since = [], self.start
+        stops, since = [], self.start
         if self.from_rest:  # search behind the start, where the speed is rounding
-            found, since = [self.start], self.start + 1e-3 * (self.times[0] - self.start)
+            stops, since = [self.start], self.start + 1e-3 * (self.times[0] - self.start)
         for piece, end in zip(self.pieces, self.times, strict=True):
             if float(piece(since)[1]) * float(piece(end)[1]) < 0:
-                found.append(float(brentq(lambda t, piece=piece: float(piece(t)[1]), since, end, xtol=1e-300, rtol=1e-15)))
+                stops.append(float(brentq(lambda t, piece=piece: float(piece(t)[1]), since, end, xtol=1e-300, rtol=1e-15)))
             since = end
-        return found
+        return stops
 
     def at(self, times: Array, complete: bool = True) -> Sample:
         system, size, integrals = self.system, self.system.dynamics.size, len(INTEGRALS)
@@ -201,9 +192,9 @@ class Integration:
     def __init__(self, system: HybridSystem, mode: Mode, start: float, y: Array, until: float, settings: Settings) -> None:
         self.system, self.settings, self.start, self.until = system, settings, start, until
         self.time, self.y, self.mode = start, y, mode
-        at = system.at(y).linkage
-        self.angle = at.angle
-        self.segment = TimeSegment(system, start, from_rest=bool(at.speed == 0), speeds=[float(at.speed)])
+        linkage = system.at(y).linkage
+        self.angle = linkage.angle
+        self.segment = TimeSegment(system, start, from_rest=bool(linkage.speed == 0), speeds=[float(linkage.speed)])
         # steps end at instants at which something is not smooth, and at a corner of the drive's torque, which they must not pass over
         self.ends = sorted({b for b in system.driven.switch_times if start < b < until} | {until})
         self.corner, self.tries = math.inf, 0
@@ -236,13 +227,13 @@ class Integration:
             if stepper.status == "failed" or not np.isfinite(stepper.y).all():
                 raise trials.error or self.system.cannot_go_on(self.time, self.y, message)
             piece = stepper.dense_output()
-            event, at = watch.first(piece, stepper.t_old, stepper.t)
+            event, end = watch.first(piece, stepper.t_old, stepper.t)
             # after 4 attempts to end a step at a corner, the corner cuts it
-            if isinstance(event, CornerPassed) and self.tries < 4 and at > self.time + self.shortest:
-                self.corner, self.tries = at, self.tries + 1
+            if isinstance(event, CornerPassed) and self.tries < 4 and end > self.time + self.shortest:
+                self.corner, self.tries = end, self.tries + 1
                 self.segment.evaluations += stepper.nfev
                 return False  # the step is repeated, to end there
-            self._keep(piece, stepper, method, event, at)
+            self._keep(piece, stepper, method, event, end)
             if progress is not None:
                 progress(self.time)
             self._refuse_too_long(stepper)
@@ -250,7 +241,7 @@ class Integration:
                 self.segment.evaluations += stepper.nfev
                 return True
             if event is None and self.pacer is not None:
-                swiftness = partial(_swiftness, stepper, self.time, self.y, self.settings.sizes)
+                swiftness = partial(_step_by_time_constant, stepper, self.time, self.y, self.settings.sizes)
                 if self.pacer.changes(self.time, self.segment.evaluations + stepper.nfev, swiftness):
                     break
         self.segment.evaluations += stepper.nfev
@@ -269,20 +260,20 @@ class Integration:
             raise trials.error or failure("not finite", self.time, self.angle)
         return method, stepper
 
-    def _keep(self, piece: DenseOutput, stepper: OdeSolver, method: str, event: "Event | None", at: float) -> None:
+    def _keep(self, piece: DenseOutput, stepper: OdeSolver, method: str, event: "Event | None", end: float) -> None:
         """Add a step, up to its event, to the segment; the integration goes on from its end, with closed loops."""
         segment = self.segment
         segment.steps += 1
         segment.pieces.append(piece)
-        segment.times.append(at)
+        segment.times.append(end)
         segment.modes.append(self.mode)
         segment.ran[method] = None
         self.first_step = getattr(stepper, "h_abs", None)
         if event is None:
-            self.time, self.y = stepper.t, _closed(self.system, stepper)
+            self.time, self.y = stepper.t, _close_loops(self.system, stepper)
         else:
-            self.at_once = self.at_once + 1 if at <= self.time + self.shortest else 0
-            self.time, self.y = at, self.system.projected(at, piece(at))
+            self.at_once = self.at_once + 1 if end <= self.time + self.shortest else 0
+            self.time, self.y = end, self.system.projected(end, piece(end))
         linkage = self.system.at(self.y).linkage
         segment.travelled += abs(linkage.angle - self.angle)
         segment.speeds.append(float(linkage.speed))
@@ -292,9 +283,15 @@ class Integration:
         """Raise SimulationError where the run would take too long, or too many steps to be kept."""
         evaluations = self.segment.evaluations + stepper.nfev
         if self.settings.step is None and self.pace.hopeless(self.time, evaluations, self.segment.travelled):
-            raise _hopeless(stepper, self.time, self.y, self.settings.sizes, self.until, self.angle)
-        if self.segment.steps == MOST_STEPS:
-            raise failure("too many steps", self.time, self.angle, most=MOST_STEPS)
+            swiftest = max(_eigenvalues(stepper, self.time, self.y, self.settings.sizes), key=abs, default=0.0)
+            # A rate whose imaginary part is more than half of its size is that of a vibration.
+            if abs(swiftest.imag) > 0.5 * abs(swiftest):
+                frequency = abs(swiftest.imag) / (2 * np.pi)
+                raise failure("vibrates", self.time, self.angle, frequency=frequency, swings=frequency * (self.until - self.time))
+            raise failure("too slow", self.time, self.angle)
+        most = 1_000_000  # each step is kept in memory
+        if self.segment.steps == most:
+            raise failure("too many steps", self.time, self.angle, most=most)
 
     def _switch(self, event: "Event | None") -> None:
         """Change to the mode after an event, or to the other side of the corner at which the step has ended."""
@@ -349,20 +346,28 @@ def _stepper(
     if settings.step is not None:
         return RungeKutta4(rates, time, y, end, settings.step)
     first, error = None if first is None else min(first, end - time), settings.tolerance * settings.sizes
+    relative = 3e-14  # the smallest relative tolerance that SciPy takes: errors of angles must not grow with the angles
     if method == IMPLICIT:
-        return RadauIIA(rates, time, y, end, error, LEAST_RELATIVE, len(INTEGRALS), settings.sizes, first)
+        return RadauIIA(rates, time, y, end, error, relative, len(INTEGRALS), settings.sizes, first)
     more = {} if first is None else {"first_step": first}
-    return DOP853(rates, time, y, end, rtol=LEAST_RELATIVE, atol=error, **more)
+    return DOP853(rates, time, y, end, rtol=relative, atol=error, **more)
 
 
 class Pacer:
     """Chooses the faster of the two methods of steps by error. Each is measured over some steps. The slower one is tried again after longer
-    and longer intervals, if the length of the steps relative to the shortest time constant says that it may be the faster one by now."""
+    and longer intervals, if the length of the steps relative to the shortest time constant says that it may be the faster one by now.
+
+    Attributes:
+        window: number of steps over which the cost of a method is measured, after as many in which it finds its step.
+        using: the method in use.
+    """
+
+    window = 5
 
     def __init__(self) -> None:
         self.using = EXPLICIT
         self.cost: dict[str, float] = {}  # evaluations a second of the run
-        self.taken, self.interval, self.steps = 0, 4 * WINDOW, 0
+        self.since_change, self.interval, self.steps = 0, 4 * self.window, 0
         self.since: tuple[float, int] | None = None
 
     def changes(self, time: float, evaluations: int, swiftness: Callable[[], float]) -> bool:
@@ -373,24 +378,25 @@ class Pacer:
             evaluations: of the method in use so far.
             swiftness: returns the step by the shortest time constant.
         """
-        self.taken, self.steps = self.taken + 1, self.steps + 1
-        if self.taken == WINDOW:
+        self.since_change, self.steps = self.since_change + 1, self.steps + 1
+        if self.since_change == self.window:
             self.since = time, evaluations
-        if self.taken == 2 * WINDOW and self.since is not None and time > self.since[0]:
+        if self.since_change == 2 * self.window and self.since is not None and time > self.since[0]:
             # An evaluation of the implicit method, with its algebra, costs as much as 1.5 of the explicit one.
             dearer = 1.5 if self.using == IMPLICIT else 1.0
             self.cost[self.using] = dearer * (evaluations - self.since[1]) / (time - self.since[0])
-        if self.taken < 2 * WINDOW:
+        if self.since_change < 2 * self.window:
             return False
         other = IMPLICIT if self.using == EXPLICIT else EXPLICIT
         if not self.cost.get(self.using, math.inf) > self.cost.get(other, math.inf):
-            if self.taken < self.interval:
+            if self.since_change < self.interval:
                 return False
-            self.interval = max(2 * self.interval, self.taken) if self.steps >= LONG else self.interval + 4 * WINDOW
-            swift = SWIFT if self.steps < LONG else LESS_SWIFT
-            if (swiftness() < swift) if self.using == EXPLICIT else (swiftness() > SLOW):
+            long = self.steps >= 200  # then a trial of the other method costs little beside the run
+            self.interval = max(2 * self.interval, self.since_change) if long else self.interval + 4 * self.window
+            # With steps shorter than the shortest time constant DOP853 is hardly the slower method, with ten times longer ones Radau IIA.
+            if (swiftness() < (0.3 if long else 1.0)) if self.using == EXPLICIT else (swiftness() > 10.0):
                 return False
-        self.using, self.taken, self.since = other, 0, None
+        self.using, self.since_change, self.since = other, 0, None
         return True
 
 
@@ -403,36 +409,31 @@ class Pace:
 
     def hopeless(self, time: float, evaluations: int, travelled: float) -> bool:
         """Whether to give up, at a time [s], after so many evaluations, and an angle ``travelled`` since the start [rad]."""
-        since, asked, turned = self.before
-        if evaluations - asked < LOOK:
+        since, before, turned = self.before
+        if evaluations - before < 12_000:  # about a second of work
             return False
-        coming = (evaluations - asked) * (self.until - time) / max(time - since, np.finfo(float).tiny)
-        most = MOST_CREEPING if travelled - turned < CREEPING else 15_000_000
+        coming = (evaluations - before) * (self.until - time) / max(time - since, np.finfo(float).tiny)
+        # A crank that moved by less than 1 rad in so many evaluations creeps or vibrates, and will not come to its end.
+        most = 150_000 if travelled - turned < 1.0 else 15_000_000
         self.slow = self.slow + 1 if coming > most else 0
         self.before = time, evaluations, travelled
-        return self.slow >= PATIENCE
+        return self.slow >= 3  # a hard place may be passed
 
 
-def _hopeless(integrator: OdeSolver, time: float, y: Array, sizes: Array, until: float, angle: float) -> SimulationError:
-    """The error of a run that is given up."""
+def _eigenvalues(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> Array:
+    """Rates of the motion's modes [1/s], complex; none where the equations are not finite beside the vector."""
     size = len(y) - len(INTEGRALS)
     jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size], rounding(integrator.fun, time, y, integrator.f))[:size]
-    swiftest = max(np.linalg.eigvals(jacobian), key=abs) if np.isfinite(jacobian).all() else 0.0
-    # A rate whose imaginary part is more than half of its size is that of a vibration.
-    if abs(swiftest.imag) > 0.5 * abs(swiftest):
-        frequency = abs(swiftest.imag) / (2 * np.pi)
-        return failure("vibrates", time, angle, frequency=frequency, swings=frequency * (until - time))
-    return failure("too slow", time, angle)
+    return np.linalg.eigvals(jacobian) if np.isfinite(jacobian).all() else np.zeros(0)
 
 
-def _swiftness(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> float:
-    """The integrator's last step by the shortest time constant of the motion."""
-    size = len(y) - len(INTEGRALS)
-    jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size], rounding(integrator.fun, time, y, integrator.f))[:size]
-    return float(integrator.step_size * np.abs(np.linalg.eigvals(jacobian)).max()) if np.isfinite(jacobian).all() else 1.0
+def _step_by_time_constant(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> float:
+    """The integrator's last step by the shortest time constant of the motion; 1 where that is not known."""
+    rates = np.abs(_eigenvalues(integrator, time, y, sizes))
+    return float(integrator.step_size * rates.max()) if len(rates) else 1.0
 
 
-def _closed(system: HybridSystem, solver: OdeSolver) -> Array:
+def _close_loops(system: HybridSystem, solver: OdeSolver) -> Array:
     """Close the loops of the integrator's vector, from which it goes on, and return the vector."""
     y = system.projected(solver.t, solver.y)
     if y is not solver.y:
