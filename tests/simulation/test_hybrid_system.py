@@ -23,12 +23,16 @@ from pinpress.simulation.over_time.events import (
     CrankStops,
     PressStarts,
     ending_events,
-    margins_of,
 )
 from pinpress.simulation.over_time.hybrid_system import HybridSystem
 from pinpress.simulation.reduced_model import WEIGHT
 
 MOTOR = pp.drives.Geared(pp.drives.InverterMotor(20.0, 1450 * pp.RPM, 45.0), 20.0)
+
+
+def margins_of(events, system, mode, y):
+    """The margins of events at the start."""
+    return [event.margin(system, mode, 0.0, y, system.at(y)) for event in events]
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +60,7 @@ def test_every_part_has_its_events(press):
     blanking, die = [BorderPassed, CoordinateTurns], [BorderPassed, ContactChanges]  # the slide is below the one, and in the other
     couplings = [CouplingSwitched, ClutchSlips, CouplingSwitched]
     assert kinds(system, mode, y) == [*blanking, *die, CornerPassed, CornerPassed, *couplings, CrankStops]
-    assert min(margins_of(ending_events(system, mode, y), system, mode, 0.0, y)) > 0
+    assert min(margins_of(ending_events(system, mode, y), system, mode, y)) > 0
     assert mode.clutch.grip is HOLDING
     assert mode.brake.grip is OPEN
 
@@ -71,7 +75,7 @@ def test_a_brake_is_a_coupling_to_the_frame(press, speed):
     inertia = free.driven.model.at(np.array([1.0]))[0][0, 0]
     assert slowed - alone == pytest.approx(-math.copysign(50.0, speed) / inertia, rel=1e-12)
     (stops,) = (event for event in ending_events(system, mode, y) if isinstance(event, CrankStops))
-    assert margins_of([stops], system, mode, 0.0, y) == [abs(speed)]
+    assert margins_of([stops], system, mode, y) == [abs(speed)]
     assert system.rates(mode, 0.0, y)[-1] == pytest.approx(50.0 * abs(speed), rel=1e-15)  # lost
     after, rest = stops.after(system, mode, 0.1, y)
     assert rest[1] == 0.0
@@ -90,7 +94,7 @@ def test_rounding_does_not_decide_whether_a_brake_holds(press, share, rests):
             system, mode, y = begun(press, speed=0.0, **parts)
             assert mode.rests is rests
             if rests:
-                assert min(margins_of(ending_events(system, mode, y), system, mode, 0.0, y)) >= 0.0
+                assert min(margins_of(ending_events(system, mode, y), system, mode, y)) >= 0.0
 
 
 @pytest.mark.filterwarnings("ignore:.*it begins with a jump")
@@ -113,7 +117,7 @@ def test_a_press_that_stands_waits_for_its_drive_alone(press):
     system, mode, y = begun(press, speed=0.0, drive=Idle(), loads=[load])
     assert mode.rests
     assert kinds(system, mode, y) == [PressStarts]
-    assert min(margins_of(ending_events(system, mode, y), system, mode, 0.0, y)) > 0
+    assert min(margins_of(ending_events(system, mode, y), system, mode, y)) > 0
     assert system.rates(mode, 0.0, y)[:2].tolist() == [0.0, 0.0]
 
 
