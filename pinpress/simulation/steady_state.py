@@ -32,7 +32,7 @@ from .failures import failure, told_of
 from .law_trials import tried
 from .over_angle import collocation
 from .over_angle.collocation import CollocationSolution
-from .over_angle.mesh import Indices, Mesh, build_mesh, mesh_borders
+from .over_angle.mesh import AngleMesh, Indices, build_mesh, mesh_borders
 from .over_angle.refinement import cuts, solve_period, stopping_panels
 from .over_angle.segment import angle_segment
 from .run import Run, as_run, state_count
@@ -233,7 +233,7 @@ def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: floa
     return None
 
 
-def _periodic(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array, tolerance: float) -> CollocationSolution | None:
+def _periodic(driven: DrivenPress, mesh: AngleMesh, energy: Array, guess: Array, tolerance: float) -> CollocationSolution | None:
     """The periodic solution on as many panels as it takes; None where it is not found.
 
     Args:
@@ -256,7 +256,7 @@ def _periodic(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array, tole
     return found.solution if abs(ends[-1] - ends[0]) / ends.max() < COMES_BACK else None
 
 
-def _energies(driven: DrivenPress, mesh: Mesh, speeds: Array) -> Array:
+def _energies(driven: DrivenPress, mesh: AngleMesh, speeds: Array) -> Array:
     """Kinetic energies (n,) at the start of a mesh [J] at speeds (n,) [rad/s]."""
     return np.asarray(0.5 * (mesh.inertia_ends[0] + driven.inertia) * speeds**2)
 

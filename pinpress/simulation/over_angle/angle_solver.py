@@ -16,12 +16,11 @@ from ..reduced_model import INERTIA, WEIGHT, lock_reached
 from ..trajectory import RepetitionSegment, Segment, State, Trajectory
 from . import collocation
 from .collocation import CollocationSolution
-from .mesh import FROM_REST, SAME, STEADY, TO_REST, Mesh, angle_to, build_mesh, mesh_borders, range_ahead, repeated
+from .mesh import FROM_REST, SAME, STEADY, TO_REST, AngleMesh, angle_to, build_mesh, mesh_borders, range_ahead, repeat_mesh
 from .refinement import cuts, solve_period, stopping_panels
 from .segment import angle_segment
 
 MOST_PERIODS = 200_000  # most periods of one run: each takes some memory
-AT_ONCE = 8  # most periods solved at once: more would hardly save anything
 
 
 # --------------------------------------------------------------------------------------------------------------------- from stop to stop
@@ -84,22 +83,22 @@ class AngleSolver:
             if direction == 0:
                 return Stop(self.state, at_rest=True)
             try:
-                found = self._period(direction)
+                solved = self._period(direction)
             except LawError as error:
                 raise error.within(self.state.time, self.state.angle) from error.__cause__
-            if found is None:
+            if solved is None:
                 return Stop(self.state, at_rest=False)
-            self._append(*found)
+            self._append(*solved)
             if progress is not None:
                 progress(min(self.state.time, self.until))
-            if not self._goes_on(*found):
+            if not self._goes_on(*solved):
                 return Stop(self.state, at_rest=False)
         return None
 
     def _append(self, solution: CollocationSolution, count: int) -> None:
         """Add the segment of the first ``count`` panels of a solution, and go to its end."""
-        own = replace(solution, mesh=replace(solution.mesh, start=self.state.angle))
-        segment = angle_segment(self.driven, own, count, self.state)
+        from_here = replace(solution, mesh=replace(solution.mesh, start=self.state.angle))
+        segment = angle_segment(self.driven, from_here, count, self.state)
         self.segments.append(segment)
         self.state = segment.last()
         self.solved += solution.mesh.periods
@@ -144,13 +143,13 @@ class AngleSolver:
         if 0 < energy[0] < 1e-7 * model.potential_range:
             return None
         if self.before is not None:
-            return self._resolved(self.before.mesh, energy, self.before)
+            return self._resolve(self.before.mesh, energy, self.before)
         borders = mesh_borders(driven, anchor, direction, extent)
         mesh = build_mesh(driven, anchor, direction, borders, (self.state.speed == 0, False))
         periods = self._periods_ahead(mesh, float(energy[0]))
-        return self._resolved(repeated(mesh, periods) if periods > 1 else mesh, energy, None)
+        return self._resolve(repeat_mesh(mesh, periods) if periods > 1 else mesh, energy, None)
 
-    def _periods_ahead(self, mesh: Mesh, energy: float) -> int:
+    def _periods_ahead(self, mesh: AngleMesh, energy: float) -> int:
         """How many periods to solve at once: where no force depends on the speed, those that are left, or equal parts of them.
 
         Args:
@@ -164,9 +163,9 @@ class AngleSolver:
             return 1
         lasts = float((gauss_rule().weights @ (mesh.measure * np.sqrt((mesh.inertia + self.driven.inertia) / (2 * left)))).sum())
         ahead = (self.until - self.state.time) / lasts
-        return math.ceil(ahead / math.ceil(ahead / AT_ONCE))
+        return math.ceil(ahead / math.ceil(ahead / 8))  # more than 8 at once would hardly save anything
 
-    def _resolved(self, mesh: Mesh, energy: Array, beside: CollocationSolution | None) -> tuple[CollocationSolution, int] | None:
+    def _resolve(self, mesh: AngleMesh, energy: Array, beside: CollocationSolution | None) -> tuple[CollocationSolution, int] | None:
         """Solve a period, and where it stops in it, again over a mesh that ends there. Returns as `_period`.
 
         Args:
@@ -175,24 +174,24 @@ class AngleSolver:
             beside: a solution over the same mesh, near which this one is; None: unknown.
         """
         driven, direction = self.driven, mesh.direction
-        found = solve_period(driven, mesh, energy, self._coarse, beside=beside)
-        if found is None:
+        period = solve_period(driven, mesh, energy, self._coarse, beside=beside)
+        if period is None:
             return None
-        count, stopping = _before_stop(found.solution, self.state.time, self.until)
-        if stopping and found.solution.speed_free and not len(found.coarse):  # only from panels that are right it is known where it stops
+        count, stopping = _before_stop(period.solution, self.state.time, self.until)
+        if stopping and period.solution.speed_free and not len(period.coarse):  # only from panels that are right it is known where it stops
             edges = angle_to(self.model, driven.switch_angles, self.anchor, direction)
-            borders = _with_rest(found.solution, count, edges, self.state.speed == 0)
+            borders = _with_rest(period.solution, count, edges, self.state.speed == 0)
             # The forces of a shorter swing are small differences: it is followed over time.
             if borders[-1] < 1e-2:
                 return None
             mesh = build_mesh(driven, self.anchor, direction, borders, (self.state.speed == 0, True), mesh.periods)
-            found = solve_period(driven, mesh, energy, self._coarse)
-            if found is None or len(found.coarse):
+            period = solve_period(driven, mesh, energy, self._coarse)
+            if period is None or len(period.coarse):
                 return None
-            count, _ = _before_stop(found.solution, self.state.time, self.until)
-        elif len(found.coarse):  # there the crank nearly stops, or the drive switches again and again
-            count = int(found.solution.mesh.borders.searchsorted(found.coarse.min())) - 1
-        return (found.solution, count) if count > 0 else None
+            count, _ = _before_stop(period.solution, self.state.time, self.until)
+        elif len(period.coarse):  # there the crank nearly stops, or the drive switches again and again
+            count = int(period.solution.mesh.borders.searchsorted(period.coarse.min())) - 1
+        return (period.solution, count) if count > 0 else None
 
     def _coarse(self, solution: CollocationSolution) -> Array | None:
         """Where to cut the panels of a solution that are too coarse; None where the crank is not to be followed over its angle."""
@@ -228,9 +227,9 @@ class _Swings:
         self.stops.append((len(segments), stop.time, stop.angle))
         if len(self.stops) < 3 or not self.same_both_ways:
             return None
-        (count, first, at), (_, _, beyond) = self.stops[-3:-1]
+        (count, first, angle), (_, _, beyond) = self.stops[-3:-1]
         # Two stops that are further apart are different places.
-        if abs(stop.angle - at) > 1e-6 * abs(beyond - at) or not first < stop.time < until:
+        if abs(stop.angle - angle) > 1e-6 * abs(beyond - angle) or not first < stop.time < until:
             return None
         return RepetitionSegment(Trajectory(segments[count:]), first, stop.time, until)
 
@@ -272,23 +271,18 @@ def _before_stop(solution: CollocationSolution, time: float, until: float) -> tu
 def _with_rest(solution: CollocationSolution, panel: int, edges: Array, from_rest: bool) -> Array:
     """Borders up to the stop in a ``panel``. The last of the new panels runs over the square root of the angle; it begins at the last of
     the ``edges`` before the stop, which are angles travelled, or later."""
-    mesh = solution.mesh
-    stop = float(mesh.travelled(np.array([panel]), np.array([_stop_in(solution, panel)]))[0][0])
+    rule, mesh = gauss_rule(), solution.mesh
+    polynomial = rule.integral(solution.force[:, panel, 0] * mesh.measure[:, panel]).tolist()  # the energy, which is used up at the stop
+    polynomial[0] += float(solution.ends[panel, 0])
+    samples = np.append(rule.nodes, 1.0)
+    first = int(np.argmax(np.append(solution.energy[:, panel, 0], solution.ends[panel + 1, 0]) <= 0))
+    low = -1.0 if first == 0 else float(samples[first - 1])
+    # a stop on the border itself may not show: W is rounding there
+    x = polynomial_root(polynomial, low, float(samples[first])) if horner(polynomial[::-1], low) > 0 else low
+    stop = float(mesh.travelled(np.array([panel]), np.array([x]))[0][0])
     edges = edges[edges < stop - SAME]
     # the last 0.2 rad before the stop, or less
     begin = max(stop - 0.2, float(edges.max(initial=0.0)))
     if from_rest:
         begin = max(begin, min(float(mesh.borders[1]), 0.5 * stop))
     return np.concatenate([mesh.borders[mesh.borders < begin - SAME], [begin, stop]]) if begin > 0 else np.array([0.0, stop])
-
-
-def _stop_in(solution: CollocationSolution, panel: int) -> float:
-    """Place x, from -1 to 1, at which the kinetic energy is used up on a panel."""
-    rule, mesh = gauss_rule(), solution.mesh
-    polynomial = rule.integral(solution.force[:, panel, 0] * mesh.measure[:, panel]).tolist()
-    polynomial[0] += float(solution.ends[panel, 0])
-    samples = np.append(rule.nodes, 1.0)
-    first = int(np.argmax(np.append(solution.energy[:, panel, 0], solution.ends[panel + 1, 0]) <= 0))
-    low = -1.0 if first == 0 else float(samples[first - 1])
-    # a stop on the border itself may not show: W is rounding there
-    return polynomial_root(polynomial, low, float(samples[first])) if horner(polynomial[::-1], low) > 0 else low

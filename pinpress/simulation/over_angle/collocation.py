@@ -19,11 +19,8 @@ from ...drives.transmission import PrescribedSpeed
 from ..driven_press import DrivenPress
 from ..failures import failure
 from .forces import Forces, along_travel, friction_torque_at
-from .mesh import FROM_REST, TO_REST, Indices, Mesh
+from .mesh import FROM_REST, TO_REST, AngleMesh, Indices
 
-ROUNDS = 12  # most rounds of Newton's method in which no further panel is solved
-SETTLED = 1e-8  # relative change of the kinetic energy that ends Newton's method, which squares it: the next one would be rounding
-ROUGHLY = 1e-4  # relative change that ends it where a solution only has to tell where to look for another
 FLOOR = 1e-6  # share of the kinetic energy at the start: forces are not computed at the speeds of less
 TINY = float(np.finfo(float).tiny)
 FURTHEST = 100.0  # largest factor by which a round may change the kinetic energy
@@ -70,7 +67,7 @@ class CollocationSolution:
         growth: of a disturbance of W, about right; None where no force depends on the speed.
     """
 
-    mesh: Mesh
+    mesh: AngleMesh
     energy: Array
     ends: Array
     speed: Array
@@ -107,7 +104,7 @@ class CollocationSolution:
 
 def solve(
     driven: DrivenPress,
-    mesh: Mesh,
+    mesh: AngleMesh,
     energy: Array,
     guess: Array | None = None,
     *,
@@ -124,7 +121,7 @@ def solve(
         guess: (q, p, S) kinetic energy from which Newton's method starts; None: ``energy`` everywhere, or that of 1 rad/s from a rest.
         beside: a solution over the same mesh, near which Newton's method starts in place of a guess.
         periodic: whether the motion has to end with the energy with which it begins; ``energy`` is then near it.
-        roughly: whether a solution to `ROUGHLY` serves.
+        roughly: whether the solution is only to show where to search for another.
 
     Raises:
         SimulationError: the inertia is not positive everywhere.
@@ -138,10 +135,11 @@ def solve(
         guess = beside.started_with(energy)
     if guess is None:
         guess = 0.5 * inertia if mesh.kinds[0] == FROM_REST else np.broadcast_to(energy, (*mesh.angle.shape, len(energy)))
-    return _Newton(driven, mesh, inertia, energy, guess, periodic).solve(guess, ROUGHLY if roughly else SETTLED)
+    # Newton's method squares a relative change: after one of 1e-8 the next one would be rounding.
+    return _Newton(driven, mesh, inertia, energy, guess, periodic).solve(guess, 1e-4 if roughly else 1e-8)
 
 
-def _inertia(driven: DrivenPress, mesh: Mesh) -> Array:
+def _inertia(driven: DrivenPress, mesh: AngleMesh) -> Array:
     """(q, p, S) inertia at the crank [kg m2]."""
     inertia: Array = mesh.inertia[:, :, None] + driven.inertia
     if not mesh.inertia.min() + np.min(driven.inertia) > 0 and not inertia.min() > 0:
@@ -153,7 +151,7 @@ def _inertia(driven: DrivenPress, mesh: Mesh) -> Array:
 class _Newton:
     """Newton's method for the kinetic energy on all panels at once: dW/du = G + K (W_new - W)."""
 
-    def __init__(self, driven: DrivenPress, mesh: Mesh, inertia: Array, energy: Array, work: Array, periodic: bool) -> None:
+    def __init__(self, driven: DrivenPress, mesh: AngleMesh, inertia: Array, energy: Array, work: Array, periodic: bool) -> None:
         """Begin with a guess of the kinetic energy.
 
         Args:
@@ -176,7 +174,8 @@ class _Newton:
     def solve(self, work: Array, change: float) -> CollocationSolution:
         """Find W from a guess (q, p, S) by rounds, the last of which changes W by no more than this share. Far from the guess each round
         solves a few more panels."""
-        found, ends, force, growth, left = work, None, None, None, ROUNDS
+        most_rounds = 12  # in which no further panel is solved
+        new_work, ends, force, growth, left = work, None, None, None, most_rounds
         settled = most = 0 * self.everywhere
         while left:
             left -= 1
@@ -188,24 +187,26 @@ class _Newton:
             if self.mesh.bearings is None and not faster.any():
                 free = self._solution(work, True, self.everywhere)
                 if np.array_equal(self.forces.at(free.speed), total):
-                    return self._seen_at_rest(free, total)
+                    stopping = self.mesh.kinds.any() or not free.ends.min() > 0
+                    # With a stop, the forces at rest decide. A periodic motion is speed-free too: it does not come back, whatever its speed.
+                    return replace(free, speed_free=bool(np.array_equal(self.forces.at(0.0 * free.speed), total))) if stopping else free
                 work, growth = np.maximum(free.energy, above / FURTHEST), None
                 continue
             growth = _growth(self.mesh, faster, above)
             before = work
-            found, ends, force = self._round(total, growth, before)
-            work, changes = self._limited(found, before, above)
+            new_work, ends, force = self._round(total, growth, before)
+            work, changes = self._limit(new_work, before, above)
             # W that was limited, or whose speed was, is not that of these forces. Later panels do not act on earlier ones.
-            unsolved = ~(changes <= change) | (work != found).any(axis=0) | (work < self.floor).any(axis=0)
+            unsolved = ~(changes <= change) | (work != new_work).any(axis=0) | (work < self.floor).any(axis=0)
             settled = np.where(unsolved.any(axis=0), unsolved.argmax(axis=0), len(self.mesh.kinds))
             if changes.max() <= change:
                 break
-            left = ROUNDS if (settled > most).any() else left
+            left = most_rounds if (settled > most).any() else left
             most = np.maximum(most, settled)
         steady = not self.forces.vary and not self.mesh.kinds.any()
-        if growth is not None and growth.within is not None and steady and work is found:
+        if growth is not None and growth.within is not None and steady and work is new_work:
             # the forces at this W differ from these by a square of the last change
-            force = growth.slopes * (found - before) + total + self.mesh.weight[:, :, None]
+            force = growth.slopes * (new_work - before) + total + self.mesh.weight[:, :, None]
         else:
             self.forces.at(np.sqrt(np.maximum(work, self.floor) * self.twice))
         return self._solution(work, False, settled, growth, None if force is None else ends, force)
@@ -225,29 +226,25 @@ class _Newton:
         with np.errstate(all="ignore"):  # far from the solution it may overshoot without bounds
             if growth.within is None or growth.through is None:
                 exponents = growth.slopes * measure
-                work, ends, force = _solved(mesh, (total + weight) * measure - exponents * before, exponents, self.energy, self.periodic)
+                work, ends, force = _solve_stiff(
+                    mesh, (total + weight) * measure - exponents * before, exponents, self.energy, self.periodic
+                )
             else:
                 work, ends = _integral(mesh, total, weight, self.energy)
                 missed = (work - before) * growth.slopes * measure
-                further, at_ends = _factored(missed, growth.within, growth.through, ends[-1] - ends[0] if self.periodic else None)
+                further, at_ends = _solve_by_factor(missed, growth.within, growth.through, ends[-1] - ends[0] if self.periodic else None)
                 work += further
                 ends += at_ends
         self.energy = ends[0]
         return work, ends, force
 
-    def _limited(self, work: Array, before: Array, above: Array) -> tuple[Array, Array]:
+    def _limit(self, work: Array, before: Array, above: Array) -> tuple[Array, Array]:
         """W after a round, limited to a factor of what it was ``before``, where that is ``above`` the floor, and its largest change (p, S)
         as a share."""
         if not (np.abs(work - before).max(axis=0) <= 0.5 * above.min(axis=0)).all():
             finite = np.where(np.isfinite(work), work, above)
             work = np.minimum(np.maximum(finite, above / FURTHEST), above * FURTHEST)
         return work, np.abs(work - before).max(axis=0) / np.maximum(work.max(axis=0), self.energy)
-
-    def _seen_at_rest(self, found: CollocationSolution, total: Array) -> CollocationSolution:
-        """A solution whose forces do not depend on its speeds. Where it has a stop, the forces at rest decide `speed_free`."""
-        stopping = self.mesh.kinds.any() or not found.ends.min() > 0
-        # a periodic motion is speed-free too: it does not come back, whatever its speed
-        return replace(found, speed_free=bool(np.array_equal(self.forces.at(0.0 * found.speed), total))) if stopping else found
 
     def _solution(
         self,
@@ -288,7 +285,7 @@ class _Newton:
         )
 
 
-def _growth(mesh: Mesh, change: Array, above: Array) -> Growth:
+def _growth(mesh: AngleMesh, change: Array, above: Array) -> Growth:
     """How disturbances grow where energies (q, p, S) whose speeds are larger by the share `BESIDE` ``change`` the force (q, p, S)."""
     slopes = change / (2 * BESIDE * above)
     exponents = slopes * mesh.measure[:, :, None]
@@ -300,7 +297,7 @@ def _growth(mesh: Mesh, change: Array, above: Array) -> Growth:
     return Growth(slopes, 0.0 * stiffness, growth[:-1], growth[-1])
 
 
-def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: PrescribedSpeed) -> CollocationSolution:
+def _prescribed(driven: DrivenPress, mesh: AngleMesh, inertia: Array, drive: PrescribedSpeed) -> CollocationSolution:
     """The solution at a constant speed, with the torque that this takes."""
     speed = np.full(inertia.shape, abs(drive.speed))
     work = 0.5 * inertia * speed**2
@@ -333,7 +330,7 @@ def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: Prescrib
 # ---------------------------------------------------------------------------------------------------------------- integrals over panels
 
 
-def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[Array, Array]:
+def _integral(mesh: AngleMesh, force: Array, weight: Array, energy: Array) -> tuple[Array, Array]:
     """W at the nodes (q, p, S) and borders (p + 1, S) from the force (q, p, S) of drive and loads and that of weights (q, p, 1).
 
     While the crank turns, the work of weights is the difference of their potential energy and not the integral of their force, because it
@@ -358,7 +355,7 @@ def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[A
     return work, ends
 
 
-def _factored(constant: Array, within: Array, through: Array, short: Array | None) -> tuple[Array, Array]:
+def _solve_by_factor(constant: Array, within: Array, through: Array, short: Array | None) -> tuple[Array, Array]:
     """F (q, p, S) from dF/dx = constant + K du/dx F by an integrating factor, for all scenarios in few operations, and its values
     (p + 1, S) at the borders. On every panel F is a part of its own, plus a growth times its value at the panel's start.
 
@@ -370,13 +367,13 @@ def _factored(constant: Array, within: Array, through: Array, short: Array | Non
     """
     constant /= within
     integrals = _to_end(constant)
-    found, ends = integrals[:-1], _panel_by_panel(through * integrals[-1], through, short)
-    found += ends[:-1]
-    found *= within
-    return found, ends
+    values, ends = integrals[:-1], _panel_by_panel(through * integrals[-1], through, short)
+    values += ends[:-1]
+    values *= within
+    return values, ends
 
 
-def _solved(mesh: Mesh, constant: Array, exponents: Array, energy: Array, periodic: bool) -> tuple[Array, Array, Array]:
+def _solve_stiff(mesh: AngleMesh, constant: Array, exponents: Array, energy: Array, periodic: bool) -> tuple[Array, Array, Array]:
     """W (q, p, S) from dW/dx = constant + exponents W by the collocation equations of every panel, for drives so stiff that polynomials do
     not resolve an integrating factor; its values (p + 1, S) at the borders; and the force dW/du (q, p, S) that solves them, because
     computed from W it would have the rounding of W. At the start W is ``energy``, or if ``periodic`` the same as at the end.
@@ -388,10 +385,10 @@ def _solved(mesh: Mesh, constant: Array, exponents: Array, energy: Array, period
         parts = np.linalg.solve(np.eye(len(rule.nodes)) - exponents[..., None] * rule.cumulative, right)
     except np.linalg.LinAlgError:
         parts = np.full(right.shape, np.nan)
-    own, growth = parts[..., 0], parts[..., 1]
-    gains, factors = own @ rule.weights, 1 + growth @ rule.weights
+    from_zero, growth = parts[..., 0], parts[..., 1]
+    gains, factors = from_zero @ rule.weights, 1 + growth @ rule.weights
     ends = _panel_by_panel(gains, factors, 0.0 * energy if periodic else None, energy)
-    gained = own + growth * ends[:-1, :, None]
+    gained = from_zero + growth * ends[:-1, :, None]
     work = ends[:-1, :, None] + gained @ rule.cumulative.T
     return np.moveaxis(work, -1, 0), ends, np.moveaxis(gained / measure, -1, 0)
 

@@ -5,7 +5,7 @@ import numpy as np
 from ...common.quantities import Array
 from ...drives.protocol import Drive
 from ..bearing_model import BearingStates
-from .mesh import Mesh, PanelForce
+from .mesh import AngleMesh, PanelForce
 
 
 class Forces:
@@ -20,7 +20,7 @@ class Forces:
         asked: number of times that they were computed.
     """
 
-    def __init__(self, drive: Drive | None, mesh: Mesh, inertia: Array, shape: tuple[int, ...]) -> None:
+    def __init__(self, drive: Drive | None, mesh: AngleMesh, inertia: Array, shape: tuple[int, ...]) -> None:
         self.drive, self.mesh, self.inertia, self.asked = drive, mesh, inertia, 0
         self.driving, self.resisting = np.zeros(shape), np.zeros(shape)
         self.friction_torque: Array | None = None
@@ -84,7 +84,7 @@ class Forces:
 
 
 def friction_torque_at(
-    mesh: Mesh, bearings: BearingStates, speed: Array, net: Array, inertia: Array, start: Array | None = None
+    mesh: AngleMesh, bearings: BearingStates, speed: Array, net: Array, inertia: Array, start: Array | None = None
 ) -> tuple[Array, Array]:
     """Torque of friction (q, p, S) along the travel, and its efforts; arrays are those of `BearingStates.torque`, as (q, p, S)."""
     q, p, count = speed.shape
@@ -98,12 +98,12 @@ def friction_torque_at(
     return torque.reshape(speed.shape), efforts
 
 
-def along_travel(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
+def along_travel(mesh: AngleMesh, force: PanelForce, speed: Array) -> Array:
     """A force along the travel (q, its panels, S) [N m], at the crank's speeds (q, p, S)."""
     return np.asarray(mesh.direction * mesh.lever[force.row][:, force.panels, None] * _size(mesh, force, speed))
 
 
-def along_travel_at_ends(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
+def along_travel_at_ends(mesh: AngleMesh, force: PanelForce, speed: Array) -> Array:
     """A force along the travel (2, its panels, S) [N m] at the start and the end of each of its panels, at the crank's speeds (p + 1, S) at
     the borders."""
     ends = np.stack([force.panels, force.panels + 1])
@@ -112,7 +112,7 @@ def along_travel_at_ends(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
     return np.asarray(mesh.direction * lever * force.interval.acting(size))
 
 
-def _size(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
+def _size(mesh: AngleMesh, force: PanelForce, speed: Array) -> Array:
     """A force along its coordinate (q, its panels, S) [N], at the crank's speeds (q, p, S)."""
     position = mesh.position[force.row][:, force.panels, None] - force.datum
     lever = mesh.lever[force.row][:, force.panels, None]

@@ -41,7 +41,7 @@ class PanelForce(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mesh:
+class AngleMesh:
     """p panels over the angle travelled from a start, with all that does not depend on speed, at q nodes of each and at p + 1 borders.
 
     Attributes:
@@ -88,7 +88,7 @@ class Mesh:
 
     def travelled(self, panel: Indices, x: Array) -> tuple[Array, Array]:
         """Angle travelled at places x (n,), from -1 to 1 on panels (n,), and its derivative by x."""
-        return _run(self.borders, self.kinds, panel, x)
+        return _travel(self.borders, self.kinds, panel, x)
 
 
 def mesh_borders(driven: DrivenPress, start: float, direction: int, extent: float) -> Array:
@@ -115,7 +115,7 @@ def range_ahead(model: ReducedModel, start: float, direction: int) -> float:
 
 def build_mesh(
     driven: DrivenPress, start: float, direction: int, borders: Array, rests: tuple[bool, bool] = (False, False), periods: int = 1
-) -> Mesh:
+) -> AngleMesh:
     """The mesh with these borders.
 
     Args:
@@ -124,13 +124,13 @@ def build_mesh(
         direction: +1 or -1.
         borders: (p + 1,) angle travelled [rad].
         rests: whether the crank starts from rest in the first panel, and comes to rest in the last.
-        periods: see `Mesh`.
+        periods: see `AngleMesh`.
     """
     from_rest, to_rest = rests
     kinds = np.full(len(borders) - 1, STEADY)
     kinds[0] = FROM_REST if from_rest else STEADY
     kinds[-1] = TO_REST if to_rest else kinds[-1]
-    along, measure = _run(borders, kinds, np.arange(len(kinds)), gauss_rule().nodes[:, None])
+    along, measure = _travel(borders, kinds, np.arange(len(kinds)), gauss_rule().nodes[:, None])
     middle = 0.5 * (borders[:-1] + borders[1:])
     angle, nodes = start + direction * along, along.size
     # all at once: half as many calls
@@ -138,7 +138,7 @@ def build_mesh(
     at_middle, slopes_middle = (rows[:, nodes : nodes + len(middle)] for rows in (values, slopes))
     at_ends, slopes_ends = (rows[:, nodes + len(middle) :] for rows in (values, slopes))
     at_nodes, slopes_nodes = (rows[:, :nodes].reshape(len(rows), *along.shape) for rows in (values, slopes))
-    return Mesh(
+    return AngleMesh(
         start=start,
         direction=direction,
         borders=borders,
@@ -161,7 +161,7 @@ def build_mesh(
     )
 
 
-def repeated(mesh: Mesh, periods: int) -> Mesh:
+def repeat_mesh(mesh: AngleMesh, periods: int) -> AngleMesh:
     """The mesh of a period of the press, over as many periods one after the other. It has no rests, and no bearings with friction."""
     assert not mesh.kinds.any()
     assert mesh.bearings is None
@@ -204,19 +204,19 @@ def _panel_forces(driven: DrivenPress, position: Array, rising: NDArray[np.bool_
         position: (coordinates, p) coordinates in the middles of the panels.
         rising: (coordinates, p) whether they rise there.
     """
-    found = []
+    panel_forces = []
     for force in driven.forces:
         height = position[force.row] - force.datum
         for up in (True, False):
             for interval in force.intervals(up):
                 panels = np.flatnonzero((rising[force.row] == up) & (height > interval.lower) & (height <= interval.upper))
                 if len(panels):
-                    found.append(PanelForce(force.row, force.datum, interval, panels))
-    return tuple(found)
+                    panel_forces.append(PanelForce(force.row, force.datum, interval, panels))
+    return tuple(panel_forces)
 
 
-def _run(borders: Array, kinds: Indices, panel: Indices, x: Array) -> tuple[Array, Array]:
-    """See `Mesh.travelled`."""
+def _travel(borders: Array, kinds: Indices, panel: Indices, x: Array) -> tuple[Array, Array]:
+    """See `AngleMesh.travelled`."""
     low, high = borders[panel], borders[panel + 1]
     half, share, kind = 0.5 * (high - low), 0.5 * (1 + x), kinds[panel]
     along, measure = low + 2 * half * share, half + 0.0 * x

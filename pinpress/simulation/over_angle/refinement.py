@@ -20,7 +20,7 @@ from ..panels import last_terms
 from . import collocation
 from .collocation import FLOOR, LEAST, CollocationSolution
 from .forces import along_travel, along_travel_at_ends
-from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce, build_mesh
+from .mesh import FROM_REST, SAME, STEADY, TO_REST, AngleMesh, Indices, PanelForce, build_mesh
 
 LAYER = 10.0  # e-folds of half a panel that holds what dies away at its start under a stiff drive
 
@@ -39,7 +39,7 @@ class SolvedPeriod(NamedTuple):
 
 def solve_period(
     driven: DrivenPress,
-    mesh: Mesh,
+    mesh: AngleMesh,
     energy: Array,
     places: Callable[[CollocationSolution], Array | None],
     guess: Array | None = None,
@@ -83,10 +83,10 @@ def stopping_panels(solution: CollocationSolution) -> NDArray[np.bool_]:
     lowest = np.minimum(solution.energy.min(axis=0), solution.ends[1:])
     known = np.arange(len(solution.ends))[:, None] <= solution.settled
     least = 0.0 if solution.speed_free else LEAST * np.where(known, solution.ends, 0.0).max(axis=0)
-    found = (lowest <= least) | (np.arange(len(lowest))[:, None] >= solution.settled)
+    stopping = (lowest <= least) | (np.arange(len(lowest))[:, None] >= solution.settled)
     if solution.mesh.kinds[-1] == TO_REST:
-        found[-1] = (solution.energy[:, -1] <= 0).any(axis=0)
-    return np.asarray(found)
+        stopping[-1] = (solution.energy[:, -1] <= 0).any(axis=0)
+    return np.asarray(stopping)
 
 
 def unsettled_panels(solution: CollocationSolution, stopping: NDArray[np.bool_], which: NDArray[np.bool_]) -> Indices:
@@ -100,10 +100,10 @@ def passed_corners(solution: CollocationSolution, drive: Drive) -> NDArray[np.bo
     """On which panels (p, S) the crank passes a corner of the drive's torque."""
     speeds = _speeds_with_borders(solution)
     lowest, highest = speeds.min(axis=0), speeds.max(axis=0)
-    found = np.zeros(lowest.shape, dtype=bool)
+    passed = np.zeros(lowest.shape, dtype=bool)
     for corner, _ in corners_of(drive):
-        found |= (lowest < corner) & (corner < highest)
-    return found
+        passed |= (lowest < corner) & (corner < highest)
+    return passed
 
 
 def cuts(
@@ -130,12 +130,12 @@ def cuts(
     bad = coarse & (np.diff(mesh.borders[: upto + 1]) > 1e-9)  # [rad]
     if solution.stiffness.any():  # under a stiff drive an unresolved panel disturbs those that follow it
         bad[1:] &= (solution.stiffness[1:upto] <= LAYER) | ~bad[:-1]
-    found = {panel: _cut_within(solution, panel) for panel in np.flatnonzero(bad).tolist()}
+    places = {panel: _cut_within(solution, panel) for panel in np.flatnonzero(bad).tolist()}
     if solution.ends.shape[1] == 1:
-        found |= _corners_passed(solution, upto, [float(np.ravel(speed)[0]) for speed, _ in corners])
+        places |= _cuts_at_corners(solution, upto, [float(np.ravel(speed)[0]) for speed, _ in corners])
         for force in mesh.forces:
-            found |= {panel: at for panel, at in _contact_lost(solution, force) if panel < upto}
-    return np.array(list(found.values()))
+            places |= {panel: place for panel, place in _cuts_at_contacts(solution, force).items() if panel < upto}
+    return np.array(list(places.values()))
 
 
 def _coarse(solution: CollocationSolution, upto: int, tolerance: float, which: Indices | slice) -> NDArray[np.bool_]:
@@ -157,10 +157,10 @@ def _bent_at_borders(
     Where the law has a corner at a distance d from the border, and no node lies between, the force is wrong by a slope x d at the border,
     and its work by half of that x d.
     """
-    mesh, rule, found = solution.mesh, gauss_rule(), np.zeros(len(solution.mesh.kinds), dtype=bool)
+    mesh, rule, bent = solution.mesh, gauss_rule(), np.zeros(len(solution.mesh.kinds), dtype=bool)
     loads = [force for force in mesh.forces if force.interval.heeds_velocity]
     if mesh.kinds.any() or not (loads or drive is not None):
-        return found[:upto]
+        return bent[:upto]
     to_ends = np.array([(-1.0) ** np.arange(len(rule.nodes)), np.ones(len(rule.nodes))]) @ rule.legendre
     beside = 0.5 * (1.0 - float(rule.nodes[-1])) * mesh.measure[0]  # half the angle between a last node and the border
     accepted = tolerance * solution.ends[: upto + 1, which].max(axis=0)
@@ -169,7 +169,7 @@ def _bent_at_borders(
     def look(panels: Indices, at_nodes: Array, at_ends: Array) -> None:
         promised = product(to_ends, at_nodes.reshape(len(at_nodes), -1)).reshape(2, *at_nodes.shape[1:])
         missed = np.abs(promised - at_ends).max(axis=0) * beside[panels, None]
-        found[panels] |= (missed[:, which] > accepted).any(axis=1)
+        bent[panels] |= (missed[:, which] > accepted).any(axis=1)
 
     for force in loads:
         along = along_travel(mesh, force, mesh.direction * solution.speed)
@@ -177,7 +177,7 @@ def _bent_at_borders(
     if drive is not None:
         torque = mesh.direction * drive.torque(speeds) + np.zeros_like(speeds)
         look(np.arange(len(mesh.kinds)), solution.driving, np.stack([torque[:-1], torque[1:]]))
-    return found[:upto]
+    return bent[:upto]
 
 
 def _cut_within(solution: CollocationSolution, panel: int) -> float:
@@ -203,22 +203,22 @@ def _speeds_with_borders(solution: CollocationSolution) -> Array:
     return np.concatenate([ends[None, :-1], solution.mesh.direction * solution.speed, ends[None, 1:]])
 
 
-def _corners_passed(solution: CollocationSolution, upto: int, corners: Sequence[float]) -> dict[int, float]:
-    """Panels on which the crank passes one of the corners, and the place, even where that shows at no node."""
-    mesh, found = solution.mesh, {}
+def _cuts_at_corners(solution: CollocationSolution, upto: int, corners: Sequence[float]) -> dict[int, float]:
+    """Angles travelled, by panels, at which the crank passes one of the corners, even where that shows at no node."""
+    mesh, places = solution.mesh, {}
     if corners:
         speeds = _speeds_with_borders(solution)[:, :upto, 0]
         for corner in corners:
             for panel in np.flatnonzero((speeds.min(axis=0) < corner) & (speeds.max(axis=0) > corner)).tolist():
-                at = _place_of(mesh, panel, gauss_rule().polynomial(speeds[1:-1, panel]).tolist(), corner)
-                if at is not None:
-                    found[panel] = at
-    return found
+                place = _place_of(mesh, panel, gauss_rule().polynomial(speeds[1:-1, panel]).tolist(), corner)
+                if place is not None:
+                    places[panel] = place
+    return places
 
 
-def _contact_lost(solution: CollocationSolution, force: PanelForce) -> list[tuple[int, float]]:
-    """Panels on which the law of a contact changes its sign, and the place as angle travelled, of one scenario."""
-    mesh, found, border_speeds = solution.mesh, [], _border_speeds(solution)[:, 0]
+def _cuts_at_contacts(solution: CollocationSolution, force: PanelForce) -> dict[int, float]:
+    """Angles travelled, by panels, at which the law of a contact changes its sign, of one scenario."""
+    mesh, places, border_speeds = solution.mesh, {}, _border_speeds(solution)[:, 0]
     for panel in force.panels.tolist() if force.interval.one_sided else []:
         ends = slice(panel, panel + 2)
         rates = [
@@ -228,13 +228,13 @@ def _contact_lost(solution: CollocationSolution, force: PanelForce) -> list[tupl
         position = np.concatenate([mesh.position[force.row][:, panel], mesh.position_ends[force.row, ends]])
         law = np.asarray(force.interval.force(position - force.datum, np.concatenate(rates)))
         if law.min() < 0 < law.max():
-            at = _place_of(mesh, panel, gauss_rule().polynomial(law[:-2]).tolist(), 0.0)
-            if at is not None:
-                found.append((panel, at))
-    return found
+            place = _place_of(mesh, panel, gauss_rule().polynomial(law[:-2]).tolist(), 0.0)
+            if place is not None:
+                places[panel] = place
+    return places
 
 
-def _place_of(mesh: Mesh, panel: int, polynomial: list[float], level: float) -> float | None:
+def _place_of(mesh: AngleMesh, panel: int, polynomial: list[float], level: float) -> float | None:
     """Angle travelled at which a polynomial in the x of a panel passes a level; None where it does not, or only at the panel's borders."""
     polynomial = [polynomial[0] - level, *polynomial[1:]]
     samples = np.linspace(-1.0, 1.0, 2 * len(polynomial)).tolist()
@@ -242,13 +242,13 @@ def _place_of(mesh: Mesh, panel: int, polynomial: list[float], level: float) -> 
     for k in range(len(samples) - 1):
         if (values[k] > 0) != (values[k + 1] > 0):
             x = polynomial_root(polynomial, samples[k], samples[k + 1])
-            at = float(mesh.travelled(np.array([panel]), np.array([x]))[0][0])
-            if mesh.borders[panel] + SAME < at < mesh.borders[panel + 1] - SAME:
-                return at
+            place = float(mesh.travelled(np.array([panel]), np.array([x]))[0][0])
+            if mesh.borders[panel] + SAME < place < mesh.borders[panel + 1] - SAME:
+                return place
     return None
 
 
-def interpolate_onto(solution: CollocationSolution, mesh: Mesh) -> Array | None:
+def interpolate_onto(solution: CollocationSolution, mesh: AngleMesh) -> Array | None:
     """The kinetic energy (q, p, S) of a solution at the nodes of another mesh over the same angles, where it is not solved that at the
     start; None where one of the meshes starts or ends at rest."""
     old = solution.mesh

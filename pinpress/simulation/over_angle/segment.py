@@ -13,7 +13,7 @@ from ..reduced_model import COORDINATES, INERTIA, WEIGHT
 from ..trajectory import INTEGRALS, Sample, State
 from .collocation import CollocationSolution
 from .forces import Forces
-from .mesh import Indices, Mesh
+from .mesh import AngleMesh, Indices
 
 # A crank is nearly at rest where its kinetic energy, and what the potential energy may still rise, are below this share of the latter's
 # range.
@@ -40,7 +40,7 @@ class AngleSegment:
     """
 
     driven: DrivenPress
-    mesh: Mesh
+    mesh: AngleMesh
     count: int
     begin: State
     times: Array
@@ -101,18 +101,18 @@ class AngleSegment:
         total = torque - values[WEIGHT] - 0.5 * slopes[INERTIA] * speed**2
         along: dict[int, Array] = {}
         for force in self.mesh.forces:
-            mine = np.flatnonzero(np.isin(panel, force.panels))
-            if len(mine):
-                lever = slopes[COORDINATES + force.row, mine]
-                size = force.interval.force(values[COORDINATES + force.row, mine] - force.datum, lever * speed[mine])
+            places = np.flatnonzero(np.isin(panel, force.panels))
+            if len(places):
+                lever = slopes[COORDINATES + force.row, places]
+                size = force.interval.force(values[COORDINATES + force.row, places] - force.datum, lever * speed[places])
                 size = force.interval.acting(size)
-                total[mine] += lever * size
-                along.setdefault(force.row, np.zeros_like(speed))[mine] += size
+                total[places] += lever * size
+                along.setdefault(force.row, np.zeros_like(speed))[places] += size
         inertia = values[INERTIA] + self.driven.inertia
         if self.driven.bearing_model is not None:
-            way, held = self.mesh.direction, self.driven.prescribed is not None
+            way = self.mesh.direction
             columns = {row: force[:, None] for row, force in along.items()}
-            resisting = np.full_like(inertia, np.inf) if held else inertia
+            resisting = inertia if self.driven.prescribed is None else np.full_like(inertia, np.inf)
             bearings = self.driven.bearing_model.states(angle)
             total += way * bearings.torque(way, way * speed[:, None], way * total[:, None], resisting[:, None], columns)[0][:, 0]
         if self.driven.prescribed is not None:
@@ -171,8 +171,8 @@ def nearly_at_rest(energy: Array, force: Array, span: float) -> NDArray[np.bool_
         force: net torques (...) on the cranks [N m].
         span: range of the potential energy [J].
     """
-    found = np.asarray(energy < NEAR * span)
-    return found & (energy + force**2 / (2 * span) < NEAR * span) if found.any() else found
+    nearly = np.asarray(energy < NEAR * span)
+    return nearly & (energy + force**2 / (2 * span) < NEAR * span) if nearly.any() else nearly
 
 
 def place_at(elapsed: Array, since: Array, took: Array) -> Array:
