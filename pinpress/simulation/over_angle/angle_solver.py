@@ -23,6 +23,9 @@ from .segment import angle_segment
 MOST_PERIODS = 200_000  # most periods of one run: each takes some memory
 
 
+AT_ONCE = 8  # most periods solved at once: more would hardly save anything
+
+
 # --------------------------------------------------------------------------------------------------------------------- from stop to stop
 
 
@@ -163,7 +166,7 @@ class AngleSolver:
             return 1
         lasts = float((gauss_rule().weights @ (mesh.measure * np.sqrt((mesh.inertia + self.driven.inertia) / (2 * left)))).sum())
         ahead = (self.until - self.state.time) / lasts
-        return math.ceil(ahead / math.ceil(ahead / 8))  # more than 8 at once would hardly save anything
+        return math.ceil(ahead / math.ceil(ahead / AT_ONCE))
 
     def _resolve(self, mesh: AngleMesh, energy: Array, beside: CollocationSolution | None) -> tuple[CollocationSolution, int] | None:
         """Solve a period, and where it stops in it, again over a mesh that ends there. Returns as `_period`.

@@ -21,6 +21,8 @@ from ..failures import failure
 from .forces import Forces, along_travel, friction_torque_at
 from .mesh import FROM_REST, TO_REST, AngleMesh, Indices
 
+ROUNDS = 12  # most rounds of Newton's method in which no further panel is solved
+SETTLED = 1e-8  # relative change of the kinetic energy that ends Newton's method, which squares it: the next one would be rounding
 FLOOR = 1e-6  # share of the kinetic energy at the start: forces are not computed at the speeds of less
 TINY = float(np.finfo(float).tiny)
 FURTHEST = 100.0  # largest factor by which a round may change the kinetic energy
@@ -135,8 +137,7 @@ def solve(
         guess = beside.started_with(energy)
     if guess is None:
         guess = 0.5 * inertia if mesh.kinds[0] == FROM_REST else np.broadcast_to(energy, (*mesh.angle.shape, len(energy)))
-    # Newton's method squares a relative change: after one of 1e-8 the next one would be rounding.
-    return _Newton(driven, mesh, inertia, energy, guess, periodic).solve(guess, 1e-4 if roughly else 1e-8)
+    return _Newton(driven, mesh, inertia, energy, guess, periodic).solve(guess, 1e-4 if roughly else SETTLED)
 
 
 def _inertia(driven: DrivenPress, mesh: AngleMesh) -> Array:
@@ -174,8 +175,7 @@ class _Newton:
     def solve(self, work: Array, change: float) -> CollocationSolution:
         """Find W from a guess (q, p, S) by rounds, the last of which changes W by no more than this share. Far from the guess each round
         solves a few more panels."""
-        most_rounds = 12  # in which no further panel is solved
-        new_work, ends, force, growth, left = work, None, None, None, most_rounds
+        new_work, ends, force, growth, left = work, None, None, None, ROUNDS
         settled = most = 0 * self.everywhere
         while left:
             left -= 1
@@ -188,7 +188,7 @@ class _Newton:
                 free = self._solution(work, True, self.everywhere)
                 if np.array_equal(self.forces.at(free.speed), total):
                     stopping = self.mesh.kinds.any() or not free.ends.min() > 0
-                    # With a stop, the forces at rest decide. A periodic motion is speed-free too: it does not come back, whatever its speed.
+                    # With a stop, the forces at rest decide. A periodic motion is speed-free too: it never comes back.
                     return replace(free, speed_free=bool(np.array_equal(self.forces.at(0.0 * free.speed), total))) if stopping else free
                 work, growth = np.maximum(free.energy, above / FURTHEST), None
                 continue
@@ -201,7 +201,7 @@ class _Newton:
             settled = np.where(unsolved.any(axis=0), unsolved.argmax(axis=0), len(self.mesh.kinds))
             if changes.max() <= change:
                 break
-            left = most_rounds if (settled > most).any() else left
+            left = ROUNDS if (settled > most).any() else left
             most = np.maximum(most, settled)
         steady = not self.forces.vary and not self.mesh.kinds.any()
         if growth is not None and growth.within is not None and steady and work is new_work:
@@ -226,9 +226,8 @@ class _Newton:
         with np.errstate(all="ignore"):  # far from the solution it may overshoot without bounds
             if growth.within is None or growth.through is None:
                 exponents = growth.slopes * measure
-                work, ends, force = _solve_stiff(
-                    mesh, (total + weight) * measure - exponents * before, exponents, self.energy, self.periodic
-                )
+                constant = (total + weight) * measure - exponents * before
+                work, ends, force = _solve_stiff(mesh, constant, exponents, self.energy, self.periodic)
             else:
                 work, ends = _integral(mesh, total, weight, self.energy)
                 missed = (work - before) * growth.slopes * measure
