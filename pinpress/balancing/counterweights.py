@@ -269,5 +269,6 @@ def _inertia_forces(press: Linkage, motion: Motion, masses: PointMasses) -> tupl
     """World positions (p, n, 3) of the masses [m], and weight plus inertia force (p, n, 3) of each [N]."""
     frame = press.model.frames[press.model.getFrameId(masses.link, pin.BODY)]
     points = masses.points @ frame.placement.rotation.T + frame.placement.translation
-    position, acceleration = press.engine().point_accelerations(motion.states(press), frame.parentJoint, points)
+    moved = press.engine().body_motion(motion.states(press), [frame.parentJoint]).points(points)
+    position, acceleration = moved.place.swapaxes(1, 2), moved.acceleration.swapaxes(1, 2)
     return position, masses.masses[:, None, None] * (press.model.gravity.linear - acceleration)

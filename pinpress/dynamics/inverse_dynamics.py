@@ -173,9 +173,8 @@ def _between_teeth(press: Linkage, engine: Engine, motion: Motion, wrenches: Wre
     states = motion.states(press)
 
     def placed(joint: int) -> PlacedAxis:
-        origin, _ = engine.point_motion(states, joint + 1, np.zeros(3))
-        end, _ = engine.point_motion(states, joint + 1, press.axes[joint].direction)
-        return PlacedAxis(origin, end - origin)
+        body = engine.body_motion(states, [joint + 1], accelerations=False)
+        return PlacedAxis(body.origin[0].T, (press.axes[joint].direction @ body.rotation[0].swapaxes(0, 1)).T)
 
     force, moment = wrenches.force.copy(), wrenches.moment.copy()
     for rack in press.structure.racks:

@@ -21,6 +21,7 @@ from ..common.errors import PinpressError, sendable
 from ..common.frozen import NamedArrays, read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
+from ..engines.energies import power_balance
 from ..engines.engine import Engine
 from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import MOST_IN_TITLE, Motion
@@ -206,7 +207,7 @@ class Reactions(Tabular):
 
     def _power_balance(self) -> tuple[Array, Array, Array]:
         press, motion = self._press, self.motion
-        balance, total, apparent = press.engine(self.engine).power_balance(motion.states(press), self._conditions.loads)
+        balance, total, apparent = power_balance(press.engine(self.engine), motion.states(press), self._conditions.loads)
         torque = self.driving_torque.reshape(len(motion.crank_angle), -1).T
         driving, lost = torque * motion.v.T[list(press.driver_indices)], self._wrenches.friction.sum(axis=0)
         return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost, apparent

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from ..common.errors import AssemblyError
 from ..common.quantities import Array, ComplexArray
+from .body_motion import BodyMotion
+from .structure import Structure
 from .wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 
 PIECE = 2048  # crank angles that are worked through at a time: their arrays stay in the cache
@@ -125,40 +127,16 @@ class JointRates(NamedTuple):
     solved: Any = None
 
 
-class EnergyRates(NamedTuple):
-    """Energies of states.
-
-    Attributes:
-        kinetic: (n,) kinetic energy of all links [J].
-        potential: (n,) potential energy of their weights [J]; zero with all centres of mass at the world origin.
-        lifting: (n,) rate of the potential energy [W].
-    """
-
-    kinetic: Array
-    potential: Array
-    lifting: Array
-
-
-class PowerBalance(NamedTuple):
-    """The balance of all powers but those of drives and friction, and the scales by which an error of it is judged.
-
-    Attributes:
-        balance: (n,) power of the loads less the rate of kinetic and potential energy [W].
-        total: (n,) sum of the absolute values of these powers [W].
-        apparent: (n,) sum of the powers as if every force acted along the velocity of its point [W].
-    """
-
-    balance: Array
-    total: Array
-    apparent: Array
-
-
 class Engine(Protocol):
     """What every engine computes of one linkage."""
 
     @property
     def name(self) -> str:
         """Name of the engine, "plane", "space" or "pinocchio"."""
+
+    @property
+    def structure(self) -> Structure:
+        """The structure of the linkage."""
 
     @property
     def tolerance(self) -> float:
@@ -203,11 +181,8 @@ class Engine(Protocol):
 
     # -------------------------------------------------------------------------------------------------------------------- motion
 
-    def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
-        """World position [m] and velocity [m/s], (n, 3) each, of a point (3,) fixed to the body of a Pinocchio joint."""
-
-    def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
-        """World positions [m] and accelerations [m/s2], (p, n, 3) each, of points (p, 3) fixed to the body of a Pinocchio joint."""
+    def body_motion(self, states: ClosedStates, joints: Sequence[int], accelerations: bool = True) -> BodyMotion:
+        """Motion of the bodies of these Pinocchio joints, of which none is the frame; with their ``accelerations`` or without."""
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
@@ -240,12 +215,6 @@ class Engine(Protocol):
         Returns (bearings, 6) which force and moment components of the bearings, along the rows of ``axes`` (3, 3), and (relations,) which
         relation torques idle forces can change.
         """
-
-    def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        """The power balance of loads and links, computed independently of inverse dynamics."""
-
-    def energies(self, states: ClosedStates) -> EnergyRates:
-        """Kinetic and potential energy of closed states."""
 
 
 def other_linkage(crank_angle: float, gap: float, place: str) -> AssemblyError:

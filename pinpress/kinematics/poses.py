@@ -75,7 +75,8 @@ def point_motion(press: Linkage, motion: Motion, joint: int, point: Array) -> tu
     n = len(motion.crank_angle)
     if joint == 0:
         return np.broadcast_to(point, (n, 3)), np.zeros((n, 3))
-    return press.engine().point_motion(motion.states(press), joint, point)
+    moved = press.engine().body_motion(motion.states(press), [joint], accelerations=False).points(np.array([point]))
+    return moved.place[0].T, moved.velocity[0].T
 
 
 def loaded_bodies(press: Linkage) -> tuple[int, ...]:

@@ -26,8 +26,8 @@ from ..common.frozen import Frozen
 from ..common.quantities import Array
 from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..engines.body_motion import cross, turned_back
 from ..engines.planar.engine import PlanarEngine
-from ..engines.spatial.bodies import accelerations, build_bodies, cross, motion_axes, placements, turned_back, velocities
 from ..kinematics.cycle import moved
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import dead_centres
@@ -150,17 +150,11 @@ class InertialEquations(Frozen):
     def _coefficients(self, angle: Array, wanted: Sequence[str]) -> dict[str, Coefficients]:
         press = self.press
         unit = moved(press, press.branch, angle, 1.0, 0.0, None, press.engine())
-        bodies = build_bodies(press.structure)
-        placed = placements(bodies, unit.joint_position.T)
-        axes = motion_axes(bodies, placed)
-        rates = velocities(bodies, axes, unit.v.T)
-        changed = accelerations(bodies, axes, rates, unit.v.T, unit.a.T)
-        gravity = bodies.gravity[:, None]
+        bodies = press.engine("space").body_motion(unit.states(press), range(1, press.model.njoints))
+        gravity = np.array(press.model.gravity.linear)[:, None]
         found: dict[str, list[tuple[Array, Array, Array]]] = {name: [] for name in wanted}
-        for body, basis in enumerate(self.bases, 1):
-            rotation, origin, spin, turning = placed.rotation[body], placed.origin[body], rates.spin[body], changed.turning[body]
-            velocity, acceleration = rates.of_point(body, origin), changed.of_point(rates, body, origin)
-            moving = _Body(rotation, origin, spin, velocity, turning, acceleration)
+        for basis, *motion in zip(self.bases, *bodies, strict=True):
+            moving = _Body(*motion)
             if "torque" in found:
                 found["torque"].append(tuple(part @ basis for part in moving.energy(gravity)))  # type: ignore[arg-type]
             if any(name != "torque" for name in wanted):
@@ -181,10 +175,10 @@ class _Body(NamedTuple):
 
     rotation: Array
     origin: Array
-    spin: Array
     velocity: Array
-    turning: Array
+    spin: Array
     acceleration: Array
+    turning: Array
 
     def energy(self, gravity: Array) -> tuple[Array, Array, Array]:
         """(n, 10) each: twice the kinetic energy, its rate of change, and the rate of the potential energy, by Pinocchio's parameters."""

@@ -20,6 +20,7 @@ import numpy as np
 from ..common.errors import SimulationError
 from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import MOST_TURNS, periods_until_back
+from ..engines.energies import energies as energies_of_states
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
@@ -210,13 +211,13 @@ def _periods(press: Linkage, advance: Array) -> int:
 def sample_rows(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
     """Rows (rows, n) of the model at crank angles (n,), computed from the linkage."""
     motion = motion_through_change_points(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
-    kinetic, potential, weight = press.engine().energies(motion.states(press))
+    kinetic, potential, weight = energies_of_states(press.engine(), motion.states(press))
     return np.array([2 * kinetic, potential, weight, *(coordinate(motion) for coordinate in coordinates)])
 
 
 def energies(press: Linkage, motion: Motion) -> tuple[Array, Array]:
     """Kinetic energy and potential energy of the weights (n,) of the states of a motion, without flywheel and drive [J]."""
-    return press.engine().energies(motion.states(press))[:2]
+    return energies_of_states(press.engine(), motion.states(press))[:2]
 
 
 def places_of(model: ReducedModel, row: int, level: float) -> Array:

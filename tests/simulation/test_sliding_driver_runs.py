@@ -11,6 +11,7 @@ from support.presses import sliding_presses
 import pinpress as pp
 from pinpress.drives import Brake, Clutch, ConstantTorque, Flywheel, Geared, InductionMotor, PrescribedSpeed, ServoMotor, SwitchPoint
 from pinpress.dynamics.summary import summary
+from pinpress.engines.energies import energies
 
 LEAD = 0.02  # of the screw [m a turn]
 
@@ -45,7 +46,7 @@ def test_methods_agree_and_energy_balances(bell, method):
     lever = (sliding_presses.lever_angle(travel + 1e-6) - sliding_presses.lever_angle(travel - 1e-6)) / 2e-6 * run.crank_speed
     np.testing.assert_allclose(run.v[:, bell.joints.index("O")], lever, rtol=1e-7)
     works = -200.0 * (travel - travel[0])
-    kinetic = bell.engine().energies(run.states(bell)).kinetic
+    kinetic = energies(bell.engine(), run.states(bell)).kinetic
     lifted = sliding_presses.potential(travel) - sliding_presses.potential(travel[:1])
     np.testing.assert_allclose(kinetic - kinetic[0] + lifted, works, rtol=0, atol=2e-9 * np.abs(works).max())
     assert run.crank_angle[-1] == pytest.approx(0.0445, abs=0.03)

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
+from ..body_motion import BodyMotion
+from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, JointRates
 from ..structure import Structure
 from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import kinematics
@@ -90,11 +91,8 @@ class PinocchioEngine:
 
     # -------------------------------------------------------------------------------------------------------------------- motion
 
-    def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
-        return kinematics.point_motion(self.structure, states, joint, point)
-
-    def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
-        return kinematics.point_accelerations(self.structure, states, joint, points)
+    def body_motion(self, states: ClosedStates, joints: Sequence[int], accelerations: bool = True) -> BodyMotion:
+        return kinematics.body_motion(self.structure, states, joints)
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
@@ -115,9 +113,3 @@ class PinocchioEngine:
         from .inverse_dynamics import by_pinocchio
 
         return indeterminate(self.loops, position, axes, by_pinocchio(self.structure))
-
-    def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        return kinematics.power_balance(self.structure, states, loads)
-
-    def energies(self, states: ClosedStates) -> EnergyRates:
-        return kinematics.energies(self.structure, states)

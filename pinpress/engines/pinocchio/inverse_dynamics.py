@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
+from ..body_motion import components_first, turned, turned_back
 from ..engine import ClosedStates
-from ..spatial.bodies import components_first, turned, turned_back
 from ..spatial.equations import Equations, Loops
 from ..spatial.inverse_dynamics import Method, OpenTree
 from ..structure import Structure, configuration, data_of

@@ -1,25 +1,20 @@
-"""Masses and inertias of a planar linkage as constant matrices: the forces of its open tree, its energies and its power balance.
+"""Masses and inertias of a planar linkage as constant matrices: the forces of its open tree.
 
 How bearings share forces out of the plane depends on no configuration, and stands here too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
 
-from ...common.products import product
 from ...common.quantities import Array, ComplexArray
-from ..engine import ClosedStates, EnergyRates, PowerBalance
 from ..sharing import Objective, lexicographic_least_squares
 from ..structure import array_of
-from ..wrenches import AppliedForce
-from .kinematics import basis_acceleration, basis_velocity, known_basis
-from .model import Plane, to_complex
+from .model import Plane
 
 ROUNDING = 1e-13  # relative size below which an offset from the plane is rounding
 
@@ -165,48 +160,3 @@ def _shares(plane: Plane, loops: list[int], compliance: Array | None) -> Array:
         weights = np.sqrt(compliance)
         objectives.insert(0, Objective(weights[:, None] * response, weights * every, float(weights.max())))
     return alone + response @ lexicographic_least_squares(objectives).T @ alone if loops else alone
-
-
-def energies(bodies: Bodies, basis: ComplexArray, v: Array) -> EnergyRates:
-    """Energies of states with this ``basis`` (nb, n) and joint rates (nv, n)."""
-    plane, mass = bodies.plane, bodies.mass
-    rows = plane.origins + plane.centers
-    rate = basis_velocity(plane, basis, v)
-    velocity = product(rows, rate)
-    moving = product(mass[None], velocity.real**2 + velocity.imag**2)[0]
-    kinetic = 0.5 * (moving + (product(bodies.inertia, v) * product(plane.spin, v)).sum(axis=0))
-    lifted = -(mass @ rows)[None] * complex(*(plane.axes @ bodies.gravity)).conjugate()
-    return EnergyRates(kinetic, product(lifted, basis)[0].real, product(lifted, rate)[0].real)
-
-
-def power_balance(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-    """The power balance of closed states with their basis; see `PowerBalance`.
-
-    The rate of the energy is summed body by body from velocities and accelerations, independently of the recursion that gives the torque.
-    """
-    n = states.v.shape[1]
-    balance, total, apparent = np.empty(n), np.empty(n), np.empty(n)
-    for start in range(0, n, bodies.plane.piece):
-        s = slice(start, start + bodies.plane.piece)
-        powers, apparent[s] = _powers(bodies, states.part(s), [load.part(s) for load in loads])
-        balance[s], total[s] = powers.sum(axis=0), np.abs(powers).sum(axis=0)
-    return PowerBalance(balance, total, apparent)
-
-
-def _powers(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> tuple[Array, Array]:
-    """Every term (terms, n) of the balance, and the sum (n,) of the magnitudes of forces times those of velocities [W]."""
-    plane, basis = bodies.plane, known_basis(states)
-    first, second = basis_velocity(plane, basis, states.v), basis_acceleration(plane, basis, states.v, states.a)
-    second[0] = 1.0
-    resisting = product(bodies.forces, second)
-    velocities = product(plane.origins + plane.centers, first)
-    turning = (bodies.inertia @ states.a) * (plane.spin @ states.v)
-    terms = list(-(velocities.conj() * resisting).real - turning)
-    apparent = (np.abs(velocities) * np.abs(resisting) + np.abs(turning)).sum(axis=0)
-    for load in loads:
-        if load.joint:
-            row = plane.point(load.joint - 1, complex(*(plane.frames[load.joint - 1] @ load.point)[:2]))
-            velocity, force = product(row[None], first)[0], to_complex(plane, load.force)
-            terms.append((velocity.conj() * force).real)
-            apparent += np.abs(velocity) * np.abs(force)
-    return np.array(terms), apparent

@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.frozen import read_only
-from ...common.products import product
 from ...common.quantities import Array, ComplexArray
-from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
+from ..body_motion import BodyMotion
+from ..engine import CloseDrivers, ClosedStates, Closure, JointRates
 from ..structure import Structure
 from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import closing, kinematics
-from .bodies import Bodies, build_bodies, energies, power_balance
+from .bodies import Bodies, build_bodies
 from .equations import Equations
-from .model import Plane, build_plane, to_world
+from .model import Plane, build_plane
 
 if TYPE_CHECKING:
     from .balance import Statics
@@ -100,19 +100,8 @@ class PlanarEngine:
 
     # -------------------------------------------------------------------------------------------------------------------- motion
 
-    def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
-        plane, basis = self.plane, self._basis(states)
-        x, y, height = plane.frames[joint - 1] @ point
-        row = plane.point(joint - 1, complex(x, y))
-        position, velocity = row @ basis, row @ kinematics.basis_velocity(plane, basis, states.v)
-        return to_world(plane, position) + (plane.heights[joint - 1] + height) * plane.normal, to_world(plane, velocity)
-
-    def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
-        plane, basis = self.plane, self._basis(states)
-        x, y, height = plane.frames[joint - 1] @ points.T
-        rows = np.array([plane.point(joint - 1, complex(*arm)) for arm in zip(x, y, strict=True)])
-        position = to_world(plane, product(rows, basis)) + (plane.heights[joint - 1] + height)[:, None, None] * plane.normal
-        return position, to_world(plane, product(rows, kinematics.basis_acceleration(plane, basis, states.v, states.a)))
+    def body_motion(self, states: ClosedStates, joints: Sequence[int], accelerations: bool = True) -> BodyMotion:
+        return kinematics.body_motion(self.plane, self._basis(states), states, [joint - 1 for joint in joints], accelerations)
 
     def _basis(self, states: ClosedStates) -> ComplexArray:
         return kinematics.basis_at(self.plane, states.position) if states.basis is None else states.basis
@@ -143,12 +132,6 @@ class PlanarEngine:
         if self.plane.redundant:
             return PinocchioEngine(self.structure).indeterminate(position, axes)
         return indeterminate(self.plane, position, axes), np.zeros(len(self.structure.relations), dtype=bool)
-
-    def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        return power_balance(self.bodies, self._closed(states), loads)
-
-    def energies(self, states: ClosedStates) -> EnergyRates:
-        return energies(self.bodies, self._basis(states), states.v)
 
     def _closed(self, states: ClosedStates) -> ClosedStates:
         """The states with their basis; raises AssemblyError where they leave the loops open."""

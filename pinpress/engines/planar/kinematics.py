@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
+from ..body_motion import BodyMotion
 from ..engine import ClosedStates
 from .model import Plane, to_world
 
@@ -69,3 +72,26 @@ def basis_acceleration(plane: Plane, basis: ComplexArray, v: Array, a: Array | N
             result[row] = along
     factor *= basis[turning]
     return result
+
+
+def body_motion(plane: Plane, basis: ComplexArray, states: ClosedStates, bodies: Sequence[int], accelerations: bool) -> BodyMotion:
+    """Motion of some bodies, counted from 0, in states with this basis (nb, n)."""
+    origins, spin, normal = plane.origins[bodies], plane.spin[bodies], plane.normal[:, None]
+
+    def in_world(vectors: ComplexArray) -> Array:
+        return np.asarray(plane.axes[0][:, None] * vectors.real[:, None] + plane.axes[1][:, None] * vectors.imag[:, None])
+
+    # a vector with components x, y and h in the drawn pose is x + iy times the rotor in the plane, and h along the normal
+    x, y, h = plane.frames[bodies].transpose(1, 0, 2)[..., None, :]
+    (first, second), rotor = plane.axes[..., None], basis[[plane.rotors[body] for body in bodies]][:, None, None]
+    along, across, fixed = first * x + second * y, second * x - first * y, normal * h
+    motion = BodyMotion(
+        rotation=along[..., None] * rotor.real + across[..., None] * rotor.imag + fixed[..., None],
+        origin=in_world(product(origins, basis)) + plane.heights[bodies][:, None, None] * normal,
+        velocity=in_world(product(origins, basis_velocity(plane, basis, states.v))),
+        spin=product(spin, states.v)[:, None] * normal,
+    )
+    if not accelerations:
+        return motion
+    second_derivative = basis_acceleration(plane, basis, states.v, states.a)
+    return motion._replace(acceleration=in_world(product(origins, second_derivative)), turning=product(spin, states.a)[:, None] * normal)

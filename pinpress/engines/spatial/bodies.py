@@ -8,7 +8,6 @@ origin, and moments are taken about the world origin, so that sums over bodies n
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,9 +16,9 @@ from numpy.typing import NDArray
 
 from ...common.frozen import Frozen
 from ...common.quantities import Array
-from ..engine import ClosedStates, EnergyRates, PowerBalance
+from ..body_motion import BodyMotion, by_constants, components_first, cross, turned, turned_back
+from ..engine import ClosedStates
 from ..structure import Structure
-from ..wrenches import AppliedForce
 
 ACROSS = (slice(1, 3), slice(2, None, -2), slice(0, 2))  # the other two axes of a frame, in cyclic order after each
 
@@ -113,10 +112,6 @@ class Velocities(NamedTuple):
     spin: Array
     linear: Array
 
-    def of_point(self, body: int, at: Array) -> Array:
-        """Velocity (3, n) of a body's point that is at world positions (3, n) [m/s]."""
-        return np.asarray(self.linear[body] + cross(self.spin[body], at))
-
 
 class Accelerations(NamedTuple):
     """How the motion of the bodies changes.
@@ -128,38 +123,6 @@ class Accelerations(NamedTuple):
 
     turning: Array
     linear: Array
-
-    def of_point(self, velocities: Velocities, body: int, at: Array) -> Array:
-        """Acceleration (3, n) of a body's point that is at world positions (3, n) [m/s2]."""
-        return np.asarray(self.linear[body] + cross(self.turning[body], at) + cross(velocities.spin[body], velocities.of_point(body, at)))
-
-
-def cross(one: Array, other: Array) -> Array:
-    """The vector product of vectors (..., 3, n)."""
-    shape = np.broadcast_shapes(one.shape, other.shape)
-    result = np.empty(shape) if len(shape) == 2 else components_first(shape[-3], shape[-1], *shape[:-3])
-    less = np.empty((*shape[:-2], shape[-1]))
-    for row, first, second in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        own = result[..., row, :]
-        np.multiply(one[..., first, :], other[..., second, :], out=own)
-        np.multiply(one[..., second, :], other[..., first, :], out=less)
-        own -= less
-    return result
-
-
-def turned(rotation: Array, vectors: Array) -> Array:
-    """Rotations (..., 3, 3, n) times vectors (..., 3, n)."""
-    return np.asarray(np.einsum("...ijn,...jn->...in", rotation, vectors))
-
-
-def turned_back(rotation: Array, vectors: Array) -> Array:
-    """Inverse rotations (..., 3, 3, n) times vectors (..., 3, n)."""
-    return np.asarray(np.einsum("...jin,...jn->...in", rotation, vectors))
-
-
-def components_first(count: int, n: int, *before: int) -> Array:
-    """Room for vectors (..., count, 3, n), in memory with their components first."""
-    return np.empty((*before, 3, count, n)).swapaxes(-3, -2)
 
 
 def placements(bodies: Bodies, x: Array) -> Placements:
@@ -257,58 +220,34 @@ class InertiaForces(NamedTuple):
     couple: Array
 
 
-def inertia_forces(bodies: Bodies, placed: Placements, moved: Velocities, changed: Accelerations, weights: bool = True) -> InertiaForces:
-    """The forces and couples that accelerate the bodies, and with ``weights`` carry them."""
-    rotation, center = placed.rotation[1:], centers(bodies, placed)
+def inertia_forces(bodies: Bodies, placed: Placements, moved: Velocities, changed: Accelerations) -> InertiaForces:
+    """The forces and couples that accelerate and carry the bodies."""
+    rotation = placed.rotation[1:]
+    center = placed.origin[1:] + np.einsum("jikn,jk->jin", rotation, bodies.lever)
     spin, turning = moved.spin[1:], changed.turning[1:]
     force = cross(spin, center)
     force += moved.linear[1:]
     force = cross(spin, force)
     force += cross(turning, center)
     force += changed.linear[1:]
-    if weights:
-        force -= bodies.gravity[:, None]
+    force -= bodies.gravity[:, None]
     force *= bodies.mass[:, None, None]
     own_spin, own_turning = turned_back(rotation, spin), turned_back(rotation, turning)
-    couple = cross(own_spin, _with_constants(bodies.inertia, own_spin))
-    couple += _with_constants(bodies.inertia, own_turning)
+    couple = cross(own_spin, by_constants(bodies.inertia, own_spin))
+    couple += by_constants(bodies.inertia, own_turning)
     return InertiaForces(center, force, turned(rotation, couple))
 
 
-def _with_constants(matrices: Array, vectors: Array) -> Array:
-    """Constant matrices (nv, 3, 3) of all bodies times vectors (nv, 3, n)."""
-    return np.asarray(np.matmul(matrices, vectors, out=components_first(*vectors.shape[::2])))
-
-
-def centers(bodies: Bodies, placed: Placements) -> Array:
-    """World positions (nv, 3, n) of the centres of mass [m]."""
-    return np.asarray(placed.origin[1:] + np.einsum("jikn,jk->jin", placed.rotation[1:], bodies.lever))
-
-
-def energies(bodies: Bodies, states: ClosedStates) -> EnergyRates:
-    """See `Engine`."""
+def body_motion(bodies: Bodies, states: ClosedStates, with_accelerations: bool) -> BodyMotion:
+    """Motion of all bodies, without the frame."""
     placed = placements(bodies, states.position) if states.solved is None else states.solved.equations.placed
-    moved = velocities(bodies, motion_axes(bodies, placed), states.v)
-    center, spin = centers(bodies, placed), turned_back(placed.rotation[1:], moved.spin[1:])
-    velocity = moved.linear[1:] + cross(moved.spin[1:], center)
-    turning = (spin * _with_constants(bodies.inertia, spin)).sum(axis=(0, 1))
-    kinetic = 0.5 * (bodies.mass @ (velocity * velocity).sum(axis=1) + turning)
-    along = bodies.mass[:, None] * bodies.gravity  # weights [N]
-    return EnergyRates(kinetic, -np.einsum("ji,jin->n", along, center), -np.einsum("ji,jin->n", along, velocity))
-
-
-def power_balance(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-    """See `Engine`. The powers are summed body by body."""
-    placed = placements(bodies, states.position)
     axes = motion_axes(bodies, placed)
     moved = velocities(bodies, axes, states.v)
-    needed = inertia_forces(bodies, placed, moved, accelerations(bodies, axes, moved, states.v, states.a), weights=False)
-    velocity, spin = moved.linear[1:] + cross(moved.spin[1:], needed.center), moved.spin[1:]
-    pairs = [((bodies.mass[:, None] * bodies.gravity)[:, :, None], velocity), (-needed.force, velocity), (-needed.couple, spin)]
-    for load in loads:
-        if load.joint:
-            at = placed.point(load.joint, load.point)
-            pairs.append((load.force.T[None], moved.of_point(load.joint, at)[None]))
-    powers = np.concatenate([(force * motion).sum(axis=1) for force, motion in pairs])
-    sizes = [np.sqrt((force * force).sum(axis=1) * (motion * motion).sum(axis=1)) for force, motion in pairs]
-    return PowerBalance(powers.sum(axis=0), np.abs(powers).sum(axis=0), np.concatenate(sizes).sum(axis=0))
+    rotation, origin, spin = placed.rotation[1:], placed.origin[1:], moved.spin[1:]
+    velocity = moved.linear[1:] + cross(spin, origin)
+    if not with_accelerations:
+        return BodyMotion(rotation, origin, velocity, spin)
+    changed = accelerations(bodies, axes, moved, states.v, states.a)
+    turning = changed.turning[1:]
+    acceleration = changed.linear[1:] + cross(turning, origin) + cross(spin, velocity)
+    return BodyMotion(rotation, origin, velocity, spin, acceleration, turning)

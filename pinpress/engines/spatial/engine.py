@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
+from ..body_motion import BodyMotion
+from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, JointRates
 from ..pinocchio.kinematics import redundant
 from ..structure import Structure
 from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
@@ -75,24 +76,9 @@ class SpatialEngine:
 
     # -------------------------------------------------------------------------------------------------------------------- motion
 
-    def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
-        placed = bodies.placements(self.loops.bodies, states.position)
-        moved = bodies.velocities(self.loops.bodies, bodies.motion_axes(self.loops.bodies, placed), states.v)
-        at = placed.point(joint, point)
-        return at.T, moved.of_point(joint, at).T
-
-    def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
-        constants = self.loops.bodies
-        placed = bodies.placements(constants, states.position)
-        axes = bodies.motion_axes(constants, placed)
-        moved = bodies.velocities(constants, axes, states.v)
-        changed = bodies.accelerations(constants, axes, moved, states.v, states.a)
-        at = [placed.point(joint, point) for point in points]
-        shape = (len(points), states.v.shape[1], 3)
-        return (
-            np.array([place.T for place in at]).reshape(shape),
-            np.array([changed.of_point(moved, joint, place).T for place in at]).reshape(shape),
-        )
+    def body_motion(self, states: ClosedStates, joints: Sequence[int], accelerations: bool = True) -> BodyMotion:
+        motion, rows = bodies.body_motion(self.loops.bodies, states, accelerations), [joint - 1 for joint in joints]
+        return BodyMotion(*(values[rows] if values.size else values for values in motion))
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
@@ -110,9 +96,3 @@ class SpatialEngine:
         from .inverse_dynamics import IN_SPACE, indeterminate  # not needed to load
 
         return indeterminate(self.loops, position, axes, IN_SPACE)
-
-    def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        return bodies.power_balance(self.loops.bodies, states, loads)
-
-    def energies(self, states: ClosedStates) -> EnergyRates:
-        return bodies.energies(self.loops.bodies, states)

@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from ...common.frozen import Frozen
 from ...common.products import product
 from ...common.quantities import Array
+from ..body_motion import cross, turned
 from ..engine import PIECE
 from ..friction import REST
 from ..structure import Structure, array_of
 from .blocks import Blocks, build_blocks
-from .bodies import Bodies, Placements, accelerations, build_bodies, cross, displaced, motion_axes, placements, turned, velocities
+from .bodies import Bodies, Placements, accelerations, build_bodies, displaced, motion_axes, placements, velocities
 
 PARALLEL_TO_ROUNDING = 1e-14  # sine of an angle that rounding leaves between parallel axes: an entry as small is zero
 JACOBIANS = 500_000  # entries of the Jacobians of all configurations that are worked through at a time

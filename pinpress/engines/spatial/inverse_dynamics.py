@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
+from ..body_motion import components_first, cross
 from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..friction import FrictionLaw
 from ..rank import RANK
 from ..sharing import Shared, share
 from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
-from .bodies import Placements, accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
+from .bodies import Placements, accelerations, inertia_forces, motion_axes, sum_carried, velocities
 from .closing import PassiveColumns
 from .equations import AT_ONCE, Equations, Kinematics, Loops, loop_turning
 

@@ -182,11 +182,9 @@ class SpaceGeometry:
     def rigid(self, motion: Motion) -> tuple[Array, Array, Array]:
         engine, states = self.press.engine("space"), motion.states(self.press)
         found = [np.zeros((states.v.shape[1], self.size)) for _ in range(3)]
-        for body, joint in enumerate(self.joints):
-            where, speed = engine.point_motion(states, joint, self.lever[body])
-            _, change = engine.point_accelerations(states, joint, self.lever[body][None])
-            for values, value in zip(found, (where, speed, change[0]), strict=True):
-                values[:, 6 * body : 6 * body + 3] = value
+        for values, centers in zip(found, engine.body_motion(states, self.joints).points(self.lever), strict=True):
+            for body, center in enumerate(centers):
+                values[:, 6 * body : 6 * body + 3] = center.T
         for values, value in zip(found, (motion.crank_angle, motion.crank_speed, motion.crank_acceleration), strict=True):
             values[:, -1] = value
         return found[0], found[1], found[2]
