@@ -22,9 +22,10 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.process import Blanking, ForceInterval
 from ..simulation.elastic.description import Elastic, Stiffness
+from ..simulation.elastic.forces import ActingForces
 from ..simulation.elastic.press.assembly import sprung_press
 from ..simulation.elastic.press.sprung_press import BodyState
-from ..simulation.elastic.run import ElasticRun, ElasticSegment, bearing_forces
+from ..simulation.elastic.run import ElasticRun, ElasticSegment
 from ..simulation.elastic.strokes import CRANK_ANGLE, Event
 from ..simulation.elastic.task import ElasticSolution
 from ..simulation.simulate import simulate
@@ -220,7 +221,7 @@ def end_of(solution: ElasticSolution, state: BodyState, evaluations: int | None 
     """The end where the bodies are so."""
     equations, mesh = solution.equations, solution.panels.mesh
     last = np.array([len(equations.segments) - 1])
-    force = bearing_forces(solution, mesh.knots[-1:], last, state)
+    force = ActingForces(equations, mesh.knots[-1:], last, state).in_bearings
     place = equations.paths[0].over(equations.sprung, state).value
     return End(float(place[0]), force[:, 0], evaluations=evaluations)
 

@@ -23,9 +23,10 @@ from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load
 from ..simulation.elastic.contact import OpenPin
 from ..simulation.elastic.description import Elastic
+from ..simulation.elastic.forces import journal_places
 from ..simulation.elastic.press.friction import bodies_of
 from ..simulation.elastic.press.plane import PlaneGeometry
-from ..simulation.elastic.run import ElasticRun, ElasticSegment, bearing_forces, journal_places, segment_of, solution_states
+from ..simulation.elastic.run import ElasticRun, ElasticSegment, segment_of, solution_states
 from ..simulation.elastic.yielding import bearing_number
 from ..simulation.simulate import simulate
 
@@ -198,8 +199,7 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
     first, second = bodies_of(sprung, place)
     rates = at.bodies.rates
     sliding = np.abs(rates[:, 3 * second + 2] - rates[:, 3 * first + 2]) * r
-    forces = bearing_forces(segment.solution, at.times, at.segments, at.bodies)
-    force = np.linalg.norm(forces[place], axis=1)
+    force = np.linalg.norm(at.forces.in_bearings[place], axis=1)
     volume = k / h * float(weights @ (force * sliding))
     return volume / (2 * np.pi * r * w) * 3600 / segment.end
 
@@ -208,14 +208,14 @@ def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) ->
     segment, press = _segment(run), run.problem.driven.press
     pin = _open_pin(segment, press, bearing)
     count, share = segment.steps, np.linspace(0.0, 1.0, PLACES + 1)
-    at = solution_states(segment.solution, np.repeat(np.arange(count), len(share)), np.tile(share, count), None, segment.gain)
-    angle = segment.crank(at)[0]
+    at = solution_states(segment.solution, np.repeat(np.arange(count), len(share)), np.tile(share, count))
+    angle = at.crank[0]
     gone = np.abs(angle - angle[0]) / (2 * np.pi)
     turns = int(np.floor(gone[-1] + 1e-9))
     if turns - settling < 1:
         raise PinpressError(f"the run of {segment.end:g} s has {turns} whole turns: give one with more than {settling}")
     gap = journal_places(segment.solution.equations.sprung, pin, at.bodies)
-    force = np.linalg.norm(bearing_forces(segment.solution, at.times, at.segments, at.bodies)[pin.bearing], axis=1)
+    force = np.linalg.norm(at.forces.in_bearings[pin.bearing], axis=1)
     turn = np.where(gone < turns + 1e-9, np.minimum(gone, turns - 1e-9), gone).astype(int)
     touching = np.abs(gap) > pin.clearance.radial
     rows = []

@@ -225,8 +225,8 @@ class ElasticEquations:
                 damping[some] -= by_rate[:, None, None] * outer
         return SpringForces(force, stiffness, damping)
 
-    def load_forces(self, time: Array, segments: Indices, state: BodyState) -> list[tuple[Array, Array]]:
-        """Of each load its force along its path (n,) [N], and the rate of the path (n,) [m/s]."""
+    def path_forces(self, time: Array, segments: Indices, state: BodyState) -> list[tuple[Array, Array]]:
+        """Of each load, then of each contact, the force along its path (n,) [N], and the rate of the path (n,) [m/s]."""
         found = []
         for number, law in enumerate(self.all_forces):
             path = self.paths[law.row].over(self.sprung, state)

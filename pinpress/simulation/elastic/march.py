@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...common.numerics import radau_rule
 from ...common.quantities import Array
@@ -22,7 +21,7 @@ from .equations import ElasticEquations
 from .panels import Ends, Mesh, PanelSolution, PanelStates, solve
 from .press.drive import TrainEvent, TrainMode
 from .press.sprung_press import Springs, SprungPress
-from .strokes import CRANK_ANGLE, INSTANT, Event, MotionEvent, Phase, Release, Segment, Strokes
+from .strokes import CRANK_ANGLE, INSTANT, Event, MotionEvent, Phase, Release, Segment, crossing
 from .task import FIRST_PANELS, LOOKS, MOST_STEPS, PAST_BORDER, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 
 WINDOW = 6  # panels that are solved at a time on the way from a known state
@@ -59,23 +58,13 @@ class _Passing(NamedTuple):
 
     Attributes:
         time: about which it does [s].
-        border: the border; None: it is a contact's force.
+        event: what happens.
         rise: change of the path there: positive where it rises.
-        force: number of the contact.
-        train: event of the drive train, without a border.
     """
 
     time: float
-    border: Event | None
+    event: MotionEvent
     rise: float = 0.0
-    force: int = -1
-    train: TrainEvent | None = None
-
-    @property
-    def event(self) -> MotionEvent:
-        if self.train is not None:
-            return self.train
-        return Release(self.force) if self.border is None else self.border
 
 
 class _Piece(NamedTuple):
@@ -222,7 +211,7 @@ class _March:
         pushing = [(k, law) for k, law in acting if law.one_sided and law.heeds_velocity]
         contacts = [*pushing, *self.lost.items()]
         joints = [number for number in self.lost if number >= len(strokes.driven.forces) + len(self.task.equations.sprung.open_pins)]
-        telling = telling_steps(strokes, places)
+        telling = strokes.crossed(places)
         telling[1] = True  # it starts on a border
         for _, values in margins:
             telling = np.asarray(telling | (values < 0))
@@ -234,7 +223,7 @@ class _March:
             released = None if any(passed) else self._released(contacts, phase, places[k], rates[k - 1])
             if released is not None:
                 self.phase = phase
-                return _Passing(float(times[k]), None, force=released)
+                return _Passing(float(times[k]), Release(released))
             before_step, phase = phase, strokes.advance(phase, places[k])
             apart = any(before_step.through[number] and not phase.through[number] for number in joints)  # its spring is relaxed
             if apart or strokes.active(phase, places[k], self.time) != self.pieces[-1].segment:
@@ -265,16 +254,15 @@ class _March:
     def _passing(self, times: Array, values: Array, k: int, border: Event) -> _Passing | None:
         """The passage of a border by values (n,) at times (n,) between the last one and number k; None where there is none."""
         before, after = values[k - 1] - border.value, values[k] - border.value
-        if before * after > 0 or before == after:
-            return None
-        return _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * before / (before - after)), border, after - before)
+        share = crossing(before, after)
+        return None if share is None else _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * share), border, after - before)
 
     def _vanishing(self, times: Array, margin: Array, k: int, event: TrainEvent) -> _Passing | None:
         """The event of the drive train whose margin (n,) falls below zero before number k; None where it does not."""
         if margin[k] >= 0 or margin[k - 1] < 0:
             return None
         share = margin[k - 1] / (margin[k - 1] - margin[k])
-        return _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * share), None, train=event)
+        return _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * share), event)
 
     def _margins(self, seen: PanelStates) -> list[tuple[TrainEvent, Array]]:
         """The events that may end the mode of the drive train, each with its margins at the start and at all places of a window."""
@@ -336,25 +324,24 @@ class _March:
 
     def _cross(self, passing: _Passing) -> None:
         """Go on after an event."""
-        if passing.train is not None:
-            self._switch(passing.train)
+        event, places = passing.event, self._places_now()
+        if isinstance(event, TrainEvent):
+            self._switch(event)
             return
-        if passing.border is not None and passing.border.path == CRANK_ANGLE:
-            self.arrived = passing.border.value == self.goal
-            if not self.arrived:
-                self._turn(passing.border.value)
-            return
-        places = self._places_now()
-        if passing.border is None:
-            law = self.pieces[-1].laws[passing.force]
+        if isinstance(event, Release):
+            law = self.pieces[-1].laws[event.force]
             if isinstance(law, ForceInterval):
-                self.lost[passing.force] = law
-            self.phase = self.task.strokes.release(self.phase, passing.force)
+                self.lost[event.force] = law
+            self.phase = self.task.strokes.release(self.phase, event.force)
+        elif event.path == CRANK_ANGLE:
+            self.arrived = event.value == self.goal
+            if not self.arrived:
+                self._turn(event.value)
+            return
         else:
-            beside = np.copysign(PAST_BORDER * self.task.equations.sprung.press.size, passing.rise)
-            places[passing.border.path] = passing.border.value + beside
+            places[event.path] = event.value + np.copysign(PAST_BORDER * self.task.equations.sprung.press.size, passing.rise)
             self.phase = self.task.strokes.advance(self.phase, places)
-        self._begin(passing.event, places)
+        self._begin(event, places)
 
     def _begin(self, event: MotionEvent, places: Array) -> None:
         """Begin a new segment where other forces act."""
@@ -426,7 +413,7 @@ class _March:
         modes = tuple(piece.mode for piece in self.pieces if piece.mode is not None)
         laws = tuple(piece.laws for piece in self.pieces)
         equations = replace(self.task.equations, segments=laws, modes=modes, events=self.events)
-        return ElasticSolution(equations, panels, False, evaluations)
+        return ElasticSolution(equations, panels, None, evaluations)
 
 
 def _acting(segment: Segment) -> tuple[bool, ...]:
@@ -518,9 +505,3 @@ def _press_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: Arr
         own = springs.bearing == pin.bearing
         rest[own] = extension[own] * (pin.clearance.radial / max(float(np.linalg.norm(extension[own])), 1e-300))
     return springs._replace(rest=rest)
-
-
-def telling_steps(strokes: Strokes, places: Array) -> NDArray[np.bool_]:
-    """(n,) whether a path passes a border on its way from one row of places (n, paths) to the next; it is told of the second one."""
-    beyond = np.stack([places[:, border.path] > border.value for border in strokes.borders], axis=1) if strokes.borders else places[:, :0]
-    return np.append(False, (beyond[1:] != beyond[:-1]).any(axis=1))

@@ -16,10 +16,10 @@ from ...common.numerics import radau_rule
 from ...common.quantities import Array
 from ..failures import failure
 from .equations import ElasticEquations
-from .march import cut_to, march, telling_steps
+from .march import cut_to, march
 from .panels import Ends, Indices, Mesh, PanelSolution, newton_step, solve
 from .press.drive import TrainEvent, TrainMode
-from .strokes import CRANK_ANGLE, Event, MotionEvent, Plan, Release
+from .strokes import CRANK_ANGLE, Event, MotionEvent, Plan, Release, crossing
 from .task import FEWEST, FIRST_PANELS, LOOKS, MOST_STEPS, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 
 MIDDLES = (np.arange(LOOKS) + 0.5) / LOOKS  # shares of a panel at which its forces are looked at
@@ -38,7 +38,7 @@ def periodic(task: Task, start: float) -> ElasticSolution:
     # A loose period comes first: it shows whether its events are as planned, and is a near guess if they are.
     guess, tolerance = _rigid_guess(task, plan), (300.0 if told else 1.0) * task.tolerance
     if task.equations.train is not None and task.equations.train.jumps:
-        rigid = ElasticSolution(replace(task.equations, segments=plan.segments, events=plan.events), guess, True, 0)
+        rigid = ElasticSolution(replace(task.equations, segments=plan.segments, events=plan.events), guess, task.gain, 0)
         plan = _observe(task, rigid, start) or plan
         guess = _guess_for(plan, guess)
     for attempt in range(6):  # each with the events that the motion before it had
@@ -126,7 +126,7 @@ def _refine(task: Task, start: float, plan: Plan, guess: PanelSolution, near: bo
             return None
         errors = found.errors()
         if errors.max() <= task.tolerance:
-            return ElasticSolution(equations, found, True, found.steps * errors.size * STAGES)
+            return ElasticSolution(equations, found, task.gain, found.steps * errors.size * STAGES)
         guess = found.onto(_divide(found.mesh, errors, task.tolerance))
     return None
 
@@ -189,39 +189,38 @@ def _observe(task: Task, found: ElasticSolution, start: float) -> Plan | None:
     speeds of the drive's shaft; None where no border tells why."""
     equations, mesh, strokes = found.equations, found.panels.mesh, task.strokes
     seen, ahead = found.panels.sample(MIDDLES), strokes.turnings_ahead(start)
-    times, (places, _) = seen.time, equations.places(seen.time, seen.y, seen.v)
+    places, _ = equations.places(seen.time, seen.y, seen.v)
     angles = equations.whole(seen.time, seen.y, seen.v)[0][:, -1]
     beyond = _beyond_jumps(equations, seen.v)
-    turned, direction = np.searchsorted(ahead, np.abs(angles - start)), float(np.sign(task.speed))
-    phase = strokes.advance(strokes.begin(start + PAST_TURNING * direction), places[0])
-    segments, knots = [strokes.active(phase, places[0])], [float(mesh.knots[0])]
-    events: dict[int, MotionEvent] = {}
-    event: MotionEvent
-    modes, faster = [_mode(task, beyond[0])], beyond > 0
-    telling = telling_steps(strokes, places) | np.append(False, turned[1:] != turned[:-1])
-    for k in np.flatnonzero(telling | np.append(False, (faster[1:] != faster[:-1]).any(axis=1))):
-        turning = start + direction * ahead[turned[k] - 1] if turned[k] != turned[k - 1] else None
-        if turning is not None:
-            phase = strokes.begin(turning + direction * PAST_TURNING)
-        phase = strokes.advance(phase, places[k])
-        segment, mode = strokes.active(phase, places[k]), _mode(task, beyond[k])
-        if segment == segments[-1] and mode == modes[-1]:
+    passed, direction = np.searchsorted(ahead, np.abs(angles - start)), float(np.sign(task.speed))
+    changed = strokes.crossed(places)
+    changed[1:] |= (passed[1:] != passed[:-1]) | ((beyond[1:] > 0) != (beyond[:-1] > 0)).any(axis=1)
+    rows = [0, *(int(k) for k in np.flatnonzero(changed))]
+    turnings = {i: start + direction * ahead[passed[k] - 1] for i, k in enumerate(rows) if k and passed[k] != passed[k - 1]}
+    past = {i: angle + direction * PAST_TURNING for i, angle in turnings.items()}
+    acting = strokes.along(start + PAST_TURNING * direction, places[rows], past)
+    driving = [_mode(task, beyond[k]) for k in rows]
+    segments, modes, knots, events = [acting[0]], [driving[0]], [float(mesh.knots[0])], dict[int, MotionEvent]()
+    for i in range(1, len(rows)):
+        k, event, share = rows[i], None, None
+        if driving[i] != modes[-1]:
+            jump = int(np.argmax((beyond[k] > 0) != (beyond[k - 1] > 0)))
+            event, share = TrainEvent("jumps", number=jump), crossing(beyond[k - 1, jump], beyond[k, jump])
+        elif acting[i] == segments[-1]:
             continue
-        if mode != modes[-1]:
-            jump = int(np.argmax(faster[k] != faster[k - 1]))
-            share_before, event = beyond[k - 1, jump] / (beyond[k - 1, jump] - beyond[k, jump]), TrainEvent("jumps", number=jump)
-        elif turning is not None:
-            share_before, event = (turning - angles[k - 1]) / (angles[k] - angles[k - 1]), Event(CRANK_ANGLE, turning)
+        elif i in turnings:
+            event, share = Event(CRANK_ANGLE, turnings[i]), crossing(angles[k - 1] - turnings[i], angles[k] - turnings[i])
         else:
-            passed = [border for border in strokes.borders if _between(places[k - 1, border.path], border.value, places[k, border.path])]
-            if not passed:
-                return None
-            before, after = places[k - 1, passed[0].path], places[k, passed[0].path]
-            share_before, event = (passed[0].value - before) / (after - before), Event(*passed[0])
+            for event in strokes.borders:
+                share = crossing(places[k - 1, event.path] - event.value, places[k, event.path] - event.value)
+                if share is not None:
+                    break
+        if event is None or share is None:
+            return None
         events[len(knots)] = event
-        knots.append(float(times[k - 1] + share_before * (times[k] - times[k - 1])))
-        segments.append(segment)
-        modes.append(mode)
+        knots.append(float(seen.time[k - 1] + share * (seen.time[k] - seen.time[k - 1])))
+        segments.append(acting[i])
+        modes.append(driving[i])
     return Plan(tuple(segments), events, np.array([*knots, mesh.knots[-1]]), tuple(mode for mode in modes if mode is not None))
 
 
@@ -237,10 +236,6 @@ def _mode(task: Task, beyond: Array) -> TrainMode | None:
     """Mode of a drive train beyond (jumps,) the speeds at which its torque jumps; None where the crank is held."""
     train = task.equations.train
     return None if train is None else train.engaged._replace(faster=tuple(bool(each > 0) for each in beyond))
-
-
-def _between(before: float, value: float, after: float) -> bool:
-    return (before - value) * (after - value) <= 0 and before != after
 
 
 def _alike(one: Plan, other: Plan) -> bool:

@@ -7,28 +7,27 @@ bearings. Slide position, velocity and acceleration are those of the slide on it
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
 
 from ...common.frozen import FrozenMapping, NamedArrays, read_only
-from ...common.quantities import Array, ComplexArray
-from ...engines.planar.model import to_world
+from ...common.quantities import Array
 from ...kinematics.cycle import motion_through_change_points
 from ...kinematics.motion import Motion
 from ..driven_press import WorkOfForce
 from ..failures import failure
 from ..law_trials import confirm_torques
-from ..run import Run, Stats, allowed_error, energy_error
+from ..run import Run, Stats, energy_error
 from ..solvers import SimulationProblem
 from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
-from .contact import OpenPin
 from .description import Elastic
+from .equations import Driving
+from .forces import ActingForces
 from .panels import Indices
-from .press.paths import NEAREST
-from .press.sprung_press import BodyState, SprungPress
+from .press.sprung_press import BodyState
 from .task import ElasticSolution
 
 FINE = 24  # parts of a panel at whose ends extremes are looked for, and of the two parts about one of them
@@ -152,14 +151,12 @@ class ElasticSegment:
         solution: the motion.
         first: time of the solution at which the segment begins [s]; a periodic solution goes on at its start.
         end: time of the segment's end [s].
-        gain: (2 f,) what coordinates and rates gain in a period.
         angle: of the crank at the segment's start, which may lie whole periods from that of the solution [rad].
     """
 
     solution: ElasticSolution
     first: float
     end: float
-    gain: Array
     angle: float
 
     start = 0.0
@@ -185,54 +182,46 @@ class ElasticSegment:
 
     @property
     def travelled(self) -> float:
-        return abs(float(np.diff(self.crank(self.states(np.array([0.0, self.end])))[0])[0]))
+        return abs(float(np.diff(self.states(np.array([0.0, self.end])).crank[0])[0]))
 
     @property
     def fastest(self) -> float:
-        return float(np.abs(self.crank(self.states(self.borders))[1]).max())
+        return float(np.abs(self.states(self.borders).crank[1]).max())
 
     def states(self, times: Array) -> SolutionStates:
         """States at times (n,) of the segment."""
         mesh = self.solution.panels.mesh
         begin, until = mesh.knots[0], mesh.knots[-1]
         own = self.first + times
-        turns = np.floor((own - begin) / (until - begin) - 1e-12).clip(0) if self.solution.periodic else np.zeros(len(times))
+        turns = np.floor((own - begin) / (until - begin) - 1e-12).clip(0) if self.solution.gain is not None else np.zeros(len(times))
         own = own - turns * (until - begin)
         panel = np.clip(np.searchsorted(mesh.start, own, side="right") - 1, 0, len(mesh.start) - 1)
         share = (own - mesh.start[panel]) / mesh.length[panel]
-        return solution_states(self.solution, panel, share, turns, self.gain)
-
-    def crank(self, at: SolutionStates) -> tuple[Array, Array]:
-        """Angle and speed (n,) of the crank."""
-        geometry = self.solution.equations.sprung.geometry
-        return geometry.crank(at.bodies.coordinates), geometry.crank(at.bodies.rates)
+        return solution_states(self.solution, panel, share, turns)
 
     def at(self, times: Array, complete: bool = True) -> Sample:
         return self.sample(self.states(times))
 
     def sample(self, at: SolutionStates) -> Sample:
         """What a trajectory gives at states."""
-        (angle, speed), equations = self.crank(at), self.solution.equations
-        acceleration = equations.sprung.geometry.crank(equations.sprung.all_rates(at.whole_acceleration))
-        driving = equations.driving(at.times, at.y, at.v, at.a, at.segments, at.bodies)
-        angle = angle + self._whole_periods
-        states = equations.drive_states(at.v)
-        driven = driving.torque, driving.motor, driving.speed, states
+        (angle, speed, acceleration), driving = at.crank, at.driving
+        states = self.solution.equations.drive_states(at.v)
+        angle, driven = angle + self._whole_periods, (driving.torque, driving.motor, driving.speed, states)
         return Sample(angle[None], speed[None], acceleration[None], *driven, self.integrals(at))
 
     @cached_property
     def _whole_periods(self) -> float:
         """Angle (of whole periods) by which the crank angles of the solution differ from those of the segment [rad]."""
-        own = float(self.crank(self.states(np.zeros(1)))[0][0])
-        return float(np.round((self.angle - own) / (2 * np.pi)) * 2 * np.pi)
+        first = float(self.states(np.zeros(1)).crank[0][0])
+        return float(np.round((self.angle - first) / (2 * np.pi)) * 2 * np.pi)
 
     @cached_property
     def _powers(self) -> tuple[Array, Array]:
         """Powers (p, s, 4) of the `INTEGRALS` at all points of the panels, and their integrals (p + 1, 4) from the solution's start."""
         panels = self.solution.panels
         count, stages = panels.accelerations.shape[:2]
-        at = solution_states(self.solution, np.repeat(np.arange(count), stages), np.tile(panels.rule.points, count), None, self.gain)
-        powers = _powers(self.solution, at).T.reshape(count, stages, len(INTEGRALS))
+        at = solution_states(self.solution, np.repeat(np.arange(count), stages), np.tile(panels.rule.points, count))
+        powers = at.powers().T.reshape(count, stages, len(INTEGRALS))
         gains = panels.mesh.length[:, None] * np.einsum("s,psk->pk", panels.rule.integrate[-1], powers)
         return powers, np.concatenate([np.zeros((1, len(INTEGRALS))), np.cumsum(gains, axis=0)])
 
@@ -249,9 +238,10 @@ class ElasticSegment:
 
 @dataclass(frozen=True, eq=False)
 class SolutionStates:
-    """States of a solution.
+    """States of a solution, with what a run reports of them.
 
     Attributes:
+        solution: the motion.
         panel: (n,) panels.
         share: (n,) places on them.
         turns: (n,) periods before them.
@@ -264,6 +254,7 @@ class SolutionStates:
         whole_acceleration: (n, f) of the free coordinates.
     """
 
+    solution: ElasticSolution
     panel: Indices
     share: Array
     turns: Array
@@ -275,37 +266,74 @@ class SolutionStates:
     bodies: BodyState
     whole_acceleration: Array
 
+    @cached_property
+    def forces(self) -> ActingForces:
+        """Forces on the bodies."""
+        return ActingForces(self.solution.equations, self.times, self.segments, self.bodies)
 
-def solution_states(solution: ElasticSolution, panel: Indices, share: Array, turns: Array | None, gain: Array) -> SolutionStates:
+    @cached_property
+    def driving(self) -> Driving:
+        """What turns the crank."""
+        return self.solution.equations.driving(self.times, self.y, self.v, self.a, self.segments, self.bodies)
+
+    @cached_property
+    def crank(self) -> tuple[Array, Array, Array]:
+        """Angle, speed and acceleration (n,) of the crank."""
+        sprung = self.solution.equations.sprung
+        values = self.bodies.coordinates, self.bodies.rates, sprung.all_rates(self.whole_acceleration)
+        angle, speed, acceleration = map(sprung.geometry.crank, values)
+        return angle, speed, acceleration
+
+    def slide(self) -> Array:
+        """Position, velocity and acceleration (n, 3) of the slide on its springs."""
+        sprung = self.solution.equations.sprung
+        path, rates = self.solution.equations.paths[0].over(sprung, self.bodies), sprung.free_rates(self.bodies.rates)
+        bent = np.einsum("nf,nfg,ng->n", rates, path.bend, rates)
+        acceleration = np.einsum("nf,nf->n", path.gradient, self.whole_acceleration) + bent
+        return np.stack([path.value, path.rate, acceleration], axis=1)
+
+    def powers(self) -> Array:
+        """(4, n) rates of the `INTEGRALS`."""
+        rates = np.zeros((len(INTEGRALS), len(self.times)))
+        rates[DRIVE_WORK], rates[MOTOR_SQUARED] = self.driving.torque * self.driving.speed, self.driving.motor**2
+        rates[LOAD_WORK], rates[LOST] = self.forces.work_on_loads(), self.forces.lost_power() + self.driving.lost
+        return rates
+
+    def energies(self) -> tuple[Array, Array]:
+        """Kinetic energy (n,) with the flywheel's, and that of springs and weights (n,) [J]."""
+        equations, sprung = self.solution.equations, self.solution.equations.sprung
+        shaft = equations.shaft_speed(self.times, self.y, self.v)
+        kinetic = sprung.geometry.kinetic_energy(self.bodies) + equations.driven.inertia * shaft**2 / 2
+        return kinetic, sprung.stored_energy(self.bodies)
+
+    def outer_less_inertia(self) -> Array:
+        """Sum (n, 3) of weights and forces from outside less the inertia forces of all bodies that move [N]."""
+        equations = self.solution.equations
+        outside = [coordinate.force for coordinate in equations.driven.coordinates if isinstance(coordinate, WorkOfForce)]
+        return np.asarray(sum(outside, equations.sprung.weight_less_inertia(self.whole_acceleration)))
+
+    def shaking_force(self) -> Array:
+        """Force (n, 3) on the frame: all weights and forces from outside less the inertia forces of all bodies but the frame [N]."""
+        sprung, force = self.solution.equations.sprung, self.outer_less_inertia()
+        if sprung.geometry.base is not None:
+            force = force - sprung.weight_less_inertia(self.whole_acceleration, sprung.geometry.base)
+        model = sprung.press.model
+        return np.asarray(force + model.inertias[0].mass * model.gravity.linear)
+
+
+def solution_states(solution: ElasticSolution, panel: Indices, share: Array, turns: Array | None = None) -> SolutionStates:
     """States at shares (n,) of panels (n,), some periods (n,) after the first."""
     mesh, equations = solution.panels.mesh, solution.equations
     _, _, times, segments, y, v, a = solution.panels.states_at(panel, share)
     passed = np.zeros(len(panel)) if turns is None else turns
     free, rates = equations.whole(times, y, v)
-    if turns is not None and turns.any():
-        period = mesh.knots[-1] - mesh.knots[0]
-        held = () if equations.crank is None else (equations.crank.speed * period,)
-        free = free + passed[:, None] * np.concatenate([gain[equations.own : y.shape[1]], held])
+    if passed.any():
+        assert solution.gain is not None
+        held = () if equations.crank is None else (equations.crank.speed * (mesh.knots[-1] - mesh.knots[0]),)
+        free = free + passed[:, None] * np.concatenate([solution.gain[equations.own : y.shape[1]], held])
     accelerations = a[:, equations.own :] if equations.crank is None else np.column_stack([a, np.zeros(len(a))])
-    return SolutionStates(panel, share, passed, times, segments, y, v, a, equations.sprung.state(free, rates), accelerations)
-
-
-def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
-    """(4, n) rates of the `INTEGRALS`."""
-    equations, sprung = solution.equations, solution.equations.sprung
-    driven, nothing = equations.driven, np.zeros(len(at.times))
-    driving = equations.driving(at.times, at.y, at.v, at.a, at.segments, at.bodies)
-    found = np.zeros((len(INTEGRALS), len(at.times)))
-    found[DRIVE_WORK], found[MOTOR_SQUARED] = driving.torque * driving.speed, driving.motor**2
-    found[LOST] = sprung.lost_power(at.bodies) + driving.lost
-    if equations.friction is not None:
-        found[LOST] += equations.friction.lost_power(at.bodies)
-    powers = [force * rate for force, rate in equations.load_forces(at.times, at.segments, at.bodies)]
-    loads = len(driven.forces)
-    found[LOAD_WORK], found[LOST] = -sum(powers[:loads], nothing), found[LOST] - sum(powers[loads:], nothing)
-    for each in sprung.joint_motions(at.bodies):  # what the springs of their members take is not lost
-        found[LOST] += each.joint.spring_force(each.extension) * each.rate
-    return found
+    bodies = equations.sprung.state(free, rates)
+    return SolutionStates(solution, panel, share, passed, times, segments, y, v, a, bodies, accelerations)
 
 
 def segment_of(run: ElasticRun) -> ElasticSegment:
@@ -327,14 +355,14 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, points: int
     Raises:
         SimulationError: the energy does not balance.
     """
-    press, solution = problem.driven.press, segment.solution
-    sprung, trajectory = solution.equations.sprung, Trajectory([segment])
+    press, trajectory = problem.driven.press, Trajectory([segment])
+    solution, sprung = segment.solution, segment.solution.equations.sprung
     times = np.linspace(0.0, segment.end, points)
     at = segment.states(times)
     sample = segment.sample(at)
     motion = motion_through_change_points(press, sample.position[0], sample.speed[0], sample.acceleration[0], times)
     confirm_torques(problem.driven.drive, times, sample.position[0], sample.drive_speed, sample.drive_torque)
-    forces = bearing_forces(solution, at.times, at.segments, at.bodies)
+    base = sprung.geometry.base
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
     stats = Stats(
@@ -355,100 +383,16 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, points: int
         problem=problem,
         trajectory=trajectory,
         displacement=read_only(sprung.geometry.displacement(at.bodies.coordinates, motion)),
-        bearing_force=NamedArrays(press.bearings, forces),
-        joint_load=FrozenMapping(_joint_loads(solution, at.times, at.segments, at.bodies)),
-        shaking_force=read_only(_shaking_force(solution, at.whole_acceleration)),
-        floor_force=_floor_force(solution, at.whole_acceleration),
-        frame_motion=_frame_motion(solution, at.bodies.coordinates),
-        decay_per_stroke=solution.decay if solution.periodic else None,
+        bearing_force=NamedArrays(press.bearings, at.forces.in_bearings),
+        joint_load=FrozenMapping(at.forces.joint_loads()),
+        shaking_force=read_only(at.shaking_force()),
+        floor_force=None if base is None else read_only(at.outer_less_inertia()),
+        frame_motion=None if base is None else read_only(at.bodies.coordinates[:, 3 * base : 3 * base + 3].copy()),
+        decay_per_stroke=None if solution.gain is None else solution.decay,
         elastic=sprung.elastic,
-        _on_springs=_slide(solution, at),
+        _on_springs=read_only(at.slide()),
         _extremes=_extremes(segment),
     )
-
-
-def bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, state: BodyState) -> Array:
-    """Forces (bearings, n, 3) in world axes, parent on child, or link1 on link2 [N]."""
-    sprung = solution.equations.sprung
-    found, friction = sprung.bearing_forces(state), solution.equations.friction
-    if friction is not None:
-        for number, along in friction.along_guides(state).items():
-            found[number] += along
-    if not sprung.open_pins and not sprung.open_joints:
-        return found
-    contacts = _contact_forces(solution, times, segments, state)
-    for pin, force in zip(sprung.open_pins, contacts, strict=False):
-        gap = journal_places(sprung, pin, state)
-        found[pin.bearing] = to_world(sprung.geometry.plane, -force * gap / np.maximum(np.abs(gap), NEAREST))
-    for each, force in zip(sprung.joint_motions(state), _joint_forces(sprung, contacts), strict=True):
-        if each.joint.bearing >= 0:
-            found[each.joint.bearing] += force[:, None] * each.along
-    return found
-
-
-def _contact_forces(solution: ElasticSolution, times: Array, segments: Indices, state: BodyState) -> list[Array]:
-    """Forces (n,) of all contacts along their paths [N]."""
-    found = solution.equations.load_forces(times, segments, state)
-    return [force for force, _ in found[len(solution.equations.driven.forces) :]]
-
-
-def _joint_forces(sprung: SprungPress, contacts: Sequence[Array]) -> list[Array]:
-    """Of each preloaded joint the force (n,) of both members along its extension, of the forces (n,) of all contacts [N]."""
-    members = contacts[len(sprung.open_pins) :]
-    return [loaded + relieved for loaded, relieved in zip(members[::2], members[1::2], strict=True)]
-
-
-def _joint_loads(solution: ElasticSolution, times: Array, segments: Indices, state: BodyState) -> dict[str, Array]:
-    """Load (n,) of each part with a preloaded joint, the mean where it yields at two bearings [N]."""
-    sprung, found = solution.equations.sprung, dict[str, list[Array]]()
-    if not sprung.open_joints:
-        return {}
-    contacts = _contact_forces(solution, times, segments, state)
-    for each, force in zip(sprung.joint_motions(state), _joint_forces(sprung, contacts), strict=True):
-        found.setdefault(each.joint.name, []).append(each.pull - force)
-    return {name: np.mean(pulls, axis=0) for name, pulls in found.items()}
-
-
-def journal_places(sprung: SprungPress, pin: OpenPin, state: BodyState) -> ComplexArray:
-    """Centre (n,) of the second side of a pin from that of its first side, in the axes of the plane [m]."""
-    one, two = (sprung.geometry.point(state, body, arm).place @ (1.0, 1j) for body, arm in zip(pin.bodies, pin.arms, strict=True))
-    return np.asarray(two - one)
-
-
-def _shaking_force(solution: ElasticSolution, accelerations: Array) -> Array:
-    """Force (n, 3) on the frame: all weights and forces from outside less the inertia forces of all bodies [N]."""
-    model, sprung, found = solution.equations.driven.press.model, solution.equations.sprung, _force_of_all(solution, accelerations)
-    if sprung.geometry.base is not None:
-        found = found - sprung.weight_less_inertia(accelerations, sprung.geometry.base)
-    return np.asarray(found + model.inertias[0].mass * model.gravity.linear)
-
-
-def _floor_force(solution: ElasticSolution, accelerations: Array) -> Array | None:
-    """Force (n, 3) of the mounts on the floor [N]; None where the frame is fixed."""
-    if solution.equations.sprung.geometry.base is None:
-        return None
-    return read_only(_force_of_all(solution, accelerations))
-
-
-def _force_of_all(solution: ElasticSolution, accelerations: Array) -> Array:
-    """Sum (n, 3) of weights and forces from outside less the inertia forces of all bodies that move [N]."""
-    outside = [each.force for each in solution.equations.driven.coordinates if isinstance(each, WorkOfForce)]
-    return np.asarray(sum(outside, solution.equations.sprung.weight_less_inertia(accelerations)))
-
-
-def _frame_motion(solution: ElasticSolution, coordinates: Array) -> Array | None:
-    """Displacement of the frame's centre of mass along the axes of the plane, and its turn (n, 3); None where the frame is fixed."""
-    base = solution.equations.sprung.geometry.base
-    return None if base is None else read_only(coordinates[:, 3 * base : 3 * base + 3].copy())
-
-
-def _slide(solution: ElasticSolution, at: SolutionStates) -> Array:
-    """Position, velocity and acceleration (n, 3) of the slide on its springs."""
-    sprung = solution.equations.sprung
-    path, rates = solution.equations.paths[0].over(sprung, at.bodies), sprung.free_rates(at.bodies.rates)
-    bent = np.einsum("nf,nfg,ng->n", rates, path.bend, rates)
-    acceleration = np.einsum("nf,nf->n", path.gradient, at.whole_acceleration) + bent
-    return read_only(np.stack([path.value, path.rate, acceleration], axis=1))
 
 
 def _audit(segment: ElasticSegment, tolerance: float) -> float:
@@ -457,18 +401,15 @@ def _audit(segment: ElasticSegment, tolerance: float) -> float:
     Raises:
         SimulationError: the energy does not balance.
     """
-    solution, panels = segment.solution, segment.solution.panels
-    equations, sprung = solution.equations, solution.equations.sprung
-    count = len(panels.mesh.start)
-    at = solution_states(solution, np.append(np.arange(count), count - 1), np.append(np.zeros(count), 1.0), None, segment.gain)
-    shaft = equations.shaft_speed(at.times, at.y, at.v)
-    kinetic = sprung.geometry.kinetic_energy(at.bodies) + equations.driven.inertia * shaft**2 / 2
-    _, works = segment._powers
-    error = energy_error(kinetic, sprung.stored_energy(at.bodies), *works[:, [DRIVE_WORK, LOAD_WORK, LOST]].T)
+    count, (_, works) = segment.steps, segment._powers
+    at = solution_states(segment.solution, np.append(np.arange(count), count - 1), np.append(np.zeros(count), 1.0))
+    error = energy_error(*at.energies(), *works[:, [DRIVE_WORK, LOAD_WORK, LOST]].T)
     largest = float(error.max())
-    if not largest <= allowed_error(tolerance):
+    # Coordinates that are wrong by a share of the deflection change the energy of springs by about twice that share; at the ends of panels
+    # they are far better. Up to a millionth is accepted of all runs, rigid ones too.
+    if not largest <= max(1e-6, tolerance):
         worst = int(error.argmax())
-        raise failure("unbalanced", float(at.times[worst]), float(segment.crank(at)[0][worst]))
+        raise failure("unbalanced", float(at.times[worst]), float(at.crank[0][worst]))
     return largest
 
 
@@ -477,18 +418,16 @@ def _extremes(segment: ElasticSegment) -> Extremes:
     solution, names = segment.solution, segment.solution.equations.driven.press.bearings
 
     def all_values(panel: Indices, share: Array) -> Array:
-        """Slide position, pull on the slide, and size of each bearing's force, (2 + bearings, n)."""
-        at = solution_states(solution, panel, share, None, segment.gain)
-        forces = bearing_forces(solution, at.times, at.segments, at.bodies)
-        return np.stack([-_slide(solution, at)[:, 0], _pull_on_slide(solution, forces), *np.linalg.norm(forces, axis=2)])
+        """Depth of the slide, pull on it, and size of each bearing's force, (2 + bearings, n)."""
+        at = solution_states(solution, panel, share)
+        return np.stack([-at.slide()[:, 0], at.forces.on_slide(), *np.linalg.norm(at.forces.in_bearings, axis=2)])
 
-    found = _largest(all_values, len(solution.panels.mesh.start))
-    deep = solution_states(solution, np.array([found[0][1]]), np.array([found[0][2]]), None, segment.gain)
+    (depth, panel, share), (pull, _, _), *peaks = _largest(all_values, segment.steps)
     return Extremes(
-        deepest=-found[0][0],
-        deepest_angle=float(segment.crank(deep)[0][0]),
-        reverse_force=max(0.0, found[1][0]),
-        peaks=FrozenMapping({name: value for name, (value, _, _) in zip(names, found[2:], strict=True)}),
+        deepest=-depth,
+        deepest_angle=float(solution_states(solution, np.array([panel]), np.array([share])).crank[0][0]),
+        reverse_force=max(0.0, pull),
+        peaks=FrozenMapping({name: value for name, (value, _, _) in zip(names, peaks, strict=True)}),
         events=_events(segment),
     )
 
@@ -528,23 +467,9 @@ def _events(segment: ElasticSegment) -> tuple[tuple[float, float, float], ...]:
     for knot in solution.equations.events or {}:
         if knot == len(solution.equations.segments):  # the end of a period
             continue
-        there = solution_states(solution, np.array([int(np.searchsorted(mesh.segment, knot))]), np.zeros(1), None, segment.gain)
+        there = solution_states(solution, np.array([int(np.searchsorted(mesh.segment, knot))]), np.zeros(1))
         time = float(there.times[0]) - segment.first
-        if solution.periodic:
+        if solution.gain is not None:
             time %= float(mesh.knots[-1] - mesh.knots[0])
-        found.append((time, float(segment.at(np.array([time])).position[0, 0]), float(_slide(solution, there)[0, 0])))
+        found.append((time, float(segment.at(np.array([time])).position[0, 0]), float(there.slide()[0, 0])))
     return tuple(sorted(found))
-
-
-def _pull_on_slide(solution: ElasticSolution, forces: Array) -> Array:
-    """Force (n,) of the pins on the slide along its direction [N], of the forces of all bearings (bearings, n, 3)."""
-    press = solution.equations.driven.press
-    slide, joints, found = press.slide_guide.joint + 1, press.model.nv, np.zeros(forces.shape[1])
-    for number, force in enumerate(forces):
-        if number < joints and not press.axes[number].turns:
-            continue
-        loop = None if number < joints else press.loops[number - joints]
-        first, second = (press.model.parents[number + 1], number + 1) if loop is None else (loop.joint1, loop.joint2)
-        if slide in (first, second):
-            found += force @ press.slide_direction * (1.0 if second == slide else -1.0)
-    return found

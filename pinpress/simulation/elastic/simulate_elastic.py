@@ -73,7 +73,7 @@ def elastic_steady_state(
         raise failure("unstable stroke", decay=solution.decay)
     segment = _from_angle(solution, task, start, angle)
     first = segment.states(np.zeros(1))
-    problem = SimulationProblem(driven, "elastic", np.array([angle]), segment.crank(first)[1], segment.end, tolerance)
+    problem = SimulationProblem(driven, "elastic", np.array([angle]), first.crank[1], segment.end, tolerance)
     return elastic_run(problem, segment, state_count(points, abs(task.speed) * task.period / (2 * np.pi)), began)
 
 
@@ -89,7 +89,7 @@ def _from_angle(solution: ElasticSolution, task: Task, start: float, angle: floa
         for _ in range(6):  # Newton's method, from a place on the right panel
             y, v, _ = solution.panels.at(np.array([first]))
             first = min(max(first - float((abs(y[0, -1] - start) - ahead) / abs(v[0, -1])), 0.0), period)
-    return ElasticSegment(solution, first, period, task.gain, angle)
+    return ElasticSegment(solution, first, period, angle)
 
 
 def elastic_simulation(
@@ -110,7 +110,7 @@ def elastic_simulation(
     if driven.prescribed is None:
         task = _free(task, None, task.tolerance / problem.tolerance)._replace(begins=begins / speed)
     solution = march(task, start, resting(task, start), until, progress=progress)
-    segment = ElasticSegment(solution, 0.0, until, task.gain, angle)
+    segment = ElasticSegment(solution, 0.0, until, angle)
     return elastic_run(replace(problem, method="elastic"), segment, state_count(points, segment.travelled / (2 * np.pi)), began)
 
 

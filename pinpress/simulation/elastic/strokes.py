@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
@@ -156,34 +157,41 @@ class Strokes:
         """The phase once the force of a contact vanishes, or comes back before its bodies are apart."""
         return Phase(phase.rising, tuple(over != (k == number) for k, over in enumerate(phase.through)))
 
+    def along(self, start: float, places: Array, turned: Mapping[int, float]) -> list[Segment]:
+        """The intervals that act at successive rows of places (n, paths), of a stroke that begins at a crank angle; ``turned``: the rows
+        before which the rigid slide has turned, with crank angles past that."""
+        phase, segments = self.begin(start), []
+        for row, values in enumerate(places):
+            phase = self.advance(self.begin(turned[row]) if row in turned else phase, values)
+            segments.append(self.active(phase, values))
+        return segments
+
     def plan(self, start: float) -> Plan:
         """The segments of a period of the rigid press from a crank angle on, at which it turns or no load acts."""
         period = self.driven.model.period
         assert period is not None
-        found: list[tuple[float, Event | None]] = [(at, None) for at in self.turnings_ahead(start)]
-        for each in self.borders:
-            if each.path >= len(self.driven.coordinates):
-                continue
-            angles = self.driven.model.roots(COORDINATES + each.path, each.value)
-            found += [(self._ahead(angle, start), each) for angle in angles]
-        found = sorted((one for one in found if AT_START < one[0] < period - AT_START), key=lambda one: one[0])
-        ends = [*(at for at, _ in found[1:]), period] if found else []
-        first = found[0][0] if found else period
-        phase = self.begin(start + 0.5 * self.direction * first)
-        segments, knots = [self.active(phase, self.places(start + 0.5 * self.direction * first))], [0.0]
+        stops: list[tuple[float, Event | None]] = [(ahead, None) for ahead in self.turnings_ahead(start)]
+        for border in self.borders:
+            if border.path < len(self.driven.coordinates):
+                angles = self.driven.model.roots(COORDINATES + border.path, border.value)
+                stops += [(self._ahead(angle, start), border) for angle in angles]
+        stops = sorted((stop for stop in stops if AT_START < stop[0] < period - AT_START), key=lambda stop: stop[0])
+        ends = np.array([0.0, *(ahead for ahead, _ in stops), period])
+        middles = start + 0.5 * self.direction * (ends[:-1] + ends[1:])
+        turned = {row: middles[row] for row, (_, border) in enumerate(stops, 1) if border is None}
+        segments = self.along(middles[0], np.array([self.places(middle) for middle in middles]), turned)
+        changes = [row for row in range(1, len(segments)) if segments[row] != segments[row - 1]]
         events: dict[int, MotionEvent] = {}
-        for (at, border), end in zip(found, ends, strict=True):
-            middle = start + 0.5 * self.direction * (at + end)
-            places = self.places(middle)
-            phase = self.begin(middle) if border is None else self.advance(phase, places)
-            segment = self.active(phase, places)
-            if segment == segments[-1]:
-                continue
-            angle = start + self.direction * at
-            events[len(knots)] = Event(CRANK_ANGLE, angle) if border is None else border
-            knots.append(at)
-            segments.append(segment)
-        return Plan(tuple(segments), events, np.array([*knots, period]))
+        for knot, row in enumerate(changes, 1):
+            ahead, border = stops[row - 1]
+            events[knot] = border or Event(CRANK_ANGLE, start + self.direction * ahead)
+        return Plan(tuple(segments[row] for row in (0, *changes)), events, ends[[0, *changes, -1]])
+
+    def crossed(self, places: Array) -> NDArray[np.bool_]:
+        """(n,) whether a path passes a border on its way to a row of places (n, paths) from the one before."""
+        paths, values = [border.path for border in self.borders], [border.value for border in self.borders]
+        beyond = places[:, paths] > np.array(values)
+        return np.append(False, (beyond[1:] != beyond[:-1]).any(axis=1))
 
     def turnings_ahead(self, start: float) -> Array:
         """How far the crank turns from ``start`` to each turning of a period, rising; one at the start itself is left out [rad]."""
@@ -216,6 +224,11 @@ class Plan(NamedTuple):
     def jumps(self) -> bool:
         """Whether the torque of the drive jumps."""
         return any(isinstance(event, TrainEvent) for event in self.events.values())
+
+
+def crossing(before: float, after: float) -> float | None:
+    """Share of the way at which what goes evenly from one value to another is zero; None where it is not."""
+    return None if before * after > 0 or before == after else before / (before - after)
 
 
 def _span(force: GeneralizedForce, time: float) -> TimeSpan:

@@ -32,13 +32,13 @@ class ElasticSolution:
     Attributes:
         equations: with the forces and events of the segments.
         panels: the motion.
-        periodic: whether it is a period.
+        gain: (2 f,) what coordinates and rates gain in its period; None: it is no period.
         evaluations: of the forces at one state, that the last panels took.
     """
 
     equations: ElasticEquations
     panels: PanelSolution
-    periodic: bool
+    gain: Array | None
     evaluations: int
 
     @property
