@@ -26,7 +26,6 @@ from ..engines.engine import Engine
 from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import MOST_IN_TITLE, Motion
 from ..linkage.linkage import Linkage
-from ..linkage.planarity import planarity
 from ..loads.link import Friction, Load
 from . import applied_loads
 from .shaking import shaking
@@ -171,7 +170,7 @@ class Reactions(Tabular):
 
     @cached_property
     def indeterminate_axes(self) -> Array:
-        return read_only(planarity(self._press).axes)
+        return read_only(self._press.planarity.axes)
 
     @cached_property
     def _indeterminate(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

@@ -24,7 +24,7 @@ from ..linkage.checks import mobility
 from ..linkage.checks.assembly import open_in_words
 from ..linkage.document import SEVERITIES, Document, Finding
 from ..linkage.linkage import Linkage
-from ..linkage.loading import build_linkage, hold_spins, locate, read_document
+from ..linkage.loading import build, hold_spins, locate, parse
 from .dyads import Dyad, least_transmission_angles
 from .main_data import MainData, main_data, main_lines
 from .slide_path import turning_points
@@ -182,7 +182,7 @@ def check(
     """
     file = os.fspath(locate(path))
     try:
-        document = read_document(file)
+        document = parse(file)
     except UrdfError as error:
         if not os.path.exists(file):
             raise
@@ -214,12 +214,11 @@ def check_document(
 def _put_together(
     document: Document, driver: str | Sequence[str] | None, slide: str | None, allow_open: bool, gravity: Sequence[float]
 ) -> tuple[list[Finding], Facts]:
-    """Findings and facts of the linkage that the elements make; raises the errors of `build_linkage`."""
-    press = hold_spins(build_linkage(document, driver, slide, gravity))
+    """Findings and facts of the linkage that the elements make; raises the errors of `build`."""
+    press = hold_spins(build(document, driver, slide, gravity))
     errors = list(assembly_checks.errors(press))
-    remarks = assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press, allow_open)
-    findings = [*errors, *remarks]
-    rank = rank_of(press.equations(press.as_drawn).columns) if errors else press.rank
+    findings = [*errors, *(assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press, allow_open))]
+    rank = rank_of(press.assembly.rows_as_drawn.columns) if errors else press.rank
     between = [(loop.link1.link, loop.link2.link) for loop in document.description.loops]
     between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]
     closings = (
@@ -227,7 +226,7 @@ def _put_together(
             each.by.name,
             each.by.type if isinstance(each.by, LoopJoint) else "gear pair",
             between[k],
-            *mobility.opening(press, each, press.drawn_gaps),
+            *mobility.opening(press, each, press.assembly.gaps),
             joints,
         )
         for k, each, joints in _in_order(press)
@@ -237,7 +236,7 @@ def _put_together(
         press.drivers,
         press.slide,
         press.joints,
-        len(press.drawn_gaps),
+        len(press.assembly.gaps),
         rank,
         press.held_spins,
         engine,

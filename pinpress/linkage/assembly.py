@@ -5,13 +5,14 @@ configurations at any positions of the drivers.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from ..common import plausibility
 from ..common.errors import AssemblyError, PinpressError, SingularityError
+from ..common.frozen import read_only
 from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import LARGEST_CORRECTION, Branch, Returning, Travel, leads_on, out_of_branch, predict, walk, walk_beside
 from ..engines.change_points import Gap
@@ -32,29 +33,87 @@ MANY_PERIODS = 1000  # from so many periods on the rounding of a crank angle is 
 FARTHEST = 1e7  # larger crank angles are rounded by more than 1e-9 rad, which the slide's position would show [rad]
 
 
-class Assembly(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Assembly:
     """A linkage put together in its drawn pose, the drivers at zero.
 
     Attributes:
+        structure: of the linkage.
         engines: the engines that can compute the linkage, by their names, the fastest first.
+        start: (nv,) joint coordinates as the file draws them, not yet closed [rad or m].
         drawn: the drawn pose, closed as far as Newton's method could.
-        gaps: (rows,) of the equations of loops and couplings as drawn, see `engines.structure`.
-        determined: whether the drivers determine how all joints move there.
-        rows: the equations in the closed pose; None where they have not been computed yet.
-        branch: the assembly over the crank angle; None where it has not been followed yet.
+        branch: the assembly over the crank angle; None if it has not been followed yet.
     """
 
+    structure: Structure
     engines: Mapping[str, Engine]
+    start: Array
     drawn: Closure
-    gaps: Array
-    determined: bool
-    rows: Rows | None
-    branch: Branch | None
+    branch: Branch | None = None
+
+    @property
+    def engine(self) -> Engine:
+        """The fastest engine."""
+        return next(iter(self.engines.values()))
+
+    @property
+    def closed(self) -> Array:
+        """(nv,) joint coordinates of the closed pose [rad or m]."""
+        return self.drawn.position[:, 0]
+
+    @cached_property
+    def closes(self) -> bool:
+        """Whether the linkage closes near its drawn pose."""
+        near = 0.25 * max(1.0, self.structure.size)  # beyond a quarter radian, or of its length, it is another assembly than the drawn one
+        closed = bool(self.drawn.gap[0] <= ACCEPTED * self.engine.tolerance)
+        return closed and bool(np.abs(self.closed - self.start).max() <= near)
+
+    @cached_property
+    def gaps(self) -> Array:
+        """(rows,) gaps of the equations as drawn, see `engines.structure`."""
+        if not isinstance(self.engine, PlanarEngine):
+            return self.rows_as_drawn.gaps
+        turns = np.zeros(sum(loop.held_rotations for loop in self.structure.loops))  # axes are parallel in the plane
+        slips = self.structure.relation_slopes @ self.start - self.structure.relation_offsets
+        return read_only(np.concatenate([openings(self.engine.plane, self.start).ravel(), turns, slips]))
+
+    @property
+    def rows(self) -> Rows:
+        """The equations in the closed pose; in the pose as drawn, if Newton's method failed."""
+        return self._rows[1]
+
+    @property
+    def rows_as_drawn(self) -> Rows:
+        """The equations in the pose as drawn, not yet closed."""
+        return self._rows[0]
+
+    @cached_property
+    def _rows(self) -> tuple[Rows, Rows]:
+        """`rows_as_drawn` and `rows`, together because Pinocchio's workspace for both takes long to make."""
+        equations = OneConfiguration(self.structure)
+        as_drawn = equations.at(self.start)
+        return read_only((as_drawn, equations.at(self.closed) if np.isfinite(self.closed).all() else as_drawn))
+
+    @cached_property
+    def determined(self) -> bool:
+        """Whether the drivers determine how all joints move in the closed pose."""
+        if isinstance(self.engine, PlanarEngine):
+            return moves(self.engine.plane, self.drawn)
+        if not np.isfinite(self.closed).all():
+            return False
+        passive = self.structure.passive_joints
+        mobility = self.structure.model.nv - rank(self.rows.columns)
+        return mobility == len(self.structure.drivers) and PassiveJacobian(self.rows.columns, passive).rank == len(passive)
+
+    @cached_property
+    def rank(self) -> int:
+        """Rank of the equations in the closed pose."""
+        return int(self.structure.model.nv) - len(self.structure.drivers) if self.determined else rank(self.rows.columns)
 
 
 def assemble(structure: Structure) -> Assembly:
     """The drawn pose of a linkage, closed by the fastest engine that can compute it."""
-    start, spatial_engine = drawn_coordinates(structure), PinocchioEngine(structure)
+    start, in_space = drawn_coordinates(structure), SpatialEngine(structure)
     for one_block in (False, True) if len(structure.drivers) == 1 else ():
         planar = PlanarEngine.of(structure, one_block)
         if planar is None:
@@ -64,9 +123,11 @@ def assemble(structure: Structure) -> Assembly:
         walked = _full_turn(planar, structure, drawn) if planar.plane.redundant and not one_block else None
         fit = one_block or walked is not None or not planar.plane.redundant
         if fit and drawn.margins is not None and np.abs(drawn.margins).min(initial=1.0) > RANK:
-            engines: dict[str, Engine] = {e.name: e for e in (planar, SpatialEngine(structure), spatial_engine)}
-            return Assembly(engines, drawn, _planar_gaps(planar, start), moves(planar.plane, drawn), None, walked)
-    return _in_space(spatial_engine, start)
+            engines: dict[str, Engine] = {engine.name: engine for engine in (planar, in_space, PinocchioEngine(structure))}
+            return Assembly(structure, engines, start, drawn, walked)
+    count = len(structure.drivers)
+    drawn = in_space.closing_function()(np.zeros((count, 1)), np.eye(count)[:, :1], start[:, None])
+    return Assembly(structure, {engine.name: engine for engine in (in_space, PinocchioEngine(structure))}, start, drawn)
 
 
 def walk_branch(
@@ -262,23 +323,6 @@ def _relations_with_one_joint_left(structure: Structure, placed: Collection[int]
             yield relation, left[0]
 
 
-def _in_space(spatial_engine: PinocchioEngine, start: Array) -> Assembly:
-    """The drawn pose of any linkage from joint coordinates (nv,)."""
-    structure = spatial_engine.structure
-    count, engine = len(structure.drivers), SpatialEngine(structure)
-    engines: dict[str, Engine] = {engine.name: engine, spatial_engine.name: spatial_engine}
-    zero, along = np.zeros((count, 1)), np.eye(count)[:, :1]
-    one_by_one = OneConfiguration(structure)
-    drawn = engine.closing_function()(zero, along, start[:, None])
-    gaps, rows, determined = one_by_one.at(start).gaps, None, False
-    if np.isfinite(drawn.position).all():
-        rows = one_by_one.at(drawn.position[:, 0])
-        mobility = structure.model.nv - rank(rows.columns)
-        passive = structure.passive_joints
-        determined = mobility == count and PassiveJacobian(rows.columns, passive).rank == len(passive)
-    return Assembly(engines, drawn, gaps, determined, rows, None)
-
-
 def _full_turn(planar: PlanarEngine, structure: Structure, drawn: Closure) -> Branch | None:
     """The branch, if the driver turns fully with the equations in the blocks of this engine and stays well away from locks; else None."""
     try:
@@ -286,14 +330,6 @@ def _full_turn(planar: PlanarEngine, structure: Structure, drawn: Closure) -> Br
     except PinpressError:
         return None
     return walked if walked.period is not None else None
-
-
-def _planar_gaps(planar: PlanarEngine, x: Array) -> Array:
-    """`Assembly.gaps` of joint coordinates (nv,) of a planar linkage."""
-    structure = planar.structure
-    turns = np.zeros(sum(loop.held_rotations for loop in structure.loops))  # axes are parallel in the plane
-    slips = structure.relation_slopes @ x - structure.relation_offsets
-    return np.concatenate([openings(planar.plane, x).ravel(), turns, slips])
 
 
 def _close_piece(engine: Engine, structure: Structure, angles: Array, guess: Array, name: str) -> Closure:

@@ -149,6 +149,12 @@ class Description:
         return bodies
 
     @cached_property
+    def guided(self) -> dict[str, str]:
+        """The links that prismatic joints guide on the frame, and names of these joints."""
+        joints = (joint for joint in self.joints if joint.type == "prismatic" and self.bodies[joint.parent] == self.root)
+        return {joint.child: joint.name for joint in joints}
+
+    @cached_property
     def pins(self) -> dict[str, list[Point]]:
         """Places of each link's joints and loops in its own frame [m]."""
         pins: dict[str, list[Point]] = {link: [(0.0, 0.0, 0.0)] for link in self.links}

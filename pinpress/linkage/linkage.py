@@ -18,18 +18,16 @@ from ..common.quantities import Array, DriverCoordinate
 from ..engines import branch
 from ..engines.branch import Branch
 from ..engines.constraints import Coupling, LoopJoint, Relation, gear
-from ..engines.engine import Closure, Engine
+from ..engines.engine import Engine
 from ..engines.pinocchio.constraint_models import constraint_models
 from ..engines.pinocchio.equations import OneConfiguration, Rows
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
-from ..engines.rank import rank
 from ..engines.structure import Axis, Slot, Structure, build_structure, configuration
 from .assembly import (
     Assembly,
     assemble,
     close_on_branch,
-    drawn_coordinates,
     follow_drivers,
     refuse_far,
     walk_branch,
@@ -38,6 +36,7 @@ from .assembly import (
 )
 from .document import Document
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
+from .planarity import Planarity
 from .tool_point import ToolPoint, tool_point
 
 if TYPE_CHECKING:
@@ -203,10 +202,9 @@ class Linkage(Frozen):
         return int(self.model.nv) - self.rank
 
     @property
-    @per_linkage
     def rank(self) -> int:
-        """Rank of the equations of loops and couplings in the closed drawn pose."""
-        return int(self.model.nv) - len(self.drivers) if self.determined else rank(self.closed_rows.columns)
+        """Rank of the equations of loops and relations in the closed drawn pose."""
+        return self.assembly.rank
 
     @property
     @per_linkage
@@ -220,7 +218,7 @@ class Linkage(Frozen):
     def engines(self) -> tuple[str, ...]:
         """Names of the engines that can compute the linkage, the fastest first: "plane" a planar linkage with one driver and pins for loops
         whose equations fall into blocks; "space" and "pinocchio" any, "pinocchio" by Pinocchio's own algorithms, one state at a time."""
-        return tuple(self._assembly.engines)
+        return tuple(self.assembly.engines)
 
     def engine(self, name: str = "auto") -> Engine:
         """An engine by its name, or the fastest ("auto").
@@ -228,7 +226,7 @@ class Linkage(Frozen):
         Raises:
             PinpressError: unknown engine, or "plane" for a linkage that is not planar.
         """
-        engines = self._assembly.engines
+        engines = self.assembly.engines
         if isinstance(name, str):
             if name == "auto":
                 return next(iter(engines.values()))
@@ -283,45 +281,24 @@ class Linkage(Frozen):
 
     @property
     @per_linkage
-    def as_drawn(self) -> Array:
-        """(nv,) joint coordinates of the drawn pose as the file has it, not yet closed; see `assembly`."""
-        return drawn_coordinates(self.structure)
+    def assembly(self) -> Assembly:
+        """The linkage put together in its drawn pose; `load` judges whether it closes and moves."""
+        return assemble(self.structure)
 
     @property
-    def drawn(self) -> Closure:
-        """The drawn pose with drivers at zero, closed as far as Newton's method could; `load` judges it."""
-        return self._assembly.drawn
-
-    @property
-    def drawn_gaps(self) -> Array:
-        """(rows,) gaps of the equations of loops and couplings as drawn, see `engines.structure`."""
-        return self._assembly.gaps
-
-    @property
-    def determined(self) -> bool:
-        """Whether the drivers determine how all joints move in the drawn pose."""
-        return self._assembly.determined
-
-    @property
-    @per_linkage
     def closed(self) -> Array:
         """(nv,) joint coordinates of the drawn pose, closed exactly, drivers at zero [rad or m]."""
-        return self.drawn.position[:, 0]
+        return self.assembly.closed
 
     @property
-    @per_linkage
-    def closed_rows(self) -> Rows:
-        """The equations in the closed drawn pose."""
-        return self._assembly.rows or self.equations(self.closed)
+    @per_linkage(of_geometry=True)
+    def planarity(self) -> Planarity:
+        """How the linkage lies in the plane of its first driver."""
+        return Planarity.of(self.structure)
 
     def equations(self, x: Array) -> Rows:
-        """The equations of loops and couplings at joint coordinates (nv,)."""
+        """The equations of loops and relations at joint coordinates (nv,)."""
         return OneConfiguration(self.structure).at(x)
-
-    @property
-    @per_linkage
-    def _assembly(self) -> Assembly:
-        return assemble(self.structure)
 
     @property
     @per_linkage
@@ -381,7 +358,7 @@ class Linkage(Frozen):
         """
         remedy = f"give their angles over time to pp.servo_cycle(press, angle, time=time), angle (n, {len(self.drivers)})"
         self.refuse_several_drivers(f"one speed does not say how they move together; {remedy}")
-        return self._assembly.branch or walk_branch(self.engine(), self.structure, self.closed)
+        return self.assembly.branch or walk_branch(self.engine(), self.structure, self.closed)
 
     def follow_beside(self, other: Linkage) -> None:
         """Find the branch of this linkage from that of another one with the same joints and nearly the same lengths, which takes a tenth of

@@ -23,8 +23,6 @@ from .document import Document, check_command, read, refuse_errors
 from .formats import dialects
 from .linkage import Linkage
 
-MANY = 12  # names that a message lists
-
 
 def presses() -> tuple[str, ...]:
     """Names of the presses that come with pinpress; `load` takes them in place of a path."""
@@ -64,43 +62,43 @@ def load(
         PinpressWarning: a linkage that is hardly meant: a loop drawn open by more than a hundredth of the linkage's size; lengths, angles,
             masses or inertias that are hardly in SI units; attributes and elements that are not read. `check` says more.
     """
-    return _load(read_document(locate(path)), driver, slide, gravity, allow_open)
+    return load_document(parse(locate(path)), driver, slide, gravity, allow_open=allow_open)
 
 
-def load_document(document: Document, slide: str | None = None, gravity: Sequence[float] = (0.0, 0.0, -9.81), command: str = "") -> Linkage:
-    """`load` of a URDF that is in no file; ``command``: what lists all that is found in it.
-
-    Warnings name no line of it, and its centres of mass are not looked at: who wrote the text knows them.
-    """
-    return _load(document, None, slide, gravity, in_file=False, command=command)
-
-
-def _load(
+def load_document(
     document: Document,
-    driver: str | Sequence[str] | None,
-    slide: str | None,
-    gravity: Sequence[float],
+    driver: str | Sequence[str] | None = None,
+    slide: str | None = None,
+    gravity: Sequence[float] = (0.0, 0.0, -9.81),
+    *,
     allow_open: bool = False,
     in_file: bool = True,
     command: str = "",
 ) -> Linkage:
+    """`load` of what was parsed.
+
+    Args:
+        document: a URDF.
+        driver: as for `load`.
+        slide: as for `load`.
+        gravity: as for `load`.
+        allow_open: as for `load`.
+        in_file: whether users see the URDF. Else warnings name no line of it, and its centres of mass are not checked: the program that
+            wrote it knows them.
+        command: what lists all that is wrong; empty for the command ``pinpress check``.
+    """
     refuse_errors(element_checks.errors(document), command or check_command(document.file))
-    press = hold_spins(build_linkage(document, driver, slide, gravity))
+    press = hold_spins(build(document, driver, slide, gravity))
     command = command or check_command(press.file, () if driver is None else press.drivers, slide)
-    check_drawn_pose(press, command)
-    if not allow_open:
-        refuse_errors(assembly_checks.too_far_open(press), command)
-    severe = [finding for finding in document.remarks if finding.severity == "warning"]
+    refuse_errors(assembly_checks.errors(press), command)
+    findings = list(assembly_checks.remarks(press, allow_open, quick=True, centres=in_file))
+    refuse_errors(findings, command)
+    of_file = [finding for finding in document.remarks if finding.severity == "warning"]
     if in_file:
-        severe += element_checks.find_unknown(document.robot)
-    for finding in (*severe, *assembly_checks.severe(press, centres=in_file)):
+        of_file += element_checks.find_unknown(document.robot)
+    for finding in (*of_file, *findings):
         caution((finding if in_file else replace(finding, line=None)).message(press.file))
     return press
-
-
-def check_drawn_pose(press: Linkage, command: str | None = None) -> None:
-    """Raise the first of the errors that `assembly_checks` finds in a linkage; ``command`` lists all of them."""
-    refuse_errors(assembly_checks.errors(press), command or check_command(press.file))
 
 
 def locate(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
@@ -126,7 +124,7 @@ def shipped_table(name: str) -> Path | None:
     return _library() / f"{name}.yaml" if name in presses() else None
 
 
-def read_document(path: str | os.PathLike[str]) -> Document:
+def parse(path: str | os.PathLike[str]) -> Document:
     """The URDF that a file is, or that says the same; raises UrdfError where there is none."""
     if path_of("path", path).endswith((".yaml", ".yml")):
         raise UrdfError(path_of("path", path), None, None, "this is a table of pins, not a URDF", "make a press of it by pp.build(path)")
@@ -146,25 +144,26 @@ def read_document(path: str | os.PathLike[str]) -> Document:
     raise UrdfError(document.file, str(root), root.line, "the root element is not <robot>, <sdf> or <mujoco>", remedy)
 
 
-def build_linkage(
+def build(
     document: Document,
     driver: str | Sequence[str] | None,
     slide: str | None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> Linkage:
-    """The linkage of a URDF without problems, not yet closed; arguments and errors as of `load`."""
+    """The linkage of a URDF without errors in its elements, not yet put together; arguments and errors as of `load`."""
     description = document.description
     drivers = _drivers(document, driver)
     try:
         model = pin.buildModelFromXML(document.text.decode())
-    except (ValueError, RuntimeError) as error:  # nothing is known that passes the checks and ends here
+    except (ValueError, RuntimeError) as error:  # no file is known that passes the checks and fails here
         raise UrdfError(document.file, None, None, f"Pinocchio cannot read it: {error}", "simplify the file") from error
     model.gravity.linear = numbers("gravity", gravity, (3,), unit="m/s2")
     if np.abs(model.gravity.linear).max() > LARGEST:
         raise PinpressError(f"gravity is {shown(gravity)}: give m/s2, {LARGEST:g} at most")
+    for joint in description.joints:
+        if joint.name in drivers and joint.type == "prismatic" and joint.limits:
+            _refuse_without_travel(document, joint.name, *joint.limits)
     places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
-    for name in drivers:
-        _refuse_without_travel(document, model.joints[places[name] + 1], model)
     press = Linkage(
         name=description.name,
         document=document,
@@ -178,7 +177,7 @@ def build_linkage(
             if j.mimic
         ),
         drivers=drivers or tuple(model.names)[1:2],
-        slide=_slide(description, model, slide),
+        slide=_slide(description, slide),
     )
     if not drivers:
         raise _without_driver(press)
@@ -187,10 +186,9 @@ def build_linkage(
 
 def _without_driver(press: Linkage) -> UrdfError:
     """The error of a linkage of which nothing says what drives: how many drivers it takes as drawn, and which joints may be one of them."""
-    free = mobility.free_ways(press.equations(press.as_drawn).columns)
+    free = mobility.free_ways(press.assembly.rows_as_drawn.columns)
     able = [name for name, share in zip(press.joints, np.linalg.norm(free, axis=1), strict=True) if share > mobility.TAKES_PART]
-    listed = f"{', '.join(able[:MANY])}{' and others' if len(able) > MANY else ''}"
-    count = free.shape[1]
+    listed, count = f"{', '.join(able[:12])}{' and others' if len(able) > 12 else ''}", free.shape[1]
     remedy = (
         f"its mobility as drawn is {count}: name what drives, {'one' if count == 1 else count} of {listed}, in a URDF by"
         ' <transmission name="drive"><joint name="..."/></transmission>, else by load(..., driver=...), on the command line --driver'
@@ -202,9 +200,9 @@ def _without_driver(press: Linkage) -> UrdfError:
 
 def hold_spins(press: Linkage) -> Linkage:
     """The linkage with the idle spins of its rods held: those about the line of two ball joints, which no driver determines."""
-    if press.determined or not assembly_checks.closes(press):
+    if press.assembly.determined or not press.assembly.closes:
         return press
-    spins = mobility.spins(press, press.closed_rows)
+    spins = mobility.spins(press, press.assembly.rows)
     if any(spin.eccentricity > mobility.BALANCED * press.size for spin in spins):
         return press  # its weight would turn it
     return replace(press, held_spins=tuple(press.joints[spin.joint] for spin in spins)) if spins else press
@@ -216,12 +214,8 @@ def _library() -> Path:
     return next(folder for folder in (here / "urdf", here.parent / "urdf") if folder.is_dir())
 
 
-def _refuse_without_travel(document: Document, joint: pin.JointModel, model: pin.Model) -> None:
-    """Raise UrdfError for a driver that slides and has no way to go from the drawn pose."""
-    if not joint.shortname().startswith("JointModelP"):
-        return
-    name = str(model.names[joint.id])
-    lower, upper = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
+def _refuse_without_travel(document: Document, name: str, lower: float, upper: float) -> None:
+    """Raise UrdfError for a driver that slides and cannot move from the drawn pose between these limits [m]."""
     if lower <= 0.0 <= upper and lower < upper:
         return
     problem = f"the driver slides from {lower:g} to {upper:g} m, the <limit> of its joint, and "
@@ -260,22 +254,17 @@ def _loop_joint(model: pin.Model, loop: Loop) -> LoopJoint:
     return LoopJoint(loop.name, loop.type, *ends[0], *ends[1], loop.line)
 
 
-def _slide(description: Description, model: pin.Model, slide: str | None) -> str | None:
-    guided = {j.child: j.name for j in description.joints if j.type == "prismatic" and model.parents[model.getJointId(j.name)] == 0}
-    if slide is not None:
-        if not isinstance(slide, str):
-            raise UnknownNameError("link", slide, description.links)
-        joint = model.frames[model.getFrameId(slide, pin.BODY)].parentJoint if slide in description.links else 0
-        if slide not in description.links:
-            raise UnknownNameError("link", slide, description.links)
-        if model.names[joint] not in guided.values():
-            raise PinpressError(
-                f"link {shown(slide)} is not guided by the frame{suggestion(slide, guided)}; guided links: {', '.join(guided) or 'none'}"
-            )
-        return slide
-    if "slide" in guided:
-        return "slide"
-    by_joint = {joint: link for link, joint in guided.items()}
-    if "slide_guide" in by_joint:
-        return by_joint["slide_guide"]
-    return next(iter(guided)) if len(guided) == 1 else None
+def _slide(description: Description, slide: str | None) -> str | None:
+    """Name of the slide link: that of the argument, else as `load` chooses it."""
+    guided = description.guided
+    if slide is None:
+        by_joint = {joint: link for link, joint in guided.items()}
+        only = next(iter(guided)) if len(guided) == 1 else None
+        return "slide" if "slide" in guided else by_joint.get("slide_guide", only)
+    if not isinstance(slide, str) or slide not in description.links:
+        raise UnknownNameError("link", slide, description.links)
+    if description.bodies[slide] not in map(description.bodies.get, guided):
+        raise PinpressError(
+            f"link {shown(slide)} is not guided by the frame{suggestion(slide, guided)}; guided links: {', '.join(guided) or 'none'}"
+        )
+    return slide

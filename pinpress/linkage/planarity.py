@@ -8,9 +8,7 @@ import numpy as np
 
 from ..common.quantities import Array
 from ..engines.planar.model import PARALLEL
-from ..engines.structure import drawn_placements
-from .linkage import Linkage
-from .memo import per_linkage
+from ..engines.structure import Structure, drawn_placements
 
 UPRIGHT = 1e-9  # difference of the normal from a world axis up to which a plane has the world's axes
 
@@ -29,6 +27,24 @@ class Planarity(NamedTuple):
     normal: Array
     joints_off: tuple[float, ...]
     loops_off: tuple[float, ...]
+
+    @staticmethod
+    def of(structure: Structure) -> Planarity:
+        """How a linkage lies in the plane of its first driver."""
+        turned = [place.rotation.copy() for place in drawn_placements(structure.model)]
+        directions = [turned[joint] @ axis.direction for joint, axis in enumerate(structure.axes, 1)]
+        driver = structure.drivers[0]
+        turning = driver if structure.axes[driver].turns else next((j for j, axis in enumerate(structure.axes) if axis.turns), None)
+        normal = np.array([0.0, -1.0, 0.0]) if turning is None else directions[turning]
+        joints_off = [
+            _angle_between(direction, normal) if axis.turns else np.pi / 2 - _angle_between(direction, normal)
+            for direction, axis in zip(directions, structure.axes, strict=True)
+        ]
+        loops_off = []
+        for loop in structure.loops:
+            ends = ((loop.joint1, loop.rotation1), (loop.joint2, loop.rotation2)) if loop.type == "revolute" else ()
+            loops_off.append(max((_angle_between(turned[joint] @ end[:, 0], normal) for joint, end in ends), default=0.0))
+        return Planarity(turning, normal, tuple(joints_off), tuple(loops_off))
 
     @property
     def farthest_off(self) -> float:
@@ -55,23 +71,6 @@ class Planarity(NamedTuple):
         upwards = np.cross(normal, along)
         upwards *= 1.0 if upwards[2] > 0 else -1.0
         return np.array([along, np.cross(upwards, along), upwards])
-
-
-@per_linkage(of_geometry=True)
-def planarity(press: Linkage) -> Planarity:
-    """How a linkage lies in the plane of its first driver."""
-    turned = [place.rotation.copy() for place in drawn_placements(press.model)]
-    directions = [turned[joint] @ axis.direction for joint, axis in enumerate(press.axes, 1)]
-    driver = press.driver_indices[0]
-    turning = driver if press.axes[driver].turns else next((j for j, axis in enumerate(press.axes) if axis.turns), None)
-    normal = np.array([0.0, -1.0, 0.0]) if turning is None else directions[turning]
-    joints_off = [_angle_between(direction, normal) for direction in directions]
-    loops_off = []
-    for loop in press.loops:
-        ends = ((loop.joint1, loop.rotation1), (loop.joint2, loop.rotation2)) if loop.type == "revolute" else ()
-        loops_off.append(max((_angle_between(turned[joint] @ end[:, 0], normal) for joint, end in ends), default=0.0))
-    joints_off = [off if axis.turns else np.pi / 2 - off for off, axis in zip(joints_off, press.axes, strict=True)]
-    return Planarity(turning, normal, tuple(joints_off), tuple(loops_off))
 
 
 def _angle_between(line: Array, other: Array) -> float:

@@ -79,10 +79,10 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     """
     unwritten = f"{path_of('path', path)} (not written)"  # the file's name in errors
     template = press.document
-    before = loading.build_linkage(template, press.drivers, press.slide)
+    before = loading.build(template, press.drivers, press.slide)
     _check(press, before)
     text = edit_text(template, before, press)
-    reached = loading.build_linkage(_read(text, unwritten), None, press.slide)
+    reached = loading.build(_read(text, unwritten), None, press.slide)
     for what, gap in _gaps(press, reached).items():
         if not gap <= ACCEPTED:
             raise PinpressError(f"{unwritten}: a URDF cannot hold the changed {what} of {press.name}; leave it as in {press.file}")
@@ -109,7 +109,7 @@ def added_ballasts(press: Linkage) -> dict[int, AddedBallast]:
     """What was added to the masses of a linkage, as `balance` does, by the joint that carries the body: since it was read, and what its
     file says was added before."""
     try:
-        before = loading.build_linkage(press.document, press.drivers, press.slide)
+        before = loading.build(press.document, press.drivers, press.slide)
     except PinpressError:  # of a text that was exchanged
         return {}
     if list(before.model.names) != list(press.model.names):
@@ -168,7 +168,7 @@ def _ball(added: AddedBallast, link: pin.SE3) -> str:
 
 def is_as_read(press: Linkage) -> bool:
     """Whether a linkage is still the one that its URDF describes, perhaps drawn at another crank angle."""
-    before = loading.build_linkage(press.document, press.drivers, press.slide)
+    before = loading.build(press.document, press.drivers, press.slide)
     try:
         _check(press, before)
     except PinpressError:

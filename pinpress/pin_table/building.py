@@ -123,7 +123,9 @@ class DrawnPress(Tabular):
         Raises:
             PinpressError: what `load` raises.
         """
-        return load_document(self._document(self._file_as_urdf, self._text()), slide, gravity, command=self._check_command)
+        return load_document(
+            self._document(self._file_as_urdf, self._text()), None, slide, gravity, in_file=False, command=self._check_command
+        )
 
     def check(self, slide: str | None = None) -> CheckResult:
         """How the press moves, and everything that is wrong with it, odd in it or worth knowing, as `pinpress.check` finds it.

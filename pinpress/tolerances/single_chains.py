@@ -62,7 +62,7 @@ class SingleChain(NamedTuple):
             ),
             held_spins=tuple(name for name in press.held_spins if press.joints.index(name) in index),
         )
-        if not alone.determined:
+        if not alone.assembly.determined:
             raise _no_chain(press, point)
         return SingleChain(alone, joints, loops)
 

@@ -20,7 +20,7 @@ from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion
 from ..kinematics.poses import loaded_bodies, poses
 from ..linkage.linkage import Linkage
-from ..linkage.planarity import UPRIGHT, planarity
+from ..linkage.planarity import UPRIGHT
 from ..simulation.run import Run
 
 BEYOND = 1.25  # height shown over the process, divided by the largest at which there is a force
@@ -285,7 +285,7 @@ def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, 
     """Names and world directions (2, 3) of a polar diagram's axes; forces (n, 3) below ``least`` are rounding."""
     normals = press.engine().turning_axes()  # a planar press has one
     if len(normals) == 1 and np.abs(normals).max() < 1 - UPRIGHT:
-        return ("h", "u"), planarity(press).axes[[0, 2]]
+        return ("h", "u"), press.planarity.axes[[0, 2]]
     across = _least_moved(force, least) if len(normals) > 1 else int(np.abs(normals[0]).argmax())
     first, second = (axis for axis in range(3) if axis != across)
     return (AXES[first], AXES[second]), np.eye(3)[[first, second]]

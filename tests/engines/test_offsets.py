@@ -48,6 +48,6 @@ def test_offset_is_no_finding():
     """Beside a loop, and beyond what closing may turn a joint by."""
     press = large_linkages.load(changed((GEAR, GEAR.replace("/>", ' offset="2.5"/>'))))
     assert press.closed[press.joints.index("G")] == 2.5
-    assert np.abs(press.closed - press.as_drawn).max() < 1e-12
+    assert np.abs(press.closed - press.assembly.start).max() < 1e-12
     run = pp.simulate(press, 0.3, speed=9.0, flywheel=pp.drives.Flywheel(10.0))
     np.testing.assert_allclose(run.joint_position[:, press.joints.index("G")], 2.5 - 2 * run.crank_angle, atol=1e-12)

@@ -66,9 +66,9 @@ def test_checking_planar_linkages_needs_no_pinocchio_data(datas, kind, tmp_path)
 def test_gaps_as_drawn_are_those_of_the_pinocchio_engine(name):
     press = large_linkages.load(large_linkages.gear_train(3)) if name == "geared" else texts.shipped(name)
     size = press.size
-    np.testing.assert_allclose(press.drawn_gaps, press.equations(press.as_drawn).gaps, rtol=0, atol=1e-15 * size)
+    np.testing.assert_allclose(press.assembly.gaps, press.equations(press.assembly.start).gaps, rtol=0, atol=1e-15 * size)
     beside = dataclasses.replace(press, loops=tuple(dataclasses.replace(loop, point1=loop.point1 + MOVED) for loop in press.loops))
-    np.testing.assert_allclose(beside.drawn_gaps, beside.equations(beside.as_drawn).gaps, rtol=0, atol=1e-15 * size)
+    np.testing.assert_allclose(beside.assembly.gaps, beside.equations(beside.assembly.start).gaps, rtol=0, atol=1e-15 * size)
 
 
 def test_the_pinocchio_engine_needs_one_data_to_load(datas):

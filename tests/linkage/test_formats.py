@@ -11,7 +11,7 @@ from support.generators.other_formats import FORMATS, Press
 
 import pinpress as pp
 from pinpress.common.errors import UrdfError
-from pinpress.linkage.loading import build_linkage, read_document
+from pinpress.linkage.loading import build, parse
 
 SAME = 1e-12  # of the largest value: placements are multiplied up and taken apart again
 
@@ -138,7 +138,7 @@ GAZEBO = '<gazebo><joint name="W" type="{}"><parent>rod</parent><child>slide</ch
     ],
 )
 def test_loops_of_other_dialects_are_read(tmp_path, loop, name, type, axis):
-    document = read_document(written(tmp_path, "press.urdf", crank_slide(loop)))
+    document = parse(written(tmp_path, "press.urdf", crank_slide(loop)))
     (found,) = document.robot.all("loop_joint")
     assert (found.get("name"), found.get("type")) == (name, type)
     assert [each.numbers("xyz") for each in found.all("axis")] == [axis] * (axis is not None)
@@ -149,8 +149,8 @@ def test_loops_of_other_dialects_are_read(tmp_path, loop, name, type, axis):
 def test_a_joint_of_gazebo_may_have_its_axis_in_the_frame_of_the_model(tmp_path):
     axis = "<axis><xyz>0 -1 0</xyz><use_parent_model_frame>true</use_parent_model_frame></axis>"
     loop = GAZEBO.format("revolute", axis + "<pose>0 0 0 0.5 0 0</pose>")
-    document = read_document(written(tmp_path, "press.urdf", crank_slide(loop)))
-    press = build_linkage(document, None, None)
+    document = parse(written(tmp_path, "press.urdf", crank_slide(loop)))
+    press = build(document, None, None)
     assert press.loops[0].rotation1[:, 0] == pytest.approx([0, -1, 0], abs=1e-15)
 
 
@@ -184,7 +184,7 @@ def test_loops_that_cannot_be_read_are_refused_by_name_and_line(case, tmp_path):
 
 def test_more_loops_than_a_press_can_have_are_refused(tmp_path):
     with pytest.raises(UrdfError, match="there are 501 loops, more than 500"):
-        read_document(written(tmp_path, "press.urdf", crank_slide(501 * BALL)))
+        parse(written(tmp_path, "press.urdf", crank_slide(501 * BALL)))
 
 
 def test_springs_and_rotors_of_drake_are_warned_of(tmp_path):
@@ -235,7 +235,7 @@ def test_bodies_of_an_mjcf_are_where_mujoco_has_them(tmp_path):
     import pinocchio as pin
 
     model = mujoco.MjModel.from_xml_string(FEATURES)
-    document = read_document(written(tmp_path, "features.xml", FEATURES))
+    document = parse(written(tmp_path, "features.xml", FEATURES))
     ours = pin.buildModelFromXML(document.text.decode())
     data, there = ours.createData(), mujoco.MjData(model)
     random = np.random.default_rng(3)
@@ -273,7 +273,7 @@ def test_bodies_of_an_mjcf_are_where_mujoco_has_them(tmp_path):
 
 def test_an_mjcf_keeps_limits_shapes_and_drivers_and_says_what_is_left_out(tmp_path):
     file = written(tmp_path, "features.xml", FEATURES)
-    robot = read_document(file).robot
+    robot = parse(file).robot
     joints = {joint.get("name"): joint for joint in robot.all("joint")}
     (limit,) = joints["A"].all("limit")
     assert limit.numbers("lower") + limit.numbers("upper") == pytest.approx((np.radians(-220), np.radians(200)))
@@ -282,7 +282,7 @@ def test_an_mjcf_keeps_limits_shapes_and_drivers_and_says_what_is_left_out(tmp_p
     shapes = [shape.tag for link in robot.all("link") for visual in link.all("visual") for shape in visual.all("geometry")[0].children]
     assert shapes == ["box", "cylinder", "sphere", "sphere", "cylinder", "sphere"]
     assert (str(joints["B"]), joints["B"].line) == ('<joint name="B">', 15)
-    notes = [(note.severity, note.element, note.line) for note in read_document(file).remarks]
+    notes = [(note.severity, note.element, note.line) for note in parse(file).remarks]
     assert notes == [("note", '<body name="slide">', 19), ("note", '<joint name="C">', 25)]
 
 
@@ -297,9 +297,9 @@ WELDED = """<mujoco model="welded"><compiler angle="radian"/><worldbody>
 
 def test_a_weld_of_an_mjcf_is_a_fixed_loop_in_the_drawn_pose(tmp_path):
     file = written(tmp_path, "welded.xml", WELDED.format('<weld name="W" body1="pin" body2="left" anchor="0.1 0.2 0.3"/>'))
-    press = build_linkage(read_document(file), None, None)
+    press = build(parse(file), None, None)
     assert [(loop.name, loop.type) for loop in press.loops] == [("W", "fixed")]
-    assert np.abs(press.drawn_gaps).max() < 1e-15
+    assert np.abs(press.assembly.gaps).max() < 1e-15
 
 
 @pytest.mark.parametrize("by_sites", [False, True])
@@ -309,18 +309,18 @@ def test_a_weld_of_an_mjcf_that_holds_no_turning_is_a_ball(tmp_path, by_sites):
     text = WELDED.format(f'<weld name="W" {ends} torquescale="0"/>')
     for body, site in (("pin", '<site name="one" pos="0.1 0 0" euler="1 2 3"/>'), ("left", '<site name="two" pos="0.5 0 0.4"/>')):
         text = re.sub(rf'(<body name="{body}"[^>]*>)', rf"\1{site}", text)
-    described = read_document(written(tmp_path, "welded.xml", text)).description
+    described = parse(written(tmp_path, "welded.xml", text)).description
     assert [loop.type for loop in described.loops] == ["spherical"]
 
 
 def test_joint_equalities_of_an_mjcf_are_gear_pairs_about_the_drawn_pose(tmp_path):
     pairs = '<joint joint1="B" joint2="A" polycoef="0 -2 0 0 0"/><joint joint1="B" joint2="D" polycoef="0.1 4 0 0 0"/>'
     file = written(tmp_path, "geared.xml", WELDED.format(pairs))
-    mimics = {joint.name: joint.mimic for joint in read_document(file).description.joints}
+    mimics = {joint.name: joint.mimic for joint in parse(file).description.joints}
     assert (mimics["B"].leader, mimics["B"].multiplier, mimics["B"].offset) == ("A", -2, 0)
     assert (mimics["D"].leader, mimics["D"].multiplier, mimics["D"].offset) == ("B", 0.25, -0.025)  # turned round: B follows A already
     file = written(tmp_path, "held.xml", WELDED.format('<joint joint1="B"/>'))
-    assert read_document(file).description.joints[1].type == "fixed"
+    assert parse(file).description.joints[1].type == "fixed"
 
 
 MJCF_REFUSED = {
@@ -345,7 +345,7 @@ def test_an_mjcf_that_says_something_else_is_refused_by_name(case, tmp_path):
 def test_what_acts_in_mujoco_and_not_here_is_warned_of(tmp_path):
     text = WELDED.format('<weld body1="pin" body2="left" active="false"/>')
     text = text.replace('name="A"', 'name="A" armature="0.1" stiffness="5"').replace("<equality>", '<option gravity="0 0 -1"/><equality>')
-    found = [(remark.severity, remark.problem) for remark in read_document(written(tmp_path, "more.xml", text)).remarks]
+    found = [(remark.severity, remark.problem) for remark in parse(written(tmp_path, "more.xml", text)).remarks]
     assert ("warning", "armature=0.1 is not read") in found
     assert ("warning", "the spring of the joint is not read") in found
     assert ("warning", "the gravity of the file is not read") in found
@@ -355,7 +355,7 @@ def test_what_acts_in_mujoco_and_not_here_is_warned_of(tmp_path):
 def test_what_mujoco_warns_of_is_passed_on_and_leaves_no_file(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     text = WELDED.format("").replace('<body name="left"', '<site name="s" rgba="nan 0 0 1"/><body name="left"')
-    (found,) = read_document(written(tmp_path, "nan.xml", text)).remarks
+    (found,) = parse(written(tmp_path, "nan.xml", text)).remarks
     assert (found.severity, found.problem) == ("warning", "MuJoCo warns: XML contains a 'NaN'. Please check it carefully.")
     assert [path.name for path in tmp_path.iterdir()] == ["nan.xml"]
     assert capfd.readouterr() == ("", "")
@@ -371,8 +371,8 @@ def test_a_free_base_is_held_and_a_free_body_beside_others_refused(tmp_path):
         .replace('<body name="left"', '<body name="left" gravcomp="0"')
         .format(""),
     )
-    (remark,) = read_document(held).remarks
+    (remark,) = parse(held).remarks
     assert (remark.severity, remark.element) == ("warning", '<body name="base">')
     loose = written(tmp_path, "loose.xml", WELDED.replace('<joint name="D" axis="0 -1 0"/>', "<freejoint/>").format(""))
     with pytest.raises(UrdfError, match='<body name="left">: a free joint beside other bodies'):
-        read_document(loose)
+        parse(loose)

@@ -13,7 +13,7 @@ from support.oracles import cassie
 import pinpress as pp
 from pinpress.common.errors import PinpressWarning, UrdfError
 from pinpress.linkage.formats.mechanism import Edge, spanning_tree
-from pinpress.linkage.loading import build_linkage, read_document
+from pinpress.linkage.loading import build, parse
 
 MODEL = """<sdf version="{version}">
   <model name="slider">
@@ -54,7 +54,7 @@ def file(tmp_path):
 
 @pytest.fixture
 def robot(file):
-    return lambda **of: read_document(file(**of)).robot
+    return lambda **of: parse(file(**of)).robot
 
 
 def joint(robot, name):
@@ -111,7 +111,7 @@ def test_an_axis_is_in_the_frame_that_its_version_says(robot, version, written, 
 )
 def test_a_pose_is_relative_to_the_frame_that_it_names(file, pose):
     more = '<frame name="held" attached_to="frame"><pose relative_to="__model__">0.1 0 0 0 0 0</pose></frame>'
-    press = build_linkage(read_document(file(more=more, edit=("<pose>0.2 0 0 0 0 0</pose>", pose))), "O", None)
+    press = build(parse(file(more=more, edit=("<pose>0.2 0 0 0 0 0</pose>", pose))), "O", None)
     place = press.model.jointPlacements[press.model.getJointId("slide_guide")]
     expected = pin.rpy.rpyToMatrix(0, 0.3, 0) @ [-0.1, 0, 0.4] + [0, 0, 0.4] if "crank" in pose else [0.2, 0, 0]
     assert place.translation == pytest.approx(expected, abs=1e-15)
@@ -119,7 +119,7 @@ def test_a_pose_is_relative_to_the_frame_that_it_names(file, pose):
 
 
 def test_the_model_stands_in_the_world_where_it_is_posed(file):
-    press = build_linkage(read_document(file(pose="<pose>1 2 3 0 0 1.5708</pose>")), "O", None)
+    press = build(parse(file(pose="<pose>1 2 3 0 0 1.5708</pose>")), "O", None)
     place = press.model.jointPlacements[1]
     assert place.translation == pytest.approx(
         [1, 2 + 0.01 * np.cos(0.3) + 0.02 * np.sin(0.3), 3.4 + 0.02 * np.cos(0.3) - 0.01 * np.sin(0.3)]
@@ -130,7 +130,7 @@ def test_the_model_stands_in_the_world_where_it_is_posed(file):
 def test_the_pose_of_a_model_is_that_of_its_placement_frame(file):
     """The slide, which the file draws at x = 0.2 of the model, stands where the model's pose is, a quarter turn about z."""
     named = ('<model name="slider">', '<model name="slider" placement_frame="slide">')
-    press = build_linkage(read_document(file(pose="<pose>1 2 3 0 0 1.5708</pose>", edit=named)), "O", None)
+    press = build(parse(file(pose="<pose>1 2 3 0 0 1.5708</pose>", edit=named)), "O", None)
     model, data = press.model, press.model.createData()
     pin.framesForwardKinematics(model, data, pin.neutral(model))
     place = data.oMf[model.getFrameId("slide", pin.BODY)]
@@ -142,8 +142,8 @@ def test_the_pose_of_a_model_is_that_of_its_placement_frame(file):
     ("word", "quarter"), [("1.5708", True), ("-3.14159", True), ("1.571", False), ("1.5709", False), ("1.570796", True)]
 )
 def test_an_angle_that_is_a_quarter_turn_to_all_its_digits_is_read_as_one(file, word, quarter):
-    document = read_document(file(edit=("<pose>0.2 0 0 0 0 0</pose>", f"<pose>0.2 0 0 0 0 {word}</pose>")))
-    rotation = build_linkage(document, "O", None).model.jointPlacements[3].rotation
+    document = parse(file(edit=("<pose>0.2 0 0 0 0 0</pose>", f"<pose>0.2 0 0 0 0 {word}</pose>")))
+    rotation = build(document, "O", None).model.jointPlacements[3].rotation
     off = np.abs(np.abs(rotation) - np.round(np.abs(rotation))).max()
     assert (off < 1e-15) == quarter
     assert any("quarter turns" in remark.problem for remark in document.remarks) == quarter
@@ -169,7 +169,7 @@ def test_loops_of_drake_in_an_sdf_are_read(file):
     ball = """<drake:ball_constraint><drake:ball_constraint_body_A>rod</drake:ball_constraint_body_A>
       <drake:ball_constraint_p_AP>0.1 0 0.2</drake:ball_constraint_p_AP><drake:ball_constraint_body_B>slide</drake:ball_constraint_body_B>
       <drake:ball_constraint_p_BQ>0 0 0.01</drake:ball_constraint_p_BQ></drake:ball_constraint>"""
-    (loop1,) = read_document(file(edit=(loop, ball))).robot.all("loop_joint")
+    (loop1,) = parse(file(edit=(loop, ball))).robot.all("loop_joint")
     assert (loop1.get("name"), loop1.get("type")) == ("ball_rod_slide", "spherical")
     assert [end.numbers("xyz") for end in loop1.children] == [(0.1, 0, 0.2), (0, 0, 0.01)]
     bushing = """<frame name="at" attached_to="rod"><pose>0.1 0 0.2 0 0 0</pose></frame><drake:linear_bushing_rpy>
@@ -178,7 +178,7 @@ def test_loops_of_drake_in_an_sdf_are_read(file):
       <drake:bushing_torque_damping>1 0 1</drake:bushing_torque_damping>
       <drake:bushing_force_stiffness>1e6 1e6 1e6</drake:bushing_force_stiffness>
       <drake:bushing_force_damping>1 1 1</drake:bushing_force_damping></drake:linear_bushing_rpy>"""
-    document = read_document(file(edit=(loop, bushing)))
+    document = parse(file(edit=(loop, bushing)))
     (loop2,) = document.robot.all("loop_joint")
     assert (loop2.get("type"), loop2.all("axis")[0].numbers("xyz")) == ("revolute", (0, 1, 0))
     assert [remark.severity for remark in document.remarks if "rigid bearing" in remark.problem] == ["warning"]
@@ -187,7 +187,7 @@ def test_loops_of_drake_in_an_sdf_are_read(file):
 def test_a_joint_that_the_tree_takes_the_other_way_round_keeps_its_angle(file):
     more = '<joint name="weld" type="fixed"><parent>world</parent><child>slide</child></joint>'
     other = "<parent>frame</parent><child>slide</child>"
-    document = read_document(file(more=more, edit=(other, other)))
+    document = parse(file(more=more, edit=(other, other)))
     guide = joint(document.robot, "slide_guide")
     assert (guide.all("parent")[0].get("link"), axis(document.robot, "slide_guide")) == ("slide", (0, 0, -1))
     assert any("exchange <parent> and <child>" in remark.remedy for remark in document.remarks)
@@ -275,7 +275,7 @@ def test_a_file_that_is_too_large_is_refused(file, each, count, message):
     more = "".join(each.format(k, next=k + 1) for k in range(count)) + f'<frame name="f{count}"/>'
     guide = '<joint name="slide_guide" type="prismatic">'
     with pytest.raises(UrdfError, match=message):
-        read_document(file(more=more.replace('<frame name="f1001"/>', ""), edit=(guide, guide + '<pose relative_to="f0"/>')))
+        parse(file(more=more.replace('<frame name="f1001"/>', ""), edit=(guide, guide + '<pose relative_to="f0"/>')))
 
 
 def test_a_spanning_tree_takes_joints_as_they_are_written_where_it_can():
@@ -323,12 +323,12 @@ def test_no_other_robot_of_the_package_has_loops():
     assert {path.name for path in every if path.suffix != ".urdf"} == {*ROBOTS}
     for path in every:
         if path.suffix == ".urdf":
-            assert not read_document(path.locate()).robot.all("loop_joint")
+            assert not parse(path.locate()).robot.all("loop_joint")
 
 
 def test_cassie_weighs_and_is_placed_as_an_independent_reader_has_it(tmp_path):
     """The oracle draws another pose: what both share is the mass of every link, and its place where joints are as in the SDF."""
-    document = read_document(shipped("cassie_v2.sdf"))
+    document = parse(shipped("cassie_v2.sdf"))
     ours, theirs = pin.buildModelFromXML(document.text.decode()), pin.buildModelFromXML(cassie.urdf())
     assert {*theirs.names} == {*ours.names}
     data, other = ours.createData(), theirs.createData()

@@ -10,7 +10,7 @@ from support import mistakes
 import pinpress as pp
 from pinpress.common.errors import UrdfError
 from pinpress.linkage.checks import elements as element_checks
-from pinpress.linkage.loading import read_document
+from pinpress.linkage.loading import parse
 
 RIGHT = mistakes.URDF.read_text(encoding="utf-8")
 JOINT = '<joint name="P" type="continuous">'
@@ -84,7 +84,7 @@ def test_robots_of_other_programs_are_read_in_silence():
     every = [path for path in files("example-robot-data") if path.suffix == ".urdf"]
     assert len(every) > 50
     for path in every:
-        assert list(element_checks.find_unknown(read_document(path.locate()).robot)) == []
+        assert list(element_checks.find_unknown(parse(path.locate()).robot)) == []
 
 
 LOOP = """<loop name="W" type="spherical"><predecessor link="rod"><origin xyz="0 0 -0.4"/></predecessor>

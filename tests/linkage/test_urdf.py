@@ -31,7 +31,7 @@ from pinpress.common.errors import UrdfError
 from pinpress.linkage import description as urdf
 from pinpress.linkage.checks.elements import errors
 from pinpress.linkage.document import Document, check_command, refuse_errors
-from pinpress.linkage.loading import read_document
+from pinpress.linkage.loading import parse
 
 SHIPPED = Path(__file__).parents[2] / "urdf"
 
@@ -43,7 +43,7 @@ def file(tmp_path):
 
 def read(file: Path) -> Document:
     """A URDF without errors; raises UrdfError for the first error in it."""
-    document = read_document(file)
+    document = parse(file)
     refuse_errors(errors(document), check_command(document.file))
     return document
 
@@ -65,7 +65,7 @@ def listed(file: Path) -> list[str]:
 def urdf_errors(file: Path) -> list[pp.PinpressError]:
     """Errors of a file's elements, before they are put together."""
     try:
-        return [finding.error for finding in errors(read_document(file))]
+        return [finding.error for finding in errors(parse(file))]
     except UrdfError as error:
         return [error]
 

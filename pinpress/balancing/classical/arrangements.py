@@ -22,6 +22,7 @@ from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
 from ...kinematics.poses import poses
 from ...linkage import loading
+from ...linkage.checks import assembly as assembly_checks
 from ...linkage.checks import elements as element_checks
 from ...linkage.document import Document, check_command, refuse_errors
 from ...linkage.linkage import Linkage
@@ -306,8 +307,8 @@ def press_of(plan: PressPlan, comment: str) -> Linkage:
     file = f"{plan.name}.urdf (not written)"  # the file's name in errors
     document = Document(file, text)
     refuse_errors(element_checks.errors(document), check_command(file))
-    press = loading.build_linkage(document, None, plan.slide, plan.gravity)
-    loading.check_drawn_pose(press)
+    press = loading.build(document, None, plan.slide, plan.gravity)
+    refuse_errors(assembly_checks.errors(press), check_command(file))
     return press
 
 

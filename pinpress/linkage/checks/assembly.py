@@ -23,7 +23,6 @@ from ...engines.rank import rank, singular_values
 from ...engines.structure import configuration, data_of, drawn_placements
 from ..document import Finding
 from ..linkage import LEVEL, Linkage
-from ..planarity import planarity
 from . import mobility, units
 
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
@@ -36,36 +35,29 @@ POSES = 6  # poses in which redundancy is looked for: one alone may be a dead ce
 
 def errors(press: Linkage) -> Iterator[Finding]:
     """Everything that keeps the linkage from being loaded; each finding carries a UrdfError, AssemblyError or SingularityError."""
-    assembled = closes(press)
-    if assembled and press.determined:
+    assembly = press.assembly
+    if assembly.closes and assembly.determined:
         yield from _unseen(press)
         yield from _massless(press)
         return
-    rows = press.closed_rows if assembled else press.equations(press.as_drawn)
+    rows = assembly.rows if assembly.closes else assembly.rows_as_drawn
     freedom = press.model.nv - rank(rows.columns)
     yield from _unseen(press)
-    if assembled and freedom > len(press.drivers) and mobility.freedom_beside(press) == len(press.drivers):
+    if assembly.closes and freedom > len(press.drivers) and mobility.freedom_beside(press) == len(press.drivers):
         yield _change_point(press, rows)
     elif freedom != len(press.drivers):
         yield _mobility(press, rows, freedom)
-    if not assembled:
+    if not assembly.closes:
         yield from _open(press, rows)
     elif freedom == len(press.drivers):
         yield from list(_dead_point(press, rows)) or _massless(press)
 
 
-def closes(press: Linkage) -> bool:
-    """Whether the linkage closes near its drawn pose."""
-    tolerance = ACCEPTED * press.engine().tolerance
-    near = 0.25 * max(1.0, press.size)  # beyond a quarter radian, or of its length, it is another assembly than the drawn one
-    return bool(press.drawn.gap[0] <= tolerance) and bool(np.abs(press.closed - press.as_drawn).max() <= near)
-
-
-def too_far_open(press: Linkage) -> Iterator[Finding]:
+def _too_far_open(press: Linkage) -> Iterator[Finding]:
     """Errors of loops that are drawn so far open that closing them makes a linkage that is hardly the one that was meant, though they
     close."""
     for each in _loops(_open_beyond(press, 0.1)):  # a tenth of the linkage's length, as the documentation of `load` says
-        problem = f"it is {opening_in_words(press, each, press.drawn_gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
+        problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
         likely = _read_otherwise(press, each) or "correct its points or the lengths"
         remedy = f"{likely}; allow_open=True (--allow-open) closes it even so, and moves {_moved_to_close(press)}"
         yield Finding.of(UrdfError(press.file, mobility.element(press, each), each.by.line, problem, remedy))
@@ -90,7 +82,7 @@ def _short(number: float) -> str:
 
 def remedy_of_rounded_axes(press: Linkage) -> str | None:
     """The remedy for axes that are nearly but not quite parallel; None where they are parallel, or far from it."""
-    off = planarity(press).farthest_off
+    off = press.planarity.farthest_off
     if not PARALLEL < off < 1e-2:  # axes as near to parallel as half a degree are meant to be parallel
         return None
     return f"axes are up to {off:.2g} rad from parallel: write angles in full, 1.5707963267948966 for a quarter turn"
@@ -98,7 +90,7 @@ def remedy_of_rounded_axes(press: Linkage) -> str | None:
 
 def _unseen(press: Linkage) -> Iterator[Finding]:
     """Errors of axes so nearly parallel that the rank of the equations does not show it, but the gaps do."""
-    plane, called = planarity(press), press.document.called
+    plane, called = press.planarity, press.document.called
     off = plane.farthest_off
     # Axes that miss each other by less than 1e-8 rad change the rank of no equations.
     if PARALLEL < off < 1e-8 and press.loops and (remedy := remedy_of_rounded_axes(press)):
@@ -155,8 +147,7 @@ def _change_point(press: Linkage, rows: Rows) -> Finding:
 def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     """Errors of the loops and gear pairs that Newton's method left open, the one drawn furthest open first."""
     owners = mobility.constraints(press)
-    closest = press.closed_rows.gaps if np.isfinite(press.drawn.gap[0]) else rows.gaps
-    gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, closest))
+    gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, press.assembly.rows.gaps))
     # Where loops overconstrain each other, all of them may be left open; those that are drawn closed are not at fault.
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.structure.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
@@ -165,9 +156,9 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     other_units = next((f"{finding.problem}; {finding.remedy}" for finding in wrong_units), None)
     common = other_units or _without_axis(press) or remedy_of_rounded_axes(press)
     fit = "; loops hold each other here, so that lengths and angles must fit to all digits"
-    beside = fit if press.engine().redundant(press.as_drawn) else ""
+    beside = fit if press.engine().redundant(press.assembly.start) else ""
     for k in sorted(still_open, key=lambda k: -gaps[k]):
-        each, iterations = owners[k], press.drawn.iterations
+        each, iterations = owners[k], press.assembly.drawn.iterations
         problem = "does not close near the drawn pose"
         remedy = (common or _read_otherwise(press, each) or "draw it closed, or change the link lengths") + beside
         error = AssemblyError(f"{press.file}:{each.by.line}: {each.title} {problem}; {remedy}", 0.0, gaps[k], iterations)
@@ -201,7 +192,7 @@ def _read_otherwise(press: Linkage, each: mobility.Constraint) -> str | None:
     """What to write where a loop that is drawn open would be closed if its points were read otherwise: with its links exchanged, or one of
     them in world axes."""
     loop = next((loop for loop in press.document.description.loops if loop.name == each.by.name), None)
-    if loop is None or not isinstance(each.by, LoopJoint) or each.gap(press.drawn_gaps) <= CLOSED * press.size:
+    if loop is None or not isinstance(each.by, LoopJoint) or each.gap(press.assembly.gaps) <= CLOSED * press.size:
         return None
     places = drawn_placements(press.model)
 
@@ -239,7 +230,11 @@ def _massless(press: Linkage) -> Iterator[Finding]:
     if all(masses[1:]):
         return
     # A single driver may be drawn where the only heavy link stands at its dead centre: its acceleration shows that it will move.
-    rates = np.hstack([press.drawn.first, press.drawn.second]) if len(press.drivers) == 1 else mobility.rates_of_drivers(press)
+    rates = (
+        np.hstack([press.assembly.drawn.first, press.assembly.drawn.second])
+        if len(press.drivers) == 1
+        else mobility.rates_of_drivers(press)
+    )
     mass = pin.crba(press.model, data_of(press.model), configuration(press.slots, press.closed))
     resisted = rates.T @ mass @ rates
     values, ways = np.linalg.eigh(resisted if len(press.drivers) > 1 else resisted.diagonal().sum().reshape(1, 1))
@@ -262,12 +257,27 @@ def _joints(names: Sequence[str]) -> str:
     return f"joint {names[0]!r}" if len(names) == 1 else f"joints {', '.join(map(repr, names))}"
 
 
-def remarks(press: Linkage, allow_open: bool) -> Iterator[Finding]:
-    """All warnings and notes about a linkage that closes, and errors of loops drawn too far open where these are not allowed."""
-    refused = [] if allow_open else list(too_far_open(press))
+def remarks(press: Linkage, allow_open: bool, *, quick: bool = False, centres: bool = True) -> Iterator[Finding]:
+    """What is said of a linkage without `errors`: errors of loops that are drawn too far open, warnings and notes.
+
+    Args:
+        press: the linkage.
+        allow_open: whether loops may be drawn far open.
+        quick: whether only warnings that are found quickly are wanted, about files that probably describe another linkage than was meant.
+        centres: whether centres of mass are checked.
+    """
+    refused = [] if allow_open else list(_too_far_open(press))
     yield from refused
-    said = {error.element for error in refused}
-    yield from (finding for finding in _drawn_open(press, _open_beyond(press, OPEN)) if finding.element not in said)
+    if quick:
+        # A gap of a hundredth of the linkage is probably a mistake, and so is any that a joint has to move by 0.05 rad or m to close.
+        far = np.abs(press.closed - press.assembly.start).max() > 0.05
+        yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else 0.01)))
+        yield from units_remarks(press, centres)
+        if "plane" in press.engines:  # other assemblies have not been followed yet, which takes long
+            yield from (finding for finding in _driver(press)[1] if finding.severity == "warning")
+        return
+    elements = {error.element for error in refused}
+    yield from (finding for finding in _drawn_open(press, _open_beyond(press, OPEN)) if finding.element not in elements)
     yield from units_remarks(press)
     yield from _slide_axis(press)
     yield from _stroke(press)
@@ -319,7 +329,7 @@ def _range_of_driver(press: Linkage, branch: Branch, where: tuple[str, int]) -> 
 def _held_spins(press: Linkage) -> Iterator[Finding]:
     """Notes of links whose spin is held."""
     free = replace(press, held_spins=())
-    for spin in mobility.spins(free, free.closed_rows) if press.held_spins else ():
+    for spin in mobility.spins(free, free.assembly.rows) if press.held_spins else ():
         problem = (
             "it can spin about the line of its ball joints, through its centre of mass: no driver determines that, and no weight turns it"
         )
@@ -340,17 +350,6 @@ def _gears_without_carrier(press: Linkage) -> Iterator[Finding]:
 
 def _spin_in_words(spin: mobility.Spin) -> str:
     return f"link {spin.link!r} can spin about a line {_short(1e3 * spin.eccentricity)} mm from its centre of mass"
-
-
-def severe(press: Linkage, centres: bool = True) -> Iterator[Finding]:
-    """The warnings that `load` issues: those found quickly, about files that hardly describe the linkage that was meant. ``centres``:
-    whether centres of mass are looked at."""
-    # A gap of a hundredth of the linkage is probably a mistake, and so is any that a joint has to move by 0.05 rad or m to close.
-    far = np.abs(press.closed - press.as_drawn).max() > 0.05
-    yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else 0.01)))
-    yield from units_remarks(press, centres)
-    if "plane" in press.engines:  # of others the assembly is not followed yet, which takes long
-        yield from (finding for finding in _driver(press)[1] if finding.severity == "warning")
 
 
 def units_remarks(press: Linkage, centres: bool = True) -> Iterator[Finding]:
@@ -408,14 +407,14 @@ def _slide_axis(press: Linkage) -> Iterator[Finding]:
 def _drawn_open(press: Linkage, those: list[mobility.Constraint]) -> Iterator[Finding]:
     """Warnings of loops and gear pairs, that they are drawn open."""
     for each in those:
-        problem = f"it is {opening_in_words(press, each, press.drawn_gaps)} apart as drawn"
+        problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn"
         remedy = f"{_read_otherwise(press, each) or 'draw it closed'}; to close it, load has moved {_moved_to_close(press)}"
         yield Finding("warning", mobility.element(press, each), each.by.line, problem, remedy)
 
 
 def _open_beyond(press: Linkage, beyond: float) -> list[mobility.Constraint]:
     """Loops and gear pairs that are drawn open ``beyond`` this share of the linkage's length."""
-    gaps, most = press.drawn_gaps, beyond * press.size
+    gaps, most = press.assembly.gaps, beyond * press.size
     if np.linalg.norm(gaps) <= most:
         return []  # as most are: without a look at each
     return [each for each in mobility.constraints(press) if each.gap(gaps) > most]
@@ -428,7 +427,7 @@ def _loops(those: list[mobility.Constraint]) -> list[mobility.Constraint]:
 
 def _moved_to_close(press: Linkage) -> str:
     """What closing the drawn pose moves most, and by how much, in words."""
-    moves = press.closed - press.as_drawn
+    moves = press.closed - press.assembly.start
     most = int(np.argmax(np.abs(moves)))
     return f"joint {press.joints[most]!r} by {_value(press, most, moves[most])}"
 
@@ -444,7 +443,7 @@ def _limits(press: Linkage, branch: Branch) -> Iterator[Finding]:
         if described.limits is None:
             continue
         (lower, upper), joint, element = described.limits, press.joints.index(described.name), of.all("limit")[0]
-        if not lower <= 0.0 <= upper and not press.as_drawn[joint]:
+        if not lower <= 0.0 <= upper and not press.assembly.start[joint]:
             continue  # this is reported of the drawn pose
         for beyond, side, limit in ((lower - positions[joint], "lower", lower), (positions[joint] - upper, "upper", upper)):
             at = int(np.argmax(beyond))
@@ -467,7 +466,7 @@ def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
         yield Finding("note", robot, None, problem, f"nothing is wrong; what bearings carry across the plane {shared}")
     if further:
         taking_part = [*among, *(each for x in poses.T for each in mobility.redundancy(press, x).among)]
-        where = "in the plane" if planarity(press).is_planar else "in space"
+        where = "in the plane" if press.planarity.is_planar else "in space"
         named = ", ".join(each.title for each in mobility.constraints(press) if each in taking_part)
         problem = f"{_equations(further)} redundant {where}, of {named}"
         remedy = f"their load {shared}; or give inverse_dynamics a stiffness=. Write lengths and angles with all digits"
@@ -489,7 +488,7 @@ def _not_planar(press: Linkage) -> str:
     """Why the planar engine cannot compute it."""
     if len(press.drivers) > 1:
         return f"there are {len(press.drivers)} drivers"
-    turning, _, joints, loops = planarity(press)
+    turning, _, joints, loops = press.planarity
     if turning is None:
         return "no joint turns"
     plane = f"the plane in which joint {press.joints[turning]!r} turns"

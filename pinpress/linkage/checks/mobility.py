@@ -15,7 +15,6 @@ from ...engines.pinocchio.equations import Rows
 from ...engines.rank import PassiveJacobian, rank, singular_values
 from ...engines.structure import data_of
 from ..linkage import Linkage
-from ..planarity import planarity
 
 TAKES_PART = 1e-6  # share of a unit null vector above which a joint or an equation takes part in it
 BALANCED = 1e-6  # distance of a centre of mass from the line that its link spins about, that is rounding [lengths of the linkage]
@@ -175,10 +174,10 @@ def _freedom(press: Linkage, columns: Array) -> tuple[int, int]:
 
 def redundancy(press: Linkage, x: Array) -> Redundancy:
     """The redundant equations at closed joint coordinates (nv,)."""
-    plane = planarity(press)
+    plane = press.planarity
     if not press.engine().redundant(x):
         return Redundancy(sum(1 + loop.held_rotations for loop in press.loops) if plane.is_planar else 0, 0, ())
-    rows = press.closed_rows if x is press.closed else press.equations(x)
+    rows = press.equations(x)
     single = np.eye(len(rows.gaps))
     parts, owners = [], []
     for k, each in enumerate(constraints(press)):
@@ -221,7 +220,7 @@ def is_shaky(press: Linkage) -> bool:
 
 def rates_of_drivers(press: Linkage) -> Array:
     """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
-    rows, drivers = press.closed_rows, list(press.driver_indices)
+    rows, drivers = press.assembly.rows, list(press.driver_indices)
     passive = PassiveJacobian(rows.columns, press.structure.passive_joints)
     rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
     rates[drivers] = np.eye(len(drivers))
