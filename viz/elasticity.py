@@ -1,6 +1,4 @@
-"""Two presses with assumed springs: compliance, bottom dead centre over speed and snap-through.
-
-The tables of docs/elasticity.md, and their picture.
+"""Two presses with assumed springs: compliance, bottom dead centre over speed and snap-through, the picture of docs/elasticity.md.
 
 No document prints a stiffness: all of them, damping, break-through time and clearance are ours, of the size usual for such presses, and
 marked as assumed. The presses are those of Kong 2025 and Zhang 2007.
@@ -40,26 +38,10 @@ SPRINGS = {
     ),
 }
 FORCE = {"zxn2_3000b": 3.0e6, "jf75g_125": 1.25e6}  # nominal, printed [N]
-SPEEDS = {"zxn2_3000b": (50, 60, 70), "jf75g_125": (150, 300, 450, 600)}  # printed ranges [strokes/min]
 CURVE = {"zxn2_3000b": 70, "jf75g_125": 600}
 DIE = {"zxn2_3000b": 1500.0, "jf75g_125": 400.0}  # assumed, upper die [kg]
 HEIGHT = 0.003  # assumed, of break-through above bottom dead centre [m]
-HEIGHTS = (0.001, 0.003, 0.006, 0.010)
 DAMPING, BREAK_TIME, CLEARANCE = 0.04, 1e-3, 1e-4  # assumed [-, s, m]
-PERMITTED = 0.10  # reverse load by nominal force that Sutherland Presses and IC-Fluid name; the first expects damage from 15 %
-
-
-def table() -> str:
-    """Markdown: of the high-speed press its compliance, bottom dead centre over speed, snap-through, permissible break-through."""
-    return tables("jf75g_125")
-
-
-def tables(name: str) -> str:
-    press = pp.load(name)
-    found = elastic(press, name)
-    shift = pp.elasticity.dead_centre_shift(press, SPRINGS[name], speed=np.array(SPEEDS[name]) * pp.RPM)
-    shown = compliance_table(name, found), shift_table(name, shift), snap_table(name, snaps(press, name))
-    return "\n\n".join([*shown, permissible_table(press, name)])
 
 
 def elastic(press: pp.Linkage, name: str) -> pp.elasticity.SlideCompliance:
@@ -91,56 +73,6 @@ def snaps(press: pp.Linkage, name: str) -> dict[str, pp.elasticity.SnapThroughRe
     }
 
 
-def compliance_table(name: str, found: pp.elasticity.SlideCompliance) -> str:
-    """Shares of the parts at bottom dead centre, the largest first."""
-    shares = sorted(found.bottom_shares.items(), key=lambda item: -round(item[1], 9))  # equal ones differ by rounding
-    rows = [f"| {part} | {100 * share:.1f} % |" for part, share in shares if share > 5e-4]
-    heading = f"`{name}`: {1e-6 * found.bottom_stiffness:.0f} kN/mm at bottom dead centre (assumed springs)"
-    return "\n".join([heading, "", "| part | share of the deflection |", "|---|---:|", *rows])
-
-
-def shift_table(name: str, shift: pp.elasticity.ElasticDeadCentre) -> str:
-    """Depth over speed."""
-    rows = [
-        f"| {round(w / pp.RPM)} | {1e6 * inertia:+.1f} | {1e6 * true:+.1f} |"
-        for w, inertia, true in zip(shift.speed, shift.by_squared_speed * shift.speed**2, shift.shift, strict=True)
-    ]
-    weight = 1e6 * (shift.standstill_position - shift.rigid_position)
-    heading = f"`{name}`: bottom dead centre under the weight of the links alone {weight:+.1f} µm"
-    return "\n".join([heading, "", "| strokes/min | inertia at the rigid angle [µm] | true shift [µm] |", "|---:|---:|---:|", *rows])
-
-
-def snap_table(name: str, cases: dict[str, pp.elasticity.SnapThroughResponse]) -> str:
-    """Reverse load, overshoot, acceleration, frequency."""
-    rows = [
-        f"| {what} | {1e-3 * s.reverse_force:.0f} kN, {100 * s.reverse_ratio:.1f} % | {1e3 * s.overshoot:.3f} | {s.peak_acceleration:.0f} |"
-        f" {s.frequency / (2 * np.pi):.1f} |"
-        for what, s in cases.items()
-    ]
-    some = next(iter(cases.values()))
-    heading = (
-        f"`{name}`: {1e-3 * some.force:.0f} kN let go {1e3 * HEIGHT:g} mm above bottom dead centre, {some.mass:.0f} kg, {some.energy:.0f} J"
-    )
-    titles = "| | reverse load | overshoot [mm] | peak acceleration [m/s2] | frequency [Hz] |"
-    return "\n".join([heading, "", titles, "|---|---:|---:|---:|---:|", *rows])
-
-
-def permissible_table(press: pp.Linkage, name: str) -> str:
-    """Force at break-through that a reverse load of `PERMITTED` allows, over height."""
-    found = at_heights(press, name, HEIGHTS)
-    stiffness, mass, permitted = 1 / found.compliance, found.effective_mass, PERMITTED * FORCE[name]
-    forces = pp.elasticity.permissible_breakthrough(
-        permitted, stiffness, mass=mass + DIE[name], damping_ratio=DAMPING, break_time=BREAK_TIME
-    )
-    heading = f"`{name}`: reverse load of {1e-3 * permitted:g} kN permitted"
-    titles = "| height [mm] | stiffness [kN/mm] | effective mass without die [kg] | permissible break-through force [kN] |"
-    rows = [
-        f"| {1e3 * height:.0f} | {1e-6 * k:.0f} | {m:.0f} | {1e-3 * force:.1f} |"
-        for height, k, m, force in zip(HEIGHTS, stiffness, mass, forces, strict=True)
-    ]
-    return "\n".join([heading, "", titles, "|---:|---:|---:|---:|", *rows])
-
-
 def picture() -> Figure:
     """Of each press a column: compliance, shift of bottom dead centre, snap-through."""
     with figures.drawing(19.0) as figure:
@@ -160,5 +92,4 @@ def picture() -> Figure:
 if __name__ == "__main__":
     from light import light  # type: ignore[import-not-found]  # beside this script
 
-    print(table())
     light(figures.save(picture(), PICTURE))

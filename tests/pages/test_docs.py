@@ -21,7 +21,7 @@ from pinpress.cli.main import _parser
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-TABLES = ("accuracy", "balancing", "elasticity", "ratings", "servo", "synthesis")  # scripts in viz, of the pages of the same names
+TABLES = ("accuracy", "balancing", "servo", "synthesis")  # scripts in viz, of the pages of the same names
 RUN = [
     "balancing",
     "commands",

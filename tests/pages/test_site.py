@@ -164,7 +164,7 @@ QUESTIONS = {
     "install": "install start",
     "torque curve": "motion_and_forces examples/permissible tour",
     "bearing load": "motion_and_forces examples/forces",
-    "dead centre": "motion_and_forces",
+    "dead centre": "motion_and_forces tour",
     "stroke length": "motion_and_forces synthesis",
     "sign convention": "units_and_signs",
     "URDF loop": "describe",
