@@ -1,8 +1,8 @@
 """What does a balance cylinder do for the drive?
 
 Four air cylinders with a tank bear the slide of 7 t. The torque of the empty press falls to a third. The rod pays for
-it: without air it carries the hanging slide all the way round, with air it is pushed and pulled in every turn, so
-that its clearances change sides. Air can fail, so a brake is judged without it.
+it. Without air it carries the hanging slide all the way round. With air it is pushed and pulled in every turn, so that
+its clearances change sides. Air can fail, so a brake is judged without air.
 """
 
 import matplotlib.pyplot as plt

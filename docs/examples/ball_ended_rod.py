@@ -1,7 +1,7 @@
 """What if the crank turns across the slide?
 
-A crank about x, a rod between two ball joints, a slide that moves upwards: a linkage in space, from a table of pins
-in three coordinates. Everything works as in the plane: dead centres, torque, the force in every ball.
+The linkage is in space: a crank about x, a rod between two ball joints, a slide that moves upwards. The table of pins
+has three coordinates. Everything works as in the plane: dead centres, torque, the force in every ball.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """Which bearing carries most, and when?
 
 The six-bar press draws with 1000 kN over its last 10 mm, at 70 strokes a minute. Inverse dynamics gives the force in
-every bearing over one turn of the crank; the peaks say which pin decides on its size, and whether the process or
-inertia makes them.
+every bearing over one turn of the crank. The peaks say which pin is loaded most, and whether the process or inertia
+makes them.
 """
 
 import numpy as np

@@ -1,9 +1,9 @@
 """How hard does the press snap through when the sheet breaks?
 
-While it blanks the press is a loaded spring; when the sheet breaks it throws the slide down. The six-bar on its
-springs, at its stroke of blanking: how far the slide dives, and with how much reverse load. Press makers name 10 % of
-the nominal force as what a press tolerates, and severe damage from 15 % (Sutherland Presses). Springs, damping and
-die are assumed here. What the maker of your press says decides.
+While the press blanks, it is a loaded spring. When the sheet breaks, it throws the slide down. The example puts the
+six-bar on springs and shows how far the slide dives, and with how much reverse load. Press makers name 10 % of the
+nominal force as what a press tolerates, and severe damage from 15 % (Sutherland Presses). Springs, damping and die are
+assumed here. What the maker of your press says decides.
 """
 
 import numpy as np

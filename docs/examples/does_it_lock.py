@@ -1,8 +1,8 @@
 """Does my linkage come close to locking?
 
 A dyad passes force on well while its two links stand across each other, and locks where they are in line. The
-transmission angle of every dyad over the turn says how close it comes. Textbooks ask for 40 degrees where force is
-passed on; a longer crank comes nearer to the limit.
+transmission angle of every dyad over the turn says how close it comes. Textbooks ask for at least 40 degrees where a
+force is transmitted. A longer crank comes nearer to this limit.
 """
 
 import matplotlib.pyplot as plt

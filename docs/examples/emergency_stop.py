@@ -5,12 +5,12 @@ hold the slide at every angle of the turn? After which signal of the closing str
 spring brake must stop and hold even if half of its springs have failed (ISO 16092-2:2019, 5.2.5.2). So both are asked
 twice.
 
-**No distance on this page is advice.** S is the formula of ISO 13855:2010, 6.2.3, for a hand that enters a curtain at
-a right angle. Its T is the stopping time plus assumed responses of curtain and control. The 2024 edition has another
+**No distance on this page is advice.** S is the formula of ISO 13855:2010, 6.2.3, for a hand that enters a curtain at a
+right angle. Its T is the stopping time plus assumed responses of curtain and control. The 2024 edition has another
 formula, S = K T + D_DS + Z. What the model leaves out makes the stop longer: wear, heat and oil of the brake, scatter
 of its valve, the margin of the brake monitor, brake disc and clutch plate on the crank, the upper die. Bearing
-friction, left out too, makes it shorter. What decides is the stopping time that is measured on the press itself, as
-the standard that applies to it demands.
+friction, left out too, makes it shorter. What decides is the stopping time that is measured on the press itself, as the
+standard that applies to it demands.
 """
 
 import matplotlib.pyplot as plt

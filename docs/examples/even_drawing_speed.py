@@ -1,8 +1,8 @@
 """Which lengths draw at an even speed?
 
 The guide-bar press for thin-walled parts draws over 120 mm. The length of its coupler and the height of its slide are
-free, the pressure angle may be at most 40 degrees: synthesis finds the lengths at which the speed of the slide
-changes least over the draw.
+free; the pressure angle may be at most 40 degrees. Synthesis finds the lengths at which the speed of the slide changes
+least over the draw.
 """
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,7 @@
 """What does the floor feel?
 
 A high-speed press of 17 t stands on four rubber pads. How much of its shaking force reaches the floor between 150 and
-450 strokes a minute, on pads of 40 mm and on springs a tenth as stiff?
+450 strokes a minute, on pads of 40 mm, and on springs a tenth as stiff?
 """
 
 import matplotlib.pyplot as plt

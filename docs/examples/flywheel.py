@@ -1,9 +1,8 @@
 """How large must the flywheel be?
 
-The stroke that repeats under motor and load is found directly for flywheels of many sizes. A motor is overheated
-where its utilisation, rms by rated torque, is above 1; the smallest flywheel that keeps it below is the least one,
-with the drop of speed that it leaves. It has no reserve: starts, friction and losses other than those of torque come
-on top.
+The stroke that repeats under motor and load is found directly for flywheels of many sizes. A motor is overheated if its
+utilisation, rms torque by rated torque, is above 1. The smallest flywheel that keeps it below 1 is the answer, with its
+drop of speed. It has no reserve: starts, friction and other losses than those of torque are not included.
 """
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,7 @@
 """How much torque does friction cost?
 
-Plain bearings with a coefficient of 0.05 on pins of 60 mm radius: the torque at the crank, the power that
-warms the bearings, and how far a measured torque is from that of the frictionless model.
+The plain bearings have a coefficient of 0.05 on pins of 60 mm radius. The example gives the torque at the crank, the
+power that warms the bearings, and how far a measured torque is from that of the frictionless model.
 """
 
 import pinpress as pp

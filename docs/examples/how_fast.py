@@ -1,8 +1,8 @@
 """How much higher may I go in speed?
 
 At a given crank angle every force of the idle press is A w² + c, so the speed at which a bearing reaches its capacity
-is a root, not a search. Each limit is computed by itself, with an assumed capacity. A faster press also takes longer
-to stop, and its flywheel, clutch and brake have limits of their own, which are left out here: ask the maker before
+is the root of an equation. Each limit is computed separately, with an assumed capacity. A faster press also takes
+longer to stop, and its flywheel, clutch and brake have their own limits, which are left out here. Ask the maker before
 you speed it up.
 """
 

@@ -1,6 +1,6 @@
 """Which torques do the motors of my own closed-loop robot need?
 
-The URDF of a five-bar arm with two motors has the tree as usual, and beside it the pin that closes the loop. `pp.load`
+The URDF of a five-bar arm with two motors has the tree as usual, and next to it the pin that closes the loop. `pp.load`
 closes it. A path of both motors is a motion, and inverse dynamics gives both torques and the force in every bearing.
 """
 

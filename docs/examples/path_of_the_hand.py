@@ -1,8 +1,8 @@
 """How do I get the inverse kinematics of my own closed-loop robot?
 
 The five-bar arm moves its hand along a straight line, from rest to rest. Which angles of both motors do that, and which
-torques? Newton's method finds the angles at all instants together; pinpress closes the loop at every guess, and says
-where the hand is then.
+torques? Newton's method finds the angles at all instants together. For every guess pinpress closes the loop and gives
+the place of the hand.
 """
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,7 @@
 """How much force may the press give 30 mm above the bottom?
 
-The nominal force holds near bottom dead centre only. Further up the crank's torque, the bearings or the energy of the
-flywheel limit it, and each limit is a closed form of the height. The capacities are assumed, not this machine's;
+The nominal force holds near bottom dead centre only. Further up, the crank's torque, the bearings or the energy of the
+flywheel limit the force. Each limit is a closed form of the height. The capacities are assumed, not this machine's;
 strength of frame and parts, friction and the motor are left out. What a press may do is on its plate.
 """
 

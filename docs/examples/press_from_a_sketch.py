@@ -1,7 +1,8 @@
 """What does the press on my sketch do?
 
 A table says where the pins are, by coordinates or lengths, and which pins each link has, as on a drawing. Here it is a
-knuckle press. What is its stroke, how fast does it meet the sheet, and what force does a newton metre on the crank hold there?
+knuckle press. What is its stroke, how fast does it meet the sheet, and what force does a newton metre on the crank hold
+there?
 """
 
 import pinpress as pp

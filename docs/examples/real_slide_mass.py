@@ -1,8 +1,8 @@
 """How heavy is my slide really?
 
-Crank angle and motor torque of the idle press, recorded at three speeds, tell what its description does not: the mass
-of slide and upper die as they are today, and the friction at the crank, with intervals that hold. It is a mass in
-motion, with a part of the rod's, and no load for a crane: for lifting, weigh it or ask its maker.
+Crank angle and motor torque of the idle press, recorded at three speeds, show the mass of slide and upper die as they
+are today, and the friction at the crank, with intervals. The mass contains a part of the rod, and is no load for a
+crane: for lifting, weigh the slide or ask its maker.
 """
 
 import pinpress as pp

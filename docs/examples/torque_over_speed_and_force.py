@@ -1,8 +1,8 @@
 """At which speeds and forces is the torque too much?
 
-Every speed with every force of a draw over the last 20 mm: torque and bearing forces of ten thousand operating points
-in one call, because they are affine in the force and in the square of the speed. The 100 kN m are assumed; bearings,
-energy and strength are other limits.
+One call gives torque and bearing forces of ten thousand operating points: every speed with every force of a draw over
+the last 20 mm. They are affine in the force and in the square of the speed. The 100 kN m are assumed; bearings, energy
+and strength are other limits.
 """
 
 import matplotlib.pyplot as plt

@@ -1,8 +1,8 @@
 """Which counterweight quietens my press?
 
-Counterweights of up to 400 kg may sit on the crank and the rod, within 300 mm of their pins. Which masses, and where,
-leave the least vertical shaking force without more than 10 kN of horizontal one? The answer is proved: no others in
-these regions are better.
+Counterweights of up to 400 kg may be on the crank and the rod, within 300 mm of their pins. Which masses, and where,
+give the least vertical shaking force with at most 10 kN horizontally? The answer is proved: no others in these regions
+are better.
 """
 
 import numpy as np

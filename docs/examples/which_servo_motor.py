@@ -1,9 +1,9 @@
 """Which servo motor for 25 parts a minute, drawn at 0.2 m/s?
 
-The motors are those of a catalogue, tried from the smallest on behind four gears. Each gets the motion that heats it
-least, with the proof that none heats it less; the first that bears its own best motion is the answer. It has no
-reserve: friction, a warm room and other motions are left out. Nor does a motor at rest hold a slide safely: that is
-the brake's task.
+The motors are those of a catalogue, tried from the smallest on behind four gears. For each motor the best motion is the
+one that heats it least, with a proof. The first motor that is not overheated by it is the answer. It has no reserve:
+friction, a warm room and other motions are left out. Nor does a motor at rest hold a slide safely: that is the brake's
+task.
 """
 
 import pinpress as pp

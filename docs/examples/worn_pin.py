@@ -1,7 +1,7 @@
 """What if a pin wears by 0.1 mm?
 
-A worn pin lets the rod leave its bearing and strike it again. The stroke on springs, with 0.1 mm of radial clearance
-in the wrist pin, shows how hard it knocks and how often, beside the force that the rigid press has there.
+A worn pin lets the rod leave its bearing and strike it again. The stroke on springs, with 0.1 mm of radial clearance in
+the wrist pin, shows how hard and how often it knocks, compared with the force of the rigid press.
 """
 
 import matplotlib.pyplot as plt
