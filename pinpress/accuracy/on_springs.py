@@ -24,7 +24,7 @@ from ..loads.process import Blanking, ForceInterval
 from ..simulation.elastic.description import Elastic, Stiffness
 from ..simulation.elastic.forces import ActingForces
 from ..simulation.elastic.press.assembly import sprung_press
-from ..simulation.elastic.press.sprung_press import BodyState
+from ..simulation.elastic.press.geometry import BodyState
 from ..simulation.elastic.run import ElasticRun, ElasticSegment
 from ..simulation.elastic.strokes import CRANK_ANGLE, Event
 from ..simulation.elastic.task import ElasticSolution

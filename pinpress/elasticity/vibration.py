@@ -27,9 +27,10 @@ from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage, OfPress
 from ..simulation.elastic.description import Elastic
 from ..simulation.elastic.press.assembly import sprung_press
+from ..simulation.elastic.press.geometry import BodyState
 from ..simulation.elastic.press.plane import PlaneGeometry
 from ..simulation.elastic.press.space import SpaceGeometry
-from ..simulation.elastic.press.sprung_press import BodyState, SprungPress
+from ..simulation.elastic.press.sprung_press import SprungPress
 from ..simulation.elastic.yielding import FRAME, link_joint, part_stiffness
 from .modes_in_space import kinetic_energy_in_space, shapes_in_space
 

@@ -20,8 +20,9 @@ from ..driven_press import DrivenPress, GeneralizedForce
 from .panels import Indices, Linearised
 from .press.drive import DriveTrain, TrainEvent, TrainMode
 from .press.friction import BearingFriction
+from .press.geometry import BodyState, VaryingInertia
 from .press.paths import LoadPath, PathMotion
-from .press.sprung_press import BodyState, SpringForces, SprungPress, VaryingInertia, some_of
+from .press.sprung_press import SpringForces, SprungPress, some_of
 from .strokes import CRANK_ANGLE, INSTANT, MotionEvent, Release, Segment, TimeSpan
 
 

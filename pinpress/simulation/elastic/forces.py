@@ -12,8 +12,9 @@ from ...engines.planar.model import to_world
 from .contact import OpenPin
 from .equations import ElasticEquations
 from .panels import Indices
+from .press.geometry import BodyState
 from .press.paths import NEAREST
-from .press.sprung_press import BodyState, JointMotion, SprungPress
+from .press.sprung_press import JointMotion, SprungPress
 
 
 @dataclass(frozen=True, eq=False)

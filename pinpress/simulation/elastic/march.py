@@ -20,7 +20,8 @@ from .contact import HertzContact
 from .equations import ElasticEquations
 from .panels import Ends, Mesh, PanelSolution, PanelStates, solve
 from .press.drive import TrainEvent, TrainMode
-from .press.sprung_press import Springs, SprungPress
+from .press.geometry import Springs
+from .press.sprung_press import SprungPress
 from .strokes import CRANK_ANGLE, INSTANT, Event, MotionEvent, Phase, Release, Segment, crossing
 from .task import FIRST_PANELS, LOOKS, MOST_STEPS, PAST_BORDER, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 

@@ -27,7 +27,7 @@ from .description import Elastic
 from .equations import Driving
 from .forces import ActingForces
 from .panels import Indices
-from .press.sprung_press import BodyState
+from .press.geometry import BodyState
 from .task import ElasticSolution
 
 FINE = 24  # parts of a panel at whose ends extremes are looked for, and of the two parts about one of them

@@ -162,7 +162,7 @@ def _task_from(start: float, sprung: SprungPress, strokes: Strokes, speed: float
     if sprung.geometry.base is not None:
         paths = from_frame(sprung, paths, isinstance(driven.coordinates[0], JointPosition))
     paths += tuple(LengthPath(pin.bodies, pin.arms, sign=-1.0) for pin in sprung.open_pins)
-    paths += tuple(LinePath(sprung.geometry.alone(joint.spring)) for joint in sprung.open_joints)
+    paths += tuple(LinePath(sprung.geometry.with_lines([joint.spring])) for joint in sprung.open_joints)
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:
         y, v, a = sprung.rigid(start + speed * times, speed)

@@ -37,7 +37,7 @@ def standing(where: str) -> tuple[Any, Any]:
     if where == "mounts":
         paths = from_frame(sprung, paths, True)
         assert isinstance(paths[0], LinePath)
-    return sprung, (*paths, LinePath(sprung.geometry.alone(1)))
+    return sprung, (*paths, LinePath(sprung.geometry.with_lines([1])))
 
 
 @pytest.mark.parametrize("where", ["plane", "mounts", "space"])

@@ -40,9 +40,10 @@ from ..yielding import (
     rods_of,
 )
 from .assembly_in_space import press_in_space
+from .geometry import LinearSprings, Springs
 from .mounts import on_mounts
 from .plane import DrawnBodies, Lines, PlaneGeometry
-from .sprung_press import LinearSprings, Springs, SprungPress, reference_motion
+from .sprung_press import SprungPress, reference_motion
 
 
 def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:

@@ -22,8 +22,9 @@ from ....linkage.linkage import Linkage
 from ..description import Elastic
 from ..preloaded_joint import JointSpring, PreloadedJoint
 from ..yielding import LIGHTEST, by_bearing, dampers_by_bearing
+from .geometry import LinearSprings, Springs
 from .space import LinesInSpace, SpaceGeometry
-from .sprung_press import LinearSprings, Springs, SprungPress
+from .sprung_press import SprungPress
 from .turning import nominal_turns
 
 

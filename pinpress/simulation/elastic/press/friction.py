@@ -21,8 +21,9 @@ import numpy as np
 from ....common.errors import PinpressError, shown
 from ....common.quantities import Array
 from ....engines.friction import FrictionLaw
+from .geometry import BodyState
 from .plane import LineStrains, PlaneGeometry
-from .sprung_press import BodyState, SpringForces, SprungPress
+from .sprung_press import SpringForces, SprungPress
 
 
 class FrictionStates(NamedTuple):

@@ -19,8 +19,9 @@ from ....common.quantities import Array
 from ....engines.planar.model import to_complex, to_world
 from ....kinematics.cycle import cycle
 from ....loads.mounts import Frame, Mount
+from .geometry import Springs
 from .plane import Lines, PlaneGeometry
-from .sprung_press import Springs, SprungPress
+from .sprung_press import SprungPress
 
 POSES = 180  # of a turn over which the weights' places are averaged
 

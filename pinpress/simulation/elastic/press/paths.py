@@ -16,8 +16,9 @@ from ....common.errors import PinpressError, shown
 from ....common.quantities import Array
 from ....engines.planar.model import to_complex
 from ...driven_press import Coordinate, End, JointPosition, Length, WorkOfForce
+from .geometry import BodyState, Geometry
 from .plane import DrawnBodies, Lines, PlaneGeometry
-from .sprung_press import BodyState, Geometry, SprungPress
+from .sprung_press import SprungPress
 
 NEAREST = 1e-300  # least length of a distance, which has no direction where it is zero [m]
 

@@ -28,7 +28,7 @@ from ....kinematics.motion import Motion
 from ....linkage.linkage import Linkage
 from ..flexible_link import FlexibleBody
 from ..panels import Indices
-from .sprung_press import VaryingInertia
+from .geometry import PointMotion, VaryingInertia
 
 
 class Lines(NamedTuple):
@@ -97,30 +97,9 @@ class LineStrains(NamedTuple):
     bends: tuple[ComplexArray, ComplexArray] | None = None
 
 
-class PointInPlane(NamedTuple):
-    """A point of a body at n states; see `sprung_press.PointMotion`.
-
-    Attributes:
-        place: (n, 2) along the axes of the plane [m].
-        by: (n, k, 2).
-        turn: column of the body's turn.
-        arm: (n,) from the centre of mass [m].
-    """
-
-    place: Array
-    by: Array
-    turn: int
-    arm: ComplexArray
-
-    def twice(self, direction: Array) -> Array:
-        found = np.zeros((*self.by.shape[:2], self.by.shape[1]))
-        found[:, self.turn, self.turn] = -(direction[..., 0] * self.arm.real + direction[..., 1] * self.arm.imag)
-        return found
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class PlaneGeometry:
-    """Bodies of a planar press and the lines of its springs; see `sprung_press.Geometry`.
+    """Bodies of a planar press and the lines of its springs; see `geometry.Geometry`.
 
     Bodies are the links, counted as joints in v, then a crown and a rotor if there are any, the frame, and the ground if the frame stands
     on mounts. Coordinates are 3 of each body, Q of the flexible links' shapes: k in all.
@@ -208,19 +187,16 @@ class PlaneGeometry:
             rates[:, :rigid:3] + 1j * rates[:, 1:rigid:3],
         )
 
-    def point(self, state: PlaneState, body: int, arm: complex) -> PointInPlane:
+    def point(self, state: PlaneState, body: int, arm: complex) -> PointMotion:
         column, turned = 3 * body, arm * state.turned[:, body]
         place = state.place[:, body] + turned
         by = np.zeros((*state.coordinates.shape, 2))
         by[:, column, 0] = by[:, column + 1, 1] = 1.0
         by[:, column + 2, 0], by[:, column + 2, 1] = -turned.imag, turned.real
-        return PointInPlane(np.stack([place.real, place.imag], axis=1), by, column + 2, turned)
-
-    def alone(self, line: int) -> PlaneGeometry:
-        return self.with_lines([line])
+        bent = -np.stack([turned.real, turned.imag], axis=1)[:, None, None]
+        return PointMotion(np.stack([place.real, place.imag], axis=1), by, np.array([column + 2]), bent)
 
     def with_lines(self, kept: Any) -> PlaneGeometry:
-        """The same bodies with some of the lines: their numbers, or whether each is kept (S,)."""
         return replace(self, lines=Lines._make(column[kept] for column in self.lines), shapes=self.shapes[:, kept])
 
     # ------------------------------------------------------------------------------------------------------------------- lines

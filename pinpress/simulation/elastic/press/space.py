@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from ....kinematics.motion import Motion
 from ....kinematics.poses import poses
 from ....linkage.linkage import Linkage
 from ..panels import Indices
-from .sprung_press import VaryingInertia
+from .geometry import PointMotion, VaryingInertia
 from .turning import NominalTurns, Turned, turn_bodies
 
 
@@ -90,30 +90,9 @@ class StrainsInSpace(NamedTuple):
     gap_rate: Array
 
 
-class PointInSpace(NamedTuple):
-    """A point of a body at n states; see `sprung_press.PointMotion`.
-
-    Attributes:
-        place: (n, 3) in world axes [m].
-        by: (n, k, 3).
-        columns: (4,) of the body's turn and the crank angle.
-        by_twice: (n, 4, 4, 3) second derivatives by these.
-    """
-
-    place: Array
-    by: Array
-    columns: Indices
-    by_twice: Array
-
-    def twice(self, direction: Array) -> Array:
-        found = np.zeros((*self.by.shape[:2], self.by.shape[1]))
-        found[:, self.columns[:, None], self.columns] = (self.by_twice @ direction[..., None, :, None])[..., 0]
-        return found
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class SpaceGeometry:
-    """Bodies in space and the lines of their springs; see `sprung_press.Geometry`. The B bodies are those with mass; the frame is body B.
+    """Bodies in space and the lines of their springs; see `geometry.Geometry`. The B bodies are those with mass; the frame is body B.
 
     Attributes:
         press: the linkage.
@@ -222,7 +201,7 @@ class SpaceGeometry:
         w, w_rate = (values[:, :-1].reshape(len(values), self.count + 1, 6)[:, :, 3:] for values in (coordinates, rates))
         return SpaceState(coordinates, rates, turn_bodies(self.nominal, w, coordinates[:, -1], w_rate, rates[:, -1], derivatives))
 
-    def point(self, state: SpaceState, body: int, arm: Array) -> PointInSpace:
+    def point(self, state: SpaceState, body: int, arm: Array) -> PointMotion:
         turned, first = state.turned, 6 * body
         assert turned.by_twice is not None
         n, k = state.coordinates.shape
@@ -230,10 +209,10 @@ class SpaceGeometry:
         by, columns = np.zeros((n, k, 3)), np.array([first + 3, first + 4, first + 5, k - 1])
         by[:, first : first + 3] = np.eye(3)
         by[:, columns] = turned.by[:, body].reshape(n, 4, 3, 3) @ arm
-        return PointInSpace(place, by, columns, turned.by_twice[:, body].reshape(n, 4, 4, 3, 3) @ arm)
+        return PointMotion(place, by, columns, turned.by_twice[:, body].reshape(n, 4, 4, 3, 3) @ arm)
 
-    def alone(self, line: int) -> SpaceGeometry:
-        return replace(self, lines=LinesInSpace._make(column[line : line + 1] for column in self.lines))
+    def with_lines(self, kept: Any) -> SpaceGeometry:
+        return replace(self, lines=LinesInSpace._make(column[kept] for column in self.lines))
 
     # --------------------------------------------------------------------------------------------------------------------- inertia
 
