@@ -520,11 +520,11 @@ def _joined(variables: Sequence[Sequence[RegionVariables]], columns: Sequence[ND
     ends, rows = np.cumsum([len(each.mass) for each in variables[0]])[:-1], list[Rows]()
     first, *others = [np.split(each, ends) for each in columns]
     for k, each in enumerate(variables[0]):
-        rows += (replace(part, coefficients=_spread(part.coefficients, first[k], width)) for part in each.rows)
+        rows += (replace(part, matrix=_spread(part.matrix, first[k], width)) for part in each.rows)
         for number, columns_of in enumerate(others if each.region.reset else (), 1):
             in_condition = f", condition {number}"
             rows += (
-                replace(part, coefficients=_spread(part.coefficients, columns_of[k], width), name=part.name and part.name + in_condition)
+                replace(part, matrix=_spread(part.matrix, columns_of[k], width), name=part.name and part.name + in_condition)
                 for part in each.rows
             )
             if each.region.reset == "position":  # the mass stays

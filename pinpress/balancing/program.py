@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.conic_program import AT_MOST, CONE, EQUAL, InfeasibleError, Optimum, Rows, UnsolvedError, minimise
+from ..common.conic_program import AT_MOST, CONE, EQUAL, InfeasibleError, Optimum, Rows, minimise
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from .problem import AddedMass, BalancingProblem, Range, Rms, Signal, Target, limit_words
@@ -132,11 +132,7 @@ def _over_all_states(
     """The optimum over all states. ``program`` makes the program over the states taken in so far, ``states``, which grow here."""
     for _ in range(MOST_ROUNDS):
         cost, rows = program()
-        try:
-            optimum = minimise(cost, rows)
-        except UnsolvedError as error:
-            remedy = "give counterweights a largest mass, and limits that are neither very large nor very small"
-            raise PinpressError(f"{error}; {remedy}") from None
+        optimum = minimise(cost, rows, remedy="give counterweights a largest mass, and limits that are neither very large nor very small")
         found = {signal: _violated(signal, optimum.x[: problem.size], taken) for signal, taken in states.items()}
         if not any(len(more) for more in found.values()):
             return optimum, rows
@@ -234,7 +230,7 @@ def _program(
         others: whether the mean over all conditions counts a little, beside the worst.
     """
     columns = _columns(problem, objective, others)
-    rows = [replace(part, coefficients=columns.wide(part.coefficients)) for part in problem.rows]
+    rows = [replace(part, matrix=columns.wide(part.matrix)) for part in problem.rows]
     rows += (Rows(AT_MOST, columns.wide(mass[None] / (LARGEST * problem.moving_mass)), np.ones(1)) for mass in problem.unlimited)
     for signal in problem.signals:
         rows += _signal_rows(signal, columns, states[signal], limits, zero_as_equations)
@@ -285,7 +281,7 @@ def _relaxed(cost: Array, rows: tuple[Rows, ...]) -> Program:
         relaxation = np.zeros((len(part.bound), 1))
         if part.name and part.unit:
             relaxation[: 1 if part.kind == CONE else None] = -1.0
-        more.append(replace(part, coefficients=np.hstack([part.coefficients, relaxation])))
+        more.append(replace(part, matrix=np.hstack([part.matrix, relaxation])))
     return np.append(np.zeros_like(cost), 1.0), tuple(more)
 
 

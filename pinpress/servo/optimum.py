@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..common import plausibility
 from ..common.arguments import expect, in_unit, numbers, suitable_numbers, typed, whole_number
+from ..common.conic_program import InfeasibleError, UnsolvedError
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
@@ -38,7 +39,7 @@ from .conic.coefficients import Coefficients, PathMotion, coefficients, feels_sp
 from .conic.local_limits import LocalLimits, powers, within_local_limits
 from .conic.motion_problem import Figures, MotionProblem, cycle_time, figures, needed_time, segment_times
 from .conic.never_resting import COARSE, CoarseTurn, NoTurnError, coarse_turn, is_shorter, turn_in_time, turn_near
-from .conic.program import InfeasibleError, Solution, UnsolvedError, first_sizes, sizes_of, solve
+from .conic.program import REMEDY, Solution, first_sizes, sizes_of, solve
 from .drive import ServoDrive
 from .limits import Limit
 from .motion_optimum import UNITS, ActiveLimit, MotionOptimum, TradeOffPoint
@@ -655,7 +656,7 @@ def _pause_in_words(pause: float, needed: bool) -> str:
 
 def _optimum(problem: MotionProblem, press_name: str, explained: bool) -> Solution:
     """The optimum of a convex problem; where it is proved badly, again with the sizes of the motion found."""
-    answer, status = None, "no answer"
+    answer, fault = None, ""
     sizes = first_sizes(problem)
     for _ in range(3):
         try:
@@ -665,7 +666,7 @@ def _optimum(problem: MotionProblem, press_name: str, explained: bool) -> Soluti
                 raise (contradiction(problem, press_name) if explained else NoMotionError("no motion keeps the limits")) from None
             break
         except UnsolvedError as error:
-            status = str(error)
+            fault = str(error)
             sizes = sizes.with_torques(3.0)
             continue
         if answer is None or abs(new.gap) < abs(answer.gap):
@@ -674,10 +675,8 @@ def _optimum(problem: MotionProblem, press_name: str, explained: bool) -> Soluti
             break
         sizes = sizes_of(problem, answer.b)
     if answer is None or not (abs(answer.gap) <= FAR or _loses_by_speed(problem) or (answer.gap < 0 and problem.drive.curve_torque)):
-        raise PinpressError(
-            f"the best motion of {press_name} was not found ({status if answer is None else f'gap {answer.gap:.1e}'}): bring limits,"
-            " inertia and time to sizes that a press has, or give other points="
-        )
+        fault = fault if answer is None else f"value and bound differ by {answer.gap:.1e}; {REMEDY}"
+        raise PinpressError(f"the best motion of {press_name} was not found: {fault}")
     return _with_losses(problem, answer) if answer.gap > PROVED and _loses_by_speed(problem) else answer
 
 

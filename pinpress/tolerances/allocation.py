@@ -15,7 +15,7 @@ import numpy as np
 
 from ..common import plausibility, tables
 from ..common.arguments import number, positive, suitable_numbers, typed
-from ..common.conic_program import AT_MOST, CONE, PROVED, InfeasibleError, Optimum, Rows, UnsolvedError, minimise
+from ..common.conic_program import AT_MOST, CONE, PROVED, InfeasibleError, Optimum, Rows, minimise
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
 from ..common.results import Tabular
@@ -263,17 +263,16 @@ def _cheapest(prices: Array, spreads: Sequence[Array], ends: Array, limits: Mapp
     for spread in spreads:
         coefficients = np.vstack([np.zeros(2 * count), np.hstack([-spread, none])])
         rows.append(Rows(CONE, coefficients, np.hstack([1.0, np.zeros(count)])))
+    remedy = (
+        f"costs differ by a factor of {prices.max() / prices.min():.2g}, and tolerances may change by one of"
+        f" {(ends[:, 1] / ends[:, 0]).max():.2g}: give costs and bounds closer together"
+    )
     try:
-        return minimise(np.hstack([np.zeros(count), prices]), rows)
+        return minimise(np.hstack([np.zeros(count), prices]), rows, remedy=remedy)
     except InfeasibleError as error:
         raise PinpressError(
             f"no tolerances within the bounds keep {', '.join(limits)}: give smaller lower bounds, or larger targets"
         ) from error
-    except UnsolvedError as error:
-        raise PinpressError(
-            f"{error}: costs differ by a factor of {prices.max() / prices.min():.2g}, and tolerances may change by one of"
-            f" {(ends[:, 1] / ends[:, 0]).max():.2g}; give costs and bounds closer together"
-        ) from None
 
 
 def _with_tolerance(part: Dimension, factor: float) -> Dimension:

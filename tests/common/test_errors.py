@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import pinpress as pp
+from pinpress.common.conic_program import UnsolvedError
 from pinpress.common.errors import FileEntryError, UnknownScenarioError
 from pinpress.loads.caller_laws import LawError
 from pinpress.pin_table.placement import UnreachableError
@@ -21,6 +22,7 @@ from pinpress.servo.optimum import NoMotionError
 pytestmark = pytest.mark.usefixtures("time_limit")
 
 ARGUMENTS = {
+    UnsolvedError: ("the optimum was not found (NumericalError); give a largest mass",),
     pp.PinpressError: ("speed is 'x': give a number",),
     pp.UrdfError: ("press.urdf", '<joint name="A">', 12, "the axis is zero", "give three numbers"),
     FileEntryError: ("frame.yaml", 3, "mounts: 1", "no stiffness", "write stiffness"),

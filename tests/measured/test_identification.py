@@ -8,9 +8,10 @@ import pytest
 from support.presses.measured_presses import columns, drawn, drive, press_of, run
 
 import pinpress as pp
+from pinpress.common.conic_program import Rows
 from pinpress.measured import MeasuredRun, identifiability, identify
 from pinpress.measured.estimates.base_parameters import base_parameters
-from pinpress.measured.estimates.cones import _in_plane, _in_space, _inside
+from pinpress.measured.estimates.cones import TINY, _in_plane, _in_space
 from pinpress.measured.estimates.least_squares import Fit, _noise, _sandwich
 from pinpress.measured.estimates.weak_form import smoothed
 from pinpress.measured.regressor import inertial_equations, loss_columns
@@ -343,9 +344,10 @@ def test_cones_are_those_of_real_bodies(kind, make):
             )
             worse, bad = ten - [0, 0, 0, 0, 0.9 * (tensor[0, 0] + tensor[1, 1] - tensor[2, 2]), 0, 0, 0, 0, 0], None
         matrix = make(rng.uniform(0.5, 2.0) ** np.array([0, 1, 1, 2] if kind == "cone" else [0, 1, 1, 1, *(2,) * 6]))[1]
-        assert _inside(kind, matrix @ ten)
+        inside = Rows(kind, matrix, np.zeros(len(matrix)))
+        assert inside.outside(matrix @ ten) <= TINY
         if bad is not None:
-            assert _inside(kind, matrix @ worse) != bad
+            assert (inside.outside(matrix @ worse) <= TINY) != bad
 
 
 def test_estimates_stay_within_the_cones(capfd):

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.conic_program import InfeasibleError, UnsolvedError
 from ...common.errors import PinpressError, UnknownNameError, caution
 from ...common.quantities import Array
 from ...kinematics.slide_path import dead_centres
@@ -31,7 +32,7 @@ from ..limits import (
 )
 from .coefficients import Coefficients, segment_means
 from .motion_problem import Affine, Bounded, MotionProblem, inner_affine, rest_below
-from .program import InfeasibleError, Solution, UnsolvedError, first_sizes, solve
+from .program import Solution, first_sizes, solve
 from .torque_curve import hull_bounds
 
 EDGE = 1e-9  # heights closer than this count as one [m]

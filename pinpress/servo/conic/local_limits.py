@@ -20,10 +20,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.conic_program import InfeasibleError, UnsolvedError
 from ...common.errors import PinpressError
 from ...common.quantities import Array
 from .motion_problem import Affine, Bounded, MotionProblem, RelaxedPower, segment_times
-from .program import InfeasibleError, Sizes, Solution, UnsolvedError, sizes_of, solve
+from .program import Sizes, Solution, sizes_of, solve
 from .torque_curve import curve_tangents, curve_use
 
 MOST_ROUNDS, FEW_ROUNDS = 40, 3  # of tangents; a few where loads feel the speed, which have rounds of their own

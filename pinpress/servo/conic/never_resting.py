@@ -22,12 +22,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...common.conic_program import InfeasibleError, UnsolvedError
 from ...common.errors import PinpressError
 from ...common.quantities import Array
 from .coefficients import PathMotion
 from .local_limits import LocalLimits, tangents, words_of
 from .motion_problem import Affine, Bounded, MotionProblem, segment_times
-from .program import InfeasibleError, Sizes, Solution, UnsolvedError, first_sizes, sizes_of, solve
+from .program import Sizes, Solution, first_sizes, sizes_of, solve
 
 SHORT = 1e-5  # share by which a cycle may be shorter than asked for
 LATE, TOO_LATE = 1e-5, 1e-4  # shares by which a cycle is longer than asked for that end the rounds, and that are refused after them

@@ -24,20 +24,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.conic_program import AT_MOST, CONE, EQUAL, Rows, minimise
 from ...common.quantities import Array
 from .motion_problem import Affine, Bounded, Index, MotionProblem, RelaxedPower, figures, objective, rest_below
 
 TOLERANCE = 1e-9  # that the solver aims at
-REACH = 1e4  # sizes of unknowns up to which dual variables must show that there is no motion
-EQUAL, AT_MOST, CONE = "equal", "at most", "cone"
-
-
-class InfeasibleError(Exception):
-    """The solver proved that no motion keeps all limits."""
-
-
-class UnsolvedError(Exception):
-    """The solver found neither an optimum nor that there is none."""
+REMEDY = "bring limits, inertia and time to sizes that a press has, or give other points="
 
 
 class Sizes(NamedTuple):
@@ -127,32 +119,18 @@ class Solution:
         return (self.value - self.bound) / max(abs(self.value), 1e-300)
 
 
-class _Block(NamedTuple):
-    """Rows of the program, of one kind.
+class _Limit(NamedTuple):
+    """A limit of which rows of the program are.
 
     Attributes:
-        kind: of the cone; rows of `CONE` come in groups of ``size``.
-        rows: of coefficients.
-        columns: of coefficients.
-        values: of coefficients.
-        bound: one number a row.
-        name: of the limit, empty where it is none.
-        slope: by how much the bound grows with the share by which the limit is let out, one number a row.
-        at: node or segment of each row of a limit.
-        unit_change: change of the limit, in its unit, by that share.
-        size: rows of a cone.
+        rows: the rows; their unit is the change of the limit by the share by which it is let out.
+        slope: by how much the bound grows with that share, one number a row.
+        at: node or segment of each row.
     """
 
-    kind: str
-    rows: Index
-    columns: Index
-    values: Array
-    bound: Array
-    name: str = ""
-    slope: Array | None = None
-    at: Index | None = None
-    unit_change: float = 1.0
-    size: int = 3
+    rows: int
+    slope: Array
+    at: Index
 
 
 class _Program:
@@ -186,7 +164,8 @@ class _Program:
         self.unit_time = self.length / sizes.speed
         self.unit_heat = sizes.torque**2 * self.unit_time
         self.unit_energy = sizes.torque * self.length
-        self.blocks: list[_Block] = []
+        self.rows: list[Rows] = []
+        self.limits: list[_Limit] = []
 
     def add(
         self,
@@ -197,16 +176,21 @@ class _Program:
         size: int = 3,
     ) -> None:
         """Add rows; entries whose column is -1, of what is 0, are left out. ``limit``: name, slope, places and change of the unit."""
+        from scipy import sparse  # to save start-up time
+
         rows, columns, values = (np.concatenate([np.broadcast_to(entry[k], entry[0].shape) for entry in entries]) for k in range(3))
         kept = columns >= 0
         rows, columns, values = rows[kept], columns[kept], values[kept]
         name, slope, at, change = limit or ("", None, None, 1.0)
-        if slope is not None and self.let_out is not None and self.let_out(name):
-            some = np.flatnonzero(slope)
-            rows = np.concatenate([rows, some])
-            columns = np.concatenate([columns, np.full(len(some), self.out)])
-            values = np.concatenate([values, -slope[some]])
-        self.blocks.append(_Block(kind, rows, columns, values, bound, name, slope, at, change, size))
+        if slope is not None and at is not None:
+            self.limits.append(_Limit(len(self.rows), slope, at))
+            if self.let_out is not None and self.let_out(name):
+                some = np.flatnonzero(slope)
+                rows = np.concatenate([rows, some])
+                columns = np.concatenate([columns, np.full(len(some), self.out)])
+                values = np.concatenate([values, -slope[some]])
+        matrix = sparse.coo_matrix((values, (rows, columns)), shape=(len(bound), self.width))
+        self.rows.append(Rows(kind, matrix, bound, name, change, size if kind == CONE else 0))
 
     def affine(self, quantity: Affine, scale: Array | float, rows: Index) -> list[tuple[Index, Index, Array]]:
         """Entries of a quantity by ``scale``, without its fixed part, in these rows."""
@@ -452,9 +436,6 @@ def solve(
         InfeasibleError: there is no motion within the limits.
         UnsolvedError: the solver did not find out.
     """
-    import clarabel  # to save start-up time
-    from scipy import sparse  # to save start-up time
-
     program = _Program(problem, sizes, let_out)
     cost, fixed = program.write(), program.fixed_cost()
     if extreme is not None:
@@ -462,75 +443,15 @@ def solve(
         cost, fixed = np.zeros(program.width), 0.0
         cost[program.column[node]] = sign * sizes.b[node]
     scale = float(np.abs(cost).max())
-    starts = np.concatenate([[0], np.cumsum([len(block.bound) for block in program.blocks])])
-    rows, columns, values = (
-        np.concatenate(parts)
-        for parts in (
-            [block.rows + start for block, start in zip(program.blocks, starts, strict=False)],
-            [block.columns for block in program.blocks],
-            [block.values for block in program.blocks],
-        )
-    )
-    matrix = sparse.csc_matrix((values, (rows, columns)), shape=(int(starts[-1]), program.width))
-    bound = np.concatenate([block.bound for block in program.blocks])
-    solution = clarabel.DefaultSolver(
-        sparse.csc_matrix((program.width, program.width)), cost / scale, matrix, bound, _cones(program.blocks), _settings(tolerance)
-    ).solve()
-    status = solution.status
-    if status in (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible):
-        z = _in_dual_cones(program.blocks, np.array(solution.z))
-        if not float(-bound @ z) > REACH * float(np.abs(matrix.T @ z).sum()):
-            raise UnsolvedError(f"{status}, which its dual variables do not prove")
-        raise InfeasibleError
-    x, z = np.array(solution.x), np.array(solution.z)
-    if not (np.isfinite(x).all() and np.isfinite(z).all()):
-        raise UnsolvedError(str(status))
+    optimum = minimise(cost / scale, program.rows, tolerance=tolerance, equilibrate=False, within=np.inf, remedy=REMEDY)
+    x = optimum.x
     # what is not free keeps its 0; a solver's last digits must not make b negative
     b = np.where(program.column < 0, 0.0, np.maximum(x[program.column], 1e-12) * sizes.b)
-    z = _in_dual_cones(program.blocks, z)
-    off = cost / scale + matrix.T @ z
-    bound_ = scale * (float(-bound @ z) - float(np.abs(off) @ np.maximum(np.abs(x), 1.0))) + fixed
-    prices, where, parts = _prices(program, scale, np.split(z, starts[1:-1]))
+    bound = optimum.bound - float(np.abs(optimum.slope) @ np.maximum(1.0 - np.abs(x), 0.0))  # of all unknowns up to their sizes
+    prices, where, parts = _prices(program, scale, optimum.prices)
     share = float(x[program.out]) if let_out is not None else 0.0
     value = share if let_out is not None else objective(problem, b) if extreme is None else extreme[1] * float(b[extreme[0]])
-    return Solution(b, value, bound_, prices, where, share, parts)
-
-
-def _settings(tolerance: float) -> object:
-    import clarabel  # to save start-up time
-
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.max_threads = 1
-    settings.equilibrate_enable = False  # unknowns and cones are scaled by their sizes
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
-    return settings
-
-
-def _cones(blocks: Sequence[_Block]) -> list[object]:
-    import clarabel  # to save start-up time
-
-    cones: list[object] = []
-    for block in blocks:
-        if block.kind == CONE:
-            cones += [clarabel.SecondOrderConeT(block.size)] * (len(block.bound) // block.size)
-        else:
-            cones.append((clarabel.ZeroConeT if block.kind == EQUAL else clarabel.NonnegativeConeT)(len(block.bound)))
-    return cones
-
-
-def _in_dual_cones(blocks: Sequence[_Block], z: Array) -> Array:
-    """Dual variables in their cones, where the solver left them a rounding outside."""
-    found, start = z.copy(), 0
-    for block in blocks:
-        part = found[start : start + len(block.bound)]
-        if block.kind == AT_MOST:
-            np.maximum(part, 0.0, out=part)
-        elif block.kind == CONE:
-            cone = part.reshape(-1, block.size)
-            cone[:, 0] = np.maximum(cone[:, 0], np.linalg.norm(cone[:, 1:], axis=1))
-        start += len(block.bound)
-    return found
+    return Solution(b, value, scale * bound + fixed, prices, where, share, parts)
 
 
 def _prices(
@@ -541,13 +462,12 @@ def _prices(
     where: dict[str, NDArray[np.bool_]] = {}
     parts: dict[str, float] = {}
     rows: list[tuple[str, Index, Array]] = []
-    for block, z in zip(program.blocks, duals, strict=True):
-        if not block.name or block.slope is None or block.at is None:
-            continue
-        by_row = scale * z * block.slope
-        parts[block.name] = parts.get(block.name, 0.0) + float(by_row.sum())
-        prices[block.name] = prices.get(block.name, 0.0) + float(by_row.sum()) / block.unit_change
-        rows.append((block.name, block.at, by_row))
+    for limit in program.limits:
+        limited = program.rows[limit.rows]
+        by_row = scale * duals[limit.rows] * limit.slope
+        parts[limited.name] = parts.get(limited.name, 0.0) + float(by_row.sum())
+        prices[limited.name] = prices.get(limited.name, 0.0) + float(by_row.sum()) / limited.unit
+        rows.append((limited.name, limit.at, by_row))
     for name, at, by_row in rows:  # a limit may have several blocks, of which one acts
         acts = where.setdefault(name, np.zeros(len(program.segments) + 1, bool))
         acts[at[by_row > 1e-4 * max(parts[name], 1e-300) / len(program.segments)]] = True

@@ -53,7 +53,7 @@ def by_highs(problem: BalancingProblem) -> np.ndarray:
     ones = np.ones((len(fixed), 1))
     above, right = [np.hstack([effects, -ones, 0 * ones]), np.hstack([-effects, 0 * ones, ones])], [-fixed, fixed]
     for part in problem.rows:
-        matrix, bound = part.coefficients, part.bound
+        matrix, bound = part.matrix, part.bound
         if part.kind == CONE:  # mass, and the two mass moments
             corners = 2 * np.pi * np.arange(SIDES) / SIDES
             inside = math.cos(np.pi / SIDES)
