@@ -30,10 +30,9 @@ from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from .failures import failure
-from .panels import Panels, last_terms, resolve
+from .panels import POWERS, Panels, last_terms, resolve
 from .reduced_model import ReducedModel
 
-POWERS = np.arange(NODES)
 BY_ACCELERATION, BY_SQUARED_SPEED, BY_WEIGHT, BY_LOADS = 0, 1, 2, 3  # parts of the radial vectors: A, B, G and the first L
 NOTHING = 1e-13  # share of the largest vector of a part below which a component is rounding throughout
 
@@ -201,28 +200,28 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
         PinpressError: the linkage goes through change points, where its bearing forces have no bounds.
     """
     if press.branch_through_change_points.change_points:
-        at = press.driver_coordinates[0].at(press.branch_through_change_points.change_points[0].angle)
+        place = press.driver_coordinates[0].at(press.branch_through_change_points.change_points[0].angle)
         raise PinpressError(
-            f"the bearing forces of {press.name} grow without bounds at its change point at {at}: simulate it without friction"
+            f"the bearing forces of {press.name} grow without bounds at its change point at {place}: simulate it without friction"
         )
     with_friction = np.flatnonzero((law.arm > 0) | (law.viscous > 0))
-    some = FrictionLaw(law.arm[with_friction], law.viscous[with_friction], law.preload[with_friction], law.turns[with_friction], law.size)
+    kept_law = FrictionLaw(*(values[with_friction] for values in (law.arm, law.viscous, law.preload, law.turns)), law.size)
     count, sampling = len(with_friction), _Sampling(press, with_friction, unit_forces)
     sampled, _ = resolve(sampling.rows, reduced.borders, sampling.missed)
     coefficients = sampled.coefficients
-    speeds = np.abs(coefficients[:, :count]).max(axis=2) / np.where(some.turns, 1.0, press.size)
+    speeds = np.abs(coefficients[:, :count]).max(axis=2) / np.where(kept_law.turns, 1.0, press.size)
     fastest = speeds.max(axis=1).clip(min=1.0 if press.driver_coordinates[0].turns else 1.0 / press.size)  # near a lock without bounds
     # Next to the fastest bearing, the speed of one that rests is rounding, which is larger near a lock.
     still = (speeds <= 1e-10 * fastest[:, None]).all(axis=0)
     coefficients[:, np.flatnonzero(still)] = 0.0  # speeds of bearings that do not move are rounding
     vectors = coefficients[:, count:].reshape(len(coefficients), -1, count, 3, NODES)  # (p, parts, K, 3, q)
     size = np.abs(vectors).max(axis=(0, 4))
-    kept = (size > NOTHING * size.max(axis=(1, 2), keepdims=True)).any(axis=0) & (some.arm > 0)[:, None]
-    kept[0, 0] |= not kept.any()  # of viscous friction alone no component counts; one makes no difference
-    owners = np.zeros((count, int(kept.sum())))
-    owners[np.nonzero(kept)[0], np.arange(owners.shape[1])] = 1.0
-    rows = np.concatenate([coefficients[:, :count], vectors[:, :, kept].reshape(len(coefficients), -1, NODES)], axis=1)
-    return BearingModel(sampled.borders, rows, reduced.period, some, reduced, owners)
+    counts = (size > NOTHING * size.max(axis=(1, 2), keepdims=True)).any(axis=0) & (kept_law.arm > 0)[:, None]
+    counts[0, 0] |= not counts.any()  # of viscous friction alone no component counts; one makes no difference
+    owners = np.zeros((count, int(counts.sum())))
+    owners[np.nonzero(counts)[0], np.arange(owners.shape[1])] = 1.0
+    rows = np.concatenate([coefficients[:, :count], vectors[:, :, counts].reshape(len(coefficients), -1, NODES)], axis=1)
+    return BearingModel(sampled.borders, rows, reduced.period, kept_law, reduced, owners)
 
 
 class _Sampling:
@@ -256,9 +255,9 @@ class _Sampling:
         weight = radial()
 
         def part(vectors: Array, scale: float) -> Array:
-            """What vectors have beside those of weights, for a unit of what is as large as a scale; zero where that is rounding."""
-            left = vectors - weight
-            return np.where(np.abs(left) > NOTHING * np.abs(vectors).max(axis=(0, 1), initial=force), left, 0.0) / scale
+            """What vectors have in addition to those of weights, for a unit of what is as large as a scale; zero where it is rounding."""
+            more = vectors - weight
+            return np.where(np.abs(more) > NOTHING * np.abs(vectors).max(axis=(0, 1), initial=force), more, 0.0) / scale
 
         parts = [part(radial(a=pace**2 * states.v), pace**2), part(radial(v=pace, a=pace**2 * states.a), pace**2), weight]
         for unit_force in self.unit_forces:
@@ -271,9 +270,9 @@ class _Sampling:
             efforts[bearing] = effort
             parts.append(part(radial(efforts=efforts), effort))
         speed = press.engine().bearing_loads(states, (), zero, states.v).speed[self.with_friction]
-        every = np.array(parts)
+        vectors = np.array(parts)
         # beside the forces of all bearings those of some are rounding, as in the guide of a symmetric press, which no polynomials resolve
-        rubbing = np.where(np.abs(every) > NOTHING * np.abs(every).max(axis=(1, 2), keepdims=True), every, 0.0)[:, self.with_friction]
+        rubbing = np.where(np.abs(vectors) > NOTHING * np.abs(vectors).max(axis=(1, 2), keepdims=True), vectors, 0.0)[:, self.with_friction]
         return np.concatenate([speed, rubbing.reshape(-1, len(angles))])
 
     def missed(self, values: Array) -> Array:
@@ -281,8 +280,8 @@ class _Sampling:
         count, panels = len(self.with_friction), values.shape[2]
         tail, sizes = last_terms(values), np.abs(values).max(axis=0)
         least = np.where(self.turns, 1.0, self.press.size) * (1.0 if self.press.driver_coordinates[0].turns else 1.0 / self.press.size)
-        found = (tail[:count] / np.maximum(sizes[:count], least[:, None])).max(axis=0)
+        speeds = (tail[:count] / np.maximum(sizes[:count], least[:, None])).max(axis=0)
         # a part is measured by the largest of its vectors on the panel: near a lock they have no bounds, elsewhere some are rounding
         size = sizes[count:].reshape(-1, 3 * count, panels).max(axis=1)
         parts = tail[count:].reshape(-1, 3 * count, panels).max(axis=1) / np.where(size > 0, size, 1.0)
-        return np.asarray(np.maximum(found, parts.max(axis=0)))
+        return np.asarray(np.maximum(speeds, parts.max(axis=0)))

@@ -15,7 +15,7 @@ from ..common.results import Record, Records
 from ..drives.direct_current_link import DirectCurrentLink
 from ..drives.transmission import Geared
 from ..kinematics.slide_path import slide_turns, stroke_turns
-from .motor_energy import EnergyFlow, Link, duty_of_motor, motor_energy_of
+from .motor_energy import ChargedLink, EnergyFlow, duty_of_motor, motor_energy_of
 from .run import Run
 from .trajectory import DRIVE_WORK, LOAD_WORK, LOST, MOTOR_SQUARED, Sample
 
@@ -167,7 +167,7 @@ def motor_energy(
         PinpressWarning: the capacitor of the link does nothing.
     """
     _check(run)
-    store = None if link is None and initial_voltage is None else _link(link, initial_voltage)
+    store = None if link is None and initial_voltage is None else _charged_link(link, initial_voltage)
     driven, first = run.problem.driven, run.driver_coordinates[0]
     turns = stroke_turns(driven.press) if first.turns else None
     strokes = None if turns is None else abs(float(run.crank_angle[-1] - run.crank_angle[0])) / (2 * np.pi * turns)
@@ -175,17 +175,17 @@ def motor_energy(
     return motor_energy_of(driven, np.array(run.time), run.trajectory, strokes, rise, store)
 
 
-def _link(link: DirectCurrentLink | None, initial_voltage: float | None) -> Link:
+def _charged_link(link: DirectCurrentLink | None, initial_voltage: float | None) -> ChargedLink:
     """A link with the voltage at which it starts; raises PinpressError where it cannot."""
     if link is None:
         raise PinpressError("initial_voltage is of a direct-current link: give link=pp.drives.DirectCurrentLink(...) too, or leave it out")
     if initial_voltage is None:
-        return Link(link, None)
+        return ChargedLink(link, None)
     voltage = number("initial_voltage", initial_voltage, "V")
     least = link.charged_voltage if link.mains_power is None else link.lower_voltage
     if not least <= voltage <= link.upper_voltage:
         raise PinpressError(f"initial_voltage is {voltage:g} V: give one from {least:g} to {link.upper_voltage:g} V, those of the link")
-    return Link(link, voltage)
+    return ChargedLink(link, voltage)
 
 
 def _stroke_ends(run: Run, period: float) -> Array:
@@ -239,7 +239,7 @@ def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> Mo
     # the crank is slowest where a blank breaks through, which is on an edge
     inner = np.union1d(even, edges[edges.searchsorted(start, "right") : edges.searchsorted(end)])
     sample = run.trajectory.at(inner, complete=False)
-    speed, own = np.abs(_crank(run, sample)[1]), np.abs(sample.drive_speed)
+    speed, drive_speed = np.abs(_crank(run, sample)[1]), np.abs(sample.drive_speed)
     highest, lowest = int(speed.argmax()), int(speed.argmin())
     duration = end - start
     mean, rms = angle / duration, math.sqrt(max(0.0, float(gained[MOTOR_SQUARED])) / duration)
@@ -255,7 +255,7 @@ def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> Mo
         drive_work=float(gained[DRIVE_WORK]),
         load_work=float(gained[LOAD_WORK]),
         lost=float(gained[LOST]),
-        flywheel_work=0.5 * inertia * float(own.max() ** 2 - own.min() ** 2),
+        flywheel_work=0.5 * inertia * float(drive_speed.max() ** 2 - drive_speed.min() ** 2),
         recovery_time=float((inner[highest] - inner[lowest]) % duration),
         motor_rms=rms,
         motor_peak=float(np.abs(sample.motor_torque).max()),

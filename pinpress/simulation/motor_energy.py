@@ -34,8 +34,6 @@ from .trajectory import Sample, Trajectory
 LOSSES = ("slip", "load", "constant", "gears", "inverter", "resistor")
 FLOWS = ("mains", "drive", *LOSSES, "heat")
 """Powers of a motor: from the mains, of the drive on the crank, those lost on the way, and of these what warms the motor."""
-MOST_HALVINGS = 20
-MOST_PIECES = 1_000_000  # into which a run is cut, no longer than a time constant each
 MAINS, DRIVE, SLIP, HEAT = FLOWS.index("mains"), FLOWS.index("drive"), FLOWS.index("slip"), FLOWS.index("heat")
 
 
@@ -80,15 +78,15 @@ class EnergyFlow(Tabular):
     @property
     def efficiency(self) -> float | None:
         """Work of the drive on the crank by that from the mains; None where one of them is not positive."""
-        taken, given = float(self.work["mains"][-1]), float(self.work["drive"][-1])
-        return given / taken if taken > 0 and given > 0 else None
+        from_mains, on_crank = float(self.work["mains"][-1]), float(self.work["drive"][-1])
+        return on_crank / from_mains if from_mains > 0 and on_crank > 0 else None
 
     @property
     def title(self) -> str:
-        taken, mean = float(self.work["mains"][-1]), self.mean_power
-        work, power = tables.scale("J", [taken]), tables.scale("W", [mean])
+        from_mains, mean = float(self.work["mains"][-1]), self.mean_power
+        work, power = tables.scale("J", [from_mains]), tables.scale("W", [mean])
         return (
-            f"EnergyFlow of {self.linkage}: {work.shown(taken)} {work.unit} from the mains in {self.time[-1]:.6g} s, mean"
+            f"EnergyFlow of {self.linkage}: {work.shown(from_mains)} {work.unit} from the mains in {self.time[-1]:.6g} s, mean"
             f" {power.shown(mean)} {power.unit}"
         )
 
@@ -98,15 +96,15 @@ class EnergyFlow(Tabular):
 
     def columns(self) -> dict[str, Array]:
         """Time, all powers and losses, the work from the mains, the temperature rise, and the voltage of a link."""
-        found = {"time [s]": self.time}
-        found |= {f"{name}_{'loss' if name in LOSSES else 'power'} [W]": power for name, power in self.power.items()}
-        found["mains_work [J]"] = self.work["mains"]
-        found |= {} if self.temperature_rise is None else {"temperature_rise [K]": self.temperature_rise}
-        return found | ({} if self.voltage is None else {"link_voltage [V]": self.voltage})
+        columns = {"time [s]": self.time}
+        columns |= {f"{name}_{'loss' if name in LOSSES else 'power'} [W]": power for name, power in self.power.items()}
+        columns["mains_work [J]"] = self.work["mains"]
+        columns |= {} if self.temperature_rise is None else {"temperature_rise [K]": self.temperature_rise}
+        return columns | ({} if self.voltage is None else {"link_voltage [V]": self.voltage})
 
 
 @dataclass(frozen=True, eq=False)
-class Spent:
+class MotorUse:
     """Powers of a motor, integrated between instants.
 
     Attributes:
@@ -130,9 +128,9 @@ class Spent:
 
 
 def motor_of(driven: DrivenPress) -> Any | None:
-    """The drive that tells where its power goes, see `Drive`; None where that which drives a press does not."""
-    found = None if driven.drive is None else as_given(innermost(as_given(driven.drive))[0])
-    return found if callable(getattr(found, "power", None)) else None
+    """The drive that tells where its power goes, see `Drive`; None if a press has no such drive."""
+    motor = None if driven.drive is None else as_given(innermost(as_given(driven.drive))[0])
+    return motor if callable(getattr(motor, "power", None)) else None
 
 
 def needed_motor(driven: DrivenPress) -> Any:
@@ -152,14 +150,14 @@ def flows(driven: DrivenPress, times: Array, sample: Sample) -> Array:
     angle = _crank_angle(driven, sample)
     with np.errstate(all="ignore"):  # what is not finite is refused below
         power = _power(motor, ratio * sample.drive_speed, ratio * angle, times, tuple(sample.drive_states))
-    given = sample.drive_torque * sample.drive_speed
+    on_crank = sample.drive_torque * sample.drive_speed
     # A smaller loss in gears is the rounding of both powers.
-    in_gears = np.where(np.abs(power.shaft - given) > 1e-14 * np.abs(given), power.shaft - given, 0.0)
-    parts = (power.mains, given, power.slip, power.load, power.constant, in_gears, power.inverter, power.resistor, power.heat)
-    found = np.array([np.broadcast_to(part, times.shape) for part in parts])
-    if not np.isfinite(found).all():
+    in_gears = np.where(np.abs(power.shaft - on_crank) > 1e-14 * np.abs(on_crank), power.shaft - on_crank, 0.0)
+    parts = (power.mains, on_crank, power.slip, power.load, power.constant, in_gears, power.inverter, power.resistor, power.heat)
+    powers = np.array([np.broadcast_to(part, times.shape) for part in parts])
+    if not np.isfinite(powers).all():
         raise PinpressError(f"the losses of the {type(motor).__name__} are too large for floating point: give smaller ones [W]")
-    return found
+    return powers
 
 
 def _crank_angle(driven: DrivenPress, sample: Sample) -> Array:
@@ -186,15 +184,15 @@ def _power(motor: Any, speed: Array, angle: Array, times: Array, states: tuple[A
     shaft = motor.torque(speed, angle, times, states) * speed
     apart = np.abs(power.shaft - shaft)
     if (apart > 1e-9 * np.abs(shaft).max()).any():  # less is the rounding of the caller's formulas
-        at = int(np.argmax(np.broadcast_to(apart, times.shape)))
+        k = int(np.argmax(np.broadcast_to(apart, times.shape)))
         raise PinpressError(
-            f"{type(motor).__name__}: shaft of its power is {np.broadcast_to(power.shaft, times.shape)[at]:.6g} W at {speed[at]:.6g} rad/s,"
-            f" where its torque has {np.broadcast_to(shaft, times.shape)[at]:.6g} W: give torque x speed"
+            f"{type(motor).__name__}: shaft of its power is {np.broadcast_to(power.shaft, times.shape)[k]:.6g} W at {speed[k]:.6g} rad/s,"
+            f" where its torque has {np.broadcast_to(shaft, times.shape)[k]:.6g} W: give torque x speed"
         )
     return power
 
 
-def spent(motor: Any, driven: DrivenPress, trajectory: Trajectory, instants: Array) -> Spent:
+def integrate_powers(motor: Any, driven: DrivenPress, trajectory: Trajectory, instants: Array) -> MotorUse:
     """What a motor takes and loses between rising instants (n,).
 
     Raises:
@@ -207,14 +205,14 @@ def spent(motor: Any, driven: DrivenPress, trajectory: Trajectory, instants: Arr
     constant = math.inf if resistance is None or time is None else float(positive(f"{type(motor).__name__}: thermal_time", time, "s"))
     edges = _cut(edges, constant)
     if motor.timed:  # the speeds at which others are not smooth are borders; of these they are not known
-        edges = _halved(driven, trajectory, edges)
+        edges = _halve(driven, trajectory, edges)
     half = 0.5 * np.diff(edges)
     times, power = _at_nodes(driven, trajectory, edges[:-1], edges[1:])
     gains = half * (power @ rule.weights)
     work = np.concatenate([np.zeros((len(FLOWS), 1)), gains.cumsum(axis=1)], axis=1)
-    at, elapsed = edges.searchsorted(instants), (instants - instants[0]) / constant
+    places, elapsed = edges.searchsorted(instants), (instants - instants[0]) / constant
     if resistance is None or constant == math.inf:
-        return Spent(edges, power[MAINS], work[:, at], elapsed, None)
+        return MotorUse(edges, power[MAINS], work[:, places], elapsed, None)
     with np.errstate(all="ignore"):  # what is not finite is refused below
         warmed = (
             float(np.ravel(resistance)[0])
@@ -225,9 +223,9 @@ def spent(motor: Any, driven: DrivenPress, trajectory: Trajectory, instants: Arr
     for share, more in zip(np.exp(-2.0 * half / constant).tolist(), warmed.tolist(), strict=True):
         rise.append(rise[-1] * share + more)
     if not math.isfinite(sum(rise) + float(work[:, -1].sum())):
-        given = getattr(motor, "rated_rise", None)
-        raise PinpressError(f"rated_rise of the {type(motor).__name__} is {shown(given)}: give that of its data sheet [K]")
-    return Spent(edges, power[MAINS], work[:, at], elapsed, np.array(rise)[at])
+        rated_rise = getattr(motor, "rated_rise", None)
+        raise PinpressError(f"rated_rise of the {type(motor).__name__} is {shown(rated_rise)}: give that of its data sheet [K]")
+    return MotorUse(edges, power[MAINS], work[:, places], elapsed, np.array(rise)[places])
 
 
 def _at_nodes(driven: DrivenPress, trajectory: Trajectory, starts: Array, ends: Array) -> tuple[Array, Array]:
@@ -237,7 +235,7 @@ def _at_nodes(driven: DrivenPress, trajectory: Trajectory, starts: Array, ends: 
     return times, power.reshape(len(FLOWS), *times.shape)
 
 
-def _halved(driven: DrivenPress, trajectory: Trajectory, edges: Array) -> Array:
+def _halve(driven: DrivenPress, trajectory: Trajectory, edges: Array) -> Array:
     """Edges (n,) with more of them where the powers are not smooth: an interval is halved until both halves together agree with it, to a
     share of all work."""
 
@@ -246,24 +244,24 @@ def _halved(driven: DrivenPress, trajectory: Trajectory, edges: Array) -> Array:
 
     starts, ends = edges[:-1], edges[1:]
     whole = works(starts, ends)
-    largest, found = float(np.abs(whole).sum(axis=1).max()), [edges]
-    for _ in range(MOST_HALVINGS):
+    largest, all_edges = float(np.abs(whole).sum(axis=1).max()), [edges]
+    for _ in range(20):  # where a power jumps, what is left after these is a millionth of the interval
         middle = 0.5 * (starts + ends)
         first, second = works(starts, middle), works(middle, ends)
         rough = (np.abs(first + second - whole) > 1e-11 * largest).any(axis=0)
         if not rough.any():
             break
-        found.append(middle[rough])
+        all_edges.append(middle[rough])
         starts, ends = np.concatenate([starts[rough], middle[rough]]), np.concatenate([middle[rough], ends[rough]])
         whole = np.concatenate([first[:, rough], second[:, rough]], axis=1)
-    return np.unique(np.concatenate(found))
+    return np.unique(np.concatenate(all_edges))
 
 
 def _cut(edges: Array, longest: float) -> Array:
     """Edges (n,) with more of them between, none farther from the next than a time constant, over which the quadrature is exact to
     rounding."""
     pieces = np.ceil(np.diff(edges) / longest).clip(1.0)
-    if not pieces.sum() <= MOST_PIECES:
+    if not pieces.sum() <= 1_000_000:  # more take too much memory
         raise PinpressError(
             f"the motor's thermal_time is {longest:g} s, and the run lasts {edges[-1] - edges[0]:g} s: give the time constant of its"
             " temperature, which is minutes"
@@ -274,7 +272,7 @@ def _cut(edges: Array, longest: float) -> Array:
     return np.append(inner, edges[-1])
 
 
-class Link(NamedTuple):
+class ChargedLink(NamedTuple):
     """A direct-current link of a run, as `pinpress.measures.motor_energy` is given it.
 
     Attributes:
@@ -287,22 +285,22 @@ class Link(NamedTuple):
 
 
 def motor_energy_of(
-    driven: DrivenPress, times: Array, trajectory: Trajectory, strokes: float | None, initial_rise: float | None, link: Link | None
+    driven: DrivenPress, times: Array, trajectory: Trajectory, strokes: float | None, initial_rise: float | None, link: ChargedLink | None
 ) -> EnergyFlow:
     """The `EnergyFlow` at times (n,). Raises as `pinpress.measures.motor_energy`."""
     motor = needed_motor(driven)
     if link is not None:
         _refuse_without_link(motor)
-    found = spent(motor, driven, trajectory, times)
-    if initial_rise is not None and found.rise is None:
+    use = integrate_powers(motor, driven, trajectory, times)
+    if initial_rise is not None and use.rise is None:
         raise PinpressError("initial_rise: the motor's temperature is not known: give the motor a rated_rise and a thermal_time")
     power = flows(driven, times, trajectory.at(times, complete=False))
-    begin = found.settled_rise if initial_rise is None else initial_rise
-    rise = None if found.rise is None or begin is None else found.rise + begin * np.exp(-found.elapsed)
-    powers, works = dict(zip(FLOWS, power, strict=True)), dict(zip(FLOWS, found.work, strict=True))
+    begin = use.settled_rise if initial_rise is None else initial_rise
+    rise = None if use.rise is None or begin is None else use.rise + begin * np.exp(-use.elapsed)
+    powers, works = dict(zip(FLOWS, power, strict=True)), dict(zip(FLOWS, use.work, strict=True))
     voltage = None
     if link is not None:
-        voltage = _feed(powers, works, _course(driven, trajectory, found, link), link.link, times)
+        voltage = _feed(powers, works, _course(driven, trajectory, use, link), link.link, times)
     return EnergyFlow(
         linkage=driven.press.name,
         time=times,
@@ -310,7 +308,7 @@ def motor_energy_of(
         work=works,
         strokes=strokes,
         temperature_rise=rise,
-        settled_rise=found.settled_rise,
+        settled_rise=use.settled_rise,
         voltage=voltage,
     )
 
@@ -332,25 +330,25 @@ def _refuse_without_link(motor: Any) -> None:
         )
 
 
-def _course(driven: DrivenPress, trajectory: Trajectory, found: Spent, link: Link) -> Course:
+def _course(driven: DrivenPress, trajectory: Trajectory, use: MotorUse, link: ChargedLink) -> Course:
     """The course of a link's energy; raises PinpressError where its voltage falls below the lower one."""
-    linked, given = LinkedPower(link.link, found.edges, found.mains), link.link
-    begin = linked.settled() if link.voltage is None else given.energy_at(link.voltage)
+    linked, parts = LinkedPower(link.link, use.edges, use.mains), link.link
+    begin = linked.settled() if link.voltage is None else parts.energy_at(link.voltage)
     if begin is None:
-        mean = float(found.work[MAINS, -1]) / float(found.edges[-1] - found.edges[0])
+        mean = float(use.work[MAINS, -1]) / float(use.edges[-1] - use.edges[0])
         raise PinpressError(
-            f"link: a stroke takes {mean:.6g} W on average, more than its mains_power of {given.mains_power:.6g} W: the voltage falls"
+            f"link: a stroke takes {mean:.6g} W on average, more than its mains_power of {parts.mains_power:.6g} W: the voltage falls"
             " from stroke to stroke; give more mains_power, or a slower motion"
         )
-    course, lowest = linked.course(begin), given.energy_at(given.lower_voltage)
+    course, lowest = linked.course(begin), parts.energy_at(parts.lower_voltage)
     short = lowest - float(course.energy.min())
     # Less than this share of the link's swing of energy is rounding.
     if short > 1e-9 * float(np.ptp(course.energy)):
-        at = float(course.times[int(np.argmin(course.energy))])
-        angle = float(_crank_angle(driven, trajectory.at(np.array([at]), complete=False))[0])
+        time = float(course.times[int(np.argmin(course.energy))])
+        angle = float(_crank_angle(driven, trajectory.at(np.array([time]), complete=False))[0])
         raise PinpressError(
-            f"link: at {at:.6g} s, at {driven.press.driver_coordinates[0].at(angle)}, {short:.6g} J are missing to hold its lower_voltage"
-            f" of {given.lower_voltage:g} V: give it more capacitance than {given.capacitance:g} F, more mains_power or a higher"
+            f"link: at {time:.6g} s, at {driven.press.driver_coordinates[0].at(angle)}, {short:.6g} J are missing to hold its lower_voltage"
+            f" of {parts.lower_voltage:g} V: give it more capacitance than {parts.capacitance:g} F, more mains_power or a higher"
             " charged_voltage"
         )
     if not np.isin(course.feeding, (NOT, AT_LIMIT)).any():
@@ -360,9 +358,9 @@ def _course(driven: DrivenPress, trajectory: Trajectory, found: Spent, link: Lin
 
 def _feed(powers: dict[str, Array], works: dict[str, Array], course: Course, link: DirectCurrentLink, times: Array) -> Array:
     """Put a link between mains and motor into powers and works (n,) by name at times (n,), and return its voltage (n,) [V]."""
-    taken = powers["mains"]
-    mains, burnt = course.powers(link, times, taken)
-    powers |= {"mains": mains, "resistor": powers["resistor"] + burnt, "capacitor": mains - taken - burnt}
+    by_motor = powers["mains"]
+    mains, burnt = course.powers(link, times, by_motor)
+    powers |= {"mains": mains, "resistor": powers["resistor"] + burnt, "capacitor": mains - by_motor - burnt}
     mains_work, burnt_work, energy = course.works(times)
     works |= {"mains": mains_work, "resistor": works["resistor"] + burnt_work, "capacitor": energy - energy[0]}
     return link.voltage_at(energy)
@@ -374,8 +372,8 @@ def duty_of_motor(driven: DrivenPress, trajectory: Trajectory, start: float, end
     names = ("mains_work", "slip_loss", "efficiency", "settled_rise")
     if motor is None:
         return dict.fromkeys(names)
-    found = spent(motor, driven, trajectory, np.array([start, end]))
-    mains, given, slip = (float(found.work[flow, -1]) for flow in (MAINS, DRIVE, SLIP))
-    efficiency = given / mains if mains > 0 and given > 0 else None
-    assert found.settled_rise is None or math.isfinite(found.settled_rise)
-    return dict(zip(names, (mains, slip, efficiency, found.settled_rise), strict=True))
+    use = integrate_powers(motor, driven, trajectory, np.array([start, end]))
+    mains, on_crank, slip = (float(use.work[flow, -1]) for flow in (MAINS, DRIVE, SLIP))
+    efficiency = on_crank / mains if mains > 0 and on_crank > 0 else None
+    assert use.settled_rise is None or math.isfinite(use.settled_rise)
+    return dict(zip(names, (mains, slip, efficiency, use.settled_rise), strict=True))

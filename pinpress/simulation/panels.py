@@ -93,7 +93,7 @@ class Panels:
         polynomials = coefficients[panels].T
         polynomials[0] -= level
         # a step of Newton's method this small is rounding
-        x = bracketed_roots(lambda at: values_and_slopes(polynomials, at), samples[left], samples[left + 1], absolute=1e-15)
+        x = bracketed_roots(lambda places: values_and_slopes(polynomials, places), samples[left], samples[left + 1], absolute=1e-15)
         inside = self.borders[panels] + 0.5 * (1 + x) * (self.borders[panels + 1] - self.borders[panels])
         # a root on a border between two panels may show in neither of them
         ends = np.flatnonzero(above[:-1, -1] != above[1:, 0]) + 1
@@ -125,21 +125,21 @@ def resolve(
     """
     points, rule = 0, gauss_rule()
     starts, ends, coarser = borders[:-1], borders[1:], np.full(len(borders) - 1, np.inf)
-    found: list[tuple[Array, Array]] = []
+    resolved: list[tuple[Array, Array]] = []  # starts of panels, and values there
     while len(starts):
         half = 0.5 * (ends - starts)
         angles = (starts + half)[:, None] + half[:, None] * rule.nodes
         values = np.moveaxis(sample(angles.ravel()).reshape(-1, *angles.shape), 2, 0)
         points += angles.size
-        left = missed(values)
+        misses = missed(values)
         # Halving a panel that is nearly resolved divides what is missed by thousands. What it does not even divide by 10 is rounding, as
         # near change points.
-        rounding = (left <= 1e-8) & (left > coarser / 10.0)
-        good = (left <= share) | rounding | (half < narrowest)
-        found.append((starts[good], values[:, :, good]))
+        rounding = (misses <= 1e-8) & (misses > coarser / 10.0)
+        good = (misses <= share) | rounding | (half < narrowest)
+        resolved.append((starts[good], values[:, :, good]))
         low, middle, high = starts[~good], (starts + half)[~good], ends[~good]
-        starts, ends, coarser = np.concatenate([low, middle]), np.concatenate([middle, high]), np.tile(left[~good], 2)
-    lower, resolved = np.concatenate([starts for starts, _ in found]), np.concatenate([values for _, values in found], axis=2)
+        starts, ends, coarser = np.concatenate([low, middle]), np.concatenate([middle, high]), np.tile(misses[~good], 2)
+    lower, samples = np.concatenate([starts for starts, _ in resolved]), np.concatenate([values for _, values in resolved], axis=2)
     order = np.argsort(lower)
-    polynomials = rule.polynomial(resolved[:, :, order].reshape(NODES, -1)).reshape(resolved.shape)
+    polynomials = rule.polynomial(samples[:, :, order].reshape(NODES, -1)).reshape(samples.shape)
     return Panels(np.append(lower[order], borders[-1]), np.ascontiguousarray(polynomials.transpose(2, 1, 0)), None), points

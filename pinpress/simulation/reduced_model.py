@@ -28,11 +28,9 @@ from ..linkage.memo import per_linkage
 from .failures import failure
 from .panels import Panels, last_terms, resolve
 
-SLACK = 1e-9  # rounding by which an angle may lie outside the range of the model [rad]
-ALIKE, FAR, SAME = 36, 1000, 1e-9  # angles of a period that are compared with those so many periods away, and the share that is rounding
 INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a model
 
-Coordinate = Callable[[Motion], Array]
+LengthOfMotion = Callable[[Motion], Array]
 """A length (n,) or displacement [m] of the states of a motion."""
 
 
@@ -85,7 +83,7 @@ class ReducedModel(Panels):
         first = self.borders[0]
         if self.period is not None:
             return np.asarray(angle - np.floor((angle - first) / self.period) * self.period)
-        outside = (angle < first - SLACK) | (angle > self.borders[-1] + SLACK)
+        outside = (angle < first - 1e-9) | (angle > self.borders[-1] + 1e-9)  # less is rounding [rad]
         if outside.any():
             raise lock_reached(self, float(np.ravel(angle)[int(np.argmax(outside))]))
         return np.clip(angle, first, self.borders[-1])
@@ -114,7 +112,7 @@ def reduced_model_of(press: Linkage) -> ReducedModel:
     return build_reduced_model(press, [lambda motion: motion.slide_position] if press.slide is not None else [])
 
 
-def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panels: int | None = None) -> ReducedModel:
+def build_reduced_model(press: Linkage, coordinates: Sequence[LengthOfMotion], panels: int | None = None) -> ReducedModel:
     """The reduced model of a linkage with one driver.
 
     Args:
@@ -125,9 +123,15 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
     Raises:
         SingularityError: see `Linkage.branch`.
         AssemblyError: see `Linkage.branch`.
+        SimulationError: a shaft comes back after more than `MOST_TURNS` turns, or a slide does not come back and a row changes with it.
     """
     branch = press.branch_through_change_points
-    period = None if branch.period is None else branch.period * _periods(press, branch.gain_per_period)
+    period = branch.period
+    if period is not None:  # of the loops: a geared shaft that is on no loop may come back later, and its weight with it
+        periods = periods_until_back(branch.gain_per_period[[axis.turns for axis in press.axes]])
+        if periods is None:
+            raise failure("no period", press_name=press.name, most=MOST_TURNS)
+        period *= periods
     low, high = (0.0, period) if period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
     turns = (high - low) / (2 * np.pi) if branch.coordinate.turns else 1.0
     # 16 panels a turn resolve most presses at once.
@@ -139,10 +143,11 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
     missed = measured if panels is None else lambda values: np.zeros(values.shape[2])
     sampled, points = resolve(lambda angles: sample_rows(press, angles, coordinates), np.linspace(low, high, count + 1), missed)
     gains = np.zeros(COORDINATES + len(coordinates)) if period is None else _gains(press, coordinates, low, period)
-    return ReducedModel(sampled.borders, _centred(sampled.coefficients), period, gains, points, branch.coordinate)
+    _centre_potential(sampled.coefficients)
+    return ReducedModel(sampled.borders, sampled.coefficients, period, gains, points, branch.coordinate)
 
 
-def _gains(press: Linkage, coordinates: Sequence[Coordinate], start: float, period: float) -> Array:
+def _gains(press: Linkage, coordinates: Sequence[LengthOfMotion], start: float, period: float) -> Array:
     """(rows,) by how much the rows of a model grow in a period.
 
     Raises:
@@ -150,14 +155,14 @@ def _gains(press: Linkage, coordinates: Sequence[Coordinate], start: float, peri
     """
     if not press.advancing.any():
         return np.zeros(COORDINATES + len(coordinates))
-    angles = start + period * np.linspace(0.0, 1.0, ALIKE, endpoint=False)
+    angles, rounding = start + period * np.linspace(0.0, 1.0, 36, endpoint=False), 1e-9  # as a share of the rows
     first, second = (sample_rows(press, angles + moved, coordinates) for moved in (0.0, period))
     gains: Array = (second - first).mean(axis=1)
-    gains[np.abs(gains) <= SAME * np.abs(first).max(axis=1)] = 0.0
-    for periods in (1, -FAR, FAR):  # the length of a spring is linear on one side alone
+    gains[np.abs(gains) <= rounding * np.abs(first).max(axis=1)] = 0.0
+    for periods in (1, -1000, 1000):  # far off the length of a spring is linear, but on one side alone
         later = sample_rows(press, angles + periods * period, coordinates)
         size = np.maximum(np.abs(first), np.abs(later)).max(axis=1, keepdims=True)
-        if gains[INERTIA] or gains[WEIGHT] or (np.abs(later - first - periods * gains[:, None]) > SAME * size).any():
+        if gains[INERTIA] or gains[WEIGHT] or (np.abs(later - first - periods * gains[:, None]) > rounding * size).any():
             raise failure("does not come back", press_name=press.name)
     return gains
 
@@ -185,30 +190,17 @@ class _Sizes:
         return np.asarray(np.maximum((tail / sizes[:, None]).max(axis=0), tail[INERTIA] / np.where(local > 0, local, 1.0)))
 
 
-def _centred(polynomials: Array) -> Array:
-    """Polynomials (p, rows, q) whose potential energy is zero in the middle of its range; it is zero throughout where it is constant."""
+def _centre_potential(polynomials: Array) -> None:
+    """Make the potential energy of polynomials (p, rows, q) zero in the middle of its range, and throughout where it is constant."""
     values = polynomials[:, POTENTIAL, 0]
     # A range this small, as a share of the energy, is rounding: the press is balanced.
     middle, flat = 0.5 * float(values.min() + values.max()), bool(np.ptp(values) <= 1e-13 * np.abs(values).max())
     polynomials[:, POTENTIAL, 0] -= middle  # its zero is arbitrary, and this one costs no digits
     if flat:
         polynomials[:, [POTENTIAL, WEIGHT]] = 0.0
-    return polynomials
 
 
-def _periods(press: Linkage, advance: Array) -> int:
-    """Periods of the loops after which all is as before. A geared shaft that is on no loop may come back later, and its weight with it.
-
-    Raises:
-        SimulationError: the shaft is not back within `MOST_TURNS`.
-    """
-    count = periods_until_back(advance[[axis.turns for axis in press.axes]])
-    if count is not None:
-        return count
-    raise failure("no period", press_name=press.name, most=MOST_TURNS)
-
-
-def sample_rows(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
+def sample_rows(press: Linkage, angles: Array, coordinates: Sequence[LengthOfMotion]) -> Array:
     """Rows (rows, n) of the model at crank angles (n,), computed from the linkage."""
     motion = motion_through_change_points(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
     kinetic, potential, weight = energies_of_states(press.engine(), motion.states(press))

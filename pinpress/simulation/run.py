@@ -32,10 +32,6 @@ if TYPE_CHECKING:  # reports know runs, and need no solvers
     from .over_time.time_solver import TimeSegment
     from .solvers import SimulationProblem
 
-POINTS = 120  # states returned per turn of the crank, and at least
-LOOSE = 1e3  # energy error accepted, in multiples of the tolerance
-BALANCED = 1e-6  # energy error accepted of a run with steps by error, unless a large tolerance is asked for
-ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # roundings of a stiff drive's angle and speed that may show in the energy
 BETWEEN = 1.1  # by which the crank may be faster between the ends of long steps than there
 
 
@@ -99,8 +95,8 @@ class Run(Motion):
     def at_times(self, times: Array) -> Run:
         """The same run in the states at other times (n,), rising, from 0 to its end [s]."""
         driven, sample = self.problem.driven, self.trajectory.at(times)
-        motion = _closed(driven.press, times, sample)
-        return _as_run(self.problem, self.trajectory, motion, self.stats, _with_torques(driven, motion, sample))
+        motion = _close_loops(driven.press, times, sample)
+        return _run_of(self.problem, self.trajectory, motion, self.stats, _with_torques(driven, motion, sample))
 
     @property
     def jumps(self) -> Array | None:
@@ -143,9 +139,9 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
     sample = trajectory.at(times)
     if problem.step is None:
         _refuse_jumps(problem, times, sample, trajectory.fastest)
-    motion = _closed(driven.press, times, sample)
+    motion = _close_loops(driven.press, times, sample)
     _refuse_beyond_travel(driven.press, motion)
-    error = _audited(problem, motion, sample, trajectory.steps)
+    error = _audit(problem, motion, sample, trajectory.steps)
     if len(driven.inertias) == 1:
         confirm_torques(driven.drive, times, motion.crank_angle, sample.drive_speed, sample.drive_torque)
     stats = Stats(
@@ -158,18 +154,21 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
         energy_error=error,
         sensitivity=sensitivity,
     )
-    return _as_run(problem, trajectory, motion, stats, _with_torques(driven, motion, sample))
+    return _run_of(problem, trajectory, motion, stats, _with_torques(driven, motion, sample))
 
 
 def _with_torques(driven: DrivenPress, motion: Motion, sample: Sample) -> Sample:
     """A sample with the torques and speeds of all drives, where there are several."""
     if len(driven.inertias) == 1:
         return sample
-    turning = _driver_speeds(driven, sample)
-    return sample._replace(drive_torque=_torques(driven, turning, motion).T.copy(), drive_speed=turning.T.copy())
+    speeds = _driver_speeds(driven, sample)
+    torques = np.zeros_like(speeds)
+    for k, drive in _several_drives(driven):
+        torques[k] = drive.torque(speeds[k], motion.crank_angle[:, k], motion.time)
+    return sample._replace(drive_torque=torques.T.copy(), drive_speed=speeds.T.copy())
 
 
-def _closed(press: Linkage, times: Array, sample: Sample) -> Motion:
+def _close_loops(press: Linkage, times: Array, sample: Sample) -> Motion:
     """The motion of a sample at times (n,), with its loops closed."""
     position, speed, acceleration = sample.position, sample.speed, sample.acceleration
     if len(position) == 1:
@@ -187,8 +186,8 @@ def _refuse_jumps(problem: SimulationProblem, times: Array, sample: Sample, fast
     beyond = travel > BETWEEN * fastest * span + error
     if beyond.any():
         k = int(np.argmax(beyond))
-        there = float(sample.position[joint, k])
-        raise failure("jumps", float(times[k]), there, travel=float(travel[k]), span=float(span[k]), fastest=fastest)
+        angle = float(sample.position[joint, k])
+        raise failure("jumps", float(times[k]), angle, travel=float(travel[k]), span=float(span[k]), fastest=fastest)
 
 
 def _refuse_beyond_travel(press: Linkage, motion: Motion) -> None:
@@ -213,7 +212,7 @@ def _driver_speeds(driven: DrivenPress, sample: Sample) -> Array:
     return sample.speed[list(driven.press.driver_indices)] if len(driven.inertias) > 1 else sample.drive_speed[None]
 
 
-def _audited(problem: SimulationProblem, motion: Motion, sample: Sample, steps: int) -> float:
+def _audit(problem: SimulationProblem, motion: Motion, sample: Sample, steps: int) -> float:
     """Check the energy balance of a motion that was found in so many steps, and return its energy error.
 
     Raises:
@@ -255,47 +254,39 @@ def energy_size(kinetic: Array, potential: Array, *works: Array) -> Any:
     return np.where(size > 0, size, 1.0)
 
 
-def _rounding(driven: DrivenPress, times: Array, motion: Motion, own: Array) -> float:
-    """Work of a drive that is uncertain, because its torque changes with the rounding of angle and speed [J]; ``own``: (n,) speeds of its
-    shaft [rad/s]."""
+def _rounding(driven: DrivenPress, times: Array, motion: Motion, speeds: Array) -> float:
+    """Work of a drive that is uncertain, because its torque changes with the rounding of angle and speed [J]; ``speeds``: (n,) of its shaft
+    [rad/s]."""
     drive = driven.drive
     if not isinstance(drive, Drive) or drive.state:
         return 0.0
-    changed = []
-    for at in zip(own.tolist(), motion.crank_angle.tolist(), times.tolist(), strict=True):
-        below, above = (drive.torque(at[0] * share, at[1] * share, at[2]) for share in (1 - ROUNDINGS * EPS, 1 + ROUNDINGS * EPS))
-        changed.append(abs(float(np.ravel(above - below)[0]) * at[0]))
-    return float(np.trapezoid(changed, times))
-
-
-def _torques(driven: DrivenPress, speed: Array, motion: Motion) -> Array:
-    """Torques (drivers, n) of several drives at the drivers' speeds (drivers, n) in the states of a motion [N m]."""
-    torque = np.zeros_like(speed)
-    for k, drive in _several_drives(driven):
-        torque[k] = drive.torque(speed[k], motion.crank_angle[:, k], motion.time)
-    return torque
+    powers, few_roundings = [], 8 * float(np.finfo(float).eps)
+    for speed, angle, time in zip(speeds.tolist(), motion.crank_angle.tolist(), times.tolist(), strict=True):
+        below, above = (drive.torque(speed * share, angle * share, time) for share in (1 - few_roundings, 1 + few_roundings))
+        powers.append(abs(float(np.ravel(above - below)[0]) * speed))
+    return float(np.trapezoid(powers, times))
 
 
 def _several_drives(driven: DrivenPress) -> list[tuple[int, Drive]]:
     """The drives of a press with several drivers, each behind the number of its driver."""
-    rows, found = {joint: k for k, joint in enumerate(driven.press.driver_indices)}, []
+    rows, drives = {joint: k for k, joint in enumerate(driven.press.driver_indices)}, []
     for force in driven.forces:
         coordinate = driven.coordinates[force.row]
         if force.drive is not None and isinstance(coordinate, JointPosition):
-            found.append((rows[coordinate.joint], force.drive))
-    return found
+            drives.append((rows[coordinate.joint], force.drive))
+    return drives
 
 
-def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, stats: Stats, sample: Sample) -> Run:
+def _run_of(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, stats: Stats, sample: Sample) -> Run:
     """The run of a motion that is closed and checked."""
-    kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
+    of_motion = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
     solution = None
     if problem.method == "constraint":
         segment = cast("TimeSegment", trajectory.segments[0])
         solution = cast("FullDynamics", segment.system.dynamics).solution()
     run = Run(
-        **kept,
+        **of_motion,
         stats=stats,
         drive_torque=sample.drive_torque,
         drive_speed=sample.drive_speed,
@@ -310,28 +301,17 @@ def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, 
 
 def allowed_error(tolerance: float) -> float:
     """Largest energy error accepted of a run with steps by error."""
-    return max(BALANCED, LOOSE * tolerance)
+    return max(1e-6, 1e3 * tolerance)  # at a loose tolerance the errors of a thousand steps may add up
 
 
 def state_count(points: int | None, turns: float) -> int:
     """Number of states to return: that asked for, or by the turns of the crank, up to a million."""
     if points is None:
-        return int(min(1_000_000, max(POINTS, math.ceil(POINTS * turns)))) + 1
+        return int(min(1_000_000, max(120, math.ceil(120 * turns)))) + 1
     return whole_number("points", points, 2, 10**7)
 
 
 # ----------------------------------------------------------------------------------------------------------------------------------- inputs
-
-
-def _start_in_words(run: Run) -> str:
-    """Where and how fast the drivers are at the start."""
-    several, said = len(run.drivers) > 1, []
-    for name, each, place, rate in zip(
-        run.drivers, run.driver_coordinates, np.ravel(run.crank_angle[0]), np.ravel(run.crank_speed[0]), strict=True
-    ):
-        speed = inputs.written(float(rate) + 0.0, f"{each.unit}/s")
-        said.append(f"{name} {each.shown(float(place))} at {speed}" if several else f"{each.at(float(place) + 0.0)} at {speed}")
-    return ", ".join(said)
 
 
 def inputs_of(reactions: Reactions) -> inputs.Inputs:
@@ -340,21 +320,25 @@ def inputs_of(reactions: Reactions) -> inputs.Inputs:
     if not isinstance(run, Run):
         return inputs.inputs(reactions)
     driven, stats = run.problem.driven, run.stats
-    first = run.driver_coordinates[0]
-    start = f"simulated from {_start_in_words(run)}, {run.time[-1]:.6g} s, {len(run.time)} states"
+    coordinates, begins = run.driver_coordinates, []
+    for name, coordinate, place, rate in zip(
+        run.drivers, coordinates, np.ravel(run.crank_angle[0]), np.ravel(run.crank_speed[0]), strict=True
+    ):
+        where = f"{name} {coordinate.shown(float(place))}" if len(run.drivers) > 1 else coordinate.at(float(place) + 0.0)
+        begins.append(f"{where} at {inputs.written(float(rate) + 0.0, f'{coordinate.unit}/s')}")
+    start = f"simulated from {', '.join(begins)}, {run.time[-1]:.6g} s, {len(run.time)} states"
     several = _several_drives(driven)
     parts = {"drive": driven.drive or driven.prescribed, "flywheel": driven.flywheel, "clutch": driven.clutch, "brake": driven.brake}
-    given = [(name, inputs.described(as_given(part), first)) for name, part in parts.items() if part is not None]
-    coordinates = run.driver_coordinates
-    given += [(f"drive at {run.drivers[k]}", inputs.described(as_given(drive), coordinates[k])) for k, drive in several]
+    described = [(name, inputs.described(as_given(part), coordinates[0])) for name, part in parts.items() if part is not None]
+    described += [(f"drive at {run.drivers[k]}", inputs.described(as_given(drive), coordinates[k])) for k, drive in several]
     if len(driven.inertias) > 1 and driven.inertias.any():
         units = (coordinate.in_place_of("kg m2") for coordinate in coordinates)
         inertias = (f"{inertia:.9g} {unit} at {name}" for inertia, unit, name in zip(driven.inertias, units, run.drivers, strict=True))
-        given.append(("flywheels and drives", f"inertia {', '.join(inertias)}"))
+        described.append(("flywheels and drives", f"inertia {', '.join(inertias)}"))
     if not several and parts["drive"] is None:
-        given.insert(0, ("drive", "none"))
+        described.insert(0, ("drive", "none"))
     by = stats.solvers if run.constraint_solution is None else (*stats.solvers, run.constraint_solution.algorithm)
     how = f", method {stats.method!r} by {', '.join(by)}, " + (
         f"tolerance {run.problem.tolerance:g}" if run.problem.step is None else f"step {run.problem.step:g} s"
     )
-    return inputs.inputs(reactions, start, given, how)
+    return inputs.inputs(reactions, start, described, how)

@@ -18,9 +18,6 @@ from .reduced_model import INERTIA, WEIGHT, ReducedModel
 from .solvers import SimulationProblem, march
 from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
 
-MOVED = 1e-6  # a rest is stable or unstable by the accelerations this far on either side of it [rad]
-PUSHED, CREEPING = 1e-4, 1e-9  # displacement [rad] and speed [rad/s] by which a press at rest is pushed
-
 
 def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> float | None:
     """By what factor the crank angle of a run moves more than its start; None where the run keeps clear of an unstable rest."""
@@ -42,10 +39,10 @@ def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> flo
     span = model.potential_range
     if not any(_beside_rest(model, segment, span) for segment in trajectory.segments):
         return None
-    return _sensitivity(problem, trajectory, model, span)
+    return _compare_moved_starts(problem, trajectory, model, span)
 
 
-def _sensitivity(problem: SimulationProblem, trajectory: Trajectory, model: ReducedModel, span: float) -> float:
+def _compare_moved_starts(problem: SimulationProblem, trajectory: Trajectory, model: ReducedModel, span: float) -> float:
     """`start_sensitivity` of a run that passes an unstable rest, from runs whose starts are moved.
 
     Args:
@@ -67,14 +64,14 @@ def _sensitivity(problem: SimulationProblem, trajectory: Trajectory, model: Redu
         except SimulationError:
             # A run that ends in an error differs by as much as two crank angles can.
             astray = max(astray, np.pi)
-    found = astray / (tolerance * (1.0 + speed * until))
+    factor = astray / (tolerance * (1.0 + speed * until))
     # A run that multiplies an error of its start by more than this is not determined.
-    if found > 1e3:
+    if factor > 1e3:
         caution(
             "the run is not determined to its tolerance: it passes an unstable rest so closely that a start moved by"
             f" {tolerance:.3g} of its sizes leads {astray:.3g} rad astray; start it farther from the rest, or with another speed"
         )
-    return found
+    return factor
 
 
 def _beside_rest(model: ReducedModel, segment: Any, span: float) -> bool:
@@ -84,8 +81,8 @@ def _beside_rest(model: ReducedModel, segment: Any, span: float) -> bool:
     if isinstance(segment, StandstillSegment | RepetitionSegment):
         return False
     system, n = segment.system, segment.system.dynamics.size
-    own = 0.0 if system.driven.clutch is not None else system.driven.inertia
-    least = float(model.middles[INERTIA].min()) + own
+    added = 0.0 if system.driven.clutch is not None else system.driven.inertia
+    least = float(model.middles[INERTIA].min()) + added
     speeds = np.abs(segment.speeds)
     slowly = np.flatnonzero(0.5 * least * speeds**2 < NEAR * span)
     for stretch in np.split(slowly, np.flatnonzero(np.diff(slowly) > 1) + 1) if len(slowly) else []:
@@ -94,26 +91,26 @@ def _beside_rest(model: ReducedModel, segment: Any, span: float) -> bool:
         if mode.rests:
             continue
         y = segment.pieces[max(k - 1, 0)](time)
-        rate = {}
-        for by in (-MOVED, 0.0, MOVED):
+        accelerations = []
+        for by in (-1e-6, 0.0, 1e-6):  # so near that a rest is stable or unstable by them [rad]
             moved = y.copy()
             moved[:n] = system.dynamics.moved(y[:n], by)[0] if by else y[:n]
-            rate[by] = system.dynamics.of_crank(system.rates(mode, time, moved)[n : 2 * n])
-        inertia = float(model.at(y[[system.dynamics.crank]])[0][INERTIA, 0]) + own
-        if rate[MOVED] > rate[-MOVED] and nearly_at_rest(np.array(0.5 * inertia * speeds[k] ** 2), np.array(inertia * rate[0.0]), span):
+            accelerations.append(system.dynamics.of_crank(system.rates(mode, time, moved)[n : 2 * n]))
+        below, here, above = accelerations
+        inertia = float(model.at(y[[system.dynamics.crank]])[0][INERTIA, 0]) + added
+        if above > below and nearly_at_rest(np.array(0.5 * inertia * speeds[k] ** 2), np.array(inertia * here), span):
             return True
     return False
 
 
 def _falls(driven: DrivenPress, angle: float) -> bool:
     """Whether a press at rest moves on by itself when it is pushed a little in either direction."""
-    drive, weight = driven.drive, driven.model.at(angle + np.array([-PUSHED, PUSHED]))[0][WEIGHT]
-    torques = [0.0 if drive is None else float(np.ravel(drive.torque(w))[0]) for w in (-CREEPING, CREEPING)]
+    drive, weight = driven.drive, driven.model.at(angle + np.array([-1e-4, 1e-4]))[0][WEIGHT]  # beyond the rounding of a rest [rad]
+    torques = [0.0 if drive is None else float(np.ravel(drive.torque(speed))[0]) for speed in (-1e-9, 1e-9)]  # either way, but at rest
     return bool(torques[0] < weight[0] and torques[1] > weight[1])
 
 
 def _crank_angles(press: Linkage, trajectory: Trajectory, times: Array) -> Array:
     """Crank angles (n,) at times (n,) [rad]."""
     position = trajectory.at(times, complete=False).position
-    found: Array = position[press.driver_indices[0] if len(position) > 1 else 0]
-    return found
+    return np.asarray(position[press.driver_indices[0] if len(position) > 1 else 0])

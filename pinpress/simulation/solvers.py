@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from .over_time.time_solver import TimeSegment
 
 AGAIN = 4.0  # the crank is followed over its angle again from this multiple of the kinetic energy at which it was no longer sure to turn
-LEAST_TOLERANCE = 1e-13
 TOLERANCE, ELASTIC_TOLERANCE = 1e-11, 1e-5  # by default, of a rigid and of an elastic motion
 
 Progress = Callable[[float], None]
@@ -63,8 +62,8 @@ class SimulationProblem:
 def checked_tolerance(tolerance: float | None, elastic: bool = False) -> float:
     """The tolerance as a number, that by default where none is given; raises PinpressError outside the range that can be kept."""
     value = number("tolerance", (ELASTIC_TOLERANCE if elastic else TOLERANCE) if tolerance is None else tolerance, positive=True)
-    if not LEAST_TOLERANCE <= value <= 1e-2:
-        raise PinpressError(f"tolerance is {value:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
+    if not 1e-13 <= value <= 1e-2:  # a smaller error of a step is rounding
+        raise PinpressError(f"tolerance is {value:g}: give one from 1e-13 to 0.01")
     return value
 
 
@@ -93,11 +92,11 @@ def march(problem: SimulationProblem, progress: Progress | None = None) -> Traje
     state: State | None = State(0.0, float(problem.angle[0]), float(problem.speed[0]), np.zeros(len(INTEGRALS)))
     while state is not None:
         if turns and state is not stopped:
-            found, stopped = _over_angle(problem, state, progress, first=not segments)
+            leg, stopped = _over_angle(problem, state, progress, first=not segments)
             state = stopped
         else:
-            found, state = over_time.advance(state, segments)
-        segments += found
+            leg, state = over_time.advance(state, segments)
+        segments += leg
     return Trajectory(segments)
 
 
@@ -147,25 +146,25 @@ class OverTime:
         system, segments = reduced_system(driven), list[Segment]()
         while True:
             followed = _Followed(driven, self.threshold, state.speed, self.swings) if self.turns else None
-            segment, state = self._integrated(system, state, followed)
+            segment, state = self._integrate(system, state, followed)
             segments.append(segment)
             if segment.end >= problem.until:
                 return segments, None
             if followed is None or not followed.swung:
                 self.handed = state
                 return segments, state
-            swinging = None if driven.heeds_speed else _swinging(system, segment, problem.tolerance, problem.until)
+            swinging = None if driven.heeds_speed else _repeat_swing(system, segment, problem.tolerance, problem.until)
             if swinging is not None:
                 return [*segments, *swinging], None
             self.swings = False
 
-    def _integrated(self, system: HybridSystem, state: State, followed: "_Followed | None") -> "tuple[TimeSegment, State]":
+    def _integrate(self, system: HybridSystem, state: State, followed: "_Followed | None") -> "tuple[TimeSegment, State]":
         """Integrate from a state to the end, or until the crank has been ``followed`` for long enough. Returns the segment and the state
         at its end."""
         from .over_time.time_solver import BY_STIFFNESS, IMPLICIT, Settings, integrate  # imports SciPy's integrators
 
         problem, driven = self.problem, self.problem.driven
-        mode, y = _begun(system, state)
+        mode, y = _begin(system, state)
         method = IMPLICIT if problem.method == "implicit" else BY_STIFFNESS
         settings = Settings(problem.tolerance, crank_sizes(driven, y), problem.step, method)
         try:
@@ -224,19 +223,19 @@ def _turning_energy(driven: DrivenPress, state: State, before: Sequence[Segment]
     return max(AGAIN * LEAST * fastest, 1e-4 * driven.model.potential_range)
 
 
-def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, until: float) -> "list[Segment] | None":
+def _repeat_swing(system: HybridSystem, segment: "TimeSegment", tolerance: float, until: float) -> "list[Segment] | None":
     """Follow a crank that swings to and fro, under forces that do not depend on its speed, for one swing, to a tolerance relative to the
     swing, and repeat that to the end. None where the crank does not come back."""
     from .over_time.time_solver import IMPLICIT, Settings, integrate  # imports SciPy's integrators
 
     begin, turn, again = segment.stops()[-3:]
     sample = segment.at(np.array([begin, turn]), complete=False)
-    at, beyond = sample.position[0]
-    if at == beyond:  # it stands, but for rounding
+    angle, beyond = sample.position[0]
+    if angle == beyond:  # it stands, but for rounding
         return None
-    mode, y = _begun(system, State(begin, float(at), 0.0, sample.integrals[:, 0]))
+    mode, y = _begin(system, State(begin, float(angle), 0.0, sample.integrals[:, 0]))
     sizes = crank_sizes(system.driven, y)
-    sizes[:2] = abs(beyond - at), abs(beyond - at) * 2 * np.pi / (again - begin)
+    sizes[:2] = abs(beyond - angle), abs(beyond - angle) * 2 * np.pi / (again - begin)
     followed = _Followed(system.driven, np.inf, 0.0, swings=True)
     end = begin + 2 * (again - begin)
     swing, _ = integrate(system, mode, begin, y, end, Settings(tolerance, sizes, method=IMPLICIT), followed)
@@ -257,7 +256,7 @@ def _all_joints_over_time(problem: SimulationProblem, progress: Progress | None)
     return integrate(system, mode, 0.0, y, problem.until, settings, progress=progress)[0]
 
 
-def _begun(system: HybridSystem, state: State) -> tuple[Mode, Array]:
+def _begin(system: HybridSystem, state: State) -> tuple[Mode, Array]:
     """Mode and vector of a state of the crank."""
     return system.begin(state.time, np.array([state.angle]), np.array([state.speed]), state.integrals)
 
@@ -295,5 +294,5 @@ def _joint_sizes(driven: DrivenPress, joints: FullDynamics, speed: Array, y: Arr
 
 def _state_sizes(driven: DrivenPress, count: int, speed: float) -> list[float]:
     """Sizes of a drive's states, followed by that of the speed of a clutch's driving side."""
-    own = [] if driven.clutch is None else [speed]
-    return [1.0] * (count - len(own)) + own
+    of_shaft = [] if driven.clutch is None else [speed]
+    return [1.0] * (count - len(of_shaft)) + of_shaft

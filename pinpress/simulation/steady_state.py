@@ -42,9 +42,6 @@ from .trajectory import INTEGRALS, State, Trajectory
 if TYPE_CHECKING:
     from .elastic.run import ElasticRun
 
-# Periods that a drive with states of its own first gets to come near the steady state, and most periods in all.
-PERIODS, MOST_PERIODS = 3, 60
-BESIDE = 1e-6  # relative change of speed and states by which their effect after a period is found
 SHARES = np.geomspace(0.25, 4.0, 33)  # multiples of the given speed among which the steady state is searched
 COMES_BACK = 1e-10  # relative difference accepted between the speeds at start and end of a period
 
@@ -163,8 +160,8 @@ def steady_state_near(
 
 def _rigid_period(driven: DrivenPress, speed: float, tolerance: float, angle: float) -> Trajectory:
     """The period from a crank angle on, of the steady state near a speed."""
-    found = None if driven.timed else _over_angle(driven, angle, speed, tolerance)
-    return _over_time(driven, angle, speed, tolerance) if found is None else found
+    period = None if driven.timed else _over_angle(driven, angle, speed, tolerance)
+    return _over_time(driven, angle, speed, tolerance) if period is None else period
 
 
 def _speed(given: object) -> float:
@@ -215,14 +212,14 @@ def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: floa
             gained, starts = (tried.ends[-1] - tried.ends[0])[bounds], tried.ends[0, bounds]
             weights = np.array([-gained[1], gained[0]]) / (gained[0] - gained[1])  # between the bounds nothing is gained
             guess = (tried.energy[:, :, bounds] @ weights)[:, :, None]
-            found = _periodic(driven, mesh, (starts @ weights)[None], guess, tolerance)
+            solution = _periodic(driven, mesh, (starts @ weights)[None], guess, tolerance)
             # Newton's method may also end at a motion that the press leaves when it is disturbed, or far off. In the narrowest range the
             # bounds of a coarse mesh are not exact enough to tell.
-            near = found is not None and (attempt == 3 or starts.min() <= found.ends[0, 0] <= starts.max())
-            if found is not None and near and found.exponent[0] < 0:
-                begin = float(direction * np.sqrt(2 * found.ends[0, 0] / (found.mesh.inertia_ends[0] + driven.inertia)))
+            near = solution is not None and (attempt == 3 or starts.min() <= solution.ends[0, 0] <= starts.max())
+            if solution is not None and near and solution.exponent[0] < 0:
+                begin = float(direction * np.sqrt(2 * solution.ends[0, 0] / (solution.mesh.inertia_ends[0] + driven.inertia)))
                 state = State(0.0, angle, begin, np.zeros(len(INTEGRALS)))
-                return Trajectory([angle_segment(driven, found, len(found.mesh.kinds), state)])
+                return Trajectory([angle_segment(driven, solution, len(solution.mesh.kinds), state)])
         speeds = speed * SHARES if bounds is None else np.linspace(float(speeds[bounds[0]]), float(speeds[bounds[1]]), len(SHARES))
         tried = collocation.solve(driven, mesh, _energies(driven, mesh, speeds))
         if tried.speed_free:  # no speed is better than another
@@ -249,11 +246,11 @@ def _periodic(driven: DrivenPress, mesh: AngleMesh, energy: Array, guess: Array,
             return None
         return cuts(solution, len(solution.mesh.kinds), 0.1 * tolerance, driven.drive)
 
-    found = solve_period(driven, mesh, energy, places, guess, periodic=True)
-    if found is None or len(found.coarse):
+    period = solve_period(driven, mesh, energy, places, guess, periodic=True)
+    if period is None or len(period.coarse):
         return None
-    ends = found.solution.ends[:, 0]
-    return found.solution if abs(ends[-1] - ends[0]) / ends.max() < COMES_BACK else None
+    ends = period.solution.ends[:, 0]
+    return period.solution if abs(ends[-1] - ends[0]) / ends.max() < COMES_BACK else None
 
 
 def _energies(driven: DrivenPress, mesh: AngleMesh, speeds: Array) -> Array:
@@ -273,10 +270,10 @@ def _bounds(tried: CollocationSolution, speeds: Array, speed: float) -> Indices 
     """
     good = np.flatnonzero(~stopping_panels(tried).any(axis=0))
     gained = (tried.ends[-1] - tried.ends[0])[good]
-    found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
-    if not len(found):
+    lower = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
+    if not len(lower):
         return None
-    low = int(found[np.abs(np.log(speeds[good[found]] / speed)).argmin()])
+    low = int(lower[np.abs(np.log(speeds[good[lower]] / speed)).argmin()])
     return good[low : low + 2]
 
 
@@ -291,21 +288,21 @@ def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float
     """
     assert driven.drive is not None
     try:
-        found = _shooting(driven, angle, np.array([speed, *driven.drive.state]), tolerance)
+        period = _shoot(driven, angle, np.array([speed, *driven.drive.state]), tolerance)
     except LawError:  # an error of the caller's law is raised as it is
         raise
     except (SimulationError, np.linalg.LinAlgError) as error:
         raise _no_steady_state(speed) from error
-    if found is None:
+    if period is None:
         raise _no_steady_state(speed)
-    return found
+    return period
 
 
 def _no_steady_state(speed: float) -> SimulationError:
     return failure("no steady state", speed=speed, turns=speed / RPM)
 
 
-def _shooting(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> Trajectory | None:
+def _shoot(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> Trajectory | None:
     """A few periods to come near the steady state, then Newton's method on what a period makes of speed and states; None where it fails.
 
     Args:
@@ -315,26 +312,21 @@ def _shooting(driven: DrivenPress, angle: float, start: Array, tolerance: float)
         tolerance: as in `simulate`.
     """
     before = np.inf
-    for count in range(MOST_PERIODS):
+    for count in range(60):
         period, after = _period(driven, angle, start, tolerance)
         change = float(np.max(np.abs(after - start) / np.maximum(np.abs(start), COMES_BACK)))
         if change <= COMES_BACK:
             return period
         # a plain period replaces a step of Newton's method that has led away, as it does at corners of the drive
-        if count < PERIODS or change > 0.5 * before:
-            start, before = after, np.inf if count < PERIODS else 2.1 * change
+        if count < 3 or change > 0.5 * before:
+            start, before = after, np.inf if count < 3 else 2.1 * change
             continue
         before = change
-        found = _newton_step(driven, angle, start, after, tolerance)
-        start = found if np.isfinite(found).all() and 0.8 < found[0] / start[0] < 1.25 else after
+        steps = 1e-6 * np.maximum(np.abs(start), 1e-6)  # as far above rounding as below what bends
+        columns = [(_period(driven, angle, start + step, tolerance)[1] - after) / step[k] for k, step in enumerate(np.diag(steps))]
+        solved = np.asarray(start + np.linalg.solve(np.eye(len(start)) - np.array(columns).T, after - start))
+        start = solved if np.isfinite(solved).all() and 0.8 < solved[0] / start[0] < 1.25 else after
     return None
-
-
-def _newton_step(driven: DrivenPress, angle: float, start: Array, after: Array, tolerance: float) -> Array:
-    """Speed and states (k,) by one Newton step, from those at the ``start`` of a period and those ``after`` it."""
-    steps = BESIDE * np.maximum(np.abs(start), BESIDE)
-    columns = [(_period(driven, angle, start + step, tolerance)[1] - after) / step[k] for k, step in enumerate(np.diag(steps))]
-    return np.asarray(start + np.linalg.solve(np.eye(len(start)) - np.array(columns).T, after - start))
 
 
 def _period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> tuple[Trajectory, Array]:
@@ -359,13 +351,13 @@ def _period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -
     if not beyond(y):
         raise failure("too weak", float(patience), float(y[0]))
     # steps are made to end at the target, because the integrator's interpolation is less exact than its steps
-    since, mode, at, end = most.before(lambda y: float((y[0] - target) * direction))
-    segments, y = [most], at
+    since, mode, before, end = most.before(lambda y: float((y[0] - target) * direction))
+    segments, y = [most], before
     # Newton's method on the time of the period's end.
     for _ in range(4):
         if end <= since:  # an event has ended the step before at the target
             break
-        last, y = integrate(system, mode, since, at, end, Settings(tolerance, crank_sizes(driven, at)))
+        last, y = integrate(system, mode, since, before, end, Settings(tolerance, crank_sizes(driven, before)))
         segments = [most, last]
         end += float((target - y[0]) / y[1])
     return Trajectory(segments), y[1 : -len(INTEGRALS)]

@@ -227,19 +227,19 @@ class RepetitionSegment:
 
     @property
     def borders(self) -> Array:
-        return self._repeated(self.swing.borders)
+        return self._repeat(self.swing.borders)
 
     @property
     def jumps(self) -> Array:
-        return self._repeated(self.swing.jumps)
+        return self._repeat(self.swing.jumps)
 
-    def _repeated(self, inner: Array) -> Array:
+    def _repeat(self, inner: Array) -> Array:
         """Times of the swing, again in every repetition [s]."""
         period = self.start - self.first
         inner = inner[(inner >= self.first) & (inner <= self.start)]
         count = np.arange(1, np.ceil((self.end - self.start) / period) + 1)
-        found = np.concatenate([(inner + period * count[:, None]).ravel(), [self.start, self.end]])
-        return np.unique(found[(found >= self.start) & (found <= self.end)])
+        times = np.concatenate([(inner + period * count[:, None]).ravel(), [self.start, self.end]])
+        return np.unique(times[(times >= self.start) & (times <= self.end)])
 
     def at(self, times: Array, complete: bool = True) -> Sample:
         period = self.start - self.first
@@ -247,7 +247,7 @@ class RepetitionSegment:
         within = np.clip(times - swings * period, self.first, self.start)
         order = np.argsort(within, kind="stable")
         back = np.argsort(order, kind="stable")
-        found = Sample(*(rows[..., back] for rows in self.swing.at(within[order], complete)))
+        sample = Sample(*(rows[..., back] for rows in self.swing.at(within[order], complete)))
         squared = self.swing.at(np.array([self.first, self.start]), complete=False).integrals[MOTOR_SQUARED]
-        found.integrals[MOTOR_SQUARED] += swings * (squared[1] - squared[0])  # all work is given back
-        return found
+        sample.integrals[MOTOR_SQUARED] += swings * (squared[1] - squared[0])  # all work is given back
+        return sample

@@ -21,8 +21,6 @@ from .refinement import cuts, solve_period, stopping_panels
 from .segment import angle_segment
 
 MOST_PERIODS = 200_000  # most periods of one run: each takes some memory
-
-
 AT_ONCE = 8  # most periods solved at once: more would hardly save anything
 
 
