@@ -1,4 +1,4 @@
-"""Balancing of the JF75G-125 and the ZXN2-3000(B) beside what the sources found: the tables of docs/balancing.md, and its picture.
+"""Balancing of the JF75G-125 and the ZXN2-3000(B): the tables of docs/balancing.md, and its picture.
 
 python viz/balancing.py
 """
@@ -18,9 +18,6 @@ REPEATED = 5  # of which the least time counts
 # Zhang 2007, table 5-1: masses of auxiliary rod and counterweight [kg] and the range that ADAMS found with the thesis' geometry [N]
 PATH = {"start of the thesis": (100.0, 1000.0, 2887.80), "after its 17 steps": (113.31, 1045.0, 139.07)}
 
-# Kong 2025: counterweights, and the changes of the ranges of the shaking force that its reference [20] claims for them
-PAPER = (pp.balancing.Counterweight("crank", 605.496, (-0.1428, 0, 0)), pp.balancing.Counterweight("rod", 55.536, (-0.0456, 0, 0)))
-SAME_PLACES = [pp.balancing.CounterweightRegion("crank", radius=0.1428), pp.balancing.CounterweightRegion("rod", radius=0.0456)]
 THREE_LINKS = [
     pp.balancing.CounterweightRegion("crank", radius=0.3),
     pp.balancing.CounterweightRegion("rocker", radius=0.6),
@@ -28,7 +25,7 @@ THREE_LINKS = [
 ]
 DIES = (100.0, 200.0, 400.0)  # upper dies [kg]
 DIE, ON_COUNTERWEIGHT = (0.0, 0.0, -0.485), (0.0, 0.0, 0.235)  # under the slide, and the counterweight's centre of mass [m]
-TOTAL = sum(weight.mass for weight in PAPER)
+TOTAL = 605.496 + 55.536  # Kong 2025: counterweights on crank and rod [kg]
 
 
 def jf75g() -> dict[str, Callable[[], pp.balancing.BalancedPress]]:
@@ -62,30 +59,9 @@ def on_the_way(rod: float, counterweight: float) -> float:
     )
 
 
-def zxn2() -> dict[str, Callable[[], pp.balancing.BalancedPress]]:
-    """Optima at 70 strokes/min."""
-    press = pp.load("zxn2_3000b")
-    motion = pp.cycle(press, speed=70 * pp.RPM, points=POINTS)
-    before = pp.inverse_dynamics(press, motion, bearings=())
-    newtons = {HORIZONTAL: HORIZONTAL.value(before), VERTICAL: VERTICAL.value(before)}  # a newton of either counts the same
-    within = {ADDED: TOTAL}
-    return {
-        "least horizontal range, the paper's links and radii": lambda: pp.balancing.balance(
-            press, motion, regions=SAME_PLACES, minimise=HORIZONTAL, limits=within
-        ),
-        "horizontal range zero, then least vertical": lambda: pp.balancing.balance(
-            press, motion, regions=THREE_LINKS, minimise=VERTICAL, limits={HORIZONTAL: 0.0} | within
-        ),
-        "least sum of both ranges": lambda: pp.balancing.balance(press, motion, regions=THREE_LINKS, minimise=newtons, limits=within),
-        "least range of the driving torque": lambda: pp.balancing.balance(
-            press, motion, regions=THREE_LINKS, minimise=pp.balancing.Range("driving_torque"), limits=within
-        ),
-    }
-
-
 def table() -> str:
-    """Markdown, a table for each press, and one over changes of die."""
-    return f"{jf75g_table()}\n\n{zxn2_table()}\n\n{dies_table()}"
+    """Markdown: the thesis' search, and changes of die."""
+    return f"{jf75g_table()}\n\n{dies_table()}"
 
 
 def dies_table() -> str:
@@ -123,31 +99,6 @@ def jf75g_table() -> str:
     return "\n".join(lines)
 
 
-def zxn2_table() -> str:
-    press = pp.load("zxn2_3000b")
-    motion = pp.cycle(press, speed=70 * pp.RPM, points=POINTS)
-    quantities = {
-        "horizontal": HORIZONTAL,
-        "vertical": VERTICAL,
-        "moment about D": pp.balancing.Range("shaking_moment", "y"),
-        "driving torque": pp.balancing.Range("driving_torque"),
-        **{f"peak in {name}": pp.balancing.Peak("bearing_force", bearing=name) for name in ("A", "B", "D", "F")},
-        "guide": pp.balancing.Peak("bearing_force", bearing="slide_guide"),
-    }
-    balanced = {"the paper's counterweights": (pp.balancing.with_counterweights(press, PAPER), TOTAL)}
-    for what, solve in zxn2().items():
-        best = solve()
-        balanced[what] = best.press, best.added_mass
-    lines = [f"| ZXN2-3000(B), 70 strokes/min | added | {' | '.join(quantities)} |", "|---|---|" + "---|" * len(quantities)]
-    before = pp.inverse_dynamics(press, motion)
-    for what, (changed, added) in balanced.items():
-        after = pp.inverse_dynamics(changed, motion)
-        changes = [100 * (criterion.value(after) / criterion.value(before) - 1) for criterion in quantities.values()]
-        cells = [f"{round(change, 1) + 0.0:+.1f} %" for change in changes]
-        lines.append(f"| {what} | {added:.0f} kg | {' | '.join(cells)} |")
-    return "\n".join(lines)
-
-
 def curves() -> dict[str, pp.balancing.TradeOffCurve]:
     """Horizontal against vertical range for some added masses, and both against added mass."""
     press = pp.load("zxn2_3000b")
@@ -170,6 +121,6 @@ if __name__ == "__main__":
 
     print(table())
     print("\nOne call of balance, with the reactions before and after:")
-    for what, solve in {**jf75g(), **zxn2()}.items():
+    for what, solve in jf75g().items():
         print(f"  {what}: {1e3 * least_seconds([solve], REPEATED)[0]:.0f} ms")
     print(light(pp.plots.save(pp.plots.trade_offs(curves()), HERE / "balancing.png")))

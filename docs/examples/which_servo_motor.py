@@ -2,8 +2,8 @@
 
 The motors are those of a catalogue, tried from the smallest on behind four gears. For each motor the best motion is the
 one that heats it least, with a proof. The first motor that is not overheated by it is the answer. It has no reserve:
-friction, a warm room and other motions are left out. Nor does a motor at rest hold a slide safely: that is the brake's
-task.
+friction, a warm room and other motions are left out. A motor at rest does not hold a slide
+safely: that is the brake's task.
 """
 
 import pinpress as pp
