@@ -1,7 +1,8 @@
 """What do the pins of a four-bar carry?
 
-Every press linkage is made of loops like this one: the crank AB, the coupler BC, the rocker DC, and the frame with the shafts A and D. Find
-its motion and its forces by hand, with points as complex numbers, and then let pinpress find them from a table of pins. Both must agree within rounding error. The crank turns counter-clockwise at a constant 60 r/min; gravity pulls down.
+Every press linkage is made of loops like this one: the crank AB, the coupler BC, the rocker DC, and the frame with the shafts A and D.
+Find its motion and its forces by hand, with points as complex numbers, and then let pinpress find them from a table of pins. Both must
+agree within rounding error. The crank turns counter-clockwise at a constant 60 r/min; gravity pulls down.
 
 | link | length | mass | centre of mass | moment of inertia about it |
 |---|---|---|---|---|
