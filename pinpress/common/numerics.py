@@ -1,6 +1,6 @@
 """Small numerics: Gauss-Legendre quadrature on -1..1 with the polynomials through its nodes, and Radau IIA collocation. Roots within
-brackets: by Newton's method, which halves the bracket where a step would leave it, or without derivatives. Damped modes, each with the
-undamped mode to which it belongs.
+brackets: by Newton's method, which halves the bracket where a step would leave it, or without derivatives. Undamped modes, and damped ones,
+each with the undamped mode to which it belongs.
 """
 
 import itertools
@@ -256,6 +256,26 @@ def sign_change(function: Callable[[float], float], low: float, high: float, wid
     return low if not f_low else high if not f_high else 0.5 * (low + high)
 
 
+def undamped_modes(mass: Array, stiffness: Array) -> tuple[Array, Array]:
+    """Squares of the natural frequencies (..., n), rising, and shapes (..., n, n) of modal mass 1 as columns.
+
+    Raises:
+        LinAlgError: a mass matrix (..., n, n) is not positive definite.
+    """
+    inverse = np.linalg.inv(np.linalg.cholesky(mass))
+    transposed = np.swapaxes(inverse, -1, -2)
+    squared, vectors = np.linalg.eigh(inverse @ stiffness @ transposed)
+    return squared, transposed @ vectors
+
+
+def pair_modes(likeness: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Pairs of modes of two sets whose likenesses (m, n) sum to the most: numbers in the first set, rising, and in the second."""
+    from scipy.optimize import linear_sum_assignment  # slow to import
+
+    first, second = linear_sum_assignment(likeness, maximize=True)
+    return first, second
+
+
 class DampedModes(NamedTuple):
     """Damped modes, in the order of the undamped ones.
 
@@ -280,19 +300,17 @@ def damped_modes(frequency: Array, damping: Array) -> DampedModes:
         frequency: (n,) undamped frequencies [rad/s].
         damping: (n, n) modal damping [1/s].
     """
-    from scipy.optimize import linear_sum_assignment  # slow to import
-
     count = len(frequency)
     matrix = np.block([[np.zeros((count, count)), np.eye(count)], [-np.diag(frequency**2), -damping]])
     values, vectors = np.linalg.eig(matrix)
     values, moved = values.astype(complex), np.abs(vectors[:count]) ** 2
     part = moved / moved.sum(axis=0)  # (n, 2 n)
     swinging, creeping = np.flatnonzero(values.imag > 0), np.flatnonzero(values.imag == 0)
-    modes, chosen = linear_sum_assignment(part[:, swinging], maximize=True)
+    modes, chosen = pair_modes(part[:, swinging])
     pairs = np.empty((count, 2), dtype=complex)
     pairs[modes] = np.stack([values[swinging[chosen]], values[swinging[chosen]].conj()], axis=1)
     crept = np.setdiff1d(np.arange(count), modes)
-    chosen = linear_sum_assignment(np.repeat(part[crept], 2, axis=0)[:, creeping], maximize=True)[1]
+    chosen = pair_modes(np.repeat(part[crept], 2, axis=0)[:, creeping])[1]
     pairs[crept] = values[creeping[chosen]].reshape(-1, 2)
     product, fastest = pairs.prod(axis=1).real, np.abs(pairs).max(axis=1)
     # a slow rate that rounding hides is that of the undamped frequency, whose square is the product

@@ -18,7 +18,7 @@ from ..common import tables
 from ..common.arguments import numbers, typed
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
-from ..common.numerics import damped_modes
+from ..common.numerics import damped_modes, undamped_modes
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..drives.transmission import Flywheel
@@ -144,10 +144,7 @@ def natural_frequencies(
     mass, kept = sprung.mass_at(state).copy(), sprung.free - (flywheel is None)
     wheel = 0.0 if flywheel is None else flywheel_inertia(flywheel)
     mass[..., -1, -1] += wheel
-    inverse = np.linalg.inv(np.linalg.cholesky(mass[..., :kept, :kept]))
-    transposed = np.swapaxes(inverse, -1, -2)
-    squared, vectors = np.linalg.eigh(inverse @ forces.stiffness[:, :kept, :kept] @ transposed)
-    shapes = transposed @ vectors
+    squared, shapes = undamped_modes(mass[..., :kept, :kept], forces.stiffness[:, :kept, :kept])
     first = 0 if flywheel is None else 1  # the press that turns as a whole has no frequency
     frequency, shapes = np.sqrt(np.maximum(squared[:, first:], 0.0)), shapes[:, :, first:]
     free = np.zeros((len(angles), sprung.free, shapes.shape[2]))

@@ -24,6 +24,7 @@ from ..common import files, tables
 from ..common.arguments import number, numbers, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
+from ..common.numerics import undamped_modes
 from ..common.quantities import Array
 from ..common.reading.matrices import held_motions, large_matrix, read_model, refuse_negative_mass
 from ..common.results import Tabular
@@ -357,17 +358,16 @@ def _free_vibrations(
     beside = null_space(rigid.T @ small)
     try:
         np.linalg.cholesky(inertia)
-        factor = np.linalg.inv(np.linalg.cholesky(beside.T @ small @ beside))
+        squared, vectors = undamped_modes(beside.T @ small @ beside, beside.T @ stiff @ beside)
     except np.linalg.LinAlgError as error:
         free = _massless(small[: len(outer), : len(outer)], list(interfaces))
         raise PinpressError(
             f"the frame: {free} moves no mass: give rotary inertia to its node, or the consistent mass matrix of the frame"
         ) from error
-    squared, vectors = np.linalg.eigh(factor @ (beside.T @ stiff @ beside) @ factor.T)
     # A part that is loose has a frequency of zero, but for rounding of the largest one.
     if not len(squared) or squared[0] <= 1e-12 * squared[-1]:
         raise PinpressError("the frame: more than six of its motions cost no energy: its parts are not joined, or it has a hinge")
-    return inertia, np.sqrt(squared), np.hstack([whole, basis @ (beside @ (factor.T @ vectors))])
+    return inertia, np.sqrt(squared), np.hstack([whole, basis @ (beside @ vectors)])
 
 
 def _massless(mass: Array, interfaces: Sequence[str]) -> str:

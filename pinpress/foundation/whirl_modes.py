@@ -21,6 +21,7 @@ from ..common import tables
 from ..common.arguments import suitable_numbers, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
+from ..common.numerics import pair_modes
 from ..common.quantities import RPM, Array, ComplexArray
 from ..common.results import Tabular
 from .frame_parts import part_named
@@ -182,9 +183,7 @@ class _Equations:
         products = np.abs(before[1].conj().T @ vectors)
         mine, theirs = np.arange(len(products)), products.argmax(axis=1)
         if not np.all(products[mine, theirs] ** 2 > 0.5):  # squares of a row or column add up to 1 at most: else these are the partners
-            from scipy.optimize import linear_sum_assignment  # slow to import
-
-            mine, theirs = linear_sum_assignment(-(products**2))
+            mine, theirs = pair_modes(products**2)
         if halvings and products[mine, theirs].min() < SAME_MODE:
             middle = self.followed(before, low, 0.5 * (low + high), halvings - 1)
             return self.followed(middle, 0.5 * (low + high), high, halvings - 1)

@@ -29,6 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..common import tables
 from ..common.arguments import numbers, suitable_numbers, whole_number
 from ..common.errors import PinpressError, caution
+from ..common.numerics import pair_modes
 from ..common.quantities import RPM, Array, ComplexArray
 from ..common.results import Tabular
 from ..common.tables import Column
@@ -627,14 +628,12 @@ def _beside(model: _Model, accelerometers: Mapping[str, Accelerometer], beside: 
     """Number of the calculated mode of each measured one, and the modal assurance criterion of all pairs."""
     if beside is None:
         return (-1,) * len(model.roots), np.zeros((len(model.roots), 0))
-    from scipy.optimize import linear_sum_assignment  # slow to import
-
     coordinates = len(beside.shapes)
     seen = np.array([sensor.row(coordinates // 6) for sensor in accelerometers.values()]) @ beside.shapes
     lengths = np.outer(np.linalg.norm(model.shapes, axis=0), np.linalg.norm(seen, axis=0))
     products = np.abs(model.shapes.conj().T @ seen)
     mac = np.divide(products, lengths, out=np.zeros_like(products), where=lengths > 0) ** 2
     apart = np.abs(np.log(np.abs(model.roots)[:, None] / beside.natural_frequency))
-    mine, theirs = linear_sum_assignment(1 - mac + apart)  # few accelerometers do not tell shapes apart, but frequencies do
+    mine, theirs = pair_modes(mac - apart)  # few accelerometers do not tell shapes apart, but frequencies do
     partner = dict(zip(mine.tolist(), theirs.tolist(), strict=True))
     return tuple(partner.get(k, -1) for k in range(len(model.roots))), mac

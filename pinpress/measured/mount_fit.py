@@ -17,6 +17,7 @@ import numpy as np
 from ..common import tables
 from ..common.arguments import expect, typed
 from ..common.errors import PinpressError, caution, shown
+from ..common.numerics import pair_modes
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
@@ -159,7 +160,7 @@ def _changed(system: MountedPress, names: tuple[str, ...], values: Array) -> Mou
 
 def _least_squares(system: MountedPress, measured: MeasuredModes, unknowns: tuple[tuple[str, ...], Array, Array, Array]) -> FittedMounts:
     """The fit in logarithms of the unknowns."""
-    from scipy.optimize import least_squares, linear_sum_assignment  # slow to import
+    from scipy.optimize import least_squares  # slow to import
     from scipy.stats import t as student  # slow to import
 
     names, start, low, high = unknowns
@@ -174,7 +175,7 @@ def _least_squares(system: MountedPress, measured: MeasuredModes, unknowns: tupl
         """Frequencies and damping ratios of the modes whose shapes are nearest to those first laid beside the measured ones."""
         found = modes(_changed(system, names, np.exp(logarithms)))
         products = found.shapes.T @ system.mass @ shapes
-        mine, theirs = linear_sum_assignment(-(products**2))
+        mine, theirs = pair_modes(products**2)
         places = mine[np.argsort(theirs)]
         return found.natural_frequency[places], found.damping_ratio[places]
 

@@ -31,6 +31,7 @@ from ...common import files
 from ...common.arguments import number, numbers, whole_number
 from ...common.errors import PinpressError, caution, shown
 from ...common.frozen import Frozen
+from ...common.numerics import undamped_modes
 from ...common.quantities import Array, ComplexArray
 from ...common.reading.matrices import held_motions, read_model, refuse_negative_mass, symmetric_matrix
 
@@ -187,13 +188,12 @@ def _reduced(link: FlexibleLink) -> _Reduced:
     inertia = float(rigid[2, 2]) - total * abs(centre) ** 2
     basis = _craig_bampton(link, what)
     try:
-        small = np.linalg.inv(np.linalg.cholesky(basis.T @ mass @ basis))
+        squared, vectors = undamped_modes(basis.T @ mass @ basis, basis.T @ stiffness @ basis)
     except np.linalg.LinAlgError as error:
         raise PinpressError(f"{what}: its bearings can move without moving any mass: give the consistent mass matrix") from error
-    squared, vectors = np.linalg.eigh(small @ (basis.T @ stiffness @ basis) @ small.T)
     if not squared[3] > 0 or np.abs(squared[:3]).max() > 1e-3 * squared[3]:
         raise PinpressError(f"{what}: more than three of its motions cost no energy: its parts are not joined, or it has a hinge")
-    shapes = basis @ (small.T @ vectors[:, 3:])
+    shapes = basis @ vectors[:, 3:]
     dilation = along * (x - centre.real) + across * (z - centre.imag)
     turned = _turn_by_a_quarter(link, shapes)
     swirl = -shapes.T @ mass @ turned

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....common.errors import PinpressError
+from ....common.numerics import undamped_modes
 from ....common.products import product
 from ....common.quantities import Array
 from ....kinematics.cycle import motion_through_change_points
@@ -257,11 +258,8 @@ class SprungPress:
         """(f - 1,) natural frequencies in the reference pose with the crank held, rising, without dampers and loads [rad/s]."""
         coordinates, rates, _ = self.geometry.rigid(self.reference)
         state = self.geometry.state(coordinates, rates)
-        forces, mass = self.spring_forces(state), self.mass_at(state)
-        assert forces.stiffness is not None
-        inverse = np.linalg.inv(np.linalg.cholesky(mass[..., :-1, :-1]))
-        squared = np.linalg.eigvalsh(inverse @ forces.stiffness[:, :-1, :-1] @ np.swapaxes(inverse, -1, -2))[0]
-        return np.asarray(np.sqrt(np.maximum(squared, 0.0)))
+        squared, _ = undamped_modes(self.mass_at(state)[..., :-1, :-1], self.spring_forces(state).stiffness[:, :-1, :-1])
+        return np.asarray(np.sqrt(np.maximum(squared[0], 0.0)))
 
     @property
     def lowest_frequency(self) -> float:
