@@ -9,13 +9,13 @@ Read are
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 
 from ...common.quantities import Array
-from ..checks.elements import LOOP_TYPES
 from ..description import MOST, names
 from ..document import Document, Finding, Origin
 from ..element import Element, tree
@@ -34,7 +34,7 @@ from .elements import (
     remark,
     unused,
 )
-from .mechanism import Loop, loop_element
+from .mechanism import TYPES_OF_LOOPS, Loop, loop_element
 
 BALL, BUSHING, SPRING = "drake:ball_constraint", "drake:linear_bushing_rpy", "drake:linear_spring_damper"
 Said = Callable[[Element], str]
@@ -70,7 +70,7 @@ def plain(document: Document) -> Document:
             loop = _gazebo_joint(file, robot, worded[element.start], taken)
             text.replace(element, f"</gazebo>{loop_element(loop)}<gazebo>")
         else:
-            reader = _ball if element.tag == BALL else _bushing if element.tag == BUSHING else _urdf_plus_loop
+            reader = _drake_loop if element.tag in (BALL, BUSHING) else _urdf_plus_loop
             loop = reader(file, robot, element, taken)
             text.replace(element, loop_element(loop))
         if element.tag == BUSHING:
@@ -94,57 +94,58 @@ def _remarks(robot: Element) -> Iterator[Finding]:
 # ------------------------------------------------------------------------------------------------------------------------------------ Drake
 
 
-def _ball(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
-    ends = [(body.get("name"), pin.SE3(np.eye(3), point)) for body, point in ball_ends(file, element, _value)]
-    name = element.get("name") or unused(f"ball_{ends[0][0]}_{ends[1][0]}", taken)
-    return Loop(name, "spherical", (ends[0], ends[1]), None, _origin_of(element, name))
+def _drake_loop(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
+    """Drake's loops in URDF, whose names and numbers are attributes; a ``<frame>`` is a place on a link, whose own frame has its name."""
+    places = {}
+    for frame in robot.all("frame"):
+        refuse_unknown_attributes(file, frame, ("name", "link", "xyz", "rpy"))
+        places[frame.get("name")] = frame.get("link"), _pose(file, frame)
+
+    def place(end: Element) -> tuple[str, pin.SE3]:
+        name = end.get("name")
+        return places.get(name, (name, pin.SE3.Identity())) if element.tag == BUSHING else (name, pin.SE3.Identity())
+
+    loop = drake_loop(file, element, lambda number: number.get("value"), place, taken)
+    return replace(loop, origin=_origin_of(element, loop.name))
 
 
-def _bushing(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
-    frames = {frame.get("name"): _frame(file, frame) for frame in robot.all("frame")}
-    named = [end.get("name") for end in bushing_ends(file, element)]
-    ends = [frames.get(name) or (name, pin.SE3.Identity()) for name in named]  # a link's own frame has its name
-    axis = bushing_axis(file, element, _value)
-    name = element.get("name") or unused(f"bushing_{ends[0][0]}_{ends[1][0]}", taken)
-    return Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, _origin_of(element, name))
+def drake_loop(file: str, element: Element, said: Said, place: Callable[[Element], tuple[str, pin.SE3]], taken: Collection[str]) -> Loop:
+    """The loop that a ball constraint or a bushing closes.
+
+    Args:
+        file: path of the file, for errors.
+        element: the ball constraint (P of body A coincides with Q of body B) or bushing (between frames A and C).
+        said: returns the numbers in an element, as text.
+        place: returns the link and the place on it of the body or frame that an element names.
+        taken: names that the loop may not have.
+
+    Raises:
+        UrdfError: an element is missing or faulty, or the bushing is neither a pin nor a ball joint.
+    """
+    axis = None
+    if element.tag == BALL:
+        ends = []
+        for body, point in (("A", "AP"), ("B", "BQ")):
+            named, at = needed(file, element, f"{BALL}_body_{body}"), needed(file, element, f"{BALL}_p_{point}")
+            link, frame = place(named)
+            ends.append((link, pin.SE3(np.eye(3), frame.act(numbers(file, at, said(at), 3)))))
+    else:
+        ends = [place(needed(file, element, f"drake:bushing_frame{side}")) for side in ("A", "C")]
+        axis = _bushing_axis(file, element, said)
+    name = element.get("name") or unused(f"{'ball' if element.tag == BALL else 'bushing'}_{ends[0][0]}_{ends[1][0]}", taken)
+    return Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, origin_of(element))
 
 
-def _value(element: Element) -> str:
-    return element.get("value")
-
-
-def _frame(file: str, frame: Element) -> tuple[str, pin.SE3]:
-    """Drake's ``<frame name="..." link="..." xyz="..." rpy="..."/>``."""
-    refuse_unknown_attributes(file, frame, ("name", "link", "xyz", "rpy"))
-    xyz, rpy = (numbers(file, frame, frame.attributes.get(name, "0 0 0"), 3) for name in ("xyz", "rpy"))
-    return frame.get("link"), pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
-
-
-def ball_ends(file: str, element: Element, said: Said) -> list[tuple[Element, Array]]:
-    """The elements that name bodies A and B of a ball constraint, each with its point: P in A coincides with Q in B [m]."""
-    values = [needed(file, element, f"{BALL}_{name}") for name in ("body_A", "p_AP", "body_B", "p_BQ")]
-    return [(body, numbers(file, point, said(point), 3)) for body, point in (values[:2], values[2:])]
-
-
-def bushing_ends(file: str, element: Element) -> list[Element]:
-    """The elements that name frames A and C of a bushing."""
-    return [needed(file, element, f"drake:bushing_frame{side}") for side in ("A", "C")]
-
-
-def bushing_axis(file: str, element: Element, said: Said) -> Array | None:
+def _bushing_axis(file: str, element: Element, said: Said) -> Array | None:
     """(3,) axis of the pin that a bushing stands for, in its frames; None for a ball joint; raises UrdfError where it is neither.
 
     Torques are about x, y, z (roll, pitch, yaw), forces along them. A pin holds all three directions and two rotations, a ball joint no
     rotation; a rotation without stiffness and damping is not held.
     """
-    values: Mapping[tuple[str, str], Array] = {
-        (kind, word): numbers(file, found, said(found), 3)
-        for kind in ("torque", "force")
-        for word in ("stiffness", "damping")
-        for found in (needed(file, element, f"drake:bushing_{kind}_{word}"),)
-    }
-    torque, force = values["torque", "stiffness"], values["force", "stiffness"]
-    held = [axis for axis in range(3) if torque[axis] or values["torque", "damping"][axis]]
+    names = ("torque_stiffness", "torque_damping", "force_stiffness", "force_damping")
+    elements = [needed(file, element, f"drake:bushing_{name}") for name in names]
+    torque, damping, force, _ = (numbers(file, of, said(of), 3) for of in elements)
+    held = [axis for axis in range(3) if torque[axis] or damping[axis]]
     if force.min() > 0 and not held:
         return None
     if force.min() > 0 and len(held) == 2 and torque[held].min() > 0:
@@ -170,17 +171,16 @@ def spring_remark(element: Element) -> Finding:
 
 def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
     """A loop of URDF+: its frame is given in both links, ``type`` is that of a joint, and ``axis`` is given in that frame."""
-    kind = {"continuous": "revolute", "ball": "spherical"}.get(element.get("type"), element.get("type"))
-    if kind not in LOOP_TYPES:
-        said = f"type {kind!r} closes no loop here" if kind else "has no type"
+    kind = TYPES_OF_LOOPS.get(element.get("type"))
+    if kind is None:
+        said = f"type {element.get('type')!r} closes no loop here" if element.get("type") else "has no type"
         refuse(file, element, said, "write revolute, continuous, spherical or fixed; make a prismatic joint one of the tree")
     ends = []
     refuse_unknown(file, element, ("predecessor", "successor", "axis", "limit", "dynamics"))
     for side in ("predecessor", "successor"):
         end = needed(file, element, side)
         refuse_unknown(file, end, ("origin",))
-        origin = optional(file, end, "origin")
-        ends.append((end.get("link"), pin.SE3.Identity() if origin is None else _pose(file, origin)))
+        ends.append((end.get("link"), _pose_of_origin(file, end)))
     axis = None
     if kind == "revolute":
         found = optional(file, element, "axis")
@@ -194,9 +194,9 @@ def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]
 
 def _gazebo_joint(file: str, robot: Element, joint: Element, taken: set[str]) -> Loop:
     """A joint of SDF as a loop: its pose is that in the frame of the child, and it is closed as drawn."""
-    kind = {"ball": "spherical", "continuous": "revolute"}.get(joint.get("type"), joint.get("type"))
-    if kind not in LOOP_TYPES:
-        said = f"a {kind} joint closes no loop here" if kind else "has no type"
+    kind = TYPES_OF_LOOPS.get(joint.get("type"))
+    if kind is None:
+        said = f"a {joint.get('type')} joint closes no loop here" if joint.get("type") else "has no type"
         refuse(file, joint, said, "write revolute, ball or fixed; make a prismatic joint one of the tree")
     parent, child = (needed(file, joint, end).text.strip() for end in ("parent", "child"))
     places = _places(file, robot)
@@ -221,9 +221,7 @@ def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
     joints: dict[str, list[tuple[str, pin.SE3]]] = {}
     for joint in robot.all("joint"):
         for parent, child in zip(joint.all("parent"), joint.all("child"), strict=False):
-            origin = optional(file, joint, "origin")
-            place = pin.SE3.Identity() if origin is None else _pose(file, origin)
-            joints.setdefault(parent.get("link"), []).append((child.get("link"), place))
+            joints.setdefault(parent.get("link"), []).append((child.get("link"), _pose_of_origin(file, joint)))
     children = {child for carried in joints.values() for child, _ in carried}
     places = {link: pin.SE3.Identity() for link in names(robot, "link") if link not in children}
     reached = list(places)
@@ -235,9 +233,18 @@ def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
     return places
 
 
-def _pose(file: str, origin: Element) -> pin.SE3:
+def _pose_of_origin(file: str, element: Element) -> pin.SE3:
+    """The pose in the ``<origin>`` of an element, identity where it has none."""
+    origin = optional(file, element, "origin")
+    if origin is None:
+        return pin.SE3.Identity()
     refuse_unknown_attributes(file, origin, ("xyz", "rpy"))
-    xyz, rpy = (numbers(file, origin, origin.attributes.get(name, "0 0 0"), 3) for name in ("xyz", "rpy"))
+    return _pose(file, origin)
+
+
+def _pose(file: str, element: Element) -> pin.SE3:
+    """The pose in the attributes ``xyz`` and ``rpy`` of an element."""
+    xyz, rpy = (numbers(file, element, element.attributes.get(name, "0 0 0"), 3) for name in ("xyz", "rpy"))
     return pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
 
 

@@ -21,6 +21,10 @@ from ..text import MOMENTS, tag, written
 UNLIMITED = 1000.0  # limit of position and velocity that is written where there is none [rad or m], [rad/s or m/s]
 
 
+# Types of loops by those of joints in URDF+ and SDF.
+TYPES_OF_LOOPS = {"spherical": "spherical", "ball": "spherical", "revolute": "revolute", "continuous": "revolute", "fixed": "fixed"}
+
+
 @dataclass(frozen=True, eq=False)
 class Inertia:
     """The mass and inertia of a link.
@@ -338,6 +342,11 @@ def _origin(place: pin.SE3) -> str:
 def _attributes_of_pose(place: pin.SE3) -> dict[str, str]:
     turned = not np.array_equal(place.rotation, np.eye(3))
     return {"xyz": written(place.translation)} | ({"rpy": written(pin.rpy.matrixToRpy(place.rotation))} if turned else {})
+
+
+def massless_link(name: str, origin: Origin) -> Link:
+    """A link between the joints that stand for one joint with several axes."""
+    return Link(name, Inertia(0.0, pin.SE3.Identity(), np.zeros((3, 3)), origin), (), origin)
 
 
 def capsule(place: pin.SE3, radius: float, length: float, colour: Sequence[float] | None) -> tuple[Shape, ...]:

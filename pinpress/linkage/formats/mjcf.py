@@ -23,7 +23,7 @@ from ..document import read as read_text
 from ..element import Element, tree
 from ..text import written
 from .elements import refuse, remark, unused
-from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule
+from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule, massless_link
 
 if TYPE_CHECKING:
     import mujoco
@@ -284,7 +284,7 @@ class _Reader:
             anchor = self._shift(body) if last else anchor
             made.append(self._joint(k, name, axis, parent, link, place * pin.SE3(np.eye(3), anchor - at), origin))
             if not last:
-                links.append(Link(link, Inertia(0.0, pin.SE3.Identity(), np.zeros((3, 3)), origin), (), origin))
+                links.append(massless_link(link, origin))
             parent, place, at = link, pin.SE3.Identity(), anchor
         return made, links
 

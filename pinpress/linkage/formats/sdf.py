@@ -22,7 +22,7 @@ from ...common.quantities import Array
 from ..description import DEEPEST_JOINTS, MOST
 from ..document import Document, Finding, Origin
 from ..element import NUMBER, Element, tree
-from .dialects import BALL, BUSHING, SPRING, ball_ends, bushing_axis, bushing_ends, bushing_remark, spring_remark
+from .dialects import BALL, BUSHING, SPRING, bushing_remark, drake_loop, spring_remark
 from .elements import (
     ALONE,
     direction,
@@ -37,7 +37,21 @@ from .elements import (
     remark,
     unused,
 )
-from .mechanism import Edge, Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule, spanning_tree
+from .mechanism import (
+    TYPES_OF_LOOPS,
+    Edge,
+    Follow,
+    Inertia,
+    Joint,
+    Link,
+    Loop,
+    Mechanism,
+    Shape,
+    as_document,
+    capsule,
+    massless_link,
+    spanning_tree,
+)
 
 WORLD = "world"
 _MODEL = "__model__"
@@ -427,8 +441,7 @@ class _Reader:
             to = child if last else unused(f"{bearing.name}_{k + 1}", {*self.links})
             joints.append(Joint(f"{bearing.name}_{'xyz'[k]}", "revolute", parent, to, place, axis, origin))
             if not last:
-                massless = Inertia(0.0, pin.SE3.Identity(), np.zeros((3, 3)), origin)
-                links.append(Link(to, massless, (), origin))
+                links.append(massless_link(to, origin))
             parent, place = to, pin.SE3.Identity()
         if bearing.type == "ball":
             self.balls.append(tuple(joint.name for joint in joints))
@@ -438,11 +451,10 @@ class _Reader:
         return joints, links
 
     def _loop(self, bearing: _Bearing, frames: Mapping[str, pin.SE3]) -> Loop:
-        kinds = {"ball": "spherical", "fixed": "fixed", "revolute": "revolute", "continuous": "revolute"}
-        if bearing.type not in kinds:
+        if bearing.type not in TYPES_OF_LOOPS:
             problem = f"a {bearing.type} joint cannot close a loop here, and the tree has no place for it"
             refuse(self.file, bearing.element, problem, "close the loop at a revolute or ball joint")
-        kind, place, axis = kinds[bearing.type], bearing.place, None
+        kind, place, axis = TYPES_OF_LOOPS[bearing.type], bearing.place, None
         if kind == "revolute":
             element = needed(self.file, bearing.element, "axis")
             for mimic in (*element.all("mimic"), *bearing.element.all("drake:mimic")):
@@ -470,8 +482,9 @@ class _Reader:
         found = optional(self.file, bearing.element, "drake:mimic")
         if found is None:
             return None
-        values = [float(numbers(self.file, found, found.attributes.get(name, default), 1)[0]) for name, default in _MIMIC]
-        return Follow(found.get("joint"), values[0], values[1], origin_of(found))
+        texts = found.attributes.get("multiplier", "1"), found.attributes.get("offset", "0")
+        multiplier, offset = (float(numbers(self.file, found, text, 1)[0]) for text in texts)
+        return Follow(found.get("joint"), multiplier, offset, origin_of(found))
 
     def _with_gears(
         self, joints: list[Joint], geared: Mapping[str, _Bearing], carried: Mapping[str, _Bearing], frames: Mapping[str, pin.SE3]
@@ -572,25 +585,18 @@ class _Reader:
         for element in self.model.all(*refused):
             refuse(self.file, element, "cannot be read", "write joints of SDF")
         self.remarks += [spring_remark(element) for element in self.model.all(SPRING)]
-        for element in self.model.all(BALL):
-            ends = []
-            for body, point in ball_ends(self.file, element, _text):
-                link = self._link_of(_text(body), body)
-                inside = frames[link].inverse() * self.place(link, body)
-                ends.append((link, pin.SE3(np.eye(3), inside.act(point))))
-            name = element.get("name") or unused(f"ball_{ends[0][0]}_{ends[1][0]}", taken)
-            taken.add(name)
-            yield Loop(name, "spherical", (ends[0], ends[1]), None, origin_of(element))
-        for element in self.model.all(BUSHING):
-            ends = []
-            for frame in bushing_ends(self.file, element):
-                link = self._link_of(_text(frame), frame)
-                ends.append((link, frames[link].inverse() * self.place(_text(frame), frame)))
-            axis = bushing_axis(self.file, element, _text)
-            name = element.get("name") or unused(f"bushing_{ends[0][0]}_{ends[1][0]}", taken)
-            taken.add(name)
-            self.remarks.append(bushing_remark(origin_of(element)))
-            yield Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, origin_of(element))
+
+        def place(end: Element) -> tuple[str, pin.SE3]:
+            name = end.text.strip()
+            link = self._link_of(name, end)
+            return link, frames[link].inverse() * self.place(name if element.tag == BUSHING else link, end)
+
+        for element in (*self.model.all(BALL), *self.model.all(BUSHING)):
+            loop = drake_loop(self.file, element, lambda number: number.text.strip(), place, taken)
+            taken.add(loop.name)
+            if element.tag == BUSHING:
+                self.remarks.append(bushing_remark(loop.origin))
+            yield loop
 
     def _drivers(self, joints: set[str]) -> Iterator[tuple[str, Origin]]:
         """Joints that a plugin of Gazebo moves, because SDF itself has no drivers."""
@@ -607,13 +613,6 @@ class _Reader:
             bearing = bearings[name]
             problem = f"the tree reaches {bearing.parent!r} through {bearing.child!r}: its force is that of {bearing.child!r} on the other"
             self.remarks.append(remark("note", bearing.element, problem, "exchange <parent> and <child> for the other sign"))
-
-
-def _text(element: Element) -> str:
-    return element.text.strip()
-
-
-_MIMIC = (("multiplier", "1"), ("offset", "0"))
 
 
 def _rank(kind: str) -> int:
