@@ -29,7 +29,7 @@ from ..common.quantities import Array
 from ..common.reading.matrices import held_motions, large_matrix, read_model, refuse_negative_mass
 from ..common.results import Tabular
 from ..common.tables import Column
-from .frame_parts import COORDINATES, rows_at
+from .frame_parts import COORDINATES, axis_index, rows_at
 
 MOST_ROWS = 40_000  # of sparse matrices: the reduction takes up to a minute; larger models are condensed where they were made
 RIGID = 1e-6  # share of the stiffness that a motion of the whole frame may cost by rounding
@@ -106,9 +106,7 @@ class ElasticFrame(Tabular):
         for name in (one, other):
             if name not in self.nodes:
                 raise UnknownNameError("interface", name, self.nodes)
-        if not isinstance(axis, str) or axis not in ("x", "y", "z"):
-            raise PinpressError(f"axis is {shown(axis)}: write 'x', 'y' or 'z'")
-        along = "xyz".index(axis)
+        along = axis_index(axis)
         apart = np.delete(np.subtract(self.nodes[one], self.nodes[other]), along)
         if np.abs(apart).max() > AT * size_of(self.places):
             raise PinpressError(f"{one} and {other} do not stand on one line along {axis}: two forces there would turn the frame")

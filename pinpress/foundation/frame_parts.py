@@ -1,7 +1,7 @@
-"""The parts of a frame: rigid ones on springs, what stands aside on them, what spins in them, and the matrices of it all.
+"""The parts of a frame: rigid parts on springs, attachments, rotors, and their matrices.
 
-Each part k of the frame moves as its point at the world origin does and turns with it, (x, y, z, rx, ry, rz). These six are B_k u, where u
-are the coordinates of the whole system; of a rigid part B_k picks six of them. So a spring between two parts has the rows
+The motion of part k of the frame is the displacement of its point at the world origin and its turn, (x, y, z, rx, ry, rz). These six are
+B_k u, where u are the coordinates of the whole system; for a rigid part B_k picks six of them. So a spring between two parts has the rows
 [1, -skew(p)] (B_a - B_b), a wrench w about the world origin on a part is the force B_k^T w on the coordinates, and a body of spatial
 inertia Y adds B_k^T Y B_k to the mass matrix.
 
@@ -26,13 +26,12 @@ from ..common.quantities import Array
 from ..loads.mounts import Frame, Mount, Vector
 from .mounts import listed_mounts
 
-SMALLEST = 1e-10  # a mode softer than this share of the stiffest has no stiffness
 COORDINATES = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
 
 
 @dataclass(frozen=True)
 class Attachment(Frozen):
-    """A body that stands on a part of the frame, beside its axis or not: a motor on its bracket, a feeder, a cabinet.
+    """A body that stands on a part of the frame: a motor on its bracket, a feeder, a cabinet.
 
     Attributes:
         body: mass, centre of mass and inertia of the body. Leave them out of the frame's.
@@ -113,11 +112,18 @@ class Body(NamedTuple):
 
 
 class Spring(NamedTuple):
-    """A spring between two parts, the upper one first; or between a part and the floor, which is None."""
+    """A spring between two parts, the upper part first; or between a part and the floor (None)."""
 
     mount: Mount
     part: str
     other: str | None
+
+
+def axis_index(axis: object) -> int:
+    """0, 1 or 2 of a caller's axis "x", "y" or "z"; raises PinpressError if it is another."""
+    if not isinstance(axis, str) or axis not in ("x", "y", "z"):
+        raise PinpressError(f"axis is {shown(axis)}: write 'x', 'y' or 'z'")
+    return "xyz".index(axis)
 
 
 def motions_of(names: Sequence[str]) -> dict[str, Array]:
@@ -199,9 +205,10 @@ def refuse_loose(matrix: Array, problem: str, remedy: str) -> None:
     """Raise PinpressError where a matrix (n, n) is not positive definite; the message is the problem, a free coordinate and the remedy."""
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
     values, vectors = np.linalg.eigh(scale[:, None] * matrix * scale)
-    if values[0] <= SMALLEST * values[-1]:
+    smallest = 1e-10  # of the largest: less is rounding
+    if values[0] <= smallest * values[-1]:
         free = np.abs(scale * vectors[:, 0]).reshape(-1, 6).max(axis=0)
-        turns = 3 * int(free[3:].max() > SMALLEST * free.max())  # a turn about a mount moves the origin too
+        turns = 3 * int(free[3:].max() > smallest * free.max())  # a turn about a mount moves the origin too
         raise PinpressError(f"{problem} {COORDINATES[turns + int(free[turns : turns + 3].argmax())]}: {remedy}")
 
 

@@ -35,12 +35,13 @@ from .response import (
     Flywheels,
     FrameMotion,
     Points,
-    checked_spectrum,
+    checked_harmonics,
     frame_wrench,
     mean_speed,
     mount_constants,
     named_points,
     period_of,
+    spectrum,
     step_matrices,
     time_step,
 )
@@ -142,7 +143,7 @@ def lifting_response(
     begin = np.zeros(2 * n)
     if _is_period(reactions, period):
         length, states = period_of(reactions.motion, period)
-        checked_spectrum(system, reactions, flywheel, period)
+        checked_harmonics(*spectrum(system, reactions, flywheel, period))
         interval, wrench = length / states, np.vstack([np.tile(wrench[:states], (count, 1)), wrench[:1]])
         begin = _repeating(feet, np.vstack([wrench[:states], wrench[:1]]), interval)
     elif count > 1:

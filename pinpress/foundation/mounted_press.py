@@ -190,6 +190,14 @@ class MountedPress(Tabular):
             None if mount.area is None else float(load / mount.area) for mount, load in zip(self.mounts, self.upward_load, strict=True)
         )
 
+    def motion_of(self, part: str | None) -> Array:
+        """(6, n) motion of a part by its name, as in ``parts``; None: of the carrier.
+
+        Raises:
+            UnknownNameError: there is no such part.
+        """
+        return self.parts[part_named(self.parts, part, self.carrier)]
+
     @cached_property
     def mount_rows(self) -> Array:
         """(mounts, 3, n) displacement of each mount's point by one of each coordinate."""
@@ -255,7 +263,7 @@ def mounted(
         press.refuse_several_drivers(
             "rotors spin with one crank; leave them out, and give flywheel={driver: Flywheel(...)} to the response"
         )
-    system = _assembled(press, frame, mounts, crown, tuple(uprights), attached or {}, tuple(rotors), press_inertia(press, motion))
+    system = _assemble(press, frame, mounts, crown, tuple(uprights), attached or {}, tuple(rotors), press_inertia(press, motion))
     for k, mount in enumerate(mounts):
         plausibility.point(f"mount {k + 1}: point", np.array(mount.point), press.size)
     along = press.model.gravity.linear / (float(np.linalg.norm(press.model.gravity.linear)) or 1.0)
@@ -280,7 +288,7 @@ def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:
         PinpressError: as `mounted`.
     """
     mounts, carried = listed_mounts(mounts, "mounts"), (system.attached, system.rotors, system.press_inertia)
-    return _assembled(system.press, system.frame, mounts, system.crown, system.uprights, *carried)
+    return _assemble(system.press, system.frame, mounts, system.crown, system.uprights, *carried)
 
 
 @typed
@@ -392,7 +400,7 @@ def modes(system: MountedPress) -> VibrationModes:
     Raises:
         PinpressError: ``system`` is not a `MountedPress`.
     """
-    squared, shapes = undamped(system)
+    squared, shapes = natural_modes(system)
     frequency = np.sqrt(squared)
     damped = damped_modes(frequency, shapes.T @ _resisting(system) @ shapes)
     return VibrationModes(
@@ -406,7 +414,7 @@ def modes(system: MountedPress) -> VibrationModes:
     )
 
 
-def undamped(system: MountedPress) -> tuple[Array, Array]:
+def natural_modes(system: MountedPress) -> tuple[Array, Array]:
     """Squares of the natural frequencies (n,), rising [rad2/s2], and shapes (n, n), a mode a column, of modal mass 1 kg."""
     # M = A A^T, K = B B^T: the singular values of B^-1 A are the reciprocal frequencies, precise beside those of a frame that hardly bends
     mass_factor = np.linalg.cholesky(system.mass)
@@ -420,7 +428,7 @@ def quadrature(system: MountedPress) -> Array:
     It makes a loss factor act in time: stiffness times loss factor times this displacement is a force that loses at each mode's own
     frequency as much energy as in the frequency domain, so that no reference frequency has to be chosen.
     """
-    squared, shapes = undamped(system)
+    squared, shapes = natural_modes(system)
     return np.asarray((shapes / np.sqrt(squared)) @ shapes.T @ system.mass)
 
 
@@ -436,7 +444,7 @@ def state_matrix(system: MountedPress, speed: float = 0.0) -> Array:
     return np.block([[np.zeros((n, n)), np.eye(n)], [-solved[:, :n], -solved[:, n:]]])
 
 
-def _assembled(
+def _assemble(
     press: Linkage,
     frame: Frame | ElasticFrame,
     mounts: tuple[Mount, ...],
@@ -482,7 +490,7 @@ def _assembled(
         "give the frame its mass and inertia",
     )
     static = together([spring.mount.static for spring in springs]) + np.diag(own_stiffness)
-    refuse_loose(_condensed(static, elastic), "the mounts leave the frame free in", "give mounts there, and stiffness in all directions")
+    refuse_loose(_condense(static, elastic), "the mounts leave the frame free in", "give mounts there, and stiffness in all directions")
     rest = np.linalg.solve(static, weight)
     sag = np.array([at @ rest for at in rows[: len(mounts)]])
     load = -np.array([mount.static for mount in mounts]) * sag
@@ -542,7 +550,7 @@ def _foot(frame: Frame | ElasticFrame, bed: str, mount: Mount) -> str:
     return frame.node_at(mount.point) if isinstance(frame, ElasticFrame) else bed
 
 
-def _condensed(stiffness: Array, elastic: NDArray[np.intp]) -> Array:
+def _condense(stiffness: Array, elastic: NDArray[np.intp]) -> Array:
     """Stiffness of the other coordinates where those of the elastic frame follow."""
     rest = np.setdiff1d(np.arange(len(stiffness)), elastic)
     across = stiffness[np.ix_(elastic, rest)]
@@ -553,7 +561,7 @@ def motion_in_words(system: MountedPress, shape: Array) -> str:
     """The motion with most of the kinetic energy of a mode shape (n,), as in `VibrationModes.motion`."""
     own = [WHOLE] if isinstance(system.frame, ElasticFrame) else [part for part in system.parts if part not in system.attached]
     sprung = [name for name, each in system.attached.items() if each.springs]
-    moved = {part: _part_moved(system, part, shape) for part in (*own, *sprung)}
+    moved = {part: _motion_of_part(system, part, shape) for part in (*own, *sprung)}
     energy = {"": np.sum([moved[part][1] for part in own], axis=0)} | {name: moved[name][1] for name in sprung}
     where = max(energy, key=lambda name: float(energy[name].sum()))
     most = int(energy[where].argmax())
@@ -568,7 +576,7 @@ def motion_in_words(system: MountedPress, shape: Array) -> str:
     return MOTIONS[most]
 
 
-def _part_moved(system: MountedPress, part: str, shape: Array) -> tuple[Array, Array]:
+def _motion_of_part(system: MountedPress, part: str, shape: Array) -> tuple[Array, Array]:
     """Velocity of a part's centre of mass and its turn (6,) in a mode shape (n,), and its kinetic energy in each, twice (6,)."""
     motion, rows = system.parts[part], system.parts[part].any(axis=0)
     body = np.linalg.pinv(motion[:, rows]).T @ system.mass[np.ix_(rows, rows)] @ np.linalg.pinv(motion[:, rows])

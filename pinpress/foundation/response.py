@@ -29,11 +29,9 @@ from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage, is_same_press, told_apart
 from ..simulation.run import Run
 from .elastic_frame import ElasticFrame
-from .frame_parts import part_named, rows_at
+from .frame_parts import rows_at
 from .mounted_press import MountedPress, quadrature, state_matrix
 
-UNRESOLVED = 1e-3  # states do not resolve a force whose last third of harmonics exceeds this share of the largest one
-ROUNDING = 1e-9  # harmonics below this share of weight and forces are rounding
 SOLVED_AT_ONCE = 2**22  # entries of the matrices of harmonics that are solved together: 64 MB
 NOTHING = 1e-9  # a shaking force below this share of the weight is rounding
 EVEN = 1e-9  # the crank's speed is constant up to this relative difference
@@ -71,9 +69,13 @@ def steady_response(
     """
     placed = named_points(system, points)
     length, states = period_of(reactions.motion, period)
-    if period is not None:
-        _refuse_uneven_rotors(system, reactions.motion)
-    harmonics = checked_spectrum(system, reactions, flywheel, period)
+    speed = reactions.motion.crank_speed
+    # Rotors spin at the mean speed of the crank, as long as its speed changes by less than a twentieth.
+    if period is not None and system.gyroscopic.any() and np.ptp(speed) > 0.05 * np.abs(speed).max():
+        raise PinpressError(
+            "the rotors change their speed over the period, and with it their moments: use time_response, or leave the rotors out"
+        )
+    harmonics = checked_harmonics(*spectrum(system, reactions, flywheel, period))
     frequency = np.linspace(0.0, 2 * np.pi / length * (len(harmonics) - 1), len(harmonics))
     amplitude = displacement_amplitudes(system, frequency, harmonics, mean_speed(system, reactions.motion))
 
@@ -334,19 +336,6 @@ def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel | Mapping
     return moment
 
 
-def _reaction_of_rotors(system: MountedPress, motion: Motion) -> Array:
-    """Forces (states, n) of rotors that change their speed, minus the rate of their angular momentum, on the coordinates.
-
-    Raises:
-        PinpressError: a clutch between the rotors and the crank slips.
-    """
-    if not system.rotors:
-        return np.zeros((len(motion.crank_angle), len(system.mass)))
-    _refuse_slip(motion)
-    turned = sum(rotor.momentum @ system.parts[part_named(system.parts, rotor.on, system.carrier)][3:] for rotor in system.rotors)
-    return -np.outer(motion.crank_acceleration, turned)
-
-
 def _refuse_slip(motion: Motion) -> None:
     if isinstance(motion, Run):
         difference = np.abs(motion.drive_speed - motion.crank_speed).max()
@@ -360,15 +349,6 @@ def _refuse_slip(motion: Motion) -> None:
 def mean_speed(system: MountedPress, motion: Motion) -> float:
     """Mean speed of the crank with which the rotors spin [rad/s]; 0 where nothing spins."""
     return float(motion.crank_speed.mean()) if system.rotors else 0.0
-
-
-def _refuse_uneven_rotors(system: MountedPress, motion: Motion) -> None:
-    speed = motion.crank_speed
-    # Rotors spin at the mean speed of the crank, as long as its speed changes by less than a twentieth.
-    if system.gyroscopic.any() and np.ptp(speed) > 0.05 * np.abs(speed).max():
-        raise PinpressError(
-            "the rotors change their speed over the period, and with it their moments: use time_response, or leave the rotors out"
-        )
 
 
 def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheels) -> Array:
@@ -401,17 +381,14 @@ def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheels
                 wrench += np.hstack([load.force, np.cross(load.point, load.force)]) @ (bed - carrier)
     if isinstance(system.frame, ElasticFrame):
         for bearing, interface in system.frame.bearings.items():
-            wrench += _bearing_on_frame(system.press, reactions, bearing) @ (system.parts[interface] - carrier)
-    return wrench + _reaction_of_rotors(system, reactions.motion)
-
-
-def _bearing_on_frame(press: Linkage, reactions: Reactions, bearing: str) -> Array:
-    """Wrench (states, 6) of a bearing on the frame about the world origin [N, N m]."""
-    force, moment = reactions.bearing_force[bearing], reactions.bearing_moment[bearing]
-    total = np.zeros((len(force), 6))
-    for sign, point in on_frame_at(press, reactions.motion, press.bearings.index(bearing)):
-        total += sign * np.hstack([force, moment + np.cross(point, force)])
-    return total
+            force, moment = reactions.bearing_force[bearing], reactions.bearing_moment[bearing]
+            for sign, point in on_frame_at(press, reactions.motion, press.bearings.index(bearing)):
+                wrench += sign * np.hstack([force, moment + np.cross(point, force)]) @ (system.parts[interface] - carrier)
+    if system.rotors:
+        _refuse_slip(reactions.motion)
+        momentum = sum(rotor.momentum @ system.motion_of(rotor.on)[3:] for rotor in system.rotors)
+        wrench -= np.outer(reactions.motion.crank_acceleration, momentum)
+    return wrench
 
 
 def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
@@ -424,25 +401,20 @@ def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
     expect("points", points, Mapping, "{'top_beam': (x, y, z), ...}")
     rows = {}
     for name, given in points.items():
-        named = _part_and_place(given)
-        part, place = named or (system.bed, given)
+        named = isinstance(given, tuple) and len(given) == 2 and isinstance(given[0], str)  # as ("crown", (x, y, z))
+        part, place = given if named else (system.bed, given)
         if isinstance(system.frame, ElasticFrame) and isinstance(given, str):
             part, place = given, system.frame.nodes.get(given, system.frame.nodes[system.bed])
         point = finite_numbers(place)
         if not isinstance(name, str) or point is None or point.shape != (3,):
             raise PinpressError(f"point {shown(name)} is {shown(given)}: give x, y, z [m] under a name, or ('crown', (x, y, z))")
         plausibility.point(f"point {shown(name)}", point, system.press.size)
-        if isinstance(system.frame, ElasticFrame) and named is None and not isinstance(given, str):
+        if isinstance(system.frame, ElasticFrame) and not named and not isinstance(given, str):
             near = system.frame.rows_near(point)
             rows[name] = np.pad(near, ((0, 0), (0, len(system.mass) - len(near.T))))
             continue
-        rows[name] = rows_at(system.parts[part_named(system.parts, part, system.carrier)], point)
+        rows[name] = rows_at(system.motion_of(part), point)
     return rows
-
-
-def _part_and_place(given: object) -> tuple[str, object] | None:
-    """A point with the name of its part, as a caller gives it; None where it has no such name."""
-    return (given[0], given[1]) if isinstance(given, tuple) and len(given) == 2 and isinstance(given[0], str) else None
 
 
 def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) -> ComplexArray:
@@ -466,21 +438,16 @@ def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) 
     return harmonics
 
 
-def checked_spectrum(system: MountedPress, reactions: Reactions, flywheel: Flywheels, period: float | None) -> ComplexArray:
-    """Harmonics (k, n) of the forces on the coordinates over a period, as `checked_harmonics` gives them and raises."""
-    return checked_harmonics(*_spectrum(system, reactions, flywheel, period))
-
-
 def states_that_resolve(system: MountedPress, reactions: Reactions, flywheel: Flywheels = None) -> int:
     """Number of states of the period that `steady_response` needs: that of these reactions, or more; see `states_enough`.
 
     Raises:
         PinpressError: the reactions are of another press, or the motion is no period.
     """
-    return states_enough(*_spectrum(system, reactions, flywheel))
+    return states_enough(*spectrum(system, reactions, flywheel))
 
 
-def _spectrum(
+def spectrum(
     system: MountedPress, reactions: Reactions, flywheel: Flywheels, period: float | None = None
 ) -> tuple[ComplexArray, int, float]:
     """Harmonics of the wrench on the frame over a period, the number of its states, and the size of its forces [N], for `states_enough`."""
@@ -498,10 +465,11 @@ def states_enough(harmonics: ComplexArray, states: int, size_of_all: float) -> i
     """
     size = np.abs(harmonics[1:]).max(axis=1)
     tail, largest = size[2 * len(size) // 3 :].max(initial=0.0), size.max(initial=0.0)
-    if tail <= UNRESOLVED * largest or tail <= ROUNDING * states * size_of_all:
+    unresolved = 1e-3 * largest  # states resolve a force if the last third of its harmonics are smaller
+    if tail <= unresolved or tail <= 1e-9 * states * size_of_all:  # a billionth of weight and forces is rounding
         return states
-    # The decay of the harmonics is an estimate, so a tenth more states are asked for.
-    return 100 * int(np.ceil(1.1 * states * tail / (UNRESOLVED * largest) / 100))  # harmonics of a jump fall as one over their order
+    # Harmonics of a jump fall as one over their order. That is an estimate, so a tenth more states are asked for.
+    return 100 * int(np.ceil(1.1 * states * tail / unresolved / 100))
 
 
 def displacement_amplitudes(system: MountedPress, frequency: Array, harmonics: ComplexArray, speed: ArrayLike = 0.0) -> ComplexArray:
@@ -520,8 +488,9 @@ def displacement_amplitudes(system: MountedPress, frequency: Array, harmonics: C
     forces = harmonics.reshape(-1, n, 1)
     frequencies, spins = (np.broadcast_to(each, shape).reshape(-1, 1, 1) for each in (frequency, np.asarray(speed)))
     amplitude = np.empty(forces.shape, dtype=complex)
-    for first in range(0, len(forces), some := max(1, SOLVED_AT_ONCE // n**2)):
-        these = slice(first, first + some)
+    together = max(1, SOLVED_AT_ONCE // n**2)
+    for first in range(0, len(forces), together):
+        these = slice(first, first + together)
         w, spin = frequencies[these], spins[these]
         matrix = system.stiffness + 1j * (np.sign(w) * system.loss + w * (system.damping + spin * system.gyroscopic)) - w**2 * system.mass
         try:
@@ -600,7 +569,14 @@ def period_of(motion: Motion, period: float | None = None) -> tuple[float, int]:
     """
     states, speed = len(motion.crank_angle), motion.crank_speed
     if period is not None:
-        return _given_period(motion, number("period", period, "s", positive=True))
+        period, step = number("period", period, "s", positive=True), time_step(motion)
+        for count in (states, states - 1):  # the state at the end of the period may be there or not
+            if abs(count * step - period) <= SAME_STEP * step:
+                return period, count
+        raise PinpressError(
+            f"period is {period:.10g} s, but the {states} states take {(states - 1) * step:.10g} s in steps of {step:.6g} s: give the"
+            " motion over one period in equal steps"
+        )
     angle = 2 * np.pi * (motion.period_turns or 1)
     if is_cycle(motion):
         if np.ptp(speed) <= EVEN * np.abs(speed).max() and not motion.crank_acceleration.any():
@@ -616,18 +592,6 @@ def period_of(motion: Motion, period: float | None = None) -> tuple[float, int]:
     raise PinpressError(
         "the motion is no period: give one at constant speed (cycle without angle=) or one period of steady_state, say after which period="
         " in s a motion over time begins again, or use time_response"
-    )
-
-
-def _given_period(motion: Motion, period: float) -> tuple[float, int]:
-    """`period_of` a motion over time that begins again after a period [s]; the state at its end may be there or not."""
-    step, states = time_step(motion), len(motion.crank_angle)
-    for count in (states, states - 1):
-        if abs(count * step - period) <= SAME_STEP * step:
-            return period, count
-    raise PinpressError(
-        f"period is {period:.10g} s, but the {states} states take {(states - 1) * step:.10g} s in steps of {step:.6g} s: give the motion"
-        " over one period in equal steps"
     )
 
 

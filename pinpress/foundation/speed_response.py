@@ -22,19 +22,15 @@ from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import RPM, Array, ComplexArray
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import doubt_speeds, period_at
 from ..linkage.linkage import Linkage, OfPress
 from .elastic_frame import ElasticFrame
-from .frame_parts import rows_at
-from .mounted_press import MountedPress, mounted, undamped, with_mounts
+from .frame_parts import axis_index, rows_at
+from .mounted_press import MountedPress, mounted, natural_modes, with_mounts
 from .mounts import Frame, Mount, listed_mounts
 from .response import NOTHING, Points, checked_harmonics, displacement_amplitudes, frame_wrench, mount_forces, named_points
 
 STATES = 360  # states of a turn, which resolve harmonics to order 179
-AXES = {"x": 0, "y": 1, "z": 2}
-TRIALS = 97  # number of stiffnesses tried, evenly spaced in their logarithm, from the stiffest down
-SOFTEST, STIFFEST = 0.01, 4.0  # the lowest natural frequency is tried from this times the lowest to this times the highest speed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,7 +101,7 @@ class SpeedResponse(OfPress, Tabular):
         columns = {"speed [rad/s]": self.speed}
         for quantity, unit, by_point in (("rms", "m/s2", self.rms), ("peak", "m/s2", self.peak), ("displacement", "m", self.displacement)):
             for point, values in by_point.items():
-                columns |= {f"{quantity}_{point}_{axis} [{unit}]": values[:, i] for axis, i in AXES.items()}
+                columns |= {f"{quantity}_{point}_{axis} [{unit}]": values[:, i] for i, axis in enumerate("xyz")}
         return columns | {"shaking_force [N]": self.shaking_force, "floor_force [N]": self.floor_force}
 
 
@@ -158,12 +154,11 @@ def transmissibility(system: MountedPress, frequency: ArrayLike, *, axis: str = 
         PinpressError: the frequencies are not positive and rising, the axis is another, or a frequency is a natural frequency without
             damping.
     """
-    if not isinstance(axis, str) or axis not in AXES:
-        raise PinpressError(f"axis is {shown(axis)}: write 'x', 'y' or 'z'")
+    along = axis_index(axis)
     w = rising_positive("frequency", frequency)
-    force = rows_at(system.parts[system.carrier], system.centre)[AXES[axis]]
+    force = rows_at(system.parts[system.carrier], system.centre)[along]
     amplitude = displacement_amplitudes(system, w, np.broadcast_to(force.astype(complex), (len(w), len(force))))
-    return np.asarray(np.abs(mount_forces(system, w, amplitude).sum(axis=1)[:, AXES[axis]]))
+    return np.asarray(np.abs(mount_forces(system, w, amplitude).sum(axis=1)[:, along]))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -192,7 +187,7 @@ class Isolation(Tabular):
     def __str__(self) -> str:
         x, y, z = self.stiffness
         worst = self.speed[self.transmitted.argmax()]
-        frequencies = ", ".join(f"{w / (2 * np.pi):.3g}" for w in np.sqrt(undamped(self.system)[0]))
+        frequencies = ", ".join(f"{w / (2 * np.pi):.3g}" for w in np.sqrt(natural_modes(self.system)[0]))
         return "\n".join(
             [
                 f"{self.system.press.name}: the stiffest mounts that isolate, {self.factor:.4g} times as stiff as those given",
@@ -219,7 +214,7 @@ class Isolation(Tabular):
     @property
     def sag(self) -> float:
         """Largest vertical displacement of a mount at rest [m]."""
-        return _sag(self.system)
+        return float(np.abs(self.system.downward_sag).max())
 
 
 @typed
@@ -255,53 +250,45 @@ def isolate(
     press.refuse_several_drivers(
         "mounts are sought over the speeds of one crank; compare steady_response of several mounts in their motion"
     )
-    given = mounted(press, frame, mounts)
-    frequency, harmonics = wrench_spectra(given, speed)
-    shaking = shaking_rms(given, harmonics)
+    as_given = mounted(press, frame, mounts)
+    frequency, harmonics = wrench_spectra(as_given, speed)
+    shaking = shaking_rms(as_given, harmonics)
     if not shaking.all():
         raise PinpressError(f"no force of {press.name} shakes the frame: it needs no isolation")
 
-    def passed(factor: float) -> Array:
+    def transmit(factor: float) -> Array:
         try:
-            system = with_mounts(given, _scaled(mounts, factor))
+            system = with_mounts(as_given, _scale(mounts, factor))
         except PinpressError:  # it tips
             return np.full(len(speed), np.inf)
         return floor_rms(system, frequency, displacement_amplitudes(system, frequency, harmonics)) / shaking
 
     wish = f"pass on at most {limit:g} of the shaking force between {speed[0] / RPM:.4g} and {speed[-1] / RPM:.4g} per min"
-    factor = _stiffest_factor(passed, _trial_factors(given, speed), limit, wish)
-    chosen = _scaled(mounts, factor)
-    system = with_mounts(given, chosen)
-    if most_sag is not None and _sag(system) > most_sag:
+    # From mounts that are far too stiff to isolate to mounts that are far too soft to stand on: with the lowest natural frequency at four
+    # times the highest and at a hundredth of the lowest speed.
+    lowest = float(natural_modes(as_given)[0][0])
+    factors = np.geomspace((4.0 * speed[-1]) ** 2 / lowest, (0.01 * speed[0]) ** 2 / lowest, 97)
+    factor = _stiffest_factor(transmit, factors, limit, wish)
+    stiffest = _scale(mounts, factor)
+    found = Isolation(with_mounts(as_given, stiffest), stiffest, factor, speed, transmit(factor))
+    if most_sag is not None and found.sag > most_sag:
         raise PinpressError(
             f"isolation and sag conflict: to {wish} the mounts may be at most {factor:.4g} times as stiff as those given, but sag"
-            f" {1e3 * _sag(system):.4g} mm then; {1e3 * most_sag:.4g} mm need {factor * _sag(system) / most_sag:.4g} times: allow more sag"
+            f" {1e3 * found.sag:.4g} mm then; {1e3 * most_sag:.4g} mm need {factor * found.sag / most_sag:.4g} times: allow more sag"
             " or more force, or raise the lowest speed"
         )
-    return Isolation(system, chosen, factor, speed, passed(factor))
+    return found
 
 
-def _trial_factors(given: MountedPress, speed: Array) -> Array:
-    """Factors (TRIALS,) of the stiffness to try, falling, from mounts far too stiff to isolate to mounts far too soft to stand on."""
-    lowest = float(undamped(given)[0][0])
-    return np.geomspace((STIFFEST * speed[-1]) ** 2 / lowest, (SOFTEST * speed[0]) ** 2 / lowest, TRIALS)
-
-
-def _stiffest_factor(passed: Callable[[float], Array], factors: Array, limit: float, wish: str) -> float:
-    """The largest factor at which the mounts pass on no more than a share, refined between two trials.
-
-    Args:
-        passed: shares (s,) passed on at a factor.
-        factors: trials, falling.
-        limit: most of the shares.
-        wish: what is asked for, in words.
+def _stiffest_factor(transmit: Callable[[float], Array], factors: Array, limit: float, wish: str) -> float:
+    """The largest factor of the stiffness at which ``transmit`` returns shares (s,) up to the limit, refined between two of falling trials.
 
     Raises:
-        PinpressError: no trial passes on so little.
+        PinpressError: no trial transmits so little; ``wish``: what was to be reached, for the message.
     """
     worst: list[float] = []
     for factor in factors:
-        worst.append(float(passed(float(factor)).max()))
+        worst.append(float(transmit(float(factor)).max()))
         if worst[-1] <= limit:
             break
     else:
@@ -312,10 +299,9 @@ def _stiffest_factor(passed: Callable[[float], Array], factors: Array, limit: fl
             " frame more mass"
         )
     low, high = float(factors[len(worst) - 1]), float(factors[max(len(worst) - 2, 0)])
-    # the stiffness to nine digits
-    while high > (1 + 1e-9) * low:
+    while high > (1 + 1e-9) * low:  # the stiffness to nine digits
         middle = float(np.sqrt(low * high))
-        low, high = (middle, high) if passed(middle).max() <= limit else (low, middle)
+        low, high = (middle, high) if transmit(middle).max() <= limit else (low, middle)
     return low
 
 
@@ -326,7 +312,14 @@ def wrench_spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexAr
     """
     press, fast = system.press, float(speed[-1])
     doubt_speeds(press, fast)
-    one, two = (frame_wrench(system, _idle(system, some), None) for some in (fast, 2 * fast))
+    # Bearings carry their own wrenches to a frame that bends.
+    bearings = tuple(system.frame.bearings) if isinstance(system.frame, ElasticFrame) else ()
+
+    def wrench(at_speed: float) -> Array:
+        idle = inverse_dynamics(press, period_at(press, at_speed, _states(system)), bearings=bearings)
+        return frame_wrench(system, idle, None)
+
+    one, two = wrench(fast), wrench(2 * fast)
     growing = (two - one) / (3 * fast**2)
     size = max(np.abs(one).max(), np.abs(system.weight[:3]).max())
     states = _states(system)
@@ -334,21 +327,21 @@ def wrench_spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexAr
         checked_harmonics(np.fft.rfft(part, axis=0), states, size) for part in (one - fast**2 * growing, fast**2 * growing)
     )
     # Other harmonics are rounding of the largest force, and left out.
-    there = np.flatnonzero(np.maximum(np.abs(constant), np.abs(squared)).max(axis=1) > 1e-14 * states * size)
-    orders = int(there[-1]) + 1 if len(there) else 1
+    significant = np.flatnonzero(np.maximum(np.abs(constant), np.abs(squared)).max(axis=1) > 1e-14 * states * size)
+    orders = int(significant[-1]) + 1 if len(significant) else 1
     harmonics = constant[:orders] + (speed[:, None, None] / fast) ** 2 * squared[:orders]
     return speed[:, None] * (np.arange(harmonics.shape[1]) / press.period_turns), harmonics
 
 
 def shaking_rms(system: MountedPress, harmonics: ComplexArray) -> Array:
     """Root mean square (s,) of the shaking force, all components together, zero where it is rounding [N]."""
-    size = np.sqrt((_rms((harmonics @ system.rigid)[..., :3], _states(system)) ** 2).sum(axis=1))
+    size = np.linalg.norm(_rms((harmonics @ system.rigid)[..., :3], _states(system)), axis=1)
     return np.asarray(np.where(size > NOTHING * np.abs(system.weight[:3]).max(), size, 0.0))
 
 
 def floor_rms(system: MountedPress, frequency: Array, amplitude: ComplexArray) -> Array:
     """Root mean square (s,) of the force on the floor, all components together [N]."""
-    return np.asarray(np.sqrt((_rms(mount_forces(system, frequency, amplitude).sum(axis=-2), _states(system)) ** 2).sum(axis=1)))
+    return np.asarray(np.linalg.norm(_rms(mount_forces(system, frequency, amplitude).sum(axis=-2), _states(system)), axis=1))
 
 
 def rising_positive(name: str, given: ArrayLike) -> Array:
@@ -359,12 +352,6 @@ def rising_positive(name: str, given: ArrayLike) -> Array:
     """
     wanted = "an array of positive numbers, rising [rad/s]"
     return suitable_numbers(name, given, wanted, (None,), lambda values: len(values) and values[0] > 0 and np.all(np.diff(values) > 0))
-
-
-def _idle(system: MountedPress, speed: float) -> Reactions:
-    press, frame = system.press, system.frame
-    elsewhere = tuple(frame.bearings) if isinstance(frame, ElasticFrame) else ()
-    return inverse_dynamics(press, period_at(press, speed, STATES * press.period_turns), bearings=elsewhere)
 
 
 def _states(system: MountedPress) -> int:
@@ -382,7 +369,7 @@ def _largest(harmonics: ComplexArray, states: int) -> Array:
     return np.asarray(np.abs(np.fft.irfft(harmonics, states, axis=1)).max(axis=1))
 
 
-def _scaled(mounts: Sequence[Mount], factor: float) -> tuple[Mount, ...]:
+def _scale(mounts: Sequence[Mount], factor: float) -> tuple[Mount, ...]:
     """Mounts of this many times the stiffness, with the damping ratios kept."""
     return tuple(
         replace(
@@ -393,8 +380,3 @@ def _scaled(mounts: Sequence[Mount], factor: float) -> tuple[Mount, ...]:
         )
         for mount in mounts
     )
-
-
-def _sag(system: MountedPress) -> float:
-    """Largest vertical displacement of a mount at rest [m]."""
-    return float(np.abs(system.downward_sag).max())

@@ -24,7 +24,6 @@ from ..common.frozen import read_only
 from ..common.numerics import pair_modes
 from ..common.quantities import RPM, Array, ComplexArray
 from ..common.results import Tabular
-from .frame_parts import part_named
 from .mounted_press import MOST_ORDERS, MountedPress, motion_in_words
 
 SAME_MODE = 0.7  # least product of a mode at two speeds that follow each other
@@ -194,7 +193,7 @@ def _sense(system: MountedPress, shapes: ComplexArray) -> Array:
     """Sense (s, n) in which the axes of the rotors circle, by their angular momentum, of shapes (s, n, coordinates)."""
     swept, size = np.zeros(shapes.shape[:2]), np.zeros(shapes.shape[:2])
     for rotor in system.rotors:
-        turn = shapes @ system.parts[part_named(system.parts, rotor.on, system.carrier)][3:].T
+        turn = shapes @ system.motion_of(rotor.on)[3:].T
         momentum = np.linalg.norm(rotor.momentum)
         if momentum == 0:
             continue
