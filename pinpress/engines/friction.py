@@ -54,21 +54,41 @@ class FrictionLaw:
         """
         steady = -self.viscous[:, None] * speeds
         against = -self.arm[:, None] * np.sign(speeds)
-        found, change = steady, np.full(speeds.shape[1], np.inf)
-        for _ in range(MOST_ITERATIONS):
-            pressing = np.maximum(forces(found), self.preload[:, None])
+
+        def follow(efforts: Array) -> tuple[Array, Array]:
+            pressing = np.maximum(forces(efforts), self.preload[:, None])
             following = steady + against * pressing
-            before, change = change, np.abs(following - found).max(axis=0)
-            # measured also by what the largest force could do: the force of a single guide may be nothing but rounding
-            size = np.maximum(np.abs(following).max(axis=0), self.arm.max() * pressing.max(axis=0))
-            found = following
-            # rounding can keep the last digits moving: stop where the change no longer shrinks
-            if np.all((change <= 1e-15 * size) | ((change <= 1e-12 * size) & (change >= before))):
-                return found
-            if not np.isfinite(size).all():
-                break
-        worst = int(np.argmax(np.where(np.isfinite(change), change, np.inf)))
-        raise PinpressError(
-            f"friction locks the linkage, or nearly so, at {place(worst)}: no consistent bearing forces are found;"
-            " lower the coefficients of friction, or keep away from the dead point"
-        )
+            # The size is also what the largest force could do, because the force of a single guide may be nothing but rounding.
+            return following, np.maximum(np.abs(following).max(axis=0), self.arm.max() * pressing.max(axis=0))
+
+        efforts, change = fixed_point(follow, steady, 1e-15)
+        if change is not None:
+            raise PinpressError(
+                f"friction locks the linkage, or nearly so, at {place(int(np.argmax(change)))}: no consistent bearing forces are found;"
+                " lower the coefficients of friction, or keep away from the dead point"
+            )
+        return efforts
+
+
+def fixed_point(follow: Callable[[Array], tuple[Array, Array]], start: Array, settled: float) -> tuple[Array, Array | None]:
+    """The efforts of friction that follow from the bearing forces under these same efforts.
+
+    Args:
+        follow: efforts (bearings, ...) -> the efforts that the forces under them ask for, and sizes (...) by which changes are measured.
+        start: efforts to begin with.
+        settled: share of the sizes below which a change is rounding.
+
+    Returns:
+        The efforts, and None; where they do not settle, the last changes (...), infinite where they are not finite.
+    """
+    efforts, change = start, np.full(start.shape[1:], np.inf)
+    for _ in range(MOST_ITERATIONS):
+        following, size = follow(efforts)
+        before, change = change, np.abs(following - efforts).max(axis=0)
+        efforts = following
+        # rounding can keep the last digits moving: stop where the change no longer shrinks
+        if np.all((change <= settled * size) | ((change <= 1e-12 * size) & (change >= before))):
+            return efforts, None
+        if not np.isfinite(size).all():
+            break
+    return efforts, np.where(np.isfinite(change), change, np.inf)

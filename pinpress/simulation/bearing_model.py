@@ -24,7 +24,7 @@ from ..common.errors import PinpressError
 from ..common.numerics import NODES
 from ..common.quantities import Array
 from ..engines.engine import ClosedStates
-from ..engines.friction import MOST_ITERATIONS, FrictionLaw
+from ..engines.friction import MOST_ITERATIONS, FrictionLaw, fixed_point
 from ..engines.wrenches import AppliedForce
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
@@ -168,23 +168,20 @@ class BearingStates:
         for row, force in forces.items():
             free = free + self.parts[BY_LOADS + row, :, :, None] * force
         viscous = law.viscous[:, None, None] * lever * speed
-        efforts, change = viscous if start is None else start, np.full(speed.shape, np.inf)
-        count, size = len(efforts), speed.size
+        count, size = len(lever), speed.size
         # einsum is slow where its last axis is short, as that of one scenario
         flat = np.broadcast_to(responses, (count, *free.shape)).reshape(count, -1, size)
-        for _ in range(MOST_ITERATIONS):
+
+        def follow(efforts: Array) -> tuple[Array, Array]:
             radial = free + np.einsum("kcm,km->cm", flat, efforts.reshape(count, size)).reshape(free.shape)
             pressing = np.maximum(np.sqrt(np.tensordot(self.model.owners, radial * radial, axes=1)), law.preload[:, None, None])
             following = viscous + law.arm[:, None, None] * pressing
-            before, change, largest = change, np.abs(following - efforts).max(axis=0), np.abs(following).max(axis=0)
-            efforts = following
-            # rounding can keep the last digits moving: stop where the change no longer shrinks
-            if np.all((change <= 1e-14 * largest) | ((change <= 1e-12 * largest) & (change >= before))):
-                return -(lever * efforts).sum(axis=0), efforts
-            if not np.isfinite(largest).all():
-                break
-        worst = int(np.argmax(np.where(np.isfinite(change), change, np.inf).max(axis=1)))
-        raise failure("friction locks", None, float(self.angle[worst]))
+            return following, np.abs(following).max(axis=0)
+
+        efforts, change = fixed_point(follow, viscous if start is None else start, 1e-14)
+        if change is not None:
+            raise failure("friction locks", None, float(self.angle[int(np.argmax(change.max(axis=1)))]))
+        return -(lever * efforts).sum(axis=0), efforts
 
 
 def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel, unit_forces: Sequence[UnitForce]) -> BearingModel:
