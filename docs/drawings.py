@@ -133,7 +133,7 @@ def _blocks(press: pp.Linkage) -> tuple[list[str], list[set[int]]]:
     for block in equations.blocks:
         turning = all(press.axes[joint].turns for joint in block.joints)
         kinds = {(1, 2): "dyad: two circles" if turning else "dyad: circle and line", (1, 1): "lever", (0, 1): "gear pair"}
-        before = {row for loop in block.loops for row, _ in loop.relieved}
+        before = {row for loop in block.loops for row, _ in loop.earlier_functions}
         coupled = {joint for relation in block.relations for joint in equations.functions.plane.relation_rows[relation]}
         before |= {rows[joint] for joint in coupled.difference(block.joints)}
         needs.append({found_by[row] for row in before})

@@ -24,7 +24,7 @@ from ..common.products import product
 from ..common.quantities import Array, ComplexArray
 from ..dynamics.applied_loads import apply, asked
 from ..engines.friction import REST
-from ..engines.planar.balance import Statics, balance, efforts_by_rows, without_work
+from ..engines.planar.balance import Statics, balance, efforts_by_rows, tree_without_work
 from ..engines.planar.model import Plane, to_complex
 from ..engines.wrenches import AppliedForce
 from ..kinematics.motion import Motion
@@ -262,8 +262,10 @@ def _balance(
     for joint, slide, slide_slope in zip(plane.prismatic, slides, slides_slope, strict=True):
         joint_efforts[joint] = (slide.conj() * subtree[joint]).real + (slide_slope.conj() * known.forces[joint]).real
     relation_multipliers = np.zeros((len(plane.offsets), basis.shape[1]))
-    tree = without_work(known.statics, subtree.conj())
-    torque = balance(known.statics, known.states.slopes.pose, tree, relation_multipliers, efforts_by_rows(known.statics, joint_efforts))
+    tree = tree_without_work(known.statics, subtree.conj())
+    torque = balance(
+        known.statics, known.states.slopes.configurations, tree, relation_multipliers, efforts_by_rows(known.statics, joint_efforts)
+    )
     if plane.redundant:
         return torque, None, None
     bearings = np.array(tree.forces).conj()

@@ -15,7 +15,7 @@ from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure, Engine
 from ..engines.pinocchio.engine import PinocchioEngine
-from ..engines.planar.chain import Chain, chain_of, states_along
+from ..engines.planar.chain import Chain, find_chain, states_along
 from ..engines.planar.engine import PlanarEngine
 from ..engines.spatial.engine import SpatialEngine
 from ..engines.structure import Structure
@@ -209,7 +209,7 @@ def _known(press: Linkage) -> _Known:
 @per_linkage(of_geometry=True)
 def _chain(press: Linkage) -> Chain | None:
     engine = press.engine()
-    return chain_of(engine.equations, press.branch) if isinstance(engine, PlanarEngine) else None
+    return find_chain(engine.equations, press.branch) if isinstance(engine, PlanarEngine) else None
 
 
 def _along_branch(

@@ -21,7 +21,7 @@ from ..engines.engine import ACCEPTED, PIECE, Close, Closure, Engine, joined
 from ..engines.following import SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.equations import OneConfiguration, Rows
-from ..engines.planar.closing import moves
+from ..engines.planar.closing import can_move
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import openings
 from ..engines.rank import RANK, PassiveJacobian, rank
@@ -98,7 +98,7 @@ class Assembly:
     def determined(self) -> bool:
         """Whether the drivers determine how all joints move in the closed pose."""
         if isinstance(self.engine, PlanarEngine):
-            return moves(self.engine.plane, self.drawn)
+            return can_move(self.engine.plane, self.drawn)
         if not np.isfinite(self.closed).all():
             return False
         passive = self.structure.passive_joints

@@ -22,7 +22,7 @@ from pinpress.engines.wrenches import AppliedConditions
 from pinpress.kinematics import cycle as cycles
 
 
-def chain_of(press):
+def find_chain(press):
     return cycles._known(press).chain
 
 
@@ -148,7 +148,7 @@ KINDS = {
 
 def gently(press):
     """Angles, speeds and accelerations of a motion clear of locks, without a relation between them."""
-    chain = chain_of(press)
+    chain = find_chain(press)
     low, high = (0.0, 6.0) if press.branch.period else (0.5 * chain.low, 0.5 * chain.high)
     share = np.linspace(0.0, 1.0, 25)
     return {"angle": low + share * (high - low), "speed": 3.0 - share, "acceleration": 2.0 + 5.0 * share}
@@ -156,7 +156,7 @@ def gently(press):
 
 def judged(press, motion, loads=()):
     """A motion and its forces against Newton's method and the general equations of the planar engine."""
-    chain = chain_of(press)
+    chain = find_chain(press)
     assert press.branch.period is not None or chain.low <= motion.crank_angle.min() <= motion.crank_angle.max() <= chain.high
     engine, angle = press.engine("plane"), motion.crank_angle
     near = np.asarray(motion.joint_position.T) + 1e-7
@@ -185,7 +185,7 @@ def judged(press, motion, loads=()):
 def test_every_kind_of_dyad(kind):
     drawing, driver, dyads = KINDS[kind]
     press = texts.load(drawing.urdf(driver))
-    assert [type(equation.dyad).__name__ for equation in chain_of(press).equations] == dyads
+    assert [type(equation.dyad).__name__ for equation in find_chain(press).equations] == dyads
     loads = [pp.loads.PointForce(link, (30.0, 0.0, -50.0), (0.1, 0.0, 0.2)) for link in press.links if link != "frame"]
     motion = pp.servo_cycle(press, **gently(press))
     result = judged(press, motion, loads)
@@ -202,7 +202,7 @@ def test_every_kind_of_dyad(kind):
 def test_gears_and_levers(name):
     """A second rod shares the force on its slide, and gears the torque, as Pinocchio's engine and the general equations say."""
     press = texts.load(mirrored_cranks()) if name == "drawn" else pp.load(name)
-    chain = chain_of(press)
+    chain = find_chain(press)
     assert any(type(equation.dyad).__name__ == "Lever" for equation in chain.equations)
     assert len(chain.gears) == len(press.couplings)
     loads = [pp.loads.PointForce(link, (30.0, 0.0, -50.0), (0.1, 0.0, 0.2)) for link in press.links if link != press.root]
@@ -234,16 +234,16 @@ def test_gear_torques_at_many_speeds():
 def test_gears_that_are_left_to_newtons_method():
     """A shaft on the crank, and a rack."""
     text = mirrored_cranks()
-    assert chain_of(texts.load(text)) is not None
+    assert find_chain(texts.load(text)) is not None
     rack = '<joint name="rack" type="prismatic"><parent link="frame"/><child link="rack"/><origin xyz="0 0 2"/><axis xyz="1 0 0"/>'
     rack += '<limit lower="-9" upper="9" effort="1" velocity="1"/><mimic joint="shaft_left" multiplier="0.1"/></joint>'
     mass = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
     press = texts.load(text.replace("</robot>", f'<link name="rack">{mass}</link>{rack}</robot>'))
-    assert chain_of(press) is None
+    assert find_chain(press) is None
     assert isinstance(press.engine(), PlanarEngine)
     planet = '<joint name="planet" type="continuous"><parent link="crank_left"/><child link="planet"/><axis xyz="0 -1 0"/>'
     planet += '<mimic joint="shaft_left" multiplier="3"/></joint>'
-    assert chain_of(texts.load(text.replace("</robot>", f'<link name="planet">{mass}</link>{planet}</robot>'))) is None
+    assert find_chain(texts.load(text.replace("</robot>", f'<link name="planet">{mass}</link>{planet}</robot>'))) is None
 
 
 @given(linkages())
@@ -253,7 +253,7 @@ def test_random_chains(spec):
     assume(drawing is not None)
     try:
         press = texts.load(drawing.urdf("crank"))
-        chain = chain_of(press)
+        chain = find_chain(press)
     except pp.PinpressError:
         assume(False)  # it locks where it is drawn
     plane = press.engine().plane
@@ -263,22 +263,22 @@ def test_random_chains(spec):
 
 
 def test_shipped_presses_are_chains():
-    assert all(chain_of(pp.load(name)) is not None for name in pp.presses())
+    assert all(find_chain(pp.load(name)) is not None for name in pp.presses())
 
 
 def test_the_driver_of_a_chain_stands_on_the_frame():
     """A motor on a link that another dyad moves is left to Newton's method."""
     press = pp.load("crank_slide")
-    assert chain_of(press) is not None
+    assert find_chain(press) is not None
     engine = press.engine("plane")
     assert isinstance(engine, PlanarEngine)
-    assert chains.chain_of(Equations.of(replace(engine.plane, parents=(1, -1, -1))), press.branch) is None
+    assert chains.find_chain(Equations.of(replace(engine.plane, parents=(1, -1, -1))), press.branch) is None
 
 
 def test_near_a_dead_centre_newtons_method_closes(monkeypatch):
     """A rocker that drives: it turns as far as coupler and crank come into line."""
     press = texts.load(four_bar(1.0, 0.2, 0.9, 0.5, 1.5).urdf("D"))
-    chain, branch = chain_of(press), press.branch
+    chain, branch = find_chain(press), press.branch
     assert branch.period is None
     assert branch.angles[0] < chain.low < -0.01
     assert 0.01 < chain.high < branch.angles[-1]
@@ -344,17 +344,17 @@ def test_a_closed_form_that_is_not_that_of_the_branch_is_not_used(monkeypatch):
     """Another assembly, say: the nodes of the branch tell."""
     press = texts.load(four_bar(1.0, 0.2, 0.9, 0.5, 0.3).urdf("O"))
     equations, branch = press.engine("plane").equations, press.branch
-    assert chains.chain_of(equations, branch) is not None
-    build = chains._built
-    monkeypatch.setattr(chains, "_built", lambda plane, drawn: mirrored(build(plane, drawn)))
-    assert chains.chain_of(equations, branch) is None
+    assert chains.find_chain(equations, branch) is not None
+    build = chains._build_chain
+    monkeypatch.setattr(chains, "_build_chain", lambda plane, drawn: mirrored(build(plane, drawn)))
+    assert chains.find_chain(equations, branch) is None
 
 
 def mirrored(chain):
     equation, functions = chain.equations[0], chain.functions
     dyad = equation.dyad
-    a, b = (chain.plane.gap_rows[equation.loop][functions.places[row]] for row in (dyad.one, dyad.other))
-    swapped = type(dyad).drawn(dyad.other, dyad.one, b, a)
+    a, b = (chain.plane.gap_rows[equation.loop][functions.places[row]] for row in (dyad.rotor1, dyad.rotor2))
+    swapped = type(dyad).from_drawn_pose(dyad.rotor2, dyad.rotor1, b, a)
     return replace(chain, equations=(equation._replace(dyad=swapped),))
 
 

@@ -29,7 +29,7 @@ from ...common.quantities import Array, ComplexArray
 from ..wrenches import AppliedForce
 from .bodies import Bodies
 from .dyads import I
-from .equations import BlockRows, Equations, LoopRows, Pose, efforts_of_joint, efforts_of_relation
+from .equations import BlockRows, Configurations, Equations, LoopRows, efforts_of_joint, efforts_of_relation
 from .functions import Functions
 from .guide_moments import GuidedBody, guided_bodies
 from .model import Plane, to_complex
@@ -176,7 +176,7 @@ def open_tree(statics: Statics, second: ComplexArray, loads: Sequence[AppliedFor
     return tree
 
 
-def without_work(statics: Statics, of_joints: ComplexArray) -> OpenTree:
+def tree_without_work(statics: Statics, of_joints: ComplexArray) -> OpenTree:
     """The tree whose joints carry these conjugate forces (nv, n), and on whose functions no force does any work."""
     first = statics.functions.count
     tree = OpenTree.of(np.zeros((first + statics.bearing_count, of_joints.shape[1]), complex), first)
@@ -214,12 +214,12 @@ def _take_load(statics: Statics, load: AppliedForce, tree: OpenTree) -> None:
         tree.forces[carrier] -= force
 
 
-def direction_of(statics: Statics, pose: Pose, joint: int) -> ComplexArray:
+def direction_of(statics: Statics, configurations: Configurations, joint: int) -> ComplexArray:
     """The direction of a prismatic joint, (n,) or without axes."""
     functions = statics.functions
     drawn = statics.plane.directions[statics.plane.prismatic.index(joint)]
     rotor = functions.guides[functions.rows[joint]]
-    return np.asarray(drawn.sum() if rotor is None else drawn.sum() * pose.functions[rotor])
+    return np.asarray(drawn.sum() if rotor is None else drawn.sum() * configurations.functions[rotor])
 
 
 def efforts_by_rows(statics: Statics, efforts: Array) -> dict[int, Array]:
@@ -233,7 +233,7 @@ def efforts_by_rows(statics: Statics, efforts: Array) -> dict[int, Array]:
 
 def balance(
     statics: Statics,
-    pose: Pose,
+    configurations: Configurations,
     tree: OpenTree,
     multipliers: Array,
     efforts: dict[int, Array] | None = None,
@@ -243,7 +243,7 @@ def balance(
 
     Args:
         statics: constants of the balance.
-        pose: the configurations.
+        configurations: the configurations.
         tree: its forces, to which those of the loops are added; its work is overwritten.
         multipliers: (relations, n) of the relations, to be filled in.
         efforts: by rows the efforts (n,) of coordinates besides those of the work; overwritten.
@@ -253,41 +253,43 @@ def balance(
         The driving torque (n,), of a driver that slides its force.
     """
     functions, plane, work, forces = statics.functions, statics.plane, tree.work, tree.forces
-    given = {} if efforts is None else efforts
+    efforts = {} if efforts is None else efforts
     joints = len(plane.parents)
     for place in statics.backwards if places is None else places:
         block = statics.blocks[place]
         for rider, rotor in block.riding:
             if rider in functions.guides:
-                work[rotor] += pose.ways[rider] * work[rider]
+                work[rotor] += configurations.ways[rider] * work[rider]
             else:
-                given[rotor] = given.get(rotor, 0.0) - _minus_effort(functions, pose, work, rider, given)
-        asked = [_minus_effort(functions, pose, work, row, given) for row in block.rows]
-        if block.closed:
-            force = np.multiply(pose.inverses[block.rows[0]], asked[0], forces[joints + block.loops[0].loop])
-            for row, minus_effort in zip(block.rows[1:], asked[1:], strict=True):
-                force += pose.inverses[row] * minus_effort
-            _relieve(pose, block.loops[0], force, tree)
+                efforts[rotor] = efforts.get(rotor, 0.0) - _minus_effort(functions, configurations, work, rider, efforts)
+        minus_efforts = [_minus_effort(functions, configurations, work, row, efforts) for row in block.rows]
+        if block.has_inverses:
+            force = np.multiply(configurations.inverses[block.rows[0]], minus_efforts[0], forces[joints + block.loops[0].loop])
+            for row, minus_effort in zip(block.rows[1:], minus_efforts[1:], strict=True):
+                force += configurations.inverses[row] * minus_effort
+            _subtract_loop(configurations, block.loops[0], force, tree)
             continue
         if block.rows:
-            _distribute(statics, block, _multipliers(pose.slopes[place], -np.stack(asked, axis=1)), tree, multipliers)
+            _distribute(statics, block, _multipliers(configurations.slopes[place], -np.stack(minus_efforts, axis=1)), tree, multipliers)
         else:  # all its equations are redundant: its forces are idle ones
             for loop in block.loops:
                 forces[joints + loop.loop][:] = 0.0
             multipliers[list(block.relations)] = 0.0
-        _pass_on(statics, pose, block, tree, multipliers, given)
+        _subtract_block(statics, configurations, block, tree, multipliers, efforts)
     driver = functions.rows[plane.driver]
-    against = _minus_effort(functions, pose, work, driver, given)
+    against = _minus_effort(functions, configurations, work, driver, efforts)
     return against if plane.sense[plane.driver] < 0.0 else -against
 
 
-def _minus_effort(functions: Functions, pose: Pose, work: Sequence[ComplexArray], row: int, efforts: Mapping[int, Array]) -> Array:
-    """Minus the effort (n,) that a coordinate asks for."""
+def _minus_effort(
+    functions: Functions, configurations: Configurations, work: Sequence[ComplexArray], row: int, efforts: Mapping[int, Array]
+) -> Array:
+    """Minus the effort (n,) that a coordinate needs."""
     if row in functions.guides:
         rotor = functions.guides[row]
-        against = -(work[row].real if rotor is None else (work[row] * pose.functions[rotor]).real)
+        against = -(work[row].real if rotor is None else (work[row] * configurations.functions[rotor]).real)
     else:
-        against = (pose.functions[row] * work[row]).imag
+        against = (configurations.functions[row] * work[row]).imag
     return np.asarray(against - efforts[row] if row in efforts else against)
 
 
@@ -301,21 +303,21 @@ def _multipliers(slopes: Array, efforts: Array) -> Array:
     return np.asarray((orthogonal @ np.linalg.solve(triangle.transpose(0, 2, 1), efforts[:, :, None]))[:, :, 0])
 
 
-def _distribute(statics: Statics, block: BlockRows, found: Array, tree: OpenTree, multipliers: Array) -> None:
+def _distribute(statics: Statics, block: BlockRows, block_multipliers: Array, tree: OpenTree, multipliers: Array) -> None:
     """Write the multipliers (n, equations) of a block to its loops and relations."""
     joints = len(statics.plane.parents)
     for k, loop in enumerate(block.loops):
         force = tree.forces[joints + loop.loop]
-        force.real, force.imag = found[:, 2 * k], -found[:, 2 * k + 1]
-    multipliers[list(block.relations)] = found[:, 2 * len(block.loops) :].T
+        force.real, force.imag = block_multipliers[:, 2 * k], -block_multipliers[:, 2 * k + 1]
+    multipliers[list(block.relations)] = block_multipliers[:, 2 * len(block.loops) :].T
 
 
-def _relieve(pose: Pose, loop: LoopRows, force: ComplexArray, tree: OpenTree) -> None:
-    """Subtract the force (n,) of a loop where it relieves functions that are known before it is closed, and joints."""
-    for row, by in loop.relieved:
+def _subtract_loop(configurations: Configurations, loop: LoopRows, force: ComplexArray, tree: OpenTree) -> None:
+    """Subtract the force (n,) of a loop from the work of earlier functions and from the forces of joints."""
+    for row, by in loop.earlier_functions:
         tree.work[row] -= by * force
-    for rotor, way, by in loop.turned:
-        tree.work[rotor] -= (pose.ways[way] * by) * force
+    for rotor, way, by in loop.earlier_guides:
+        tree.work[rotor] -= (configurations.ways[way] * by) * force
     for joint, sign in loop.carriers:
         if sign > 0.0:
             tree.forces[joint] -= force
@@ -323,11 +325,13 @@ def _relieve(pose: Pose, loop: LoopRows, force: ComplexArray, tree: OpenTree) ->
             tree.forces[joint] += force
 
 
-def _pass_on(statics: Statics, pose: Pose, block: BlockRows, tree: OpenTree, multipliers: Array, efforts: dict[int, Array]) -> None:
-    """Subtract what the forces of a block do on coordinates that are known before it, and on joints."""
+def _subtract_block(
+    statics: Statics, configurations: Configurations, block: BlockRows, tree: OpenTree, multipliers: Array, efforts: dict[int, Array]
+) -> None:
+    """Subtract what the forces of a block do on earlier coordinates, and on joints."""
     joints = len(statics.plane.parents)
     for loop in block.loops:
-        _relieve(pose, loop, tree.forces[joints + loop.loop], tree)
+        _subtract_loop(configurations, loop, tree.forces[joints + loop.loop], tree)
     for relation in block.relations:
         for row, by in efforts_of_relation(statics.functions, relation):
             efforts[row] = efforts.get(row, 0.0) - by * multipliers[relation]
@@ -350,9 +354,9 @@ class IdleForces(NamedTuple):
     slides: Mapping[int, ComplexArray]
 
 
-def idle_forces(statics: Statics, pose: Pose) -> IdleForces | None:
+def idle_forces(statics: Statics, configurations: Configurations) -> IdleForces | None:
     """The idle forces; None where no equation is redundant."""
-    count, n = sum(block.redundant for block in statics.blocks), len(pose.functions[statics.functions.rows[0]])
+    count, n = sum(block.redundant for block in statics.blocks), len(configurations.functions[statics.functions.rows[0]])
     if not count:
         return None
     bearings = np.zeros((count, statics.bearing_count, n), complex)
@@ -361,28 +365,28 @@ def idle_forces(statics: Statics, pose: Pose) -> IdleForces | None:
     for place, block in enumerate(statics.blocks):
         if not block.redundant:
             continue
-        null = None if block.closed else _null_space(statics, pose, place)
+        null = None if block.has_inverses else _null_space(statics, configurations, place)
         for k in range(block.redundant):
             work = list(np.zeros((statics.functions.count, n), complex))
             tree = OpenTree(bearings[number], work, list(bearings[number]))
             efforts: dict[int, Array] = {}
             if null is None:  # along the lever
-                np.multiply(pose.inverses[block.rows[0]], I, tree.forces[len(statics.plane.parents) + block.loops[0].loop])
+                np.multiply(configurations.inverses[block.rows[0]], I, tree.forces[len(statics.plane.parents) + block.loops[0].loop])
             else:
                 _distribute(statics, block, null[:, :, k], tree, multipliers[number])
-            _pass_on(statics, pose, block, tree, multipliers[number], efforts)
-            balance(statics, pose, tree, multipliers[number], efforts, block.balancing)
+            _subtract_block(statics, configurations, block, tree, multipliers[number], efforts)
+            balance(statics, configurations, tree, multipliers[number], efforts, block.balancing)
             number += 1
-    slides = {joint: direction_of(statics, pose, joint) for joint in statics.coupled_slides}
+    slides = {joint: direction_of(statics, configurations, joint) for joint in statics.coupled_slides}
     return IdleForces(bearings, multipliers, slides)
 
 
-def _null_space(statics: Statics, pose: Pose, place: int) -> Array:
+def _null_space(statics: Statics, configurations: Configurations, place: int) -> Array:
     """The multipliers (n, equations, redundant) that balance within a block."""
     block = statics.blocks[place]
     if not block.rows:
-        return np.tile(np.eye(block.redundant), (len(pose.functions[statics.functions.rows[0]]), 1, 1))
-    return np.linalg.qr(pose.slopes[place], mode="complete")[0][:, :, len(block.rows) :]
+        return np.tile(np.eye(block.redundant), (len(configurations.functions[statics.functions.rows[0]]), 1, 1))
+    return np.linalg.qr(configurations.slopes[place], mode="complete")[0][:, :, len(block.rows) :]
 
 
 def add_idle_forces(idle: IdleForces, forces: ComplexArray, multipliers: Array, compliance: Array | None) -> None:

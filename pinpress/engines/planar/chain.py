@@ -2,9 +2,9 @@
 
 Most press linkages are a driver and dyads one after the other (`dyads`). Then positions and rates follow from a root for each dyad: there
 is no guess, no table of the branch, no sine but those of the driver. Shafts on the frame that are geared to the driver turn with it,
-and levers, as a second rod to the same slide is one, follow the links at both their ends. `chain_of` looks whether a linkage is such a
-chain along its branch, and judges the closed form there by Newton's method; all others, and motions beyond change points, are closed by
-`closing.close`.
+and levers, such as a second rod to the same slide, follow the links at both their ends. `find_chain` says whether a linkage is such a
+chain along its branch, and compares the closed form there with Newton's method. `closing.close` closes all other linkages, and motions
+beyond change points.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ...common.quantities import Array, ComplexArray
 from ..branch import SUBDIVISION, Branch, nodes_before, predict
 from ..engine import ClosedStates
 from . import closing
-from .dyads import ONE, ZERO, Along, Dyad, Guide, GuidedLink, I, Lever, SwingingGuide, TwoGuides, TwoLinks
+from .dyads import ONE, ZERO, ChainMotion, Dyad, Guide, GuidedLink, I, Lever, SwingingGuide, TwoGuides, TwoLinks
 from .equations import Equations, nonzero
 from .functions import Functions
 from .model import Plane
@@ -39,13 +39,13 @@ class Equation(NamedTuple):
     Attributes:
         loop: index of the loop.
         constant: what does not move [m]; None where it is zero.
-        known: rows and coefficients of the functions of the driver and of earlier dyads.
+        terms: rows and coefficients of the functions of the driver and of earlier dyads.
         dyad: the dyad, or a lever.
     """
 
     loop: int
     constant: ComplexArray | None
-    known: tuple[tuple[int, ComplexArray], ...]
+    terms: tuple[tuple[int, ComplexArray], ...]
     dyad: Dyad
 
 
@@ -79,10 +79,10 @@ class Chain:
         driver: row of the driver.
         gears: the shafts that are geared to the driver, each behind the one that turns it.
         equations: the loops in the order in which they are closed.
-        needed: rows of the functions whose rates later dyads need.
+        rate_rows: rows of the functions whose rates later dyads need.
         winding: rows of the rotors that make turns along the branch, beside those of the driver and of geared shafts.
-        low: crank angle from which on the closed form serves [rad or m].
-        high: crank angle to which it serves [rad or m].
+        low: smallest crank angle at which the closed form can be used [rad or m].
+        high: largest such crank angle [rad or m].
     """
 
     plane: Plane
@@ -90,7 +90,7 @@ class Chain:
     driver: int
     gears: tuple[Gear, ...]
     equations: tuple[Equation, ...]
-    needed: frozenset[int]
+    rate_rows: frozenset[int]
     winding: tuple[int, ...] = ()
     low: float = -np.inf
     high: float = np.inf
@@ -106,50 +106,50 @@ class Chain:
         return min(PIECE, max(SMALLEST_PIECE, IN_CACHE // len(self.equations)))
 
 
-def close(chain: Chain, angle: Array, basis: ComplexArray) -> Along:
+def close(chain: Chain, angle: Array, basis: ComplexArray) -> ChainMotion:
     """Close the chain at crank angles (n,), at which its dyads reach, while the driver moves at the rate 1, and fill in the ``basis``
     (nb, n)."""
     basis[0] = 1.0
     blank: list[Any] = [None] * chain.functions.count
-    along = Along(chain.needed, [basis[place] for place in chain.functions.places], {}, {}, blank, blank.copy(), blank.copy())
-    _drive(chain, angle, along)
+    motion = ChainMotion(chain.rate_rows, [basis[place] for place in chain.functions.places], {}, {}, blank, blank.copy(), blank.copy())
+    _fill_driver(chain, angle, motion)
     for _, constant, ((row, by), *others), dyad in chain.equations:
-        known, opening, bending = along.functions[row] * by, along.rates[row] * by, along.inward[row] * by
+        side, opening, inward = motion.functions[row] * by, motion.rates[row] * by, motion.inward[row] * by
         for row, by in others:
-            known += along.functions[row] * by
-            opening += along.rates[row] * by
-            bending += along.inward[row] * by
+            side += motion.functions[row] * by
+            opening += motion.rates[row] * by
+            inward += motion.inward[row] * by
         if constant is not None:
-            known += constant
-        dyad.close(known, opening, bending, along)
-    return along
+            side += constant
+        dyad.close(side, opening, inward, motion)
+    return motion
 
 
-def _drive(chain: Chain, angle: Array, along: Along) -> None:
+def _fill_driver(chain: Chain, angle: Array, motion: ChainMotion) -> None:
     """Fill in the driver."""
-    row, function = chain.driver, along.functions[chain.driver]
-    along.first[row], along.second[row] = ONE, ZERO
+    row, function = chain.driver, motion.functions[chain.driver]
+    motion.speeds[row], motion.decelerations[row] = ONE, ZERO
     if chain.turns:
         np.cos(angle, function.real)
         np.sin(angle, function.imag)
-        along.rates[row] = function * I
-        along.inward[row] = function.copy()
+        motion.rates[row] = function * I
+        motion.inward[row] = function.copy()
     else:
         function.real, function.imag = angle, 0.0
-        along.ways[row], along.inward[row] = angle, np.zeros(angle.shape, complex)
-        along.rates[row] = np.ones(angle.shape, complex)
+        motion.ways[row], motion.inward[row] = angle, np.zeros(angle.shape, complex)
+        motion.rates[row] = np.ones(angle.shape, complex)
     for gear in chain.gears:
         row, speed = gear.row, gear.sense * gear.ratio
-        rotor = along.functions[row]
+        rotor = motion.functions[row]
         if speed == -1.0 and not gear.offset:  # a mirrored pair
             np.conjugate(function, rotor)
         else:
             turned_by = gear.sense * (gear.ratio * angle + gear.offset)
             np.cos(turned_by, rotor.real)
             np.sin(turned_by, rotor.imag)
-        along.first[row], along.second[row] = np.array(speed), ZERO
-        along.rates[row] = rotor * np.array(1j * speed)
-        along.inward[row] = rotor * np.array(speed * speed)
+        motion.speeds[row], motion.decelerations[row] = np.array(speed), ZERO
+        motion.rates[row] = rotor * np.array(1j * speed)
+        motion.inward[row] = rotor * np.array(speed * speed)
 
 
 # ------------------------------------------------------------------------------------------------------------------ joints along the branch
@@ -175,9 +175,9 @@ def states_along(
     size = -(-n // -(-n // chain.piece))  # of equal pieces
     for start in range(0, n, size):
         s = slice(start, min(start + size, n))
-        along = close(chain, angle[s], basis[:, s])
-        _fill_positions(chain, branch, angle[s], along, position[:, s])
-        _fill_rates(chain, along, _part(speed, s), _part(acceleration, s), v[:, s], a[:, s])
+        motion = close(chain, angle[s], basis[:, s])
+        _fill_positions(chain, branch, angle[s], motion, position[:, s])
+        _fill_rates(chain, motion, _part(speed, s), _part(acceleration, s), v[:, s], a[:, s])
         gaps = product(chain.plane.gap_rows, basis[:, s])
         np.sqrt(np.maximum.reduce(gaps.real**2 + gaps.imag**2, axis=0), gap[s])
     return ClosedStates(position, v, a, basis), gap
@@ -187,16 +187,16 @@ def _part(rate: Array | float, states: slice) -> Array | float:
     return rate[states] if isinstance(rate, np.ndarray) else rate
 
 
-def _fill_rates(chain: Chain, along: Along, speed: Array | float, acceleration: Array | float, v: Array, a: Array) -> None:
+def _fill_rates(chain: Chain, motion: ChainMotion, speed: Array | float, acceleration: Array | float, v: Array, a: Array) -> None:
     """Fill in joint rates and accelerations (nv, n)."""
-    functions, rates, bending = chain.functions, along.first, along.second
+    functions, rates, decelerations = chain.functions, motion.speeds, motion.decelerations
     for sense, row, outer, first, second in zip(chain.plane.sense.tolist(), functions.rows, functions.outer, v, a, strict=True):
         if outer is None:
             first[:] = rates[row]
-            np.negative(bending[row], second)
+            np.negative(decelerations[row], second)
         else:
             np.subtract(rates[row], rates[outer], first)
-            np.subtract(bending[outer], bending[row], second)
+            np.subtract(decelerations[outer], decelerations[row], second)
         if sense < 0.0:
             np.negative(first, first)
             np.negative(second, second)
@@ -206,14 +206,14 @@ def _fill_rates(chain: Chain, along: Along, speed: Array | float, acceleration: 
         first *= speed
 
 
-def _fill_positions(chain: Chain, branch: Branch, angle: Array, along: Along, position: Array) -> None:
+def _fill_positions(chain: Chain, branch: Branch, angle: Array, motion: ChainMotion, position: Array) -> None:
     """Fill in joint coordinates (nv, n) at crank angles (n,)."""
     functions, plane = chain.functions, chain.plane
     exact = {plane.driver: angle} | {gear.joint: gear.ratio * angle + gear.offset for gear in chain.gears}
-    angles: dict[int | None, Array] = {functions.rows[joint]: plane.sense[joint] * turned for joint, turned in exact.items()}
+    angles: dict[int | None, Array] = {functions.rows[joint]: plane.sense[joint] * angle for joint, angle in exact.items()}
     for joint in plane.revolute:
         if joint not in exact:
-            function = along.functions[functions.rows[joint]]
+            function = motion.functions[functions.rows[joint]]
             angles[functions.rows[joint]] = np.arctan2(function.imag, function.real)
     if chain.winding:
         near = nodes_before(branch, angle)
@@ -222,39 +222,39 @@ def _fill_positions(chain: Chain, branch: Branch, angle: Array, along: Along, po
             angles[row] += 2 * np.pi * np.rint(missing * (0.5 / np.pi))
     for joint, (row, outer) in enumerate(zip(functions.rows, functions.outer, strict=True)):
         if joint in exact or not plane.sense[joint]:
-            position[joint] = exact[joint] if joint in exact else along.ways[row]
+            position[joint] = exact[joint] if joint in exact else motion.ways[row]
         else:
-            turned = angles[row] if outer is None else angles[row] - angles[outer]
-            position[joint] = turned if plane.sense[joint] > 0.0 else -turned
+            relative = angles[row] if outer is None else angles[row] - angles[outer]
+            position[joint] = relative if plane.sense[joint] > 0.0 else -relative
 
 
 # ------------------------------------------------------------------------------------------------------------- chains found in linkages
 
 
-def chain_of(equations: Equations, branch: Branch) -> Chain | None:
-    """The chain of a linkage along its branch, as far as its dyads stay clear of dead centres; None where the linkage is no chain of dyads,
-    or comes near to dead centres all the time.
+def find_chain(equations: Equations, branch: Branch) -> Chain | None:
+    """The chain of a linkage along its branch, as far as its dyads stay clear of dead centres; None if the linkage is no chain of dyads, or
+    if dyads come near to dead centres all the time.
 
     At the nodes of the branch the closed form has to agree with Newton's method.
     """
     if branch.change_points:
         return None
-    angles = np.append(branch.angles[:-1:SUBDIVISION], branch.angles[-1])  # nodes of the walk, between which it looked at margins
+    angles = np.append(branch.angles[:-1:SUBDIVISION], branch.angles[-1])  # nodes of the walk, which has checked margins between them
     begin = int(np.argmin(np.abs(angles)))
-    judge = closing.close(equations, angles, predict(branch, angles), with_margins=True)
-    assert judge.basis is not None
-    assert judge.margins is not None
-    chain = _built(equations, judge.basis[:, begin])
+    newton = closing.close(equations, angles, predict(branch, angles), with_margins=True)
+    assert newton.basis is not None
+    assert newton.margins is not None
+    chain = _build_chain(equations, newton.basis[:, begin])
     if chain is None:
         return None
     with np.errstate(all="ignore"):  # nodes that are beyond the reach of a dyad are left out
-        tried = np.empty_like(judge.basis)
-        close(chain, angles, tried)
+        basis = np.empty_like(newton.basis)
+        close(chain, angles, basis)
         plane = equations.functions.plane
-        size = np.where(np.arange(len(tried)) > len(plane.revolute), plane.size, 1.0)[:, None]
-        errors = np.abs(tried - judge.basis) / size
-        good = (np.abs(judge.margins) >= CLEAR).all(axis=0) & (errors <= EQUAL).all(axis=0)
-    chain = replace(chain, winding=_winding(chain, branch, judge.position[:, -1]))
+        size = np.where(np.arange(len(basis)) > len(plane.revolute), plane.size, 1.0)[:, None]
+        errors = np.abs(basis - newton.basis) / size
+        good = (np.abs(newton.margins) >= CLEAR).all(axis=0) & (errors <= EQUAL).all(axis=0)
+    chain = replace(chain, winding=_find_winding(chain, branch, newton.position[:, -1]))
     if branch.period is not None:
         return chain if good.all() else None
     bad = np.flatnonzero(~good)
@@ -263,42 +263,42 @@ def chain_of(equations: Equations, branch: Branch) -> Chain | None:
     return replace(chain, low=float(angles[low]), high=float(angles[high])) if low < high else None
 
 
-def _winding(chain: Chain, branch: Branch, end: Array) -> tuple[int, ...]:
+def _find_winding(chain: Chain, branch: Branch, end: Array) -> tuple[int, ...]:
     """`Chain.winding`, given the joint coordinates (nv,) at the end of the branch."""
     plane = chain.plane
-    along = plane.turn @ np.concatenate([branch.coefficients[0], end[:, None]], axis=1)
-    turning = (np.abs(along) >= WITHOUT_TURNS).any(axis=1) | (np.abs(plane.turn @ branch.gain_per_period) > 1.0)
+    angles = plane.turn @ np.concatenate([branch.coefficients[0], end[:, None]], axis=1)
+    turning = (np.abs(angles) >= WITHOUT_TURNS).any(axis=1) | (np.abs(plane.turn @ branch.gain_per_period) > 1.0)
     exact = {plane.driver, *(gear.joint for gear in chain.gears)}
     return tuple(chain.functions.rows[j] for j, turns in zip(plane.revolute, turning, strict=True) if turns and j not in exact)
 
 
-def _built(equations: Equations, drawn: ComplexArray) -> Chain | None:
+def _build_chain(equations: Equations, drawn: ComplexArray) -> Chain | None:
     """The chain of a linkage, given its basis (nb,) in a pose of its branch."""
     functions, plane = equations.functions, equations.functions.plane
-    gears = _gears(equations)
+    gears = _find_gears(equations)
     if plane.parents[plane.driver] >= 0 or gears is None:
         return None
     by_rows = drawn[list(functions.places)]
-    chain, needed = [], {functions.rows[plane.driver]}
+    chain, rate_rows = [], {functions.rows[plane.driver]}
     for block in equations.blocks:
         if not block.loops:
             continue
-        if not block.closed or not block.loops[0].relieved:
+        if not block.has_inverses or not block.loops[0].earlier_functions:
             return None
         (loop,) = block.loops
         constant = plane.gap_rows[loop.loop][0]
-        known = constant + sum(by * by_rows[row] for row, by in loop.relieved)
-        dyad = _dyad(functions, nonzero(functions, plane.gap_rows[loop.loop]), block.rows, by_rows, complex(known))
+        side = constant + sum(by * by_rows[row] for row, by in loop.earlier_functions)
+        dyad = _build_dyad(functions, nonzero(functions, plane.gap_rows[loop.loop]), block.rows, by_rows, complex(side))
         if dyad is None:
             return None
-        chain.append(Equation(loop.loop, np.array(constant) if constant else None, loop.relieved, dyad))
-        needed |= {row for row, _ in loop.relieved} | {guide.rotor for guide in dyad.guides if guide.rotor is not None}
+        chain.append(Equation(loop.loop, np.array(constant) if constant else None, loop.earlier_functions, dyad))
+        rate_rows |= {row for row, _ in loop.earlier_functions} | {guide.rotor for guide in dyad.guides if guide.rotor is not None}
     if not chain:
         return None
-    return Chain(plane, functions, functions.rows[plane.driver], gears, tuple(chain), frozenset(needed))
+    return Chain(plane, functions, functions.rows[plane.driver], gears, tuple(chain), frozenset(rate_rows))
 
 
-def _gears(equations: Equations) -> tuple[Gear, ...] | None:
+def _find_gears(equations: Equations) -> tuple[Gear, ...] | None:
     """The shafts of a linkage that are geared to the driver; None where gears turn anything else, or a driver that slides."""
     functions, plane = equations.functions, equations.functions.plane
     turning = {plane.driver: (1.0, 0.0)}  # by joint its angle: a ratio to that of the driver, and an offset
@@ -320,8 +320,8 @@ def _gears(equations: Equations) -> tuple[Gear, ...] | None:
     return tuple(gears)
 
 
-def _dyad(
-    functions: Functions, coefficients: Mapping[int, ComplexArray], unknown: Sequence[int], drawn: ComplexArray, known: complex
+def _build_dyad(
+    functions: Functions, coefficients: Mapping[int, ComplexArray], unknown: Sequence[int], drawn: ComplexArray, side: complex
 ) -> Dyad | None:
     """The dyad that determines these rows; None where it has no closed form.
 
@@ -330,27 +330,27 @@ def _dyad(
         coefficients: of the loop's gap, by rows.
         unknown: rows of its unknowns.
         drawn: (rows,) functions in the drawn pose.
-        known: the vector K in the drawn pose.
+        side: the vector K in the drawn pose.
     """
-    guides, given = functions.guides, {row: complex(by) for row, by in coefficients.items()}
+    guides, by = functions.guides, {row: complex(coefficient) for row, coefficient in coefficients.items()}
     turning, ways = [row for row in unknown if row not in guides], [row for row in unknown if row in guides]
-    if any(row not in given for row in ways) or not known:
+    if any(row not in by for row in ways) or not side:
         return None
-    known_guides = [Guide(way, coefficients[way], guides[way]) for way in ways]
+    guides_of_ways = [Guide(way, coefficients[way], guides[way]) for way in ways]
     if len(unknown) == 1:
-        return Lever.drawn(unknown[0], given[unknown[0]]) if turning and unknown[0] in given else None
+        return Lever.from_drawn_pose(unknown[0], by[unknown[0]]) if turning and unknown[0] in by else None
     if not turning:
-        return TwoGuides(*known_guides)
-    one, other = turning[0], unknown[0] if unknown[1] == turning[0] else unknown[1]
-    if ways and guides[other] == one:
-        way = float((drawn[other] / drawn[one]).real)
-        return SwingingGuide.drawn(one, other, given.get(one, 0j), given[other], way)
-    if one not in given or other not in given:
+        return TwoGuides(*guides_of_ways)
+    rotor = turning[0]
+    if ways and guides[ways[0]] == rotor:
+        travel = float((drawn[ways[0]] / drawn[rotor]).real)
+        return SwingingGuide.from_drawn_pose(rotor, ways[0], by.get(rotor, 0j), by[ways[0]], travel)
+    if any(row not in by for row in unknown):
         return None
-    a = given[one] * drawn[one]
+    a = by[rotor] * drawn[rotor]
     if ways:
-        rotor = guides[other]
-        direction = given[other] * (1.0 if rotor is None else drawn[rotor])
-        return GuidedLink.drawn(one, known_guides[0], given[one], bool((a / direction).real < 0.0))
-    one, other = (one, other) if (a / known).imag > 0.0 else (other, one)
-    return TwoLinks.drawn(one, other, given[one], given[other])
+        carrier = guides[ways[0]]
+        direction = by[ways[0]] * (1.0 if carrier is None else drawn[carrier])
+        return GuidedLink.from_drawn_pose(rotor, guides_of_ways[0], by[rotor], bool((a / direction).real < 0.0))
+    left, right = turning if (a / side).imag > 0.0 else reversed(turning)
+    return TwoLinks.from_drawn_pose(left, right, by[left], by[right])

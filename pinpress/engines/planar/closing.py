@@ -20,12 +20,12 @@ from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import ACCEPTED, MOST_NEWTON_STEPS, Closure
 from ..rank import RANK
-from .equations import BlockRows, Equations, Pose, efforts_of_relation, matrix_of, pose_at, slope, slopes_of_dyad
+from .equations import BlockRows, Configurations, Equations, configurations_at, efforts_of_relation, matrix_of, slope, slopes_of_dyad
 from .kinematics import basis_acceleration, basis_at, basis_velocity
 from .model import Plane
 
 NO_SLIPS = np.empty((0, 1))  # errors of the relations of a linkage without relations
-Moved = tuple[tuple[int, ComplexArray], ...]
+EarlierSlopes = tuple[tuple[int, ComplexArray], ...]
 """Rows of coordinates of earlier blocks, each with the slope (n,) of a loop's gap by it."""
 Opening = Sequence[ComplexArray | Array | None] | ComplexArray
 """Right-hand side: the complex rate (n,) at which the gap of every loop opens, then the real one of every relation; None is zero."""
@@ -89,7 +89,7 @@ def _differentiate_gaps_twice(plane: Plane, basis: ComplexArray, v: Array) -> Co
     return np.asarray(product(plane.centripetal, basis[1 : 1 + len(plane.revolute)] * spin))
 
 
-def moves(plane: Plane, drawn: Closure) -> bool:
+def can_move(plane: Plane, drawn: Closure) -> bool:
     """Whether the driver can move the linkage in its closed drawn pose.
 
     Without redundant equations it can. Redundant ones must allow the rates that the least-squares solution gives.
@@ -109,23 +109,23 @@ class Slopes(NamedTuple):
 
     Attributes:
         equations: the equations.
-        pose: the configurations, with the inverses of dyads and levers and the matrices of all other blocks.
-        moved: by block and loop the coordinates of earlier blocks that move the loop, each with the slope (n,) of the loop's gap by it.
+        configurations: the configurations, with the inverses of dyads and levers and the matrices of all other blocks.
+        earlier: by block and loop the coordinates of earlier blocks that move the loop, each with the slope (n,) of the loop's gap by it.
     """
 
     equations: Equations
-    pose: Pose
-    moved: tuple[tuple[Moved, ...], ...]
+    configurations: Configurations
+    earlier: tuple[tuple[EarlierSlopes, ...], ...]
 
     @staticmethod
     def at(equations: Equations, basis: ComplexArray, position: Array) -> Slopes:
         """The slopes at n configurations with the basis (nb, n) and the joint coordinates ``position`` (nv, n)."""
-        pose = pose_at(equations, basis, position)
-        moved = tuple(
-            tuple(tuple((row, slope(terms, pose.functions)) for row, terms in loop.moved) for loop in block.loops)
+        configurations = configurations_at(equations, basis, position)
+        earlier = tuple(
+            tuple(tuple((row, slope(terms, configurations.functions)) for row, terms in loop.earlier_slopes) for loop in block.loops)
             for block in equations.blocks
         )
-        return Slopes(equations, pose, moved)
+        return Slopes(equations, configurations, earlier)
 
     def drive(self) -> Array:
         """The rates (nv, n) of all joints while the driver moves at the rate 1."""
@@ -139,24 +139,24 @@ class Slopes(NamedTuple):
     def _solve_rates(self, opening: Opening, driver_rate: float) -> Array:
         """The rates (nv, n) of the joints that close what opens, while the driver moves at a rate."""
         functions, plane = self.equations.functions, self.equations.functions.plane
-        driver, n = functions.rows[plane.driver], len(self.pose.functions[0])
+        driver, n = functions.rows[plane.driver], len(self.configurations.functions[0])
         rates: list[Array | float] = [0.0] * functions.count  # of absolute coordinates, by rows; floats until a block determines them
         rates[driver] = driver_rate * float(plane.sense[plane.driver] or 1.0)
         for place, block in enumerate(self.equations.blocks):
             right_sides = []
-            for loop, moved in zip(block.loops, self.moved[place], strict=True):
+            for loop, earlier in zip(block.loops, self.earlier[place], strict=True):
                 total = opening[loop.loop]
-                for row, gap_slope in moved:
+                for row, gap_slope in earlier:
                     if isinstance(rates[row], np.ndarray) or rates[row]:  # skip rates that are the float zero
                         total = gap_slope * rates[row] if total is None else total + gap_slope * rates[row]
                 right_sides.append(np.zeros(n, complex) if total is None else total)
-            if block.closed:
+            if block.has_inverses:
                 for row in block.rows:
-                    rates[row] = (right_sides[0] * self.pose.inverses[row]).real
+                    rates[row] = (right_sides[0] * self.configurations.inverses[row]).real
             elif block.rows:
                 parts = [part for total in right_sides for part in (total.real, total.imag)]
                 parts += [self._compute_slip_rate(block, k, opening[len(plane.loop_heights) + k], rates, n) for k in block.relations]
-                for row, rate in zip(block.rows, _solve_dense(self.pose.slopes[place], -np.stack(parts, axis=1)).T, strict=True):
+                for row, rate in zip(block.rows, _solve_dense(self.configurations.slopes[place], -np.stack(parts, axis=1)).T, strict=True):
                     rates[row] = rate
             for rider, rotor in block.riding:
                 if rider == driver and rider not in functions.guides:  # from here on the absolute rate of a driver that rides
@@ -184,15 +184,17 @@ class Slopes(NamedTuple):
 
     def margins(self) -> Array:
         """`Closure.margins` of every block. A block with redundant equations has no determinant: its margins are positive."""
-        margins, n = [], len(self.pose.functions[0])
+        margins, n = [], len(self.configurations.functions[0])
         for place, block in enumerate(self.equations.blocks):
-            if block.closed and not block.redundant:
-                margins.append(_dyad_margin(*slopes_of_dyad(block, self.pose.functions)))
+            if block.has_inverses and not block.redundant:
+                margins.append(_dyad_margin(*slopes_of_dyad(block, self.configurations.functions)))
                 continue
             if not block.rows:  # it determines no joint, and so is never singular
                 margins.append(np.ones(n))
                 continue
-            matrix = matrix_of(self.equations, block, self.pose.functions) if block.closed else self.pose.slopes[place]
+            matrix = (
+                matrix_of(self.equations, block, self.configurations.functions) if block.has_inverses else self.configurations.slopes[place]
+            )
             if not np.all(np.isfinite(matrix)):
                 return np.full((len(self.equations.blocks), n), np.nan)
             lengths = np.linalg.norm(matrix, axis=1, keepdims=True)

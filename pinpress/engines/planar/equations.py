@@ -44,18 +44,18 @@ class LoopRows(NamedTuple):
 
     Attributes:
         loop: index of the loop.
-        relieved: rows and coefficients of earlier functions. The force of the loop does work on them.
-        turned: rotor, way and coefficient of every way of this block whose guide turns with an earlier rotor.
-        moved: rows of the earlier coordinates that move the loop, each with the terms of the gap's slope, see `slope`.
-        determined: terms of the gap's slope by every coordinate of this block.
+        earlier_functions: rows and coefficients of earlier functions. The force of the loop does work on them.
+        earlier_guides: rotor, way and coefficient of every way of this block whose guide turns with an earlier rotor.
+        earlier_slopes: rows of the earlier coordinates that move the loop, each with the terms of the gap's slope, see `slope`.
+        slopes: terms of the gap's slope by every coordinate of this block.
         carriers: the joints that carry only one of the loop's ends, with the sign in `Plane.incidence`.
     """
 
     loop: int
-    relieved: tuple[tuple[int, ComplexArray], ...]
-    turned: tuple[tuple[int, int, ComplexArray], ...]
-    moved: tuple[tuple[int, Terms], ...]
-    determined: tuple[Terms, ...]
+    earlier_functions: tuple[tuple[int, ComplexArray], ...]
+    earlier_guides: tuple[tuple[int, int, ComplexArray], ...]
+    earlier_slopes: tuple[tuple[int, Terms], ...]
+    slopes: tuple[Terms, ...]
     carriers: tuple[tuple[int, float], ...]
 
 
@@ -69,7 +69,7 @@ class BlockRows(NamedTuple):
             first: the ways along guides on the driver's link, then the driver.
         loops: the loops.
         relations: indices of the relations.
-        closed: whether the block is a dyad or a lever, and so has a solution in closed form by inverses.
+        has_inverses: whether the block is a dyad or a lever, whose solution has a closed form by inverses.
         redundant: number of redundant equations.
         balancing: indices of the earlier blocks that balance the idle forces of this one, the last block first; empty without redundant
             equations.
@@ -80,7 +80,7 @@ class BlockRows(NamedTuple):
     riding: tuple[tuple[int, int], ...]
     loops: tuple[LoopRows, ...]
     relations: tuple[int, ...]
-    closed: bool
+    has_inverses: bool
     redundant: int
     balancing: tuple[int, ...]
 
@@ -114,7 +114,7 @@ class Equations:
         return Equations(self.functions, tuple(blocks))
 
 
-class Pose(NamedTuple):
+class Configurations(NamedTuple):
     """n configurations: lists of arrays (n,) by rows of functions, and matrices by blocks.
 
     Attributes:
@@ -146,9 +146,9 @@ def _build_blocks(functions: Functions, coefficients: Coefficients) -> tuple[Blo
         rows = tuple(functions.rows[joint] for joint in block.joints)
         riding = _find_riding_pairs(functions, rows, one_block=not in_order)
         block_loops = tuple(_build_loop(functions, loop, coefficients[loop], rows, riding) for loop in block.loops)
-        closed = in_order and block.kind in ("dyad", "lever")
+        has_inverses = in_order and block.kind in ("dyad", "lever")
         balancing = _find_balancing_blocks(block_loops, block.relations, result) if block.redundant else ()
-        result.append(BlockRows(block.joints, rows, riding, block_loops, block.relations, closed, block.redundant, balancing))
+        result.append(BlockRows(block.joints, rows, riding, block_loops, block.relations, has_inverses, block.redundant, balancing))
     return tuple(result)
 
 
@@ -182,16 +182,16 @@ def _build_loop(
 ) -> LoopRows:
     """A loop of a block that determines the coordinates of ``block_rows``; ``riding``: see `BlockRows`."""
     carriers = tuple((joint, signs[loop]) for joint, signs in enumerate(functions.plane.loops_of_joint) if loop in signs)
-    turned = tuple(
+    earlier_guides = tuple(
         (rotor, row, coefficient)
         for row, coefficient in coefficients.items()
         if row in block_rows and (rotor := functions.guides.get(row)) is not None and rotor not in block_rows
     )
-    relieved = tuple((row, coefficient) for row, coefficient in coefficients.items() if row not in block_rows)
-    earlier = dict.fromkeys((*(row for row, _ in relieved), *(rotor for rotor, *_ in turned)))  # each row once, in order
-    moved = tuple((row, _collect_terms(functions, coefficients, row, riding)) for row in earlier)
-    determined = tuple(_collect_terms(functions, coefficients, row, riding) for row in block_rows)
-    return LoopRows(loop, relieved, turned, moved, determined, carriers)
+    earlier_functions = tuple((row, coefficient) for row, coefficient in coefficients.items() if row not in block_rows)
+    earlier = dict.fromkeys((*(row for row, _ in earlier_functions), *(rotor for rotor, *_ in earlier_guides)))  # each row once, in order
+    earlier_slopes = tuple((row, _collect_terms(functions, coefficients, row, riding)) for row in earlier)
+    slopes = tuple(_collect_terms(functions, coefficients, row, riding) for row in block_rows)
+    return LoopRows(loop, earlier_functions, earlier_guides, earlier_slopes, slopes, carriers)
 
 
 def _collect_terms(functions: Functions, coefficients: Mapping[int, ComplexArray], row: int, riding: Sequence[tuple[int, int]]) -> Terms:
@@ -244,13 +244,13 @@ def _find_balancing_blocks(loops: Sequence[LoopRows], relations: Sequence[int], 
 
 def _collect_earlier_rows(loops: Iterable[LoopRows]) -> set[int]:
     """Rows of the earlier coordinates that move loops."""
-    return {row for loop in loops for row, _ in loop.relieved} | {rotor for loop in loops for rotor, *_ in loop.turned}
+    return {row for loop in loops for row, _ in loop.earlier_functions} | {rotor for loop in loops for rotor, *_ in loop.earlier_guides}
 
 
 # ------------------------------------------------------------------------------------------------------------------------- configurations
 
 
-def pose_at(equations: Equations, basis: ComplexArray, position: Array) -> Pose:
+def configurations_at(equations: Equations, basis: ComplexArray, position: Array) -> Configurations:
     """The n configurations with the basis (nb, n) and the joint coordinates ``position`` (nv, n)."""
     functions = equations.functions
     ways: list[Array] = [position[0]] * functions.count  # only the rows of ways are filled in and read
@@ -259,12 +259,12 @@ def pose_at(equations: Equations, basis: ComplexArray, position: Array) -> Pose:
     values: list[ComplexArray] = [basis[place] for place in functions.places]
     inverses = list(values)  # only the rows of dyads and levers are filled in and read
     for block in equations.blocks:
-        if block.closed:
+        if block.has_inverses:
             for row, inverse in zip(block.rows, _compute_inverses(*slopes_of_dyad(block, values)), strict=True):
                 inverses[row] = inverse
     blocks = enumerate(equations.blocks)
-    slopes = {place: matrix_of(equations, block, values) for place, block in blocks if not block.closed and block.rows}
-    return Pose(values, ways, inverses, slopes)
+    slopes = {place: matrix_of(equations, block, values) for place, block in blocks if not block.has_inverses and block.rows}
+    return Configurations(values, ways, inverses, slopes)
 
 
 def _compute_inverses(a: ComplexArray, b: ComplexArray | None = None) -> tuple[ComplexArray, ...]:
@@ -281,7 +281,7 @@ def _compute_inverses(a: ComplexArray, b: ComplexArray | None = None) -> tuple[C
 
 def slopes_of_dyad(block: BlockRows, values: Sequence[ComplexArray]) -> list[ComplexArray]:
     """The slopes (n,) of the gap of a dyad or lever by its coordinates; ``values``: of the functions, by rows."""
-    return [slope(terms, values) for terms in block.loops[0].determined]
+    return [slope(terms, values) for terms in block.loops[0].slopes]
 
 
 def slope(terms: Terms, values: Sequence[ComplexArray]) -> ComplexArray:
@@ -302,7 +302,7 @@ def matrix_of(equations: Equations, block: BlockRows, values: Sequence[ComplexAr
     functions, loop_equations = equations.functions, 2 * len(block.loops)
     matrix = np.zeros((len(values[0]), loop_equations + len(block.relations), len(block.rows)))
     for k, loop in enumerate(block.loops):
-        for column, terms in enumerate(loop.determined):
+        for column, terms in enumerate(loop.slopes):
             gap_slope = slope(terms, values)
             matrix[:, 2 * k, column], matrix[:, 2 * k + 1, column] = gap_slope.real, gap_slope.imag
     # a travel does not change as its guide turns, so that only angles are passed on to what carries them

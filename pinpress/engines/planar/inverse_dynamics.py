@@ -28,7 +28,7 @@ from .balance import (
     idle_forces,
     open_tree,
 )
-from .equations import Pose, pose_at
+from .equations import Configurations, configurations_at
 from .guide_moments import add_moments_of_guides
 from .kinematics import basis_acceleration, basis_at, gaps, known_basis
 from .model import Plane, put_normal
@@ -38,12 +38,12 @@ class Moving(NamedTuple):
     """A linkage in motion, over a piece of it.
 
     Attributes:
-        pose: the configurations.
+        configurations: the configurations.
         second: (rows, n) conjugate second derivatives of the functions, 1 in the rows of ones.
         basis: (nb, n) the basis.
     """
 
-    pose: Pose
+    configurations: Configurations
     second: ComplexArray
     basis: ComplexArray
 
@@ -76,7 +76,7 @@ def _moving(statics: Statics, states: ClosedStates) -> Moving:
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
     second = second.take(statics.functions.places, axis=0)
-    return Moving(pose_at(statics.equations, basis, states.position), np.conjugate(second, second), basis)
+    return Moving(configurations_at(statics.equations, basis, states.position), np.conjugate(second, second), basis)
 
 
 def _fill(
@@ -89,12 +89,12 @@ def _fill(
 ) -> None:
     """Fill in the result of a piece of the motion."""
     plane, bodies, loads = statics.plane, statics.bodies, conditions.loads
-    pose, multipliers = moving.pose, result.relations
+    configurations, multipliers = moving.configurations, result.relations
     tree = open_tree(statics, moving.second, loads)
     needed = bearings or friction is not None
     flat = not needed or not out_of_plane.is_loaded(bodies, loads)
     axial = None if flat else out_of_plane.forces(bodies, loads, conditions.compliance, moving.second.shape[1])
-    balanced = Balanced(statics, pose, idle_forces(statics, pose) if needed else None, conditions.compliance)
+    balanced = Balanced(statics, configurations, idle_forces(statics, configurations) if needed else None, conditions.compliance)
     friction_efforts = None
     if friction is not None:
         friction_efforts = _friction(balanced, friction, tree, axial)
@@ -105,7 +105,9 @@ def _fill(
         forces = tree.array[statics.functions.count :]
         _put_forces(plane, forces, result.force)
         moments = _moments_about_normal(statics, multipliers, torque, friction_efforts)
-        add_moments_of_guides(plane, statics.guided, pose.functions, pose.ways, moving.second, tree.forces, loads, moments)
+        add_moments_of_guides(
+            plane, statics.guided, configurations.functions, configurations.ways, moving.second, tree.forces, loads, moments
+        )
         for bearing, values in moments.items():
             put_normal(plane, values, result.moment[bearing])
         if not flat:
@@ -121,13 +123,13 @@ class Balanced(NamedTuple):
 
     Attributes:
         statics: constants of the linkage.
-        pose: the configurations.
+        configurations: the configurations.
         idle: their idle forces, which are shared; None where there are none, or no bearings are asked for.
         compliance: (bearings,) as in `AppliedConditions`.
     """
 
     statics: Statics
-    pose: Pose
+    configurations: Configurations
     idle: IdleForces | None
     compliance: Array | None
 
@@ -137,7 +139,7 @@ class Balanced(NamedTuple):
         Efforts (bearings, n) of friction supply a part of what the joints need.
         """
         efforts = None if bearing_efforts is None else efforts_by_rows(self.statics, -_resisted(self.statics.plane, bearing_efforts))
-        torque = balance(self.statics, self.pose, tree, multipliers, efforts)
+        torque = balance(self.statics, self.configurations, tree, multipliers, efforts)
         if self.idle is not None:
             add_idle_forces(self.idle, tree.array[self.statics.functions.count :], multipliers, self.compliance)
         return torque
@@ -151,7 +153,7 @@ class Balanced(NamedTuple):
         forces = copied.array[count:]
         for rack in plane.racks:  # as `engines.racks` says
             push = plane.relation_rows[rack.relation][rack.slide] * multipliers[rack.relation]
-            forces[rack.shaft] += push * direction_of(self.statics, self.pose, rack.slide).conj()
+            forces[rack.shaft] += push * direction_of(self.statics, self.configurations, rack.slide).conj()
         return forces
 
 
@@ -172,7 +174,7 @@ class FrictionState(NamedTuple):
 def _friction(balanced: Balanced, friction: FrictionState, tree: OpenTree, axial: Array | None) -> Array:
     """Efforts (bearings, n) of friction: those of joints are along their axes, those of loops about the normal."""
     plane = balanced.statics.plane
-    slides = {joint: direction_of(balanced.statics, balanced.pose, joint) for joint in plane.prismatic}
+    slides = {joint: direction_of(balanced.statics, balanced.configurations, joint) for joint in plane.prismatic}
 
     def radial(friction_efforts: Array) -> Array:
         forces = balanced.pressing(tree, friction_efforts)
@@ -190,12 +192,12 @@ def bearing_loads(statics: Statics, states: ClosedStates, loads: Sequence[Applie
     """See `Engine.bearing_loads`; the states have their basis."""
     plane, bodies, n = statics.plane, statics.bodies, states.v.shape[1]
     moving = _moving(statics, states)
-    balanced = Balanced(statics, moving.pose, idle_forces(statics, moving.pose), None)
+    balanced = Balanced(statics, moving.configurations, idle_forces(statics, moving.configurations), None)
     forces = balanced.pressing(open_tree(statics, moving.second, loads), efforts)
     radial = np.stack([forces.real, -forces.imag, np.zeros(forces.shape)], axis=2)
     axial = out_of_plane.forces(bodies, loads, None, n) if out_of_plane.is_loaded(bodies, loads) else None
     for joint in plane.prismatic:
-        radial[joint, :, 0], radial[joint, :, 1] = -(direction_of(statics, moving.pose, joint) * forces[joint]).imag, 0.0
+        radial[joint, :, 0], radial[joint, :, 1] = -(direction_of(statics, moving.configurations, joint) * forces[joint]).imag, 0.0
         if axial is not None:
             radial[joint, :, 2] = axial[joint]
     return BearingLoads(_bearing_speeds(plane, rates), radial)

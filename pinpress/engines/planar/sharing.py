@@ -35,6 +35,6 @@ def _of_least_squares(parts: ComplexArray) -> Array:
     if count == 1:
         return np.asarray(-products[0, 1] / products[0, 0])[None, :]
     if count == 2:  # by Cramer's rule, which takes a tenth of the time
-        (one, mixed, right1), (_, other, right2) = products
-        return np.asarray(np.array([mixed * right2 - other * right1, mixed * right1 - one * right2]) / (one * other - mixed * mixed))
+        (a11, a12, b1), (_, a22, b2) = products
+        return np.asarray(np.array([a12 * b2 - a22 * b1, a12 * b1 - a11 * b2]) / (a11 * a22 - a12 * a12))
     return np.asarray(-np.linalg.solve(products[:, :count].transpose(2, 0, 1), products[:, count].T[:, :, None])[:, :, 0].T)
