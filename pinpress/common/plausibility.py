@@ -1,4 +1,7 @@
-"""Warnings about arguments that are allowed but hardly meant: speeds, heights and points in another unit."""
+"""Warnings about arguments that are allowed but probably a mistake: speeds, heights and points in another unit.
+
+A limit is far beyond the presses that are built, and the warning names the unit that may be meant.
+"""
 
 import math
 from collections.abc import Sequence
@@ -9,38 +12,12 @@ from .errors import caution
 from .quantities import CRANK, GRAVITY, RPM, Array, DriverCoordinate
 
 FASTEST = 1000.0  # no crank or motor of a press turns faster [rad/s], 9549 r/min
-HARDEST = 3.0, 40 * GRAVITY  # no slide of a press is faster [m/s] and accelerated more [m/s2] at once; fast presses reach 20 to 30 g
-FASTEST_SLIDING = 10.0  # no cylinder or screw of a press slides faster [m/s]
+FASTEST_SLIDING = 10.0  # no cylinder, screw or slide of a press is faster [m/s]
 FAR = 10.0  # no part of a press is further away [lengths of the linkage]
 MILLI = 1e-3
-FAINT, WIDEST, ROOMIEST = 1e3, 3.0, 50.0  # no cylinder of a press has less pressure [Pa], more bore [m], or a larger tank [m3]
-LOOSE = 100.0  # no gibs of a press are preloaded by less [N]
-LONGEST_START = 60.0  # no motor takes longer to turn its own rotor up to speed with its rated torque [s]; 0.01 to 1 s are usual
-IDLE = 0.005  # no motor, clutch or brake has less torque [of what holds the slide's weight at half its stroke]: friction would stop it
-# No flywheel has as large a moment of inertia [of all links together with the size of the linkage as their radius]; a larger one is to hold
-# the speed.
-WHEEL = 1e4, 1e6
-SLOWEST_RISE = 10.0  # no clutch or brake takes longer to engage [s]
 STEEPEST = 10.0  # no motor has a larger breakdown torque or overload [of the rated torque]
-HOTTEST = 200.0, 1000.0  # no motor becomes warmer by as much, but has such temperatures [K]
-LOSSLESS = 1e-4  # no motor loses less in iron, bearings and fan [of its rated power]
-UNSTRIPPED = 1e-3  # no sheet holds a punch by less [of the cutting force]
-YIELDING, TWISTING = 5e-3, 1.0  # no springs of a press yield by more under the slide's weight [lengths of the linkage], [rad]
-LIGHTEST = 0.01  # no crown weighs less [of all links]
-FASTEST_RELEASE, SLOWEST_BREAK = 2e3, 0.5  # no press swings faster after break-through [Hz], no blank takes longer to break [s]
-DEEPEST = 0.1  # no press yields by more under the force of the process [m]
-SPRAWLING = 0.01  # no line of bearings has more clearance together [m]
-FLEXIBLE = 1e7  # no metal has a smaller modulus [Pa]
-SLENDEREST = 1e4  # no link is as long [radii of gyration of its section]
-SINKING = 0.5  # no mounts yield by more under the weight [m]: that is a vibration of 0.7 Hz
 DAMPED = 2.0  # no rubber has a larger loss factor
-COMPACT, SPREAD = 0.1, 10.0  # no frame around a linkage has a radius of gyration as small, or as large [lengths of the linkage]
-SLOWEST_STROKE = 120.0  # no stroke and no pause between strokes takes longer [s]
-TILTED = 5e-3  # no slide may lean by more over its points [m]
-GIANT = 1e5, 1e12  # no process takes a force as large, up to where it is no force at all [weights of the slide]
-SHALLOW, SOFT = 1e-3, 0.01  # no contact this deep [lengths of the linkage] has a force this small [of the slide's weight]
 UNWEIGHED = 1e-5  # mass up to which a slide stands for one without mass, as of a table with ``masses: none`` [kg]
-WEAK, FEEBLE = 1e4, 0.05  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
 
 
 def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRANK, slide: tuple[float, float] = (0.0, 0.0)) -> None:
@@ -72,15 +49,13 @@ def angles(name: str, values: Array) -> None:
     if not 30.0 <= largest <= 720.0 or (values % 1.0).any():
         return
     several = values.size > 2 and np.ptp(values) >= 30.0
-    if (values % 15.0 == 0.0).all() or (several and ((values % 5.0 == 0.0).all() or _between_multiples(values, 15.0))):
+    in_degrees = (values % 15.0 == 0.0).all() or (several and (values % 5.0 == 0.0).all())
+    if several and not in_degrees:
+        last, before = values[-1], values[max(len(values) - 2, 0)]
+        ends = last, last + (last - before)  # the last step may be left out
+        in_degrees = not (values[0] % 15.0).any() and any(not (end % 15.0).any() for end in ends)
+    if in_degrees:
         caution(f"{name} is {'' if values.size == 1 else 'up to '}{largest:g} rad: if degrees are meant, write numpy.radians({name})")
-
-
-def _between_multiples(values: Array, unit: float) -> bool:
-    """Whether values (n,) or (n, columns) begin at multiples of a unit, and end at such, or would one step later."""
-    first, last = values[0], values[-1]
-    ends = (last, 2 * last - values[-2]) if len(values) > 1 else (last,)
-    return not (first % unit).any() and any(not (end % unit).any() for end in ends)
 
 
 def motor(
@@ -97,9 +72,10 @@ def motor(
         lossless: its constant loss [W].
     """
     start = float(np.max(np.asarray(inertia) * speed / torque))
-    if start > LONGEST_START:
+    if start > 60.0:  # [s]: 0.01 to 1 s are usual
         caution(f"{name}: its rated torque takes {start:.3g} s to turn its own rotor up to speed: give {units}, and inertia in kg m2")
-    if 0.0 < lossless < LOSSLESS * float(np.min(torque)) * speed:
+    # No motor loses less than a ten-thousandth of its rated power in iron, bearings and fan.
+    if 0.0 < lossless < 1e-4 * float(np.min(torque)) * speed:
         caution(f"{name}: constant_loss is {lossless:g} W: if kW are meant, write {lossless:g}e3")
 
 
@@ -111,25 +87,25 @@ def share(name: str, value: float, largest: float) -> None:
 
 def rise(name: str, value: float | None) -> None:
     """Warn of a temperature rise of a motor [K] that may be a temperature."""
-    if value is not None and HOTTEST[0] < value < HOTTEST[1]:
+    if value is not None and 200.0 < value < 1000.0:  # no motor becomes warmer by as much, but has such temperatures
         caution(f"{name} is {value:g} K: give by how much it becomes warmer than what is around it, not its temperature")
 
 
 def engagement(name: str, time: float) -> None:
     """Warn of a time [s] in which a clutch or brake builds up its torque that may be in ms."""
-    if time > SLOWEST_RISE:
+    if time > 10.0:
         caution(f"{name} is {time:g} s: if ms are meant, write {time:g}e-3")
 
 
 def stripping(name: str, force: float, cutting: float) -> None:
     """Warn of a stripping force [N] that may be in kN, beside the ``cutting`` force [N]."""
-    if 0.0 < force < UNSTRIPPED * cutting:
+    if 0.0 < force < 1e-3 * cutting:  # no sheet holds a punch by less
         caution(f"{name} is {force:g} N, beside a force of {cutting:g} N: if kN are meant, write {force:g}e3")
 
 
 def torque(name: str, value: float, holding: float) -> None:
     """Warn of a torque at the crank [N m] that is nothing beside the one ``holding`` the slide's weight at half its stroke [N m]."""
-    if 0.0 < value < IDLE * holding:
+    if 0.0 < value < 0.005 * holding:  # friction would stop such a motor, clutch or brake
         caution(
             f"{name} is {value:.4g} N m at the crank, {100 * value / holding:.2g} % of the {holding:.4g} N m that hold the weight of the"
             " slide: give torques in N m and powers in W, and the ratio of the gears"
@@ -153,15 +129,18 @@ def idle_speed(name: str, speed: float, slide: tuple[float, float], at_half: tup
 
 def flywheel(inertia: float, mass: float, size: float) -> None:
     """Warn of a flywheel's moment of inertia [kg m2] on a linkage of that ``mass`` [kg] and ``size`` [m]."""
-    if WHEEL[0] < inertia / (mass * size**2) < WHEEL[1]:
+    # No flywheel has as large a moment of inertia as ten thousand linkages; a million times larger, it is meant to hold the speed.
+    if 1e4 < inertia / (mass * size**2) < 1e6:
         beside = f"beside a linkage of {mass:.4g} kg and {size:.3g} m"
         caution(f"Flywheel: inertia is {inertia:g} kg m2, {beside}: if kg mm2 are meant, write {1e-6 * inertia:g}")
 
 
 def too_hard(speed: float, acceleration: float) -> bool:
-    """Whether no slide of a press moves like this [m/s, m/s2]. Beside a change point a slide jerks at the lowest speeds; very short strokes
-    may take hard accelerations."""
-    return speed > HARDEST[0] and acceleration > HARDEST[1]
+    """Whether no slide of a press moves as fast [m/s] and is accelerated as much [m/s2] at once; fast presses reach 20 to 30 g.
+
+    One of the two does not tell: near a change point a slide jerks at the lowest speeds; very short strokes may take hard accelerations.
+    """
+    return speed > 3.0 and acceleration > 40 * GRAVITY
 
 
 def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, high: float, size: float, contact: bool = False) -> None:
@@ -212,18 +191,19 @@ def onset(load: str, start: float, high: float) -> None:
     caution(f"{load} begins at {start:g} m above its datum, and the slide's stroke ends at {high:.6g} m: it begins with a jump; lower it")
 
 
-def forces(load: str, largest: float, weight: float, feeble: float = FEEBLE) -> None:
+def forces(load: str, largest: float, weight: float, feeble: float = 0.05) -> None:
     """Warn of a process load whose ``largest`` force is a ``feeble`` share of the ``weight`` of the slide [N], or less: it may be in kN."""
-    if 0.0 < largest < min(WEAK, feeble * weight):
+    if 0.0 < largest < min(1e4, feeble * weight):  # [N]
         share = f"{100 * largest / weight:.2g} % of the weight of the slide"
         caution(f"{load}: its largest force is {largest:g} N, {share}: if kN are meant, write {1e3 * largest:g}")
-    elif weight > GRAVITY * UNWEIGHED and GIANT[0] * weight < largest < GIANT[1] * weight:
+    # No process takes a hundred thousand weights of the slide; a force of 1e12 weights and more stands for a stop.
+    elif weight > GRAVITY * UNWEIGHED and 1e5 * weight < largest < 1e12 * weight:
         caution(f"{load}: its largest force is {largest:g} N, {largest / weight:.2g} times the weight of the slide: give it in N")
 
 
 def springs(name: str, stiffness: float, load: float, size: float) -> None:
     """Warn of springs of a press [N/m] that yield under a ``load`` [N], the weight of the slide, as none of that ``size`` [m] does."""
-    if load > YIELDING * size * stiffness:
+    if load > 5e-3 * size * stiffness:
         caution(
             f"{name} is {stiffness:g} N/m, which the weight of the slide, {load:.3g} N, deflects by {1e3 * load / stiffness:.3g} mm: give"
             " N/m, 1e6 for 1 kN/mm"
@@ -232,7 +212,7 @@ def springs(name: str, stiffness: float, load: float, size: float) -> None:
 
 def turning_springs(name: str, stiffness: float, moment: float) -> None:
     """Warn of springs of a press against turning [N m/rad] that yield as none does under a ``moment`` [N m]."""
-    if moment > TWISTING * stiffness:
+    if moment > 1.0 * stiffness:  # [rad]
         caution(
             f"{name} is {stiffness:g} N m/rad, which the weight of the slide at the length of the linkage, {moment:.3g} N m, turns by"
             f" {moment / stiffness:.3g} rad: give N m/rad, 1e6 for 1 kN m/mrad"
@@ -241,39 +221,39 @@ def turning_springs(name: str, stiffness: float, moment: float) -> None:
 
 def crown(mass: float, links: float) -> None:
     """Warn of a crown whose ``mass`` [kg] may be in t, beside that of all ``links`` [kg]."""
-    if mass < LIGHTEST * links:
+    if mass < 0.01 * links:
         caution(f"Elastic: crown_mass is {mass:g} kg, beside {links:.4g} kg of the links: if t are meant, write {mass:g}e3")
 
 
 def release(force: float, stiffness: float, mass: float, break_time: float, clearance: float) -> None:
     """Warn of a break-through whose numbers may be in N/mm, t, ms or mm."""
-    if force > DEEPEST * stiffness:
+    if force > 0.1 * stiffness:  # [m]: no press yields by more
         caution(f"stiffness is {stiffness:g} N/m, which {force:g} N deflect by {1e3 * force / stiffness:.3g} mm: give N/m, 1e6 for 1 kN/mm")
-    if (frequency := math.sqrt(stiffness / mass) / (2 * math.pi)) > FASTEST_RELEASE:
+    if (frequency := math.sqrt(stiffness / mass) / (2 * math.pi)) > 2e3:  # [Hz]: no press swings faster
         caution(f"mass is {mass:g} kg, which swings at {frequency:.3g} Hz on {stiffness:g} N/m: if t are meant, write {mass:g}e3")
-    if break_time > SLOWEST_BREAK:
+    if break_time > 0.5:
         caution(f"break_time is {break_time:g} s: if ms are meant, write {break_time:g}e-3")
-    if clearance > SPRAWLING:
+    if clearance > 0.01:  # of all bearings in a line
         caution(f"clearance is {clearance:g} m: if mm are meant, write {clearance:g}e-3")
 
 
 def modulus(value: float) -> None:
     """Warn of a modulus of elasticity of metal [Pa] that may be in GPa or MPa."""
-    if value < FLEXIBLE:
+    if value < 1e7:
         caution(f"modulus is {value:g} Pa: if GPa are meant, write {value:g}e9; if MPa, {value:g}e6")
 
 
 def section(name: str, area: float, second_moment: float, length: float) -> None:
     """Warn of a section, its area [m2] and second moment of area [m4], that no beam of this ``length`` [m] has."""
     radius = math.sqrt(second_moment / area)
-    if area > FAR**2 * length**2 or radius > length or radius < length / SLENDEREST:
+    if area > FAR**2 * length**2 or radius > length or radius < 1e-4 * length:
         said = f"area {area:g} m2 and second_moment {second_moment:g} m4 are those of no section of a link of {length:.3g} m"
         caution(f"{name}: {said}: give m2 and m4, 1e-6 for 1 mm2 and 1e-12 for 1 mm4")
 
 
 def mounts(weight: float, stiffness: float) -> None:
     """Warn of mounts [N/m], all together, that yield as none do under the ``weight`` [N] that stands on them."""
-    if weight > SINKING * stiffness:
+    if weight > 0.5 * stiffness:  # [m]: that is a vibration of 0.7 Hz
         caution(
             f"mounts: the weight of {weight:.4g} N presses them in by {1e3 * weight / stiffness:.3g} mm: give stiffness in N/m, 1e6 for"
             " 1 kN/mm, and mass in kg"
@@ -284,7 +264,7 @@ def frame_inertia(mass: float, inertia: float, size: float) -> None:
     """Warn of a frame's largest moment of inertia [kg m2] that does not belong to its ``mass`` [kg], around a linkage of this ``size``
     [m]."""
     radius = math.sqrt(inertia / mass)
-    if inertia > 0 and not COMPACT * size < radius < SPREAD * size:
+    if inertia > 0 and not 0.1 * size < radius < 10.0 * size:
         caution(
             f"frame: with a mass of {mass:g} kg and a moment of inertia of {inertia:g} kg m2 its radius of gyration is {radius:.3g} m,"
             f" around a linkage of {size:.3g} m: give kg and kg m2"
@@ -293,7 +273,7 @@ def frame_inertia(mass: float, inertia: float, size: float) -> None:
 
 def stroke_time(name: str, value: float) -> None:
     """Warn of a time of a stroke, or between strokes [s], that may be in ms, or a number of strokes a minute."""
-    if value > SLOWEST_STROKE:
+    if value > 120.0:
         caution(f"{name} is {value:g} s: if ms are meant, write {value:g}e-3; n strokes a minute take 60 / n")
 
 
@@ -305,20 +285,20 @@ def slide_speed(name: str, value: float) -> None:
 
 def target(name: str, value: float, size: float) -> None:
     """Warn of a target for the place of a dead centre [m] that may be in mm or um, of a linkage of that ``size`` [m]."""
-    if value > COMPACT * size:
+    if value > 0.1 * size:
         caution(f"{name} is {value:g} m, beside a linkage of {size:.3g} m: give it in m, {value:g}e-6 if um are meant")
 
 
 def lean(name: str, value: float) -> None:
     """Warn of a difference of heights over the points of a slide [m] that may be in mm."""
-    if value > TILTED:
+    if value > 5e-3:
         caution(f"{name} is {value:g} m: if mm are meant, write {value:g}e-3")
 
 
 def contact(load: str, force: float, depth: float, weight: float, size: float) -> None:
     """Warn of a contact with so small a ``force`` [N] at a ``depth`` [m], beside the ``weight`` of the slide [N] and the linkage's ``size``
     [m], that its stiffness may be in N/mm."""
-    if depth > SHALLOW * size and 0.0 < force < SOFT * weight:
+    if depth > 1e-3 * size and 0.0 < force < 0.01 * weight:
         share = f"{100 * force / weight:.2g} % of the weight of the slide"
         caution(f"{load}: {depth:g} m deep its force is {force:g} N, {share}: give stiffness in N/m, 1e6 for 1 kN/mm")
 
@@ -343,20 +323,20 @@ def friction(name: str, coefficient: float, radius: float, size: float, preload:
         caution(f"friction of {name}: its coefficient is {coefficient:g}: if per cent are meant, write {coefficient:g}e-2")
     if radius > size:
         caution(f"friction of {name}: its radius is {radius:g} m, beside a linkage of {size:g} m: if mm are meant, write {radius:g}e-3")
-    if 0.0 < preload < LOOSE:
+    if 0.0 < preload < 100.0:  # [N]: no gibs of a press are preloaded by less
         caution(f"friction of {name}: its preload is {preload:g} N: if kN are meant, write {preload:g}e3")
 
 
 def cylinder(name: str, what: str, diameter: float) -> None:
     """Warn of a cylinder whose ``diameter`` [m], of its piston or bore as ``what`` says, may be in mm."""
-    if diameter > WIDEST:
+    if diameter > 3.0:
         caution(f"{name}: {what} is {diameter:g} m: if mm are meant, write {diameter:g}e-3")
 
 
 def air(name: str, pressure: Array, volume: Array) -> None:
     """Warn of air whose gauge ``pressure`` [Pa] or ``volume`` [m3] may be in other units; arrays are of scenarios."""
     least, largest = float(pressure.min()), float(volume.max())
-    if 0.0 < least < FAINT:
+    if 0.0 < least < 1e3:  # [Pa]
         caution(f"{name}: pressure is {least:g} Pa: if bar are meant, write {least:g}e5; if MPa, {least:g}e6")
-    if largest > ROOMIEST:
+    if largest > 50.0:  # [m3]
         caution(f"{name}: volume is {largest:g} m3: if litres are meant, write {largest:g}e-3")
