@@ -177,19 +177,19 @@ def simulate_batch(
     doubt_motor(press, drive, speeds)
     scenarios = _Scenarios(press, until, start, speeds, (drive, flywheel, *loads), friction, states, tolerance)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
-        return _solved(scenarios, began)
+        return _solve(scenarios, began)
 
 
 def _speeds(speed: ArrayLike, parts: Sequence[Any]) -> Array:
     """(S,) speeds at the start [rad/s]. S is the length of the arrays that are given, 1 where none is given."""
     wanted = "one finite number, or (S,) of them [rad/s]"
-    given = suitable_numbers("speed", speed, wanted, None, lambda values: values.ndim < 2 and values.size)
-    counts = {} if given.ndim == 0 else {"speed": len(given)}
+    speeds = suitable_numbers("speed", speed, wanted, None, lambda values: values.ndim < 2 and values.size)
+    counts = {} if speeds.ndim == 0 else {"speed": len(speeds)}
     for part in parts:
         counts |= scenario_lengths(part)
     if len(set(counts.values())) > 1:
         raise PinpressError(f"arrays for different numbers of scenarios: {', '.join(f'{name} {size}' for name, size in counts.items())}")
-    return np.broadcast_to(given, (next(iter(counts.values()), 1),)).copy()
+    return np.broadcast_to(speeds, (next(iter(counts.values()), 1),)).copy()
 
 
 def _is_number(value: Any) -> bool:
@@ -221,9 +221,9 @@ class _Scenarios:
     points: int
     tolerance: float
 
-    def together(self, some: Indices) -> DrivenPress:
+    def together(self, block: Indices) -> DrivenPress:
         """The press of the scenarios with these indices, as one array."""
-        drive, flywheel, *loads = (pick_scenarios(part, some) for part in self.parts)
+        drive, flywheel, *loads = (pick_scenarios(part, block) for part in self.parts)
         return driven_press(self.press, drive, flywheel, loads, None, None, self.friction)
 
     def alone(self, k: int, end: float | None = None) -> Run:
@@ -244,7 +244,7 @@ class _Scenarios:
         )
 
 
-def _solved(scenarios: _Scenarios, began: float) -> RunBatch:
+def _solve(scenarios: _Scenarios, began: float) -> RunBatch:
     """Solve the scenarios, as many as possible together and the others one by one."""
     count, times = len(scenarios.speeds), np.linspace(0.0, scenarios.until, scenarios.points)
     angles, speeds, works = np.empty((len(times), count)), np.empty((len(times), count)), np.zeros((3, count))
@@ -252,15 +252,15 @@ def _solved(scenarios: _Scenarios, began: float) -> RunBatch:
     missing = np.zeros(count)
     reducible = is_reducible(scenarios.together(np.arange(count)))
     left = list(np.flatnonzero(scenarios.speeds == 0)) if reducible else list(range(count))
-    for some in _blocks(scenarios.speeds) if reducible else ():
-        solver = BatchSolver(scenarios.together(some), scenarios.angle, scenarios.speeds[some], times)
+    for block in _blocks(scenarios.speeds) if reducible else ():
+        solver = BatchSolver(scenarios.together(block), scenarios.angle, scenarios.speeds[block], times)
         solver.run(0.1 * scenarios.tolerance)
-        missing[some] = found = solver.energy_error()
-        solver.alone |= ~(found <= allowed_error(scenarios.tolerance))
-        angles[:, some], speeds[:, some], works[:, some] = solver.angle, solver.speed, solver.works
-        left += list(some[solver.alone])
+        missing[block] = error = solver.energy_error()
+        solver.alone |= ~(error <= allowed_error(scenarios.tolerance))
+        angles[:, block], speeds[:, block], works[:, block] = solver.angle, solver.speed, solver.works
+        left += list(block[solver.alone])
     for k in map(int, left):
-        angles[:, k], speeds[:, k], works[:, k], missing[k], errors[k] = _solved_alone(scenarios, k, times)
+        angles[:, k], speeds[:, k], works[:, k], missing[k], errors[k] = _solve_alone(scenarios, k, times)
     took = clock.perf_counter() - began
     return RunBatch(times, angles, speeds, works[0], works[1], works[2], missing, tuple(errors), took, scenarios)
 
@@ -268,22 +268,22 @@ def _solved(scenarios: _Scenarios, began: float) -> RunBatch:
 def _blocks(speeds: Array) -> Iterator[Indices]:
     """Groups of scenarios that are solved together: of one direction of travel, and not too many."""
     for direction in (1, -1):
-        ones = np.flatnonzero(np.sign(speeds) == direction)
-        ones = ones[np.abs(speeds[ones]).argsort(kind="stable")]  # those of a group come to their end in about the same period
-        for start in range(0, len(ones), AT_ONCE):
-            yield ones[start : start + AT_ONCE]
+        alike = np.flatnonzero(np.sign(speeds) == direction)
+        alike = alike[np.abs(speeds[alike]).argsort(kind="stable")]  # those of a group come to their end in about the same period
+        for start in range(0, len(alike), AT_ONCE):
+            yield alike[start : start + AT_ONCE]
 
 
 Alone = tuple[Array, Array, tuple[float, float, float], float, SimulationError | None]
 """Angles and speeds (n,) of a scenario, the works of its drive, loads and friction, its energy error, and why it stalled."""
 
 
-def _solved_alone(scenarios: _Scenarios, k: int, times: Array) -> Alone:
+def _solve_alone(scenarios: _Scenarios, k: int, times: Array) -> Alone:
     """A scenario on its own. One that stalls is at rest from there on, with works and energy error up to there."""
     try:
         run = scenarios.alone(k)
     except SimulationError as error:
-        return _up_to(error, scenarios, k, times)
+        return _run_to_stall(error, scenarios, k, times)
     return run.crank_angle, run.crank_speed, _works(run), run.stats.energy_error, None
 
 
@@ -292,7 +292,7 @@ def _works(run: Run) -> tuple[float, float, float]:
     return float(run.drive_work[-1]), float(run.load_work[-1]), float(run.lost[-1])
 
 
-def _up_to(error: SimulationError, scenarios: _Scenarios, k: int, times: Array) -> Alone:
+def _run_to_stall(error: SimulationError, scenarios: _Scenarios, k: int, times: Array) -> Alone:
     """Scenario k up to its error, and at rest afterwards."""
     end = 0.0 if error.time is None else error.time * (1 - 1e-9)
     stopped = scenarios.angle if error.crank_angle is None else error.crank_angle
@@ -387,11 +387,11 @@ class BatchSolver:
         else:
             mesh = build_mesh(driven, self.anchor, self.direction, mesh_borders(driven, self.anchor, self.direction, period))
         places = partial(self._coarse, going=going, until=until, tolerance=tolerance)
-        found = solve_period(driven, mesh, self.energy, places, beside=beside, most=MOST_CUTS)
-        if found is None or len(found.coarse):
+        solved = solve_period(driven, mesh, self.energy, places, beside=beside, most=MOST_CUTS)
+        if solved is None or len(solved.coarse):
             self.alone |= going
             return None
-        return found.solution
+        return solved.solution
 
     def _coarse(self, solution: CollocationSolution, going: Mask, until: float, tolerance: float) -> Array | None:
         """Where to cut panels that are too coarse for a scenario; None: into too many. Those that stop are marked as ``alone``."""
@@ -430,22 +430,22 @@ class BatchSolver:
         scenario, place = self._within(passed, going, until)
         time = self.times[place]
         panel = np.clip((passed.take(scenario, axis=1) <= time).sum(axis=0) - 1, 0, len(mesh.kinds) - 1)
-        at = panel * len(going) + scenario  # among panels and scenarios
-        slowness = solution.slowness.reshape(len(rule.nodes), -1).take(at, axis=1)
-        since = time - passed[:-1].ravel().take(at)
+        flat = panel * len(going) + scenario  # places among panels and scenarios
+        slowness = solution.slowness.reshape(len(rule.nodes), -1).take(flat, axis=1)
+        since = time - passed[:-1].ravel().take(flat)
         elapsed = rule.integral(slowness)
-        x = place_at(elapsed, since, passed[1:].ravel().take(at) - passed[:-1].ravel().take(at))
+        x = place_at(elapsed, since, passed[1:].ravel().take(flat) - passed[:-1].ravel().take(flat))
         along, measure = mesh.travelled(panel, x)
         self.angle[place, scenario] = self.at + self.direction * along
         self.speed[place, scenario] = self.direction * measure / values_and_slopes(elapsed, x)[1]
         ending = np.flatnonzero(place == len(self.times) - 1)
         if not len(ending):
             return
-        of, at = scenario[ending], panel[ending]
+        scenario, panel = scenario[ending], panel[ending]
         for k, force, over_panels in forces:
-            before = running_sums(0.0, over_panels)[at, of]
-            within = polynomial_values(rule.integral(force[:, at, of] * mesh.measure[:, at]), x[ending])
-            self.works[k, of] += before + within
+            before = running_sums(0.0, over_panels)[panel, scenario]
+            within = polynomial_values(rule.integral(force[:, panel, scenario] * mesh.measure[:, panel]), x[ending])
+            self.works[k, scenario] += before + within
 
     def _within(self, passed: Array, going: Mask, until: float) -> tuple[Indices, Indices]:
         """Scenarios (m,), and places (m,) among the times, of all m states within a period."""
@@ -458,10 +458,9 @@ class BatchSolver:
     def energy_error(self) -> Array:
         """(S,) energy errors of those scenarios that are not ``alone``, from their states at start and end."""
         press, count = self.driven.press, len(self.begin)
-        at, speed = np.concatenate([self.angle[[0, -1]], self.speed[[0, -1]]]).reshape(2, 2, count)
-        at, speed = np.where(self.alone, self.first, at), np.where(self.alone, self.begin, speed)
-        motion = motion_through_change_points(press, at.ravel(), speed.ravel())
+        angle, speed = np.concatenate([self.angle[[0, -1]], self.speed[[0, -1]]]).reshape(2, 2, count)
+        angle, speed = np.where(self.alone, self.first, angle), np.where(self.alone, self.begin, speed)
+        motion = motion_through_change_points(press, angle.ravel(), speed.ravel())
         kinetic, potential = (energy.reshape(2, count) for energy in energies(press, motion))
         works = np.concatenate([np.zeros((3, 1, count)), self.works[:, None]], axis=1)
-        found: Array = energy_error(kinetic + 0.5 * self.driven.inertia * speed**2, potential, *works)[-1]
-        return found
+        return np.asarray(energy_error(kinetic + 0.5 * self.driven.inertia * speed**2, potential, *works)[-1])

@@ -169,7 +169,7 @@ class GeneralizedForce:
     @property
     def works_once(self) -> bool:
         """Whether it acts on the way down and pushes nothing on the way up, as on a part that it changes for good."""
-        return self.rising is not self.falling and all(float(np.max(each.force(each.upper, 0.0))) < 0 for each in self.rising)
+        return self.rising is not self.falling and all(float(np.max(up.force(up.upper, 0.0))) < 0 for up in self.rising)
 
     def borders(self) -> tuple[float, ...]:
         """Values of the coordinate at which the force is not smooth."""
@@ -225,14 +225,14 @@ class DrivenPress:
         """Whether a force depends on more than the crank angle. Where none does, a swing of the crank repeats itself."""
         if self.friction is not None or self.timed or (self.drive is not None and getattr(self.drive, "heeds_speed", True)):
             return True
-        return any(force.rising is not force.falling or any(each.heeds_velocity for each in force.rising) for force in self.forces)
+        return any(force.rising is not force.falling or any(interval.heeds_velocity for interval in force.rising) for force in self.forces)
 
     @cached_property
     def speed_free(self) -> bool:
         """Whether no force depends on time or on the size of the speed, while the crank turns one way."""
         if self.timed or self.friction is not None or (self.drive is not None and getattr(self.drive, "heeds_speed", True)):
             return False
-        return not any(each.heeds_velocity for force in self.forces for each in (*force.rising, *force.falling))
+        return not any(interval.heeds_velocity for force in self.forces for interval in (*force.rising, *force.falling))
 
     @cached_property
     def model(self) -> ReducedModel:
@@ -240,7 +240,7 @@ class DrivenPress:
         press, coordinates = self.press, self.coordinates
         if len(coordinates) == (press.slide is not None):
             return reduced_model_of(press)
-        return build_reduced_model(press, [partial(each.over, press) for each in coordinates])
+        return build_reduced_model(press, [partial(coordinate.over, press) for coordinate in coordinates])
 
     @cached_property
     def bearing_model(self) -> BearingModel | None:
@@ -254,22 +254,22 @@ class DrivenPress:
     def switch_angles(self) -> tuple[Array, ...]:
         """Crank angles in the model's range at which a force is not smooth: (k,) of each border of its intervals, of the turns of its
         coordinate, and of those of each bearing with friction [rad]."""
-        found = [] if self.bearing_model is None else [*self.bearing_model.reversals]
+        angles = [] if self.bearing_model is None else [*self.bearing_model.reversals]
         for force in self.forces:
             row, borders = COORDINATES + force.row, force.borders()
-            found += [places_of(self.model, row, border) for border in borders]
+            angles += [places_of(self.model, row, border) for border in borders]
             if borders:
-                found.append(self.model.roots(row, slope=True))
-        return read_only(tuple(found))
+                angles.append(self.model.roots(row, slope=True))
+        return read_only(tuple(angles))
 
     @cached_property
     def switch_times(self) -> tuple[float, ...]:
         """Instants at which a force or a coupling is not smooth [s]."""
         times = [edge for force in self.forces for edge in force.edges]
         for coupling in (self.clutch, self.brake):
-            for at in () if coupling is None else (coupling.closes, coupling.opens):
-                if coupling is not None and at is not None and at.time is not None:
-                    times += [at.time, at.time + coupling.rise]
+            for switch in () if coupling is None else (coupling.closes, coupling.opens):
+                if coupling is not None and switch is not None and switch.time is not None:
+                    times += [switch.time, switch.time + coupling.rise]
         return tuple(times)
 
     def motion_sizes(self, speed: float) -> tuple[float, float]:
@@ -336,11 +336,11 @@ def driven_press(
 
 
 def _doubt_parts(press: Linkage, drive: Drive | None, flywheel: Flywheel | None, clutch: Clutch | None, brake: Brake | None) -> None:
-    """Warn of parts that hardly belong to a press of this size."""
-    mass = sum(float(each.mass) for each in press.model.inertias)
+    """Warn of parts that probably belong to a press of another size."""
+    mass = sum(float(inertia.mass) for inertia in press.model.inertias)
     if flywheel is not None:
         plausibility.flywheel(float(np.max(flywheel.inertia)), mass, press.size)
-    torques: dict[str, Any] = {type(each).__name__: each.torque for each in (clutch, brake) if each is not None}
+    torques: dict[str, Any] = {type(part).__name__: part.torque for part in (clutch, brake) if part is not None}
     if drive is not None:
         inner, ratio = innermost(drive)
         if drive.rated_torque is not None:

@@ -31,7 +31,7 @@ from ..loads.process import ProcessLoad, TimeForce
 ANGLES, TIMES = (0.7, 2.1, -4.0, 9.5), (0.01, 0.3, 2.0, 11.0)  # a drive is tried at these crank angles [rad] and times [s]
 INSIDE = np.linspace(0.02, 0.98, 9)  # a load is tried at these shares of an interval
 VELOCITIES = (0.0, -1.0, -0.1, -1e-3, 1e-3, 0.1, 1.0)  # a load is tried at these velocities [m/s]
-ANSWERS = np.array([-1.0, 0.5, 2.0])  # speeds or heights at which a law is asked at once, to see whether it takes arrays
+TRIED_AT = np.array([-1.0, 0.5, 2.0])  # speeds or heights at which a law is asked at once, to see whether it takes arrays
 
 
 def tried(drive: Any, loads: Iterable[Any], speed: float) -> tuple[Any, list[Any]]:
@@ -127,9 +127,6 @@ class AskedDrive(Asked):
     def motor_torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
         return self._laws["motor_torque"](speed, angle, time, state)  # type: ignore[no-any-return]
 
-    def rates(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> tuple[Values, ...]:
-        return tuple(self._rates(speed, angle, time, state))
-
     def motor_speed(self, speed: Values) -> Values:
         return self._laws["motor_speed"](speed)  # type: ignore[no-any-return]
 
@@ -141,18 +138,18 @@ class AskedDrive(Asked):
             for law in ("torque", "motor_torque", "motor_speed")
         }
 
-    def _rates(self, *at: Any) -> list[Any]:
-        shape = np.shape(at[0])
+    def rates(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> tuple[Values, ...]:
+        shape = np.shape(speed)
         try:
             with np.errstate(**self.errors):
-                rates = self.part.rates(*at)
+                rates = self.part.rates(speed, angle, time, state)
             numbers = np.array([np.broadcast_to(np.asarray(rate, dtype=float), shape) for rate in rates]).reshape(-1, *shape)
         except Exception as error:
             one_by_one = "; let it work element by element, as NumPy's functions do" if shape else ""
             raise LawError(f"{name_of(self)}: rates cannot be worked out: {said(error)}{one_by_one}") from error
-        if len(numbers) != len(self.state) or not (np.isfinite(numbers).all() or not np.isfinite(at[0]).all()):
+        if len(numbers) != len(self.state) or not (np.isfinite(numbers).all() or not np.isfinite(speed).all()):
             raise LawError(f"{name_of(self)}: rates is {shown(rates)}; give a finite rate of each of {len(self.state)} states")
-        return list(numbers) if shape else list(map(float, numbers))
+        return tuple(numbers) if shape else tuple(map(float, numbers))
 
 
 # ----------------------------------------------------------------------------------------------------------------------------- checked
@@ -161,19 +158,19 @@ class AskedDrive(Asked):
 def _check_drive(drive: Drive) -> None:
     """Raise PinpressError where a drive does not answer as the protocol says."""
     name = name_of(drive)
-    inertia = _asked(f"{name}: inertia", lambda: drive.inertia)
+    inertia = _answer(f"{name}: inertia", lambda: drive.inertia)
     if inertia.ndim > 1 or not np.all(np.isfinite(inertia)) or np.any(inertia < 0):
         raise PinpressError(f"{name}: inertia is {shown(drive.inertia)}; give a finite number that is not negative [kg m2]")
-    state = _asked(f"{name}: state", lambda: list(drive.state))
+    state = _answer(f"{name}: state", lambda: list(drive.state))
     if state.ndim != 1 or not np.all(np.isfinite(state)):
         raise PinpressError(f"{name}: state is {shown(drive.state)}; give a tuple of finite numbers, () for none")
     if len(state) and not drive.timed:
         raise PinpressError(f"{name}: a drive with states is timed: let timed be True")
     states = tuple(state.tolist())
-    rates = _asked(f"{name}: rates", lambda: list(drive.rates(1.0, 0.0, 0.0, states)))
+    rates = _answer(f"{name}: rates", lambda: list(drive.rates(1.0, 0.0, 0.0, states)))
     if rates.shape != state.shape:
         raise PinpressError(f"{name}: rates gives {rates.size} of {state.size} states; give one of each")
-    _asked(f"{name}: corners", lambda: [np.ravel(speed)[0] for speed, _ in corners_of(drive)])
+    _answer(f"{name}: corners", lambda: [np.ravel(speed)[0] for speed, _ in corners_of(drive)])
     for what in (drive.torque, drive.motor_torque):
         call: Callable[..., Any] = what
         _law(f"{name}: {what.__name__}", partial(call, angle=0.0, time=0.0, state=states), drive.timed)
@@ -181,20 +178,20 @@ def _check_drive(drive: Drive) -> None:
 
 def _law(what: str, law: Callable[[Any], Any], timed: bool) -> None:
     """Ask a law with a number, and if it is not timed, so that it may be solved over the crank angle, with an array too."""
-    number = _asked(what, lambda: law(1.0))
+    number = _answer(what, lambda: law(1.0))
     if not np.all(np.isfinite(number)):
         raise PinpressError(f"{what} is {number}; give finite numbers")
     if not timed:
-        shape = (len(ANSWERS), number.size) if number.ndim else ANSWERS.shape
-        given = np.broadcast_to(ANSWERS[:, None], shape) if number.ndim else ANSWERS
-        array = _asked(f"{what} of an array", lambda: law(given))
+        shape = (len(TRIED_AT), number.size) if number.ndim else TRIED_AT.shape
+        arguments = np.broadcast_to(TRIED_AT[:, None], shape) if number.ndim else TRIED_AT
+        array = _answer(f"{what} of an array", lambda: law(arguments))
         if np.broadcast_shapes(array.shape, shape) != shape:
             raise PinpressError(
                 f"{what} of an array of shape {shape} has shape {array.shape}; it must take arrays, as NumPy's functions do"
             )
 
 
-def _asked(what: str, ask: Callable[[], Any]) -> Any:
+def _answer(what: str, ask: Callable[[], Any]) -> Any:
     """An answer as an array of numbers; raises PinpressError where it is none, or cannot be computed."""
     try:
         with np.errstate(all="ignore"):
@@ -214,25 +211,24 @@ def _try_drive(drive: AskedDrive) -> None:
     speeds = drive.about * np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])
     if timed and len(drive.corners):
         raise PinpressError(f"{what}: corners is {shown(drive.corners)}; a drive that is timed has none: let corners be ()")
+    in_states = [(w, ANGLES[k % 4], TIMES[k % 3], states) for k, w in enumerate(speeds.tolist())]
     for law in ("torque", "motor_torque"):
         ask = getattr(drive, law)
         if timed:
-            at = [(w, ANGLES[k % 4], TIMES[k % 3], states) for k, w in enumerate(speeds.tolist())]
-            _in_turn(f"{what}: {law}", ask, at, "keep it in `state` and `rates`")
+            _in_turn(f"{what}: {law}", ask, in_states, "keep it in `state` and `rates`")
             continue
-        at = [(w, 0.0, 0.0, ()) for w in speeds.tolist()]
-        first = _in_turn(f"{what}: {law}", ask, at, "keep it in `state` and `rates`, and let `timed` be True")
+        arguments = [(w, 0.0, 0.0, ()) for w in speeds.tolist()]
+        first = _in_turn(f"{what}: {law}", ask, arguments, "keep it in `state` and `rates`, and let `timed` be True")
         for of, places in (("angle of the shaft", [(a, 0.0) for a in ANGLES]), ("time", [(0.0, t) for t in TIMES])):
             for angle, time in places:
-                if _differ(first[::4], [ask(w, angle, time, ()) for w, *_ in at[::4]]):
+                if _differ(first[::4], [ask(w, angle, time, ()) for w in speeds.tolist()[::4]]):
                     raise PinpressError(f"{what}: {law} depends on the {of}, but timed is False; let timed be True")
         if not drive.heeds_speed and _differ(first, first[:1]):
             raise PinpressError(f"{what}: {law} depends on the speed; let heeds_speed be True")
-        given = np.broadcast_to(speeds[:, None], first.shape) if first.ndim > 1 else speeds
-        _as_numbers(f"{what}: {law}", first, ask(given, 0.0, 0.0, ()))
+        all_speeds = np.broadcast_to(speeds[:, None], first.shape) if first.ndim > 1 else speeds
+        _as_numbers(f"{what}: {law}", first, ask(all_speeds, 0.0, 0.0, ()))
     if states:
-        at = [(w, ANGLES[k % 4], TIMES[k % 3], states) for k, w in enumerate(speeds.tolist())]
-        _in_turn(f"{what}: rates", drive.rates, at, "keep it in `state`")
+        _in_turn(f"{what}: rates", drive.rates, in_states, "keep it in `state`")
 
 
 def _try_load(load: AskedLoad) -> None:
@@ -245,13 +241,13 @@ def _try_load(load: AskedLoad) -> None:
         for interval in once:
             upper = interval.upper if math.isfinite(interval.upper) else max(interval.lower, -1.0) + 1.0
             lower = interval.lower if math.isfinite(interval.lower) else upper - 1.0
-            at = [(h, v) for h in (lower + (upper - lower) * INSIDE).tolist() for v in VELOCITIES]
+            arguments = [(h, v) for h in (lower + (upper - lower) * INSIDE).tolist() for v in VELOCITIES]
             remedy = "let it depend on height and velocity alone, forces in time are a TimeForce"
-            first = _in_turn(f"{name_of(load)}: force", interval.force, at, remedy)
+            first = _in_turn(f"{name_of(load)}: force", interval.force, arguments, remedy)
             by_height = first.reshape(len(INSIDE), len(VELOCITIES), -1)
             if not interval.heeds_velocity and _differ(by_height, by_height[:, :1]):
                 raise PinpressError(f"{name_of(load)}: force depends on the velocity; let heeds_velocity of its interval be True")
-            heights, velocities = (np.broadcast_to(np.array(one), first.T.shape).T for one in zip(*at, strict=True))
+            heights, velocities = (np.broadcast_to(np.array(values), first.T.shape).T for values in zip(*arguments, strict=True))
             _as_numbers(f"{name_of(load)}: force", first, interval.force(heights, velocities))
 
 
@@ -266,20 +262,20 @@ def confirm_torques(drive: object, times: Array, angles: Array, speeds: Array, t
     if not len(clear):
         return
     # of a long run a hundred states are asked again
-    some = clear[np.unique(np.linspace(0, len(clear) - 1, 100).astype(int))[::-1]]
-    again = [drive.torque(float(speeds[k]), float(angles[k]), float(times[k])) for k in some]
-    by_speed = [drive.torque(float(speeds[k])) for k in some]
-    if _differ(torques[some], np.array([again, by_speed]).reshape(2, -1)):
+    backwards = clear[np.unique(np.linspace(0, len(clear) - 1, 100).astype(int))[::-1]]
+    again = [drive.torque(float(speeds[k]), float(angles[k]), float(times[k])) for k in backwards]
+    by_speed = [drive.torque(float(speeds[k])) for k in backwards]
+    if _differ(torques[backwards], np.array([again, by_speed]).reshape(2, -1)):
         raise PinpressError(
             f"{name_of(drive)}: torque depends on more than the speed, but timed is False: asked again at the states of the run it gives"
             " other torques; let timed be True, and keep what it remembers in `state` and `rates`"
         )
 
 
-def _in_turn(what: str, ask: Callable[..., Any], at: Sequence[tuple[Any, ...]], remedy: str) -> Array:
+def _in_turn(what: str, ask: Callable[..., Any], arguments: Sequence[tuple[Any, ...]], remedy: str) -> Array:
     """Answers of a law; raises PinpressError where they differ when it is asked in another order."""
-    first = np.array([ask(*one) for one in at], dtype=float)
-    if _differ(first, [ask(*one) for one in reversed(at)][::-1]):
+    first = np.array([ask(*row) for row in arguments], dtype=float)
+    if _differ(first, [ask(*row) for row in reversed(arguments)][::-1]):
         raise PinpressError(f"{what} depends on what it was asked before: the same arguments give other values; {remedy}")
     return first
 
@@ -289,6 +285,6 @@ def _as_numbers(what: str, numbers: Array, array: Any) -> None:
         raise PinpressError(f"{what} of an array differs from that of its numbers; let it work element by element, as NumPy's functions do")
 
 
-def _differ(some: Array, others: Any) -> bool:
+def _differ(answers: Array, others: Any) -> bool:
     # Up to this relative difference two answers are equal within rounding error.
-    return bool(np.abs(some - np.asarray(others, dtype=float)).max() > 1e-9 * np.abs(some).max())
+    return bool(np.abs(answers - np.asarray(others, dtype=float)).max() > 1e-9 * np.abs(answers).max())

@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from .elastic.run import ElasticRun
 
 METHODS = ("auto", "reduced", "implicit", "constraint")
-MOST_STEPS = 1_000_000  # most steps of the Runge-Kutta method
 
 
 @overload
@@ -163,7 +162,7 @@ def simulate(
     began = clock.perf_counter()
     if elastic is not None and (_method(press, method) != "reduced" or step is not None) and len(press.drivers) == 1:
         raise PinpressError("an elastic motion has a method and steps of its own: leave out method and step")
-    asked, method = method, _method(press, method)
+    by_caller, method = method, _method(press, method)
     until = number("duration", duration, "s", positive=True)
     error = checked_tolerance(tolerance, elastic is not None)
     fixed = _fixed_step(step, until)
@@ -177,7 +176,7 @@ def simulate(
     refuse_many_turns(speeds, until, float(angles[0]))
     with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
         driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction)
-        if asked == "auto" and not is_reducible(driven):
+        if by_caller == "auto" and not is_reducible(driven):
             method = "constraint"
         problem = _problem(driven, method, angles, speeds, until, error, fixed)
         doubt_speeds(press, problem.speed)
@@ -281,11 +280,9 @@ def _fixed_step(given: float | None, until: float) -> float | None:
     """The step of the Runge-Kutta method [s]; raises PinpressError where the run would take too many steps."""
     if given is None:
         return None
-    step = number("step", given, "s", positive=True)
-    if step < until / MOST_STEPS:
-        raise PinpressError(
-            f"step is {step:g} s: with it the run takes more than {MOST_STEPS} steps; give a longer one, or a shorter duration"
-        )
+    step, most = number("step", given, "s", positive=True), 1_000_000  # each step is kept in memory
+    if step < until / most:
+        raise PinpressError(f"step is {step:g} s: with it the run takes more than {most} steps; give a longer one, or a shorter duration")
     return step
 
 
@@ -341,5 +338,5 @@ def _start(press: Linkage, name: str, value: ArrayLike, by: str = "") -> Array:
     if len(press.drivers) == 1:
         return np.array([number(name, value)])
     wanted = f"finite numbers, one of each of the {len(press.drivers)} drivers"
-    given = suitable_numbers(name, value, wanted, None, lambda values: values.shape in ((), (len(press.drivers),)))
-    return np.broadcast_to(given, (len(press.drivers),)).copy()
+    values = suitable_numbers(name, value, wanted, None, lambda values: values.shape in ((), (len(press.drivers),)))
+    return np.broadcast_to(values, (len(press.drivers),)).copy()

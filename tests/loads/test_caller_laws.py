@@ -580,8 +580,8 @@ def test_equal_intervals_both_ways_have_no_direction(press):
 
 
 def test_a_contact_without_a_damper_is_solved_for_all_scenarios_at_once(press, monkeypatch):
-    alone, solved_alone = [], batch._solved_alone
-    monkeypatch.setattr(batch, "_solved_alone", lambda scenarios, k, times: alone.append(k) or solved_alone(scenarios, k, times))
+    alone, solve_alone = [], batch._solve_alone
+    monkeypatch.setattr(batch, "_solve_alone", lambda scenarios, k, times: alone.append(k) or solve_alone(scenarios, k, times))
     speeds = np.array([20.0, 25.0])
     pp.simulate_batch(press, 0.3, speed=speeds, flywheel=pp.drives.Flywheel(30.0), loads=[Stop(1e4)])
     assert alone == []

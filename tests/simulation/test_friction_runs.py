@@ -233,7 +233,7 @@ def test_clutch_brake_and_a_die():
 def test_scenarios_are_runs(monkeypatch):
     """They are solved together; none is left to be run alone."""
     left = []
-    monkeypatch.setattr("pinpress.simulation.batch._solved_alone", lambda *given: left.append(given))
+    monkeypatch.setattr("pinpress.simulation.batch._solve_alone", lambda *given: left.append(given))
     press = shipped("crank_slide")
     speeds, friction = np.array([60.0, 90.0]) * pp.RPM, rubbing(press)
     flywheel = Flywheel(np.array([40.0, 60.0]))
