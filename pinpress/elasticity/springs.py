@@ -19,7 +19,7 @@ from ..common.quantities import Array
 from ..dynamics.reactions import Reactions
 from ..dynamics.shaking import on_frame
 from ..kinematics.motion import Motion
-from ..kinematics.poses import bearing_points, loaded_bodies, poses
+from ..kinematics.poses import bearing_points, poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.contact import Clearance as Clearance
 from ..simulation.elastic.contact import hertz_stiffness as hertz_stiffness
@@ -199,23 +199,10 @@ def _guide_spring(press: Linkage, name: str, stiffness: float) -> Spring:
 
 
 def _rod_spring(press: Linkage, rod: Rod) -> Spring:
-    body, (one, another) = rod_ends(press, rod)
-    signs = {}
-    for k, (acted_on, other) in enumerate(zip(loaded_bodies(press), _acting_bodies(press), strict=True)):
-        if body in (acted_on, other):
-            signs[k] = 1.0 if body == acted_on else -1.0
-    for k in (one, another):
-        if k not in signs:
-            names = ", ".join(press.bearings[i] for i in signs)
-            raise PinpressError(f"rod of {shown(rod.link)}: bearing {shown(press.bearings[k])} is not on that link; there are: {names}")
+    _, (one, another), signs = rod_ends(press, rod)
     compliance = 1 / part_stiffness(f"rod {shown(rod.name)}", rod.stiffness)
     loads = ((one, -0.5 * signs[one]), (another, 0.5 * signs[another])) if len(signs) == 2 else ((another, signs[another]),)
     return Spring(rod.name, compliance, "rod", loads, (one, another), _joint(rod.stiffness))
-
-
-def _acting_bodies(press: Linkage) -> tuple[int, ...]:
-    """For each bearing the body that acts in it: the parent of a joint, link1 of a loop."""
-    return (*map(int, list(press.model.parents)[1:]), *(loop.joint1 for loop in press.loops))
 
 
 def _on_crown(press: Linkage) -> list[tuple[int, float]]:

@@ -26,7 +26,7 @@ from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.numerics import undamped_modes
 from ..common.quantities import Array
-from ..common.reading.matrices import held_motions, large_matrix, read_model, refuse_negative_mass
+from ..common.reading.matrices import craig_bampton, large_matrix, read_model, refuse_negative_mass
 from ..common.results import Tabular
 from ..common.tables import Column
 from .frame_parts import COORDINATES, axis_index, rows_at
@@ -345,7 +345,11 @@ def _free_vibrations(
             "the frame: its stiffness matrix resists when the frame moves as a whole: give that of a frame that nothing holds, with nodes"
             " in m"
         )
-    basis, outer = _craig_bampton(mass, stiffness, rows, interfaces, modes)
+    outer = np.array([rows[node, along] for node in interfaces.values() for along in range(6)])
+    try:
+        basis = craig_bampton(mass, stiffness, outer, modes)
+    except np.linalg.LinAlgError as error:
+        raise PinpressError("the frame: it moves though all its interfaces are held: some rows lack stiffness") from error
     rigid = np.vstack([whole[outer], np.zeros((basis.shape[1] - len(outer), 6))])
     if np.abs(basis @ rigid - whole).max() > RIGID * reach:
         raise PinpressError(
@@ -385,23 +389,6 @@ def _whole_motions(count: int, places: Array, rows: Mapping[tuple[int, int], int
         else:
             whole[row, direction] = 1.0
     return whole
-
-
-def _craig_bampton(
-    mass: Any, stiffness: Any, rows: Mapping[tuple[int, int], int], interfaces: Mapping[str, int], modes: int
-) -> tuple[Array, NDArray[np.intp]]:
-    """(n, c) motions of all rows: each degree of freedom of the interfaces moved by itself, then vibrations with all of them held."""
-    outer = np.array([rows[node, along] for node in interfaces.values() for along in range(6)])
-    inner = np.setdiff1d(np.arange(mass.shape[0]), outer)
-    held, across = stiffness[np.ix_(inner, inner)], stiffness[np.ix_(inner, outer)]
-    try:
-        follow, vibrations = held_motions(mass[np.ix_(inner, inner)], held, across, modes)
-    except np.linalg.LinAlgError as error:
-        raise PinpressError("the frame: it moves though all its interfaces are held: some rows lack stiffness") from error
-    basis = np.zeros((mass.shape[0], len(outer) + vibrations.shape[1]))
-    basis[outer, np.arange(len(outer))] = 1.0
-    basis[inner] = np.hstack([follow, vibrations])
-    return basis, outer
 
 
 def _at_origin(motion: Array, place: Array) -> Array:

@@ -7,6 +7,7 @@ import warnings
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import files
 from ..arguments import numbers
@@ -82,6 +83,17 @@ def refuse_negative_mass(what: str, mass: Any) -> None:
                 raise np.linalg.LinAlgError
     except np.linalg.LinAlgError:
         raise PinpressError(f"{what} is not positive semidefinite: some motion would have a negative mass; give it as assembled") from None
+
+
+def craig_bampton(mass: Any, stiffness: Any, outer: NDArray[np.intp], count: int) -> Array:
+    """(n, c + k) motions of all rows of a model: each of c rows moved by itself, then k vibrations with these held; see `held_motions`."""
+    inner = np.setdiff1d(np.arange(stiffness.shape[0]), outer)
+    within, across = np.ix_(inner, inner), np.ix_(inner, outer)
+    follow, vibrations = held_motions(mass[within], stiffness[within], stiffness[across], count)
+    basis = np.zeros((stiffness.shape[0], len(outer) + vibrations.shape[1]))
+    basis[outer, np.arange(len(outer))] = 1.0
+    basis[inner] = np.hstack([follow, vibrations])
+    return basis
 
 
 def held_motions(mass: Any, stiffness: Any, across: Any, count: int) -> tuple[Array, Array]:

@@ -33,7 +33,7 @@ from ...common.errors import PinpressError, caution, shown
 from ...common.frozen import Frozen
 from ...common.numerics import undamped_modes
 from ...common.quantities import Array, ComplexArray
-from ...common.reading.matrices import held_motions, read_model, refuse_negative_mass, symmetric_matrix
+from ...common.reading.matrices import craig_bampton, read_model, refuse_negative_mass, symmetric_matrix
 
 MOST_ROWS = 2000  # of matrices: larger ones are reduced in seconds by programs that keep them sparse
 MOST_MODES = 50
@@ -186,7 +186,11 @@ def _reduced(link: FlexibleLink) -> _Reduced:
         raise PinpressError(f"{what}: its mass matrix has no mass: give kg")
     centre = complex(rigid[1, 2], -rigid[0, 2]) / total
     inertia = float(rigid[2, 2]) - total * abs(centre) ** 2
-    basis = _craig_bampton(link, what)
+    held = np.flatnonzero(np.isin(node, list(link.bearings.values())) & np.isin(direction, (0, 1)))
+    try:
+        basis = craig_bampton(mass, stiffness, held, link.modes)
+    except np.linalg.LinAlgError as error:
+        raise PinpressError(f"{what}: it moves though all its bearings are held: some rows lack stiffness") from error
     try:
         squared, vectors = undamped_modes(basis.T @ mass @ basis, basis.T @ stiffness @ basis)
     except np.linalg.LinAlgError as error:
@@ -195,42 +199,18 @@ def _reduced(link: FlexibleLink) -> _Reduced:
         raise PinpressError(f"{what}: more than three of its motions cost no energy: its parts are not joined, or it has a hinge")
     shapes = basis @ vectors[:, 3:]
     dilation = along * (x - centre.real) + across * (z - centre.imag)
-    turned = _turn_by_a_quarter(link, shapes)
+    turned = np.zeros_like(shapes)  # by a quarter of a turn
+    rows = {(int(n), int(d)): row for row, (n, d) in enumerate(link.degrees) if d in (0, 1)}
+    for (n, d), row in rows.items():
+        if (n, 1 - d) in rows:
+            turned[row] = (2 * d - 1) * shapes[rows[n, 1 - d]]
     swirl = -shapes.T @ mass @ turned
     at_nodes = np.zeros((len(link.nodes), shapes.shape[1]), dtype=complex)
     for k, factor in ((0, 1.0), (1, 1j)):
-        rows = direction == k
-        at_nodes[node[rows]] += factor * shapes[rows]
+        at_nodes[node[direction == k]] += factor * shapes[direction == k]
     return _Reduced(
         total, centre, inertia, np.sqrt(squared[3:]), at_nodes, np.asarray(dilation @ mass @ shapes), np.asarray(0.5 * (swirl - swirl.T))
     )
-
-
-def _turn_by_a_quarter(link: FlexibleLink, shapes: Array) -> Array:
-    """Displacements (n, m) of the nodes turned by a right angle."""
-    found = np.zeros_like(shapes)
-    rows = {(int(node), int(direction)): row for row, (node, direction) in enumerate(link.degrees)}
-    for (node, direction), row in rows.items():
-        other = rows.get((node, 1 - direction)) if direction in (0, 1) else None
-        if other is not None:
-            found[row] = -shapes[other] if direction == 0 else shapes[other]
-    return found
-
-
-def _craig_bampton(link: FlexibleLink, what: str) -> Array:
-    """(n, c) motions of all rows: one bearing moved after another along an axis, then the vibrations with all bearings held."""
-    node, direction = link.degrees.T
-    at_bearing = np.isin(node, list(link.bearings.values())) & np.isin(direction, (0, 1))
-    outer, inner = np.flatnonzero(at_bearing), np.flatnonzero(~at_bearing)
-    held = link.stiffness[np.ix_(inner, inner)]
-    try:
-        follow, vibrations = held_motions(link.mass[np.ix_(inner, inner)], held, link.stiffness[np.ix_(inner, outer)], link.modes)
-    except np.linalg.LinAlgError as error:
-        raise PinpressError(f"{what}: it moves though all its bearings are held: some rows lack stiffness") from error
-    basis = np.zeros((len(node), len(outer) + vibrations.shape[1]))
-    basis[outer, np.arange(len(outer))] = 1.0
-    basis[inner] = np.hstack([follow, vibrations])
-    return basis
 
 
 # -------------------------------------------------------------------------------------------------------------------------- in the linkage

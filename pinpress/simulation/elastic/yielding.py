@@ -6,7 +6,7 @@ Deflections under static forces (`elasticity`) and motions on springs refuse the
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -15,6 +15,7 @@ from ...common import plausibility
 from ...common.arguments import number, positive
 from ...common.errors import PinpressError, UnknownNameError, shown
 from ...common.quantities import GRAVITY, Array
+from ...kinematics.poses import loaded_bodies
 from ...linkage.linkage import Linkage
 from .description import Rod, Stiffness
 from .preloaded_joint import STIFFEST, PreloadedJoint, closed_stiffness
@@ -57,17 +58,39 @@ def rods_of(stiffness: Stiffness) -> Sequence[Rod]:
     return rods
 
 
-def rod_ends(press: Linkage, rod: Rod) -> tuple[int, tuple[int, int]]:
-    """Pinocchio's joint of a rod's link, and the numbers of the two bearings that it lies between.
+class RodEnds(NamedTuple):
+    """What a rod's link has to do with the bearings.
+
+    Attributes:
+        joint: Pinocchio's joint of the link.
+        ends: numbers of the two bearings that the rod lies between.
+        signs: for each bearing of the link, by its number, 1 where its force acts on the link, -1 where on its other side.
+    """
+
+    joint: int
+    ends: tuple[int, int]
+    signs: dict[int, float]
+
+
+def rod_ends(press: Linkage, rod: Rod) -> RodEnds:
+    """The ends of a rod.
 
     Raises:
         UnknownNameError: the linkage has no such link or bearing.
-        PinpressError: the names are not those of two bearings.
+        PinpressError: the names are not those of two bearings of the link.
     """
     joint = link_joint(press, rod.link)
     if not isinstance(rod.between, tuple | list) or len(rod.between) != 2 or rod.between[0] == rod.between[1]:
         raise PinpressError(f"rod of {shown(rod.link)}: between is {shown(rod.between)}; give the names of two of its bearings")
-    return joint, (bearing_number(press, rod.between[0]), bearing_number(press, rod.between[1]))
+    ends = bearing_number(press, rod.between[0]), bearing_number(press, rod.between[1])
+    acting = (*map(int, list(press.model.parents)[1:]), *(loop.joint1 for loop in press.loops))
+    both = enumerate(zip(loaded_bodies(press), acting, strict=True))
+    signs = {k: 1.0 if joint == loaded else -1.0 for k, (loaded, other) in both if joint in (loaded, other)}
+    for end in ends:
+        if end not in signs:
+            names = ", ".join(press.bearings[k] for k in signs)
+            raise PinpressError(f"rod of {shown(rod.link)}: bearing {shown(press.bearings[end])} is not on that link; there are: {names}")
+    return RodEnds(joint, ends, signs)
 
 
 def refuse_meeting(press: Linkage, rod: str, length: float | Array) -> None:

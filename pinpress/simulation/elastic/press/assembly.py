@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,7 +40,7 @@ from ..yielding import (
     rods_of,
 )
 from .assembly_in_space import press_in_space
-from .geometry import LinearSprings, Springs
+from .geometry import LinearSprings, Springs, in_columns
 from .mounts import on_mounts
 from .plane import DrawnBodies, Lines, PlaneGeometry
 from .sprung_press import SprungPress, reference_motion
@@ -116,7 +116,7 @@ def _bodies(press: Linkage, drawn: DrawnBodies, elastic: Elastic) -> PlaneGeomet
         centers=np.concatenate([drawn.centers, np.zeros(bodies - count + 1)]),
         inertia=inertia,
         weight=weight,
-        lines=_columns(Lines, []),
+        lines=Lines(*np.zeros((6, 0))),
         shapes=np.zeros((2, 0, 0), dtype=complex),
         crown=crown,
         rotor=rotor,
@@ -237,26 +237,16 @@ def _with_springs(drawn: DrawnBodies, bare: PlaneGeometry, elastic: Elastic, ref
                 add(first, one, second, two, across, False, radial[place], place, 1.0)
     if bare.crown is not None:
         along = complex(to_complex(drawn.plane, press.slide_direction))
-        add(
-            frame,
-            0j,
-            bare.crown,
-            0j,
-            along,
-            False,
-            part_stiffness("the frame", stiffness.frame),
-            -1,
-            1.0,
-        )
+        add(frame, 0j, bare.crown, 0j, along, False, part_stiffness("the frame", stiffness.frame), -1, 1.0)
     turns = [(f"{press.bearings[j]} turning", body(drawn.plane.parents[j]), j, turning[j]) for j in guides]
     if bare.rotor is not None:
         turns.append((SHAFT, bare.rotor, drawn.plane.driver, part_stiffness("the shaft", stiffness.shaft, "N m/rad")))
-    geometry = replace(bare, lines=_columns(Lines, lines), shapes=np.zeros((2, len(lines), 0), dtype=complex))
+    geometry = replace(bare, lines=in_columns(Lines, lines), shapes=np.zeros((2, len(lines), 0), dtype=complex))
     return SprungPress(
         press=press,
         elastic=elastic,
         geometry=geometry,
-        springs=_columns(Springs, springs),
+        springs=in_columns(Springs, springs),
         linear=_against_turning(turns, len(rest)),
         carry=carry,
         drawn=rest,
@@ -273,14 +263,6 @@ def _against_turning(turns: Sequence[tuple[str, int, int, float]], size: int) ->
         row[3 * first + 2], row[3 * second + 2] = -1.0, 1.0
     stiffness = np.array([value for *_, value in turns], dtype=float)
     return LinearSprings(rows, stiffness, np.zeros(len(turns)), np.ones(len(turns)), tuple(part for part, *_ in turns))
-
-
-def _columns(kind: Any, rows: Sequence[tuple[Any, ...]]) -> Any:
-    """Springs of a kind from their rows."""
-    columns = zip(*rows, strict=True) if rows else ((),) * len(kind._fields)
-    whole, points = ("first", "second", "bearing"), ("arm1", "arm2", "direction")
-    types = (np.intp if name in whole else complex if name in points else float for name in kind._fields)
-    return kind(*(np.array(column, dtype=dtype) for dtype, column in zip(types, columns, strict=True)))
 
 
 def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
@@ -307,18 +289,17 @@ def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
 def _rod_ends(drawn: DrawnBodies, rod: Rod) -> tuple[int, list[int], complex]:
     """Link of a rod, the pins at which it may yield, and its direction in the drawn pose."""
     press = drawn.press
-    joint, ends = rod_ends(press, rod)
+    joint, ends, of_link = rod_ends(press, rod)
     body, places = joint - 1, []
-    own = [place for place in range(len(press.bearings)) if body in drawn.bearing(place)[::2]]
     for place in ends:
-        if place not in own or place in drawn.directions:
-            names = ", ".join(press.bearings[i] for i in own if i not in drawn.directions)
+        if place in drawn.directions:
+            names = ", ".join(press.bearings[i] for i in of_link if i not in drawn.directions)
             raise PinpressError(f"rod of {shown(rod.link)}: {shown(press.bearings[place])} is no pin on that link; there are: {names}")
         link1, one, _, two = drawn.bearing(place)
         places.append(one if link1 == body else two)
     line = places[1] - places[0]
     refuse_meeting(press, rod.name, abs(line))
-    return body, list(ends if len(own) == 2 else ends[1:]), line / abs(line)
+    return body, list(ends if len(of_link) == 2 else ends[1:]), line / abs(line)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- flexible links

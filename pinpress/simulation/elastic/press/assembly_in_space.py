@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from ....linkage.linkage import Linkage
 from ..description import Elastic
 from ..preloaded_joint import JointSpring, PreloadedJoint
 from ..yielding import LIGHTEST, by_bearing, dampers_by_bearing
-from .geometry import LinearSprings, Springs
+from .geometry import LinearSprings, Springs, in_columns
 from .space import LinesInSpace, SpaceGeometry
 from .sprung_press import SprungPress
 from .turning import nominal_turns
@@ -112,7 +112,6 @@ def _bodies(press: Linkage, light: set[int]) -> SpaceGeometry:
         if not np.linalg.eigvalsh(inertia)[0] > 0:
             raise _massless(press, joint)
         shape.append(0.5 * np.trace(inertia) * np.eye(3) - inertia)
-    empty, nothing, none = np.zeros((0, 3)), np.zeros(0), np.zeros(0, dtype=np.intp)
     return SpaceGeometry(
         press=press,
         joints=joints,
@@ -123,7 +122,7 @@ def _bodies(press: Linkage, light: set[int]) -> SpaceGeometry:
         shape=np.array(shape),
         gravity=np.array(model.gravity.linear),
         nominal=nominal_turns(press, (*joints, 0), np.concatenate([own_axes, np.eye(3)[None]])),
-        lines=LinesInSpace(none, none, empty, nothing, empty, empty, nothing),
+        lines=LinesInSpace(*np.zeros((7, 0))),
     )
 
 
@@ -234,12 +233,12 @@ def _with_springs(bare: SpaceGeometry, joints: Sequence[_Joint], elastic: Elasti
                 springs.append((k, 0.0, 0.0, name, 0.0))
         for member in each.members:
             alike[member] = name
-    geometry = replace(bare, lines=LinesInSpace(*_columns(lines, (np.intp, np.intp, float, float, float, float, float))))
+    geometry = replace(bare, lines=in_columns(LinesInSpace, lines))
     return SprungPress(
         press=press,
         elastic=elastic,
         geometry=geometry,
-        springs=Springs(*_columns(springs, (float, float, float, np.intp, float))),
+        springs=in_columns(Springs, springs),
         linear=LinearSprings(np.zeros((0, bare.size)), np.zeros(0), np.zeros(0), np.zeros(0), ()),
         carry=bare.carry,
         drawn=np.zeros(bare.size),
@@ -247,11 +246,6 @@ def _with_springs(bare: SpaceGeometry, joints: Sequence[_Joint], elastic: Elasti
         alike=tuple(alike),
         joints=tuple(preloaded),
     )
-
-
-def _columns(rows: Sequence[tuple[Any, ...]], types: Sequence[type]) -> list[Any]:
-    """Columns of rows, as arrays of these types."""
-    return [np.array(column, dtype=kind) for column, kind in zip(zip(*rows, strict=True), types, strict=True)]
 
 
 def _refuse_loose(sprung: SprungPress) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -178,3 +179,8 @@ class Geometry(Protocol):
 
     def displacement(self, coordinates: Array, motion: Motion) -> Array:
         """Of all moving links beside the rigid press in a motion, as in `ElasticRun`."""
+
+
+def in_columns(kind: Any, rows: Sequence[tuple[Any, ...]]) -> Any:
+    """Lines or springs of a kind, of which at least one is given, from their rows."""
+    return kind(*(np.array(column) for column in zip(*rows, strict=True)))
