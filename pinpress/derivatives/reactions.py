@@ -22,7 +22,7 @@ import numpy as np
 from ..common.errors import PinpressError, said, shown
 from ..common.products import product
 from ..common.quantities import Array, ComplexArray
-from ..dynamics.applied_loads import apply, asked
+from ..dynamics.applied_loads import apply, wrap_laws
 from ..engines.friction import REST
 from ..engines.planar.balance import Statics, balance, efforts_by_rows, tree_without_work
 from ..engines.planar.model import Plane, to_complex
@@ -95,7 +95,7 @@ def pushes(plane: Plane, press: Linkage, motion: Motion, loads: Sequence[Load], 
     """
     result = []
     for load in loads:
-        applied = apply(asked([load]), press, motion)
+        applied = apply(wrap_laws([load]), press, motion)
         braced = not isinstance(load, PointForce)
         for each in applied:
             if each.joint:

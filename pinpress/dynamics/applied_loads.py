@@ -32,7 +32,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 GAUSS = (_NODES + 1) / 2, _WEIGHTS / 2  # by which the work between two states is found
 
 
-def asked(loads: Sequence[Load]) -> list[Load]:
+def wrap_laws(loads: Sequence[Load]) -> list[Load]:
     """The loads with callers' own functions wrapped, so that their errors and numbers are checked; other loads are returned unchanged."""
     return [
         replace(load, force=caller_laws.ForceOfMotion(f"{load.label}: force", load.force, np.geterr()))
@@ -182,17 +182,14 @@ def _heights(press: "Linkage", motion: "Motion", zero: float) -> tuple[Array, Ar
 
 
 def _force_in(name: str, interval: ForceInterval, height: Array, velocity: Array) -> Array:
-    """The force (m,) of a process load at heights (m,) within an interval [N]; raises PinpressError for values that are none."""
-    law = numbers(f"{name}: force", interval.force(height, velocity))
-    if law.shape not in ((), height.shape):
-        raise PinpressError(f"{name}: force of {height.shape} heights has shape {law.shape}; give the same")
-    return np.broadcast_to(interval.acting(law), height.shape)
+    """The force (m,) of a process load at heights (m,) within an interval [N]; raises PinpressError if it is not finite."""
+    return np.broadcast_to(interval.acting(numbers(f"{name}: force", interval.force(height, velocity))), height.shape)
 
 
 def process_force(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> Array:
     """Sum (n,) of the process loads and forces in time on the slide, along its guide's axis [N]; raises as `apply`."""
     total = np.zeros(len(motion.crank_angle))
-    for load in asked(loads):
+    for load in wrap_laws(loads):
         if isinstance(load, TimeForce):
             total += _in_time(load, motion)
         elif not isinstance(load, PointForce | SpringDamper):
@@ -207,7 +204,7 @@ def process_work(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> A
     Raises as `apply`.
     """
     total = np.zeros(len(motion.crank_angle) - (not is_cycle(motion)))
-    for load in asked(loads):
+    for load in wrap_laws(loads):
         if isinstance(load, TimeForce):
             power = _closed(motion, -_in_time(load, motion) * _heights(press, motion, 0.0)[1])
             total += 0.5 * (power[1:] + power[:-1]) * np.diff(_closed_time(motion.time, motion))
@@ -279,11 +276,8 @@ def _refuse_scenarios(name: str, interval: ForceInterval) -> None:
 
 def _in_time(load: TimeForce, motion: "Motion") -> Array:
     """The force (n,) of a load in time on the slide, along the guide's axis [N]."""
-    for times in (motion.time[:1], motion.time):  # one time first: an array that does not depend on time may have as many values as states
-        force = numbers("TimeForce: force", load.force(times), unit="N")
-        if force.shape not in ((), times.shape):
-            raise PinpressError(f"TimeForce: force of {len(times)} times has shape {force.shape}; give {times.shape}, as the time has")
-    return np.broadcast_to(force, motion.time.shape)
+    load.force(motion.time[:1])  # refuses an array that does not depend on time, which may have as many values as the motion has states
+    return np.broadcast_to(load.force(motion.time), motion.time.shape)
 
 
 def point_force(load: PointForce, press: "Linkage", force: ArrayLike, states: int | None = None, *, warned: bool = False) -> AppliedForce:

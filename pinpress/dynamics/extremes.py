@@ -22,7 +22,6 @@ from ..kinematics.poses import poses
 from .peaks import PeakStates, peak_states
 from .reactions import Reactions
 
-AT_PEAKS = "_at_peaks"  # where the states of peaks are kept with reactions
 ROUNDING_OF_VALUES = 1e-12  # share of a quantity's largest value below which a value is rounding
 AXES = ("x", "y", "z")
 ROUNDING = 1e-9  # share of the largest force below which a force, or of the crank speed below which its variation, is rounding
@@ -103,15 +102,18 @@ def extremes(reactions: Reactions) -> Records[ExtremeValues]:
 
 
 def at_peaks(reactions: Reactions) -> PeakStates:
-    """The states of reactions of all bearings with those at which what `extremes` and summaries list jumps or is largest; kept with them.
+    """The states of reactions of all bearings, and those at which quantities that `extremes` and summaries list jump or are largest. They
+    are found once for all readers.
 
     Raises:
         PinpressError: as `extremes`.
     """
-    kept = vars(reactions)
-    if AT_PEAKS not in kept:
-        kept[AT_PEAKS] = peak_states(reactions, _listed)
-    return kept[AT_PEAKS]  # type: ignore[no-any-return]
+    return reactions._peaks
+
+
+def find_peaks(reactions: Reactions) -> PeakStates:
+    """`at_peaks`, found again."""
+    return peak_states(reactions, _listed)
 
 
 def _listed(reactions: Reactions) -> Iterator[Array]:

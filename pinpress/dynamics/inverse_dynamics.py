@@ -68,9 +68,9 @@ def inverse_dynamics(
     wanted = _wanted(press, bearings)
     _refuse_change_points(press, motion)
     law, compliance = friction_law(friction, press), compliances(stiffness, press.bearings)
-    asked = applied_loads.asked(loads)
+    checked_loads = applied_loads.wrap_laws(loads)
     with np.errstate(all="ignore"):  # what overflows is refused
-        conditions = AppliedConditions(applied_loads.apply(asked, press, motion), law, compliance)
+        conditions = AppliedConditions(applied_loads.apply(checked_loads, press, motion), law, compliance)
         wrenches = find_wrenches(press, chosen, motion, conditions, bearings=bool(wanted))
     given = (tuple(loads), _frozen(friction), _frozen(stiffness))
     return _reactions(press, motion, chosen.name, conditions, wanted, wrenches, given)
@@ -81,7 +81,7 @@ def in_other_states(reactions: Reactions, motion: Motion) -> Reactions:
     press, conditions = reactions._press, reactions._conditions
     wanted = [k for k, name in enumerate(press.bearings) if name in reactions.bearing_force]
     with np.errstate(all="ignore"):  # what overflows is refused
-        loads = applied_loads.apply(applied_loads.asked(reactions.loads), press, motion, warned=True)
+        loads = applied_loads.apply(applied_loads.wrap_laws(reactions.loads), press, motion, warned=True)
         conditions = conditions._replace(loads=loads)
         wrenches = find_wrenches(press, press.engine(reactions.engine), motion, conditions, bearings=bool(wanted))
     given = (reactions.loads, reactions.friction, reactions.stiffness)

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,9 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import applied_loads
 from .shaking import shaking
+
+if TYPE_CHECKING:
+    from .peaks import PeakStates
 
 ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
 
@@ -156,8 +159,15 @@ class Reactions(Tabular):
         loads = tuple(sendable(load) for load in self.loads)
         if any(isinstance(load, str) for load in loads):
             _ = self.process_force, self._process_steps  # they cannot be computed from descriptions
-        kept = {name: value for name, value in vars(self).items() if name != "_at_peaks"}  # it is found again when it is asked for
+        kept = {name: value for name, value in vars(self).items() if name != "_peaks"}  # a copy finds its peaks again
         return kept | {"loads": loads}
+
+    @cached_property
+    def _peaks(self) -> PeakStates:
+        """See `extremes.at_peaks`."""
+        from .extremes import find_peaks  # imports this module
+
+        return find_peaks(self)
 
     @property
     def indeterminate(self) -> NamedArrays[np.bool_]:

@@ -16,7 +16,7 @@ import numpy as np
 from ..common.arguments import expect, positive, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.quantities import Array
-from ..dynamics.applied_loads import asked
+from ..dynamics.applied_loads import wrap_laws
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.servo_motion import angle_on_flank
 from ..kinematics.slide_path import dead_centres
@@ -518,7 +518,7 @@ def _load_edges(press: Linkage, loads: Sequence[Load]) -> Array:
     if not loads:
         return np.empty(0)
     found = [ends.bottom_angle, ends.top_angle]
-    for load in asked(loads):
+    for load in wrap_laws(loads):
         if not isinstance(load, ProcessLoad):
             continue
         for downwards in (True, False):

@@ -36,7 +36,7 @@ from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import read_only
 from ..common.quantities import RPM, Array
 from ..common.results import Tabular
-from ..dynamics.applied_loads import asked
+from ..dynamics.applied_loads import wrap_laws
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import doubt_speeds, period_at
@@ -221,7 +221,7 @@ def largest(quantity: Affine, squares: Array, forces: Array, lengths: bool, stat
 
 def _loads(unit_load: Load | Sequence[Load], loads: Sequence[Load]) -> tuple[Sequence[Load], Sequence[Load]]:
     """The loads that are multiplied, and those that are equal at all points."""
-    units, constant = (asked(_listed(name, given)) for name, given in (("unit_load", unit_load), ("loads", loads)))
+    units, constant = (wrap_laws(_listed(name, given)) for name, given in (("unit_load", unit_load), ("loads", loads)))
     if any(isinstance(load, SpringDamper) for load in units):
         raise PinpressError("unit_load has a spring or damper, which has no amplitude: give it in loads")
     if any(isinstance(load, TimeForce) for load in (*units, *constant)):

@@ -21,7 +21,7 @@ from ..common.quantities import Array, ComplexArray
 from ..derivatives.motion import STEP, Displacements, Rates, Shift, States, Tangent, guide_shift, shift
 from ..derivatives.reactions import Balanced, Push, pushes, tangent
 from ..derivatives.reshape import continue_geometry, redrawn
-from ..dynamics.applied_loads import apply, asked
+from ..dynamics.applied_loads import apply, wrap_laws
 from ..dynamics.shaking import shaking
 from ..engines.engine import ClosedStates
 from ..engines.planar.balance import Statics, build_statics
@@ -296,7 +296,7 @@ class Design:
 
     @cached_property
     def _wrenches(self) -> Wrenches:
-        conditions = AppliedConditions(apply(asked(self.start.loads), self.press, self.motion), None, None)
+        conditions = AppliedConditions(apply(wrap_laws(self.start.loads), self.press, self.motion), None, None)
         states = ClosedStates(self.position, self._rates.v, self._rates.a, self._states.basis)
         return inverse_dynamics(self._statics, states, conditions, bearings=True)
 
@@ -307,7 +307,7 @@ class Design:
     @cached_property
     def _reactions(self) -> TrialReactions:
         found, press = self._wrenches, self.press
-        shaken = shaking(press, self.motion, found.force, found.moment, apply(asked(self.start.loads), press, self.motion))
+        shaken = shaking(press, self.motion, found.force, found.moment, apply(wrap_laws(self.start.loads), press, self.motion))
         names = press.bearings
         return TrialReactions(found.torque[0], shaken[0], NamedArrays(names, found.force), NamedArrays(names, found.moment), shaken[1])
 
