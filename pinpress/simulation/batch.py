@@ -199,27 +199,16 @@ def _is_number(value: Any) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Scenarios:
-    """The scenarios to simulate.
-
-    Attributes:
-        press: the linkage.
-        until: end [s].
-        angle: of the crank at the start [rad].
-        speeds: (S,) of the crank at the start [rad/s].
-        parts: drive, flywheel and loads, with the values of all scenarios.
-        friction: of the bearings, by their names.
-        points: number of states.
-        tolerance: as in `simulate`.
-    """
+    """The scenarios to simulate."""
 
     press: Linkage
-    until: float
-    angle: float
-    speeds: Array
-    parts: tuple[Any, ...]
-    friction: Mapping[str, Friction]
-    points: int
-    tolerance: float
+    until: float  # end [s]
+    angle: float  # of the crank at the start [rad]
+    speeds: Array  # (S,) of the crank at the start [rad/s]
+    parts: tuple[Any, ...]  # drive, flywheel and loads, with the values of all scenarios
+    friction: Mapping[str, Friction]  # of the bearings, by their names
+    points: int  # states of a run
+    tolerance: float  # as in `simulate`
 
     def together(self, block: Indices) -> DrivenPress:
         """The press of the scenarios with these indices, as one array."""

@@ -29,21 +29,13 @@ OPEN, SLIPPING, HOLDING = Grip
 
 
 class CouplingMode(NamedTuple):
-    """Mode of a clutch or brake.
+    """Mode of a clutch or brake."""
 
-    Attributes:
-        grip: whether it is open, slips or holds.
-        sign: of its torque on the crank while it slips.
-        since: time at which it closed [s].
-        spent: whether it has opened for good.
-        way: +1 or -1, direction in which the crank has to pass the angle that switches it.
-    """
-
-    grip: Grip
-    sign: int = 0
-    since: float = -math.inf
-    spent: bool = False
-    way: int = 1
+    grip: Grip  # whether it is open, slips or holds
+    sign: int = 0  # of its torque on the crank while it slips
+    since: float = -math.inf  # time at which it closed [s]
+    spent: bool = False  # whether it has opened for good
+    way: int = 1  # +1 or -1, direction in which the crank has to pass the angle that switches it
 
     def capacity(self, coupling: Coupling, time: Any) -> Any:
         """Torque that it can transmit at a time or at times [N m]."""

@@ -356,21 +356,13 @@ def _doubt_parts(press: Linkage, drive: Drive | None, flywheel: Flywheel | None,
 
 
 class MotorAgainst(NamedTuple):
-    """An asynchronous motor whose own direction, that of its rotating field, is against a speed: turned that way it brakes at every speed.
+    """An asynchronous motor whose rotating field turns against a speed: turned that way it brakes at every speed."""
 
-    Attributes:
-        motor: name of its class.
-        idle: no-load speed of the driver under it, with its sign, in the unit in which speeds are shown.
-        share: of the no-load speed that the speed is, positive.
-        speed: the same of the speed.
-        remedy: what turns the motor round.
-    """
-
-    motor: str
-    idle: str
-    share: float
-    speed: str
-    remedy: str
+    motor: str  # name of its class
+    idle: str  # no-load speed of the driver under it, with its sign, in the unit in which speeds are shown
+    share: float  # of the no-load speed that the speed is, positive
+    speed: str  # the same of the speed
+    remedy: str  # what turns the motor round
 
 
 def motor_against(press: Linkage, given: object, speed: float) -> MotorAgainst | None:

@@ -273,15 +273,10 @@ def _cut(edges: Array, longest: float) -> Array:
 
 
 class ChargedLink(NamedTuple):
-    """A direct-current link of a run, as `pinpress.measures.motor_energy` is given it.
-
-    Attributes:
-        link: the link.
-        voltage: at the start [V]; None: that of a stroke that has been repeated for good.
-    """
+    """A direct-current link of a run, as `pinpress.measures.motor_energy` is given it."""
 
     link: DirectCurrentLink
-    voltage: float | None
+    voltage: float | None  # at the start [V]; None: that of a stroke that has been repeated for good
 
 
 def motor_energy_of(

@@ -17,19 +17,12 @@ DRIVE_WORK, LOAD_WORK, MOTOR_SQUARED, LOST = range(len(INTEGRALS))
 
 
 class State(NamedTuple):
-    """The state that a run has reached.
+    """The state that a run has reached."""
 
-    Attributes:
-        time: [s].
-        angle: of the crank [rad].
-        speed: of the crank [rad/s].
-        integrals: (4,) the `INTEGRALS` since the start of the run.
-    """
-
-    time: float
-    angle: float
-    speed: float
-    integrals: Array
+    time: float  # [s]
+    angle: float  # of the crank [rad]
+    speed: float  # of the crank [rad/s]
+    integrals: Array  # (4,) the `INTEGRALS` since the start of the run
 
 
 class Sample(NamedTuple):

@@ -28,15 +28,10 @@ AT_ONCE = 8  # most periods solved at once: more would hardly save anything
 
 
 class Stop(NamedTuple):
-    """Why a run over the angle ended.
+    """Why a run over the angle ended."""
 
-    Attributes:
-        state: in which it ended.
-        at_rest: whether the press is at rest there, and no force depends on its speed.
-    """
-
-    state: State
-    at_rest: bool
+    state: State  # in which it ended
+    at_rest: bool  # whether the press is at rest there, and no force depends on its speed
 
 
 class AngleSolver:

@@ -31,19 +31,12 @@ LEAST = 1e-3  # share of the period's largest kinetic energy: with less, a drive
 
 
 class Growth(NamedTuple):
-    """How a disturbance of W grows with the angle, by dW/du = K W.
+    """How a disturbance of W grows with the angle, by dW/du = K W."""
 
-    Attributes:
-        slopes: (q, p, S) K.
-        stiffness: (p,) see `CollocationSolution`.
-        within: (q, p, S) factor from the start of a panel to its nodes; None of a stiff drive.
-        through: (p, S) factor over a whole panel; None of a stiff drive.
-    """
-
-    slopes: Array
-    stiffness: Array
-    within: Array | None
-    through: Array | None
+    slopes: Array  # (q, p, S) K
+    stiffness: Array  # (p,) see `CollocationSolution`
+    within: Array | None  # (q, p, S) factor from the start of a panel to its nodes; None of a stiff drive
+    through: Array | None  # (p, S) factor over a whole panel; None of a stiff drive
 
 
 @dataclass(frozen=True, eq=False, repr=False)

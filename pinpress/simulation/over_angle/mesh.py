@@ -25,19 +25,12 @@ STEADY, FROM_REST, TO_REST = 0, 1, -1  # kinds of panels: over the angle, or ove
 
 
 class PanelForce(NamedTuple):
-    """An interval of a force, with the panels on which it acts.
+    """An interval of a force, with the panels on which it acts."""
 
-    Attributes:
-        row: of the coordinate along which it acts.
-        datum: value of the coordinate from which heights count [m].
-        interval: with its law.
-        panels: indices of the panels on which it acts.
-    """
-
-    row: int
-    datum: float
-    interval: ForceInterval
-    panels: Indices
+    row: int  # of the coordinate along which it acts
+    datum: float  # value of the coordinate from which heights count [m]
+    interval: ForceInterval  # with its law
+    panels: Indices  # indices of the panels on which it acts
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -26,15 +26,10 @@ LAYER = 10.0  # e-folds of half a panel that holds what dies away at its start u
 
 
 class SolvedPeriod(NamedTuple):
-    """A period, or a part of it, on panels that were cut.
+    """A period, or a part of it, on panels that were cut."""
 
-    Attributes:
-        solution: on the last panels.
-        coarse: (k,) angles travelled at which these would have to be cut again; none where they resolve it.
-    """
-
-    solution: CollocationSolution
-    coarse: Array
+    solution: CollocationSolution  # on the last panels
+    coarse: Array  # (k,) angles travelled at which these would have to be cut again; none where they resolve it
 
 
 def solve_period(

@@ -63,25 +63,15 @@ class Dynamics(Protocol):
 
 
 class CrankState(NamedTuple):
-    """A state of the crank.
+    """A state of the crank."""
 
-    Attributes:
-        angle: [rad].
-        speed: [rad/s].
-        coordinates: their values and rates.
-        inertia: I [kg m2].
-        inertia_slope: I' [kg m2/rad].
-        weight: V' [N m].
-        levers: derivatives c' of the coordinates by the crank angle.
-    """
-
-    angle: float
-    speed: float
-    coordinates: list[tuple[float, float]]
-    inertia: float
-    inertia_slope: float
-    weight: float
-    levers: list[float]
+    angle: float  # [rad]
+    speed: float  # [rad/s]
+    coordinates: list[tuple[float, float]]  # their values and rates
+    inertia: float  # I [kg m2]
+    inertia_slope: float  # I' [kg m2/rad]
+    weight: float  # V' [N m]
+    levers: list[float]  # derivatives c' of the coordinates by the crank angle
 
 
 class ReducedDynamics:
@@ -139,23 +129,14 @@ class ReducedDynamics:
 
 
 class LinkageState(NamedTuple):
-    """A state of all joints.
+    """A state of all joints."""
 
-    Attributes:
-        angle: of the first driver [rad].
-        speed: of the first driver [rad/s].
-        coordinates: their values and rates.
-        levers: (nv,) their derivatives by the joint coordinates.
-        x: (nv,) joint coordinates.
-        v: (nv,) joint rates.
-    """
-
-    angle: float
-    speed: float
-    coordinates: list[tuple[float, float]]
-    levers: list[Array]
-    x: Array
-    v: Array
+    angle: float  # of the first driver [rad]
+    speed: float  # of the first driver [rad/s]
+    coordinates: list[tuple[float, float]]  # their values and rates
+    levers: list[Array]  # (nv,) their derivatives by the joint coordinates
+    x: Array  # (nv,) joint coordinates
+    v: Array  # (nv,) joint rates
 
 
 @dataclass(frozen=True, repr=False)

@@ -87,19 +87,12 @@ def ending_events(system: HybridSystem, mode: Mode, y: Array) -> tuple[Event, ..
 
 @dataclass(frozen=True, eq=False, slots=True)
 class BorderPassed(Event):
-    """The coordinate of a force leaves the interval between two of its borders.
+    """The coordinate of a force leaves the interval between two of its borders."""
 
-    Attributes:
-        force: index of the force.
-        row: of its coordinate.
-        border: value of the coordinate that is passed [m].
-        upwards: whether it is passed with a rising coordinate.
-    """
-
-    force: int
-    row: int
-    border: float
-    upwards: bool
+    force: int  # index of the force
+    row: int  # of its coordinate
+    border: float  # value of the coordinate that is passed [m]
+    upwards: bool  # whether it is passed with a rising coordinate
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
         value: float = snapshot.linkage.coordinates[self.row][0]
@@ -119,18 +112,12 @@ class BorderPassed(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CoordinateTurns(Event):
-    """The coordinate of a force that depends on its direction turns back: at a dead centre, or where the crank itself stops.
-
-    Attributes:
-        force: index of the force.
-        row: of its coordinate.
-        rising: whether the coordinate has risen so far.
-    """
+    """The coordinate of a force that depends on its direction turns back: at a dead centre, or where the crank itself stops."""
 
     rank = 2
-    force: int
-    row: int
-    rising: bool
+    force: int  # index of the force
+    row: int  # of its coordinate
+    rising: bool  # whether the coordinate has risen so far
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
         rate: float = snapshot.linkage.coordinates[self.row][1]
@@ -145,21 +132,13 @@ class CoordinateTurns(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ContactChanges(Event):
-    """A one-sided force would begin to pull, or begins to push again.
+    """A one-sided force would begin to pull, or begins to push again."""
 
-    Attributes:
-        force: index of the force.
-        row: of its coordinate.
-        datum: value of the coordinate from which the interval counts [m].
-        interval: that acts.
-        pushing: whether the force has pushed so far.
-    """
-
-    force: int
-    row: int
-    datum: float
-    interval: ForceInterval
-    pushing: bool
+    force: int  # index of the force
+    row: int  # of its coordinate
+    datum: float  # value of the coordinate from which the interval counts [m]
+    interval: ForceInterval  # that acts
+    pushing: bool  # whether the force has pushed so far
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
         value, rate = snapshot.linkage.coordinates[self.row]
@@ -174,17 +153,11 @@ class ContactChanges(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CornerPassed(Event):
-    """The drive's shaft passes a speed at which its torque is not smooth.
+    """The drive's shaft passes a speed at which its torque is not smooth."""
 
-    Attributes:
-        corner: index of the corner.
-        speed: of the shaft there [rad/s].
-        side: +1 where the shaft has been faster so far, else -1.
-    """
-
-    corner: int
-    speed: float
-    side: int
+    corner: int  # index of the corner
+    speed: float  # of the shaft there [rad/s]
+    side: int  # +1 where the shaft has been faster so far, else -1
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
         return self.side * (snapshot.shaft_speed - self.speed)
@@ -198,17 +171,11 @@ class CornerPassed(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CouplingSwitched(Event):
-    """A clutch or brake closes, or opens for good, at its time or angle.
+    """A clutch or brake closes, or opens for good, at its time or angle."""
 
-    Attributes:
-        side: which of the two.
-        when: its time or angle.
-        way: +1 or -1, direction in which the crank has to pass that angle.
-    """
-
-    side: Side
-    when: SwitchPoint
-    way: int
+    side: Side  # which of the two
+    when: SwitchPoint  # its time or angle
+    way: int  # +1 or -1, direction in which the crank has to pass that angle
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
         past = time - self.when.time if self.when.time is not None else (snapshot.linkage.angle - (self.when.angle or 0.0)) * self.way
@@ -275,15 +242,10 @@ class CrankStops(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PressStarts(Event):
-    """What holds the crank at rest is overcome in one direction.
+    """What holds the crank at rest is overcome in one direction."""
 
-    Attributes:
-        forward: mode in which it starts forward.
-        back: mode in which it starts back.
-    """
-
-    forward: Mode
-    back: Mode
+    forward: Mode  # mode in which it starts forward
+    back: Mode  # mode in which it starts back
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, snapshot: Snapshot) -> float:
         rising, falling = system.tending(self.forward, time, y), -system.tending(self.back, time, y)

@@ -34,56 +34,35 @@ LETS_GO = 1e-9
 
 
 class Snapshot(NamedTuple):
-    """A state as forces see it.
+    """A state as forces see it."""
 
-    Attributes:
-        linkage: as `Dynamics.at` returns it.
-        shaft_speed: of the drive's shaft [rad/s].
-        states: of the drive.
-    """
-
-    linkage: Any
-    shaft_speed: float
-    states: tuple[float, ...]
+    linkage: Any  # as `Dynamics.at` returns it
+    shaft_speed: float  # of the drive's shaft [rad/s]
+    states: tuple[float, ...]  # of the drive
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- modes
 
 
 class ForceMode(NamedTuple):
-    """Mode of a force.
+    """Mode of a force."""
 
-    Attributes:
-        low: value of its coordinate at which the mode ends [m].
-        high: the same above [m].
-        rising: whether the coordinate rises.
-        interval: that acts there; None where none does.
-        pushing: whether the force pushes; False where a contact is lost.
-    """
-
-    low: float
-    high: float
-    rising: bool
-    interval: ForceInterval | None
-    pushing: bool = True
+    low: float  # value of its coordinate at which the mode ends [m]
+    high: float  # the same above [m]
+    rising: bool  # whether the coordinate rises
+    interval: ForceInterval | None  # that acts there; None where none does
+    pushing: bool = True  # whether the force pushes; False where a contact is lost
 
 
 class Mode(NamedTuple):
-    """Everything that switches.
+    """Everything that switches."""
 
-    Attributes:
-        clutch: mode of the clutch; a press without one has one that holds.
-        brake: mode of the brake, `SLIPPING` while it is closed, at rest too; a press without one has one that is open.
-        forces: mode of every force; None of a force in time.
-        sides: for each corner of the drive's torque +1 where its shaft is faster, -1 where it is slower, 0 where it rests there.
-        way: +1 or -1, direction in which the crank turns, or starts; 0: it rests; None: nothing depends on the direction.
-    """
-
-    clutch: CouplingMode
-    brake: CouplingMode
-    forces: tuple[ForceMode | None, ...]
+    clutch: CouplingMode  # mode of the clutch; a press without one has one that holds
+    brake: CouplingMode  # mode of the brake, `SLIPPING` while it is closed, at rest too; a press without one has one that is open
+    forces: tuple[ForceMode | None, ...]  # mode of every force; None of a force in time
+    # for each corner of the drive's torque +1 where its shaft is faster, -1 where it is slower, 0 where it rests there
     sides: tuple[int, ...] = ()
-    way: int | None = None
+    way: int | None = None  # +1 or -1, direction in which the crank turns, or starts; 0: it rests; None: nothing depends on the direction
 
     @property
     def rests(self) -> bool:

@@ -137,19 +137,12 @@ class TimeSegment:
 
 
 class Settings(NamedTuple):
-    """How to integrate.
+    """How to integrate."""
 
-    Attributes:
-        tolerance: error accepted of a step, as a share of the sizes.
-        sizes: (len(y),) of the entries of the vector.
-        step: of the classical Runge-Kutta method [s]; None: steps by error.
-        method: of steps by error: `EXPLICIT`, `IMPLICIT`, or whichever gets on faster, `BY_STIFFNESS`.
-    """
-
-    tolerance: float
-    sizes: Array
-    step: float | None = None
-    method: str = BY_STIFFNESS
+    tolerance: float  # error accepted of a step, as a share of the sizes
+    sizes: Array  # (len(y),) of the entries of the vector
+    step: float | None = None  # of the classical Runge-Kutta method [s]; None: steps by error
+    method: str = BY_STIFFNESS  # of steps by error: `EXPLICIT`, `IMPLICIT`, or whichever gets on faster, `BY_STIFFNESS`
 
 
 def integrate(
