@@ -29,7 +29,7 @@ from ..common.arguments import read_quantity, typed
 from ..common.errors import FileEntryError, PinpressError, UnknownNameError
 from ..common.parameters import declared, in_signature
 from ..common.quantities import Array, readable
-from ..common.reading.cells import factor_to, read_rows
+from ..common.reading.columns import Wanted, read_columns
 from ..common.reading.entries import Entry, FileKind, read_entries
 from ..common.reading.matrices import is_market
 from ..kinematics.motion import Motion
@@ -226,38 +226,20 @@ def _matrices(entry: Entry, folder: Path) -> dict[str, Any]:
     return {"file": mass, "stiffness": stiffness, "nodes": nodes, "degrees": degrees}
 
 
-def _rows(entry: Entry, folder: Path, columns: Sequence[str], unit: str = "") -> Array:
+def _rows(entry: Entry, folder: Path, columns: Sequence[str], unit: str = "-") -> Array:
     """Numbers (rows, columns) of a CSV file, of which the first line may be a header; with a ``unit``, the header may name another one of
     its kind."""
-    path, wanted = folder / _text(entry), f"name a CSV file with a line for each, {', '.join(columns)}"
+    path, wanted = (
+        folder / _text(entry),
+        {f"{name} {k}" if columns.count(name) > 1 else name: Wanted(unit, bare=unit) for k, name in enumerate(columns)},
+    )
     try:
-        rows = read_rows(path, 10**7)
-    except (OSError, ValueError) as error:
-        entry.refuse(f"{path} cannot be read: {files.reason(error)}", wanted)
-    found, factor = list[list[float]](), 1.0
-    for k, row in rows:
-        try:
-            numbers = [float(cell) for cell in row]
-        except ValueError:
-            if found or k > 1:
-                entry.refuse(f"line {k} of {path} is {','.join(row)!r}", wanted)
-            factor = _factor(entry, path, row) if unit else 1.0
-            continue
-        if len(numbers) != len(columns):
-            entry.refuse(f"line {k} of {path} has {len(numbers)} numbers", wanted)
-        found.append(numbers)
-    return factor * np.array(found).reshape(-1, len(columns))
-
-
-def _factor(entry: Entry, path: Path, heads: list[str]) -> float:
-    """Factor to m of the lengths under a header, all in one unit."""
-    try:
-        factors = {factor_to("m", head) for head in heads}
-    except ValueError as error:
-        entry.refuse(f"the header of {path}: {error}", "name a unit of length, as x [mm], or none: the numbers are then in m")
-    if len(factors) > 1:
+        table = read_columns(path, wanted, by_order=True)
+    except PinpressError as error:
+        _refuse_as(entry, str(error))
+    if len({*table.units.values()}) > 1:
         entry.refuse(f"the header of {path} has several units", "give all columns in one unit")
-    return factors.pop()
+    return np.column_stack([*table.values.values()]).reshape(-1, len(columns))
 
 
 # -------------------------------------------------------------------------------------------------------------------------------- values

@@ -17,8 +17,8 @@ import numpy as np
 from ..common.arguments import typed, unit_factor
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array, DriverCoordinate
+from ..common.reading.columns import TIMES, Channels, Column, read_channels
 from ..linkage.linkage import Linkage
-from .column_files import TIMES, Channels, Column, read
 from .motion import Motion
 from .servo_motion import servo_cycle
 
@@ -51,7 +51,7 @@ def read_motion(press: Linkage, path: str | os.PathLike[str], *, period: float |
     Warns:
         PinpressWarning: as `servo_cycle`.
     """
-    table = read(path, [*TIMES, *(name for order in range(3) for names in _names(press, order) for name in names)])
+    table = read_channels(path, [*TIMES, *(name for order in range(3) for names in _names(press, order) for name in names)])
     angle, speed, acceleration = (_rates(press, table, order) for order in range(3))
     if angle is None:
         raise PinpressError(_lacking(press, table))

@@ -7,6 +7,7 @@ As in chapter 2 of Zhang 2007, each accelerometer sits at a point of the frame a
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,8 +21,7 @@ from ..common.arguments import LARGEST, finite_numbers, known_factor, numbers, s
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import Frozen
 from ..common.quantities import GRAVITY, Array, readable
-from ..common.reading.cells import Row, factor_to, parted, read_rows
-from ..kinematics.column_files import Channels, named_columns, read
+from ..common.reading.columns import Channels, Wanted, named_columns, read_channels, read_columns
 from .records import UNEVEN, longest_rest, times_of
 
 FEWEST = 256  # samples of a record
@@ -32,8 +32,13 @@ DIRECTIONS = {
 }
 STUCK = 8  # samples in a row at the extreme, as where an amplifier is overdriven
 HEAVY = 1000.0 * GRAVITY  # acceleration above which a unit or a gain is doubted [m/s2]
-LARGEST_FILE = 10**6  # bytes of a file of points
-HEADS = ("channel", "x", "y", "z", "direction")  # columns of a file of points; part and gain may follow
+POINTS = {  # columns of a file of points
+    "channel": Wanted(),
+    **dict.fromkeys("xyz", Wanted("m", bare="m")),
+    "direction": Wanted(),
+    "part": Wanted(needed=False),
+    "gain": Wanted("-", bare="-", needed=False),
+}
 
 Source: TypeAlias = str | os.PathLike[str] | Mapping[str, ArrayLike]
 
@@ -122,34 +127,16 @@ def points_of(file: str | os.PathLike[str]) -> dict[str, Accelerometer]:
     Raises:
         PinpressError: the file cannot be read, has no such columns, or a row is no accelerometer.
     """
-    path = files.path_of("points", file)
-    try:
-        first, *below = read_rows(path, LARGEST_FILE) or [Row(1, [])]
-    except (OSError, ValueError) as error:
-        raise PinpressError(f"{path} cannot be read: {files.reason(error)}") from None
-    rows = [(line, dict(zip(first.cells, cells, strict=False))) for line, cells in below]
-    heads = {parted(name)[0]: name for name in first.cells if name}
-    missing = [name for name in HEADS if name not in heads]
-    if missing:
-        raise PinpressError(f"{path}: no column {missing[0]!r}: a file of points has {', '.join(HEADS)}, and may have part and gain")
-    try:
-        factors = [factor_to("m", heads[axis]) for axis in "xyz"]
-    except ValueError as error:
-        raise PinpressError(f"{path}: {error}: name a unit of length, as x [mm], or none: the numbers are then in m") from None
     found: dict[str, Accelerometer] = {}
-    for line, row in rows:
-        try:
-            place = tuple(factor * float(row[heads[axis]]) for axis, factor in zip("xyz", factors, strict=True))
-            gain = float(row[heads["gain"]]) if (row.get(heads.get("gain", "")) or "").strip() else None
-        except (KeyError, ValueError):
-            raise PinpressError(f"{path}:{line}: x, y, z and gain are {shown(list(row.values()))}: give numbers") from None
-        part = (row.get(heads.get("part", "")) or "bed").strip()
+    table = read_columns(files.path_of("points", file), POINTS)
+    for line, row in table.rows():
+        place, part, gain = (row["x"], row["y"], row["z"]), row.get("part") or "bed", row.get("gain", math.nan)
         if part not in ("bed", "crown"):
-            raise PinpressError(f"{path}:{line}: part is {shown(part)}: give bed or crown")
-        channel = row[heads["channel"]]
-        if channel in found:
-            raise PinpressError(f"{path}:{line}: channel {channel!r} is there twice: give each accelerometer its own")
-        found[channel] = Accelerometer(("crown", place) if part == "crown" else place, row.get(heads["direction"], ""), gain)
+            raise PinpressError(f"{table.file}, line {line}: part is {shown(part)}: give bed or crown")
+        if row["channel"] in found:
+            raise PinpressError(f"{table.file}, line {line}: channel {row['channel']!r} is there twice: give each accelerometer its own")
+        point = ("crown", place) if part == "crown" else place
+        found[row["channel"]] = Accelerometer(point, row["direction"], None if math.isnan(gain) else gain)
     return found
 
 
@@ -178,7 +165,7 @@ def run_of(
             raise PinpressError(f"{name}: names of columns are {shown(list(source))}: give texts, such as 'A [m/s2]'")
         table = named_columns(name, {column: numbers(f"{name}: {column}", values, (None,)) for column, values in source.items()})
     else:
-        table, name = read(source, wanted), os.path.basename(os.fspath(source))
+        table, name = read_channels(source, wanted), os.path.basename(os.fspath(source))
     times = times_of(table, time)
     _refuse_uneven(name, times)
     accelerations = np.array([_acceleration(table, name, column, sensor) for column, sensor in sensors.items()]).T

@@ -18,9 +18,8 @@ from ..common.arguments import LARGEST, SMALLEST, known_factor, number, numbers,
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array, readable
-from ..common.reading.cells import parted
+from ..common.reading.columns import TIMES, Channels, parted, read_channels
 from ..common.results import Tabular
-from ..kinematics.column_files import TIMES, Channels, read
 
 FEWEST = 32  # samples of a record
 SLOWEST_SAMPLES = 0.5  # samples this far apart show nothing of a stroke [s]
@@ -336,7 +335,7 @@ def record(
     for name in asked:
         if not isinstance(name, str):
             raise PinpressError(f"the name of a column is {shown(name)}: give text, 'motor [N m]'")
-    table = read(file, asked)
+    table = read_channels(file, asked)
     times = times_of(table, time)
     span = np.ones(len(times), dtype=bool)
     if between is not None:

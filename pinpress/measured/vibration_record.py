@@ -19,7 +19,7 @@ from ..common import tables
 from ..common.arguments import expect, number, numbers, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import RPM
-from ..common.reading.cells import parted
+from ..common.reading.columns import parted
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..foundation.free_decay import logarithmic_decrement

@@ -16,23 +16,29 @@ from __future__ import annotations
 import itertools
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..common import files, plausibility
+from ..common import plausibility
 from ..common.arguments import expect, number, typed
-from ..common.errors import PinpressError, shown, suggestion
+from ..common.errors import PinpressError, shown
 from ..common.parameters import Checked, parameter, set_field
 from ..common.quantities import RPM, Array
-from ..common.reading.cells import factor_to, parted, read_rows
+from ..common.reading.columns import Wanted, read_columns
 from ..common.results import Record
 from .drive import ServoDrive
 from .motion import ServoMotion
 
-HEADS = {"inertia": "kg m2", "copper loss": "W/(N m)2", "speed": "r/min", "rated torque": "N m", "peak torque": "N m"}  # and their units
-LARGEST_FILE = 10**7  # bytes
+CATALOGUE = {  # columns of a catalogue
+    "motor": Wanted(),
+    "inertia": Wanted("kg m2"),
+    "copper loss": Wanted("W/(N m)2"),
+    "speed": Wanted("rad/s"),
+    "rated torque": Wanted("N m"),
+    "peak torque": Wanted("N m"),
+}
 ALIKE = 1e-9  # share by which inertias of one motor may differ
 
 
@@ -224,28 +230,14 @@ def read_motors(path: str | os.PathLike[str]) -> tuple[CatalogueMotor, ...]:
     Raises:
         PinpressError: the file cannot be read, is no such table, or describes no motor; with the row.
     """
-    name = files.path_of("path", path)
-    wanted = f"give a CSV file with the heads motor, {', '.join(f'{head} [{unit}]' for head, unit in HEADS.items())}"
-    try:
-        rows = read_rows(name, LARGEST_FILE)
-    except (OSError, ValueError) as error:
-        raise PinpressError(f"{name} cannot be read ({files.reason(error)}): {wanted}") from None
-    if not rows:
-        raise PinpressError(f"{name} is empty: {wanted}")
-    (_, heads), *points = rows
-    columns = {"motor": (_column(name, heads, "motor", "", wanted), 1.0)}
-    for head, unit in HEADS.items():
-        place = _column(name, heads, head, unit, wanted)
-        if not parted(heads[place])[1]:
-            raise PinpressError(f"{name}: column {head!r} has no unit: write e.g. '{head} [{unit}]'")
-        try:
-            columns[head] = place, factor_to(unit, heads[place])
-        except ValueError as error:
-            raise PinpressError(f"{name}: {error}; {wanted}") from None
-    read = [_point(name, k, row, columns) for k, row in points]
+    table = read_columns(path, CATALOGUE)
+    name, rows = table.file, table.rows()
+    for line, row in rows:
+        if not row["motor"]:
+            raise PinpressError(f"{name}, line {line}: the row names no motor; write its name")
     motors = []
-    for motor, group in itertools.groupby(read, key=lambda point: point[0]):
-        _, inertia, copper, speed, rated, peak = zip(*group, strict=True)
+    for motor, group in itertools.groupby((row for _, row in rows), key=lambda row: row["motor"]):
+        _, inertia, copper, speed, rated, peak = zip(*(row.values() for row in group), strict=True)
         for head, column in (("inertia", inertia), ("copper loss", copper)):
             if len(set(column)) > 1:
                 raise PinpressError(f"{name}: {motor} has several values of its {head}: give the same in all its rows")
@@ -257,37 +249,5 @@ def read_motors(path: str | os.PathLike[str]) -> tuple[CatalogueMotor, ...]:
     if twice := sorted({each for each in names if names.count(each) > 1}):
         raise PinpressError(f"{name}: the rows of {twice[0]} do not follow one another: put them together")
     if not motors:
-        raise PinpressError(f"{name} has no row under its heads: {wanted}")
+        raise PinpressError(f"{name} has no row under its heads: write one for each point of a motor's curves")
     return tuple(motors)
-
-
-def _column(name: str, heads: Sequence[str], wanted_head: str, unit: str, wanted: str) -> int:
-    """The place of a column by its name, whatever its unit is."""
-    names = [parted(head)[0] for head in heads]
-    if wanted_head in names:
-        return names.index(wanted_head)
-    known = "motor", *HEADS
-    unknown = next((each for each in names if each and each not in known), None)
-    hint = "" if unknown is None else f"; column {unknown!r} is unknown{suggestion(unknown, known)}"
-    full = f"{wanted_head} [{unit}]" if unit else wanted_head
-    raise PinpressError(f"{name}: no column {full!r}{hint}; {wanted}")
-
-
-def _point(
-    name: str, row: int, cells: Sequence[str], columns: Mapping[str, tuple[int, float]]
-) -> tuple[str, float, float, float, float, float]:
-    def cell(place: int) -> str:
-        return cells[place] if place < len(cells) else ""
-
-    motor = cell(columns["motor"][0])
-    if not motor:
-        raise PinpressError(f"{name}: row {row} names no motor")
-    found = []
-    for head in HEADS:
-        place, factor = columns[head]
-        try:
-            found.append(factor * float(cell(place)))
-        except ValueError:
-            raise PinpressError(f"{name}: row {row}, {head}: {cell(place)!r} is no number; write decimals after a point") from None
-    inertia, copper, speed, rated, peak = found
-    return motor, inertia, copper, RPM * speed, rated, peak

@@ -20,7 +20,7 @@ import numpy as np
 from ..common import files
 from ..common.arguments import typed
 from ..common.errors import PinpressError, shown, suggestion
-from ..common.reading.cells import read_rows
+from ..common.reading.columns import Wanted, read_columns
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..linkage.linkage import Linkage
@@ -103,20 +103,9 @@ def read_dimensions(press: Linkage, path: str | os.PathLike[str]) -> DimensionTa
 
 
 def _csv_rows(name: str) -> list[tuple[str, dict[str, str]]]:
-    """Every row with its place and its cells by their heads."""
-    wanted = f"give a CSV file with the heads {', '.join(HEADS[:2])} and, if wanted, {', '.join(HEADS[2:])}"
-    try:
-        rows = read_rows(name, LARGEST_FILE)
-    except (OSError, ValueError) as error:
-        raise PinpressError(f"{name} cannot be read ({files.reason(error)}): {wanted}") from None
-    if not rows:
-        raise PinpressError(f"{name} is empty: {wanted}")
-    (_, heads), *found = rows
-    _refuse_heads(f"{name}: column", heads)
-    for line, cells in found:
-        if len(cells) > len(heads):
-            raise PinpressError(f"{name}, line {line}: {len(cells)} cells under {len(heads)} heads: write decimals after a point")
-    return [(f"line {line}", dict(zip(heads, cells, strict=False))) for line, cells in found]
+    """Every row with its place and its cells by their heads. Numbers are words here, as their unit is another cell."""
+    table = read_columns(name, {head: Wanted(needed=head in HEADS[:2]) for head in HEADS}, others=False)
+    return [(f"line {line}", row) for line, row in table.rows()]
 
 
 def _yaml_rows(name: str) -> list[tuple[str, dict[str, str]]]:

@@ -365,7 +365,9 @@ def test_units_in_the_header_of_a_file(tmp_path: Path) -> None:
     assert isinstance(found, ForceStroke)
     np.testing.assert_allclose(np.transpose([found.heights, found.forces]), [[0.0, 1.6e6], [0.0025, 0.0]], rtol=1e-15)
     file.write_text("height, force\n2,0\n1;0\n", encoding="utf-8")
-    with pytest.raises(pp.PinpressError, match="whose row 3 is '1;0': give a CSV file of two columns"):
+    with pytest.raises(
+        pp.PinpressError, match=r"in line 3: 1 cells for 2 columns: .* give a CSV file with the columns height \[m\], force \[N\]"
+    ):
         part_specs.load(f"table:file={file}")
 
 
@@ -424,10 +426,10 @@ DURATION = ["zxn2_3000b", "--duration", "1"]
         (["--motor", "induction:rated_power=1,rated_speed=985,poles=5.5"], ["poles is '5.5', no whole number"]),
         (["--motor", "prescribed:speed=70,ratio=2"], ["no key 'ratio'"]),
         (["--motor", "prescribed:speed=70", "--speed", "60"], ["the drive prescribes"]),
-        (["--motor", "servo:program=none.csv,stiffness=1,damping=1,peak_torque=1"], ["none.csv", "time [s] and angle [deg]"]),
+        (["--motor", "servo:program=none.csv,stiffness=1,damping=1,peak_torque=1"], ["none.csv", "time [s], angle [deg]"]),
         (
             ["--motor", "inverter:rated_torque=1,rated_speed=1485,frequency=40,curve=README.md"],
-            ["row 3", "frequency [Hz] and torque [N m]"],
+            ["curve is 'README.md', in line ", "frequency [Hz], torque [N m]"],
         ),
         (["--load", "press:force=1"], ["no kind 'press'", "idle, constant-force, blanking, drawing, table, die"]),
         (["--load", "table:"], ["--load table: file is missing"]),

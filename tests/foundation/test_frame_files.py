@@ -201,7 +201,10 @@ def test_nodes_are_in_the_unit_of_their_header(monkeypatch, tmp_path):
     np.savetxt(tmp_path / "nodes.csv", 1e3 * nodes, delimiter=";", header="x [mm];y [mm];z [mm]", comments="")
     found = read(tmp_path, text).frame
     np.testing.assert_allclose(found.nodes["crown"], nodes[1], rtol=1e-12)
-    for header, said in (("x [kg],y [kg],z [kg]", "'kg' in 'x [kg]' is none of m, mm"), ("x [mm],y [m],z [mm]", "has several units")):
+    for header, said in (
+        ("x [kg],y [kg],z [kg]", "column 'x' is in 'kg', which is none of m, mm"),
+        ("x [mm],y [m],z [mm]", "has several units"),
+    ):
         np.savetxt(tmp_path / "nodes.csv", nodes, delimiter=",", header=header, comments="")
         with pytest.raises(FileEntryError, match=re.escape(said)):
             read(tmp_path, text)
@@ -246,8 +249,8 @@ def test_mistakes_are_named(old, new, line, element, said, tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "said"),
     [
-        ("lines.csv", "from,to\n0,2\nx,3\n", "line 3 of .*lines.csv is 'x,3'"),
-        ("lines.csv", "0,2,3\n", "has 3 numbers"),
+        ("lines.csv", "from,to\n0,2\nx,3\n", "lines.csv, line 3, node 0: 'x' is no number"),
+        ("lines.csv", "0,2,3\n", "lines.csv, line 1: 3 cells for 2 columns"),
         ("lines.csv", None, "cannot be read: No such file"),
         ("lines.csv", "0,9\n", "join nodes by their numbers, from 0 to 6"),
         ("frame.npz", "", "is no file of arrays"),

@@ -99,7 +99,7 @@ def test_of_one_driver_both_names_of_its_column_are_told(tmp_path: Path) -> None
         ("time [s],O [mm],P [deg]\n0,1,2\n1,2,2\n", "column 'O' is in 'mm', which is none of deg, rad, °"),
         ("time [kg],O [deg],P [deg]\n0,1,2\n1,2,2\n", "column 'time' is in 'kg', which is none of s, ms"),
         ("time [s],O [deg],P [deg]\n0,1,2\n0,2,2\n", "m.csv: time does not rise"),
-        ("time [s],O [deg],P [deg]\n0,1,2\n1,x,2\n", "row 2 of the numbers has 'x' as O"),
+        ("time [s],O [deg],P [deg]\n0,1,2\n1,x,2\n", "m.csv, line 3, O: 'x' is no number"),
         ("time [s],O [deg],O [rad]\n0,1,2\n1,2,2\n", "two columns are called 'O'"),
     ],
 )

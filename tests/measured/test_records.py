@@ -181,9 +181,9 @@ def test_an_encoder_that_is_coarse_does_not_rest():
 
 def test_files_that_are_none(tmp_path):
     for name, content, words in (
-        ("a.csv", "x,y\n1,2\n3,z\n", "row 2 of the numbers has 'z' as y"),
+        ("a.csv", "x,y\n1,2\n3,z\n", "a.csv, line 3, y: 'z' is no number"),
         ("b.csv", "1,2\n3,4\n", "the first line has numbers, no names"),
-        ("c.csv", "x,y\n1,2\n3\n", "row 2 of the numbers has 1 cells"),
+        ("c.csv", "x,y\n1,2\n3\n", "c.csv, line 3: 1 cells, the names are 2"),
         ("d.mat", "hello", "no MATLAB file"),
         ("e.parquet", "hello", "no Parquet file"),
         ("f.xls", "hello", "export it as one of these"),

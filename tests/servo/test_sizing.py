@@ -120,15 +120,15 @@ def test_a_catalogue_is_read_in_any_unit(speed, torque, by, times, tmp_path):
         ("motor,speed\n", r"no column 'inertia \[kg m2\]'"),
         (HEAD.replace("speed [r/min]", "sped [r/min]"), r"no column 'speed \[r/min\]'; column 'sped' is unknown, did you mean 'speed'"),
         (HEAD.replace(" [r/min]", ""), r"column 'speed' has no unit: write e\.g\. 'speed \[r/min\]'"),
-        (HEAD.replace("[r/min]", "[m/s]"), r"'m/s' in 'speed \[m/s\]' is none of r/min, rpm"),
+        (HEAD.replace("[r/min]", "[m/s]"), r"column 'speed' is in 'm/s', which is none of rad/s, r/min, rpm"),
         (HEAD, "has no row under its heads"),
-        (HEAD + "a,1,0,0,10,20\na,1,0,zero,10,20\n", r"row 3, speed: 'zero' is no number"),
+        (HEAD + "a,1,0,0,10,20\na,1,0,zero,10,20\n", r"line 3, speed: 'zero' is no number"),
         (HEAD + "a,1,0,0,10,20\na,2,0,100,10,20\n", "a has several values of its inertia"),
         (HEAD + "a,1,0,0,30,20\na,1,0,100,10,20\n", "at 0 r/min the rated torque is above the peak torque"),
         (HEAD + "a,1,0,5,10,20\na,1,0,100,10,20\n", "speeds that rise from 0"),
         (HEAD + "a,1,0,0,10,20\n", "two or more speeds"),
         (HEAD + "a,1,0,0,9,9\na,1,0,9,9,9\nb,1,0,0,9,9\nb,1,0,9,9,9\na,1,0,0,9,9\na,1,0,9,9,9\n", "do not follow one another"),
-        (HEAD + ",1,0,0,10,20\n", "row 2 names no motor"),
+        (HEAD + ",1,0,0,10,20\n", "line 2: the row names no motor"),
     ],
 )
 def test_what_is_no_catalogue_is_refused(content, words, tmp_path):

@@ -7,11 +7,10 @@ import contextlib
 import math
 import re
 
-from ...common import files
-from ...common.arguments import read_quantity, unit_factor
+from ...common.arguments import read_quantity
 from ...common.errors import PinpressError
 from ...common.quantities import DriverCoordinate, readable
-from ...common.reading.cells import read_rows
+from ...common.reading.columns import Wanted, parted, read_columns
 from ...drives.transmission import SwitchPoint
 
 LARGEST_FILE = 10**8  # of a table of two columns [bytes]
@@ -63,28 +62,10 @@ def vector(text: str, unit: str) -> tuple[float, ...]:
 
 def pairs_of_file(path: str, columns: tuple[str, str]) -> list[tuple[float, float]]:
     """The rows of a CSV file of two columns, in their units; a first line without numbers is its header, which may name other units."""
-    wanted = f"a CSV file of two columns, {columns[0]} and {columns[1]}, with a comma between them"
+    heads = [parted(column) for column in columns]
     try:
-        rows = read_rows(path, LARGEST_FILE)
-    except (OSError, ValueError) as error:
-        raise ValueError(f"which cannot be read ({files.reason(error)}): give {wanted}") from None
-    pairs, factors = list[tuple[float, float]](), (1.0, 1.0)
-    for number, row in rows:
-        try:
-            first, second = map(float, row)
-        except ValueError:
-            if pairs or number > rows[0].line:
-                raise ValueError(f"whose row {number} is {','.join(row)!r}: give {wanted}") from None
-            factors = _units_of_header(row, columns)
-        else:
-            pairs.append((first * factors[0], second * factors[1]))
-    return pairs
-
-
-def _units_of_header(row: list[str], columns: tuple[str, str]) -> tuple[float, float]:
-    """Factors to the columns' own units of what a header names in brackets, as in ``height [mm], force [kN]``."""
-    first, second = (
-        1.0 if (given := re.search(r"\[(.+?)\]", cell)) is None else unit_factor(given[1].strip(), column.partition("[")[2][:-1])
-        for cell, column in zip([*row, "", ""][:2], columns, strict=True)
-    )
-    return first, second
+        table = read_columns(path, {name: Wanted(unit, bare=unit) for name, unit in heads}, by_order=True)
+    except PinpressError as error:
+        fault = str(error).removeprefix(path).lstrip(",: ")
+        raise ValueError(f"{'in' if fault.startswith('line') else 'where' if 'column ' in fault[:10] else 'which'} {fault}") from None
+    return list(zip(*(column.tolist() for column in table.values.values()), strict=True))
