@@ -13,6 +13,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -40,8 +41,6 @@ SEEN = 1e-3  # a mass that was added to a link is shown from this share of the l
 FARTHEST = 2.0  # no farther from the link's centre of mass than this, as a share of the linkage's size,
 ASIDE = 1e-6  # and written into a file from this share on: a link that is only heavier has no counterweight
 
-_OF_THE_POSE = {"placement of joints and links", "directions of joints and links", "lowerPositionLimit", "upperPositionLimit", "gear pairs"}
-_UNSAID = ("armature", "rotorInertia", "rotorGearRatio")  # arrays of the model for which URDF has no element
 
 
 @typed
@@ -82,7 +81,9 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     before = loading.build(template, press.drivers, press.slide)
     _check(press, before)
     text = edit_text(template, before, press)
-    reached = loading.build(_read(text, unwritten), None, press.slide)
+    document = Document(unwritten, text)
+    _raise_first(element_checks.errors(document))
+    reached = loading.build(document, None, press.slide)
     for what, gap in _gaps(press, reached).items():
         if not gap <= ACCEPTED:
             raise PinpressError(f"{unwritten}: a URDF cannot hold the changed {what} of {press.name}; leave it as in {press.file}")
@@ -115,8 +116,8 @@ def added_ballasts(press: Linkage) -> dict[int, AddedBallast]:
     if list(before.model.names) != list(press.model.names):
         return {}
     was, now, balls, size = before.model.inertias, press.model.inertias, _balls(press.document, before.model), press.size
-    found = ((joint, _find_added(_without_balls(was[joint], balls.get(joint, ())), now[joint], size)) for joint in range(len(now)))
-    return {joint: added for joint, added in found if added is not None}
+    all_added = ((joint, _find_added(_without_balls(was[joint], balls.get(joint, ())), now[joint], size)) for joint in range(len(now)))
+    return {joint: added for joint, added in all_added if added is not None}
 
 
 def _find_added(was: pin.Inertia, now: pin.Inertia, size: float) -> AddedBallast | None:
@@ -173,14 +174,8 @@ def is_as_read(press: Linkage) -> bool:
         _check(press, before)
     except PinpressError:
         return False
-    return not set(_gaps(press, before)) - (_OF_THE_POSE if press.zero else set())
-
-
-def _read(text: bytes, file: str) -> Document:
-    """A text as the document of a file; raises the first error in its elements."""
-    document = Document(file, text)
-    _raise_first(element_checks.errors(document))
-    return document
+    of_pose = {"placement of joints and links", "directions of joints and links", "lowerPositionLimit", "upperPositionLimit", "gear pairs"}
+    return not set(_gaps(press, before)) - (of_pose if press.zero else set())
 
 
 def _raise_first(findings: Iterable[Finding]) -> None:
@@ -209,11 +204,11 @@ def _check(press: Linkage, before: Linkage) -> None:
 def _structure(press: Linkage) -> dict[str, object]:
     """All that `write_urdf` cannot change, by name."""
     model = press.model
-    known = [link for link in press.links if model.existFrame(link, pin.BODY)]
+    links = [link for link in press.links if model.existFrame(link, pin.BODY)]
     return {
         "joints": (tuple(model.names), tuple(model.parents)),
         "joint types": [(joint.shortname()[:11], joint.nq) for joint in model.joints],  # JointModelR, JointModelP; not which axis
-        "links": [(link, model.frames[model.getFrameId(link, pin.BODY)].parentJoint) for link in known],
+        "links": [(link, model.frames[model.getFrameId(link, pin.BODY)].parentJoint) for link in links],
         "loops": [(loop.name, loop.joint1, loop.joint2) for loop in press.loops],
         "gear pairs": [(pair.name, pair.follower) for pair in press.couplings],
     }
@@ -222,9 +217,9 @@ def _structure(press: Linkage) -> dict[str, object]:
 def _gaps(press: Linkage, reached: Linkage) -> dict[str, float]:
     """Quantities in which linkages of one structure differ, and by how much, relative to the sizes of these quantities."""
     gaps = {}
-    for (what, wanted, size), (_, got, _) in zip(_contents(press), _contents(reached), strict=True):
-        if not np.array_equal(wanted, got):
-            gaps[what] = float(np.abs(wanted - got).max()) / size if size else np.inf
+    for (what, values, size), (_, values_reached, _) in zip(_contents(press), _contents(reached), strict=True):
+        if not np.array_equal(values, values_reached):
+            gaps[what] = float(np.abs(values - values_reached).max()) / size if size else np.inf
     return gaps
 
 
@@ -248,7 +243,8 @@ def _contents(press: Linkage) -> Iterator[tuple[str, Array, float]]:
     for name, inertia in zip(model.names, model.inertias, strict=True):
         yield f"mass on joint {name!r}", np.array(inertia.mass), inertia.mass
         yield f"inertia tensor on joint {name!r}", inertia.inertia, float(np.abs(inertia.inertia).max())
-    for name in (*POSITION_LIMITS.values(), *LIMITS.values(), *DYNAMICS.values(), *_UNSAID):
+    without_element = "armature", "rotorInertia", "rotorGearRatio"  # in URDF
+    for name in (*POSITION_LIMITS.values(), *LIMITS.values(), *DYNAMICS.values(), *without_element):
         yield name, getattr(model, name), 0.0
     yield "loop types", np.array([loop.type for loop in press.loops]), 0.0
     yield "gear pairs", np.array([(pair.leader, pair.multiplier, pair.offset) for pair in press.couplings]), 0.0
@@ -256,7 +252,6 @@ def _contents(press: Linkage) -> Iterator[tuple[str, Array, float]]:
     yield "name", np.array(press.name), 0.0
 
 
-SOUND = 1e-9  # relative rounding accepted in principal moments of inertia; the reader accepts a thousand times as much
 # Arrays of the model, by the attributes that they are read from.
 POSITION_LIMITS = {"lower": "lowerPositionLimit", "upper": "upperPositionLimit"}
 LIMITS = {"effort": "upperEffortLimit", "velocity": "upperVelocityLimit"}
@@ -289,7 +284,8 @@ def edit_text(document: Document, before: Linkage, now: Linkage) -> bytes:
     balls = _balls(document, old_model)
     for link, element in zip(now.links, text.robot.all("link"), strict=True):
         carrier = int(new_model.frames[new_model.getFrameId(link, pin.BODY)].parentJoint)
-        bodies.setdefault(carrier, []).append(_link(element, _placement(old_model, link), _placement(new_model, link)))
+        inertia = next(map(_inertia, element.all("inertial")), None)
+        bodies.setdefault(carrier, []).append(_Link(element, _placement(old_model, link), _placement(new_model, link), inertia))
     for carrier, links in bodies.items():
         old, new = old_model.inertias[carrier], new_model.inertias[carrier]
         if new != old or any(link.now != link.before for link in links):
@@ -367,25 +363,13 @@ def _edit_drivers(text: Text, before: Sequence[str], now: Sequence[str]) -> None
 # ------------------------------------------------------------------------------------------------------------------------------- inertias
 
 
-@dataclass(frozen=True, eq=False)
-class _Link:
-    """A link.
-
-    Attributes:
-        element: its ``<link>``.
-        before: its placement in its body as the text loads.
-        now: its placement in its body, as wanted.
-        inertia: its inertia in the text, in the link's frame.
-    """
+class _Link(NamedTuple):
+    """A ``<link>``, its placement in its body as the text loads and as it shall be, and its inertia in the text, in the link's frame."""
 
     element: Element
     before: pin.SE3
     now: pin.SE3
-    inertia: pin.Inertia
-
-
-def _link(element: Element, before: pin.SE3, now: pin.SE3) -> _Link:
-    return _Link(element, before, now, _inertia(element.all("inertial")[0]) if element.all("inertial") else None)
+    inertia: pin.Inertia | None
 
 
 def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Inertia, visual: str) -> None:
@@ -400,7 +384,7 @@ def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Ine
     for carrier in heavy:
         others = [link for link in heavy if link is not carrier]
         new = _rest(now, [(link.inertia, link.now) for link in others], carrier.now)
-        if not others or _is_sound(new):
+        if not others or _is_physical(new):
             break
     else:
         carrier, *dropped = heavy
@@ -459,10 +443,10 @@ def _body(mass: float, lever: Array, tensor: Array) -> pin.Inertia:
     return body
 
 
-def _is_sound(inertia: pin.Inertia) -> bool:
-    """Whether a body can have this inertia."""
+def _is_physical(inertia: pin.Inertia) -> bool:
+    """Whether a body can have this inertia, within a rounding error of which the reader accepts a thousand times as much."""
     smallest, middle, largest = np.linalg.eigvalsh(inertia.inertia)
-    return bool(inertia.mass > 0 and smallest + middle >= (1 - SOUND) * largest)  # so the smallest is not negative either
+    return bool(inertia.mass > 0 and smallest + middle >= (1 - 1e-9) * largest)  # so the smallest is not negative either
 
 
 # -------------------------------------------------------------------------------------------------------------------------------- numbers

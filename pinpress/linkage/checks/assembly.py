@@ -1,7 +1,6 @@
-"""Errors, warnings and notes about a linkage whose links are put together.
+"""Errors, warnings and notes about a linkage that is put together: `errors` say why `load` refuses it, `remarks` what is odd in it.
 
-A linkage is not loaded where its drawn pose does not close, or its drivers do not suit it. Warnings and notes are about one that can be
-loaded.
+The facts come from `Linkage.assembly`, `Linkage.planarity` and `mobility`; here they get their words.
 """
 
 import math
@@ -25,12 +24,10 @@ from ..document import Finding
 from ..linkage import LEVEL, Linkage
 from . import mobility, units
 
-SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
+SEEN = 1e-9  # smaller gaps and motions are rounding [lengths of the linkage, rad]
 OPEN = 1e-6  # a loop drawn further open than this is reported [lengths of the linkage, rad]
 CLOSED = 1e-3  # a loop is closed if it is drawn less open than this [lengths of the linkage]
-ALONG = 0.999  # cosine of the angle between axes that are taken for one
-SAMPLES = 720  # crank angles of a turn at which limits are looked at
-POSES = 6  # poses in which redundancy is looked for: one alone may be a dead centre, where idle forces do not reach all loops
+SAMPLES = 720  # crank angles of a turn at which positions of joints are checked
 
 
 def errors(press: Linkage) -> Iterator[Finding]:
@@ -54,22 +51,21 @@ def errors(press: Linkage) -> Iterator[Finding]:
 
 
 def _too_far_open(press: Linkage) -> Iterator[Finding]:
-    """Errors of loops that are drawn so far open that closing them makes a linkage that is hardly the one that was meant, though they
-    close."""
+    """Errors of loops that close, but are drawn so far open that the closed linkage is probably not the one that was meant."""
     for each in _loops(_open_beyond(press, 0.1)):  # a tenth of the linkage's length, as the documentation of `load` says
         problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
         likely = _read_otherwise(press, each) or "correct its points or the lengths"
-        remedy = f"{likely}; allow_open=True (--allow-open) closes it even so, and moves {_moved_to_close(press)}"
+        remedy = f"{likely}; allow_open=True (--allow-open) closes it even so, and moves {_largest_move(press)}"
         yield Finding.of(UrdfError(press.file, mobility.element(press, each), each.by.line, problem, remedy))
 
 
 def opening_in_words(press: Linkage, each: mobility.Constraint, gaps: Array) -> str:
-    """How far a loop or gear pair is open, in words; empty where it is closed to rounding."""
+    """How far a loop or gear pair is open, as text; empty if it is closed within rounding error."""
     return open_in_words(*mobility.opening(press, each, gaps), press.size)
 
 
 def open_in_words(distance: float, angle: float, size: float) -> str:
-    """A distance [m] and an angle [rad] in words, without what is rounding in a linkage of this size [m]."""
+    """A distance [m] and an angle [rad] as text, without what is rounding error in a linkage of this size [m]."""
     mm = "less than 0.0001 mm" if distance < min(OPEN * size, 1e-7) else f"{_short(1e3 * distance)} mm"
     apart = [mm] if distance > SEEN * size else []
     return " and ".join(apart + [f"{_short(np.degrees(angle))} deg"] * (angle > SEEN))
@@ -81,7 +77,7 @@ def _short(number: float) -> str:
 
 
 def remedy_of_rounded_axes(press: Linkage) -> str | None:
-    """The remedy for axes that are nearly but not quite parallel; None where they are parallel, or far from it."""
+    """The remedy for axes that are nearly parallel; None if they are parallel, or far from it."""
     off = press.planarity.farthest_off
     if not PARALLEL < off < 1e-2:  # axes as near to parallel as half a degree are meant to be parallel
         return None
@@ -89,7 +85,7 @@ def remedy_of_rounded_axes(press: Linkage) -> str | None:
 
 
 def _unseen(press: Linkage) -> Iterator[Finding]:
-    """Errors of axes so nearly parallel that the rank of the equations does not show it, but the gaps do."""
+    """The error of axes so nearly parallel that the gaps of the equations show the difference, but not their rank."""
     plane, called = press.planarity, press.document.called
     off = plane.farthest_off
     # Axes that miss each other by less than 1e-8 rad change the rank of no equations.
@@ -162,26 +158,24 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
         problem = "does not close near the drawn pose"
         remedy = (common or _read_otherwise(press, each) or "draw it closed, or change the link lengths") + beside
         error = AssemblyError(f"{press.file}:{each.by.line}: {each.title} {problem}; {remedy}", 0.0, gaps[k], iterations)
+        opening = opening_in_words(press, each, rows.gaps)
+        apart = f"{opening} apart as drawn" if opening else "it is drawn closed, but the others cannot close beside it"
         yield Finding(
             "error",
             mobility.element(press, each),
             each.by.line,
-            f"{problem}: {_apart(opening_in_words(press, each, rows.gaps))}",
+            f"{problem}: {apart}",
             remedy,
             error,
         )
 
 
-def _apart(opening: str) -> str:
-    return f"{opening} apart as drawn" if opening else "it is drawn closed, but the others cannot close beside it"
-
-
 def _without_axis(press: Linkage) -> str | None:
-    """What to write where joints have no ``<axis>`` and others do not turn or slide along x, which is what none means."""
+    """What to write if joints have no ``<axis>``, which means x, and others turn or slide about another direction; else None."""
     moving = [joint for joint in press.document.robot.all("joint") if joint.get("name") in press.joints]
     without = [joint for joint in moving if not joint.all("axis")]
     others = [press.axes[press.joints.index(joint.get("name"))].direction for joint in moving if joint not in without]
-    if not without or all(abs(direction[0]) > ALONG for direction in others):
+    if not without or all(abs(direction[0]) > 0.999 for direction in others):  # along x within 2.6 degrees
         return None
     named = ", ".join(f"{joint.get('name')!r} (line {joint.line})" for joint in without)
     have, turn = ("has", "its") if len(without) == 1 else ("have", "their")
@@ -189,8 +183,8 @@ def _without_axis(press: Linkage) -> str | None:
 
 
 def _read_otherwise(press: Linkage, each: mobility.Constraint) -> str | None:
-    """What to write where a loop that is drawn open would be closed if its points were read otherwise: with its links exchanged, or one of
-    them in world axes."""
+    """What to write if a loop that is drawn open would be closed with its points read otherwise: with its links exchanged, or one point in
+    world axes; else None."""
     loop = next((loop for loop in press.document.description.loops if loop.name == each.by.name), None)
     if loop is None or not isinstance(each.by, LoopJoint) or each.gap(press.assembly.gaps) <= CLOSED * press.size:
         return None
@@ -286,7 +280,8 @@ def remarks(press: Linkage, allow_open: bool, *, quick: bool = False, centres: b
         branch, findings = _driver(press)
         yield from findings
         if branch is not None:
-            poses = np.hstack([poses, predict(branch, np.linspace(branch.angles[0], branch.angles[-1], POSES))])
+            # One pose alone may be a dead centre, where idle forces do not reach all loops.
+            poses = np.hstack([poses, predict(branch, np.linspace(branch.angles[0], branch.angles[-1], 6))])
             yield from _limits(press, branch)
     yield from _held_spins(press)
     yield from _gears_without_carrier(press)
@@ -295,7 +290,7 @@ def remarks(press: Linkage, allow_open: bool, *, quick: bool = False, centres: b
 
 
 def _driver(press: Linkage) -> tuple[Branch | None, list[Finding]]:
-    """The drawn assembly over the motion of the one driver, None where it cannot be followed, and what is said of that motion."""
+    """The drawn assembly over the motion of the one driver, None if it cannot be followed, and findings about that motion."""
     where = press.document.called("joint", press.driver), press.document.find("joint", press.driver).line
     try:
         return press.branch, list(_range_of_driver(press, press.branch, where))
@@ -306,7 +301,7 @@ def _driver(press: Linkage) -> tuple[Branch | None, list[Finding]]:
 
 
 def _range_of_driver(press: Linkage, branch: Branch, where: tuple[str, int]) -> Iterator[Finding]:
-    """What is said of a driver that does not turn fully, or not slide from limit to limit; ``where``: its joint and the joint's line."""
+    """Findings about a driver that does not turn fully, or not slide from limit to limit; ``where``: its joint and the joint's line."""
     coordinate = branch.coordinate
     if branch.period is not None or not (coordinate.turns or any(branch.locks)):
         return
@@ -371,13 +366,13 @@ def _light_slide(press: Linkage, masses: list[float]) -> Iterator[Finding]:
 
 
 def _stroke(press: Linkage) -> Iterator[Finding]:
-    """The warning of a slide that goes further than those of presses do."""
+    """The warning of a slide with a longer stroke than any press has."""
     if press.slide is None or len(press.drivers) > 1:
         return
     try:
         branch = press.branch
     except PinpressError:
-        return  # this is said of the driver
+        return  # `_driver` reports it
     guide = press.slide_guide.joint
     angles = np.linspace(branch.angles[0], branch.angles[-1], SAMPLES)
     stroke = float(np.ptp(predict(branch, angles)[guide]))
@@ -408,7 +403,7 @@ def _drawn_open(press: Linkage, those: list[mobility.Constraint]) -> Iterator[Fi
     """Warnings of loops and gear pairs, that they are drawn open."""
     for each in those:
         problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn"
-        remedy = f"{_read_otherwise(press, each) or 'draw it closed'}; to close it, load has moved {_moved_to_close(press)}"
+        remedy = f"{_read_otherwise(press, each) or 'draw it closed'}; to close it, load has moved {_largest_move(press)}"
         yield Finding("warning", mobility.element(press, each), each.by.line, problem, remedy)
 
 
@@ -416,7 +411,7 @@ def _open_beyond(press: Linkage, beyond: float) -> list[mobility.Constraint]:
     """Loops and gear pairs that are drawn open ``beyond`` this share of the linkage's length."""
     gaps, most = press.assembly.gaps, beyond * press.size
     if np.linalg.norm(gaps) <= most:
-        return []  # as most are: without a look at each
+        return []  # as for most linkages
     return [each for each in mobility.constraints(press) if each.gap(gaps) > most]
 
 
@@ -425,8 +420,8 @@ def _loops(those: list[mobility.Constraint]) -> list[mobility.Constraint]:
     return [each for each in those if isinstance(each.by, LoopJoint)]
 
 
-def _moved_to_close(press: Linkage) -> str:
-    """What closing the drawn pose moves most, and by how much, in words."""
+def _largest_move(press: Linkage) -> str:
+    """Which joint closing the drawn pose moves most, and by how much."""
     moves = press.closed - press.assembly.start
     most = int(np.argmax(np.abs(moves)))
     return f"joint {press.joints[most]!r} by {_value(press, most, moves[most])}"
@@ -454,7 +449,7 @@ def _limits(press: Linkage, branch: Branch) -> Iterator[Finding]:
 
 
 def _value(press: Linkage, joint: int, value: float) -> str:
-    """A joint coordinate in words."""
+    """A joint coordinate as text."""
     return f"{value:.6g} rad ({np.degrees(value):.4g} deg)" if press.axes[joint].turns else f"{value:.6g} m"
 
 
@@ -485,7 +480,7 @@ def _engine(press: Linkage) -> Iterator[Finding]:
 
 
 def _not_planar(press: Linkage) -> str:
-    """Why the planar engine cannot compute it."""
+    """Why the planar engine cannot compute a linkage."""
     if len(press.drivers) > 1:
         return f"there are {len(press.drivers)} drivers"
     turning, _, joints, loops = press.planarity
