@@ -60,7 +60,8 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion", *, warned: 
         if isinstance(load, SpringDamper):
             applied += _spring_forces(load, press, motion)
         elif isinstance(load, PointForce):
-            force = numbers(f"{load.label}: force", load.force(motion), unit="N") if callable(load.force) else load.force
+            # A copy, because the caller may change an array later, and results are worked out when they are needed.
+            force = numbers(f"{load.label}: force", load.force(motion) if callable(load.force) else load.force, unit="N")
             applied.append(point_force(load, press, force, len(motion.crank_angle), warned=warned))
         elif isinstance(load, TimeForce):
             applied += _on_slide(load, press, _in_time(load, motion))
