@@ -42,7 +42,6 @@ FARTHEST = 2.0  # no farther from the link's centre of mass than this, as a shar
 ASIDE = 1e-6  # and written into a file from this share on: a link that is only heavier has no counterweight
 
 
-
 @typed
 def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     """Write a linkage, perhaps a changed one, as a URDF that loads to the same numbers, and return its path.
