@@ -4,10 +4,6 @@ from .dynamics.extremes import ExtremeValues as ExtremeValues
 from .dynamics.extremes import extremes as extremes
 from .dynamics.harmonics import HarmonicAnalysis as HarmonicAnalysis
 from .dynamics.harmonics import harmonics as harmonics
-from .kinematics.dyads import Dyad as Dyad
-from .kinematics.dyads import DyadAngles as DyadAngles
-from .kinematics.dyads import least_transmission_angles as least_transmission_angles
-from .kinematics.dyads import transmission_angle_curves as transmission_angle_curves
 from .kinematics.measures import bearing_positions as bearing_positions
 from .kinematics.measures import dwell_angle as dwell_angle
 from .kinematics.measures import dwell_time as dwell_time
@@ -24,6 +20,10 @@ from .kinematics.phases import StrokePhase as StrokePhase
 from .kinematics.phases import phases as phases
 from .kinematics.slide_path import DeadCentres as DeadCentres
 from .kinematics.slide_path import SlideMotion as SlideMotion
+from .kinematics.transmission_angles import Dyad as Dyad
+from .kinematics.transmission_angles import DyadAngles as DyadAngles
+from .kinematics.transmission_angles import least_transmission_angles as least_transmission_angles
+from .kinematics.transmission_angles import transmission_angle_curves as transmission_angle_curves
 from .simulation.duty import MotorDuty as MotorDuty
 from .simulation.duty import duty_cycle as duty_cycle
 from .simulation.duty import motor_energy as motor_energy

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..common import files, tables
 from ..common.errors import PinpressError, PinpressWarning, PinTableError
-from ..kinematics.check import check_document, said_in_a_line
+from ..kinematics.check import check_document, summarise_facts
 from ..linkage.element import MOST_BYTES
 from ..pin_table.templates import TEMPLATES, template
 from .words.press import add_refused_option, add_slide_option, drawn
@@ -124,7 +124,7 @@ def _with_other_place(draft: DrawnPress, pin: str, slide: str | None) -> str:
             facts = draft.with_other_place(pin).check(slide).facts
         except PinTableError as error:
             return error.problem
-    return "no press" if facts is None else said_in_a_line(facts)
+    return "no press" if facts is None else summarise_facts(facts)
 
 
 def _estimates(draft: DrawnPress) -> list[str]:

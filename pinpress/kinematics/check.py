@@ -25,9 +25,9 @@ from ..linkage.checks.assembly import open_in_words
 from ..linkage.document import SEVERITIES, Document, Finding
 from ..linkage.linkage import Linkage
 from ..linkage.loading import build, hold_spins, locate, parse
-from .dyads import Dyad, least_transmission_angles
 from .main_data import MainData, main_data, main_lines
 from .slide_path import turning_points
+from .transmission_angles import Dyad, least_transmission_angles
 
 WIDTH = 120  # characters of a line of text
 FLAT = math.radians(30.0)  # smaller transmission angles are marked
@@ -50,7 +50,7 @@ class Closing(Record, units={"gap": "m", "misalignment": "rad"}):
 
     name: str
     type: str
-    between: tuple[str, str]
+    between: tuple[str, ...]
     gap: float
     misalignment: float
     joints: tuple[str, ...]
@@ -219,8 +219,8 @@ def _put_together(
     errors = list(assembly_checks.errors(press))
     findings = [*errors, *(assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press, allow_open))]
     rank = rank_of(press.assembly.rows_as_drawn.columns) if errors else press.rank
-    between = [(loop.link1.link, loop.link2.link) for loop in document.description.loops]
-    between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]
+    between: list[tuple[str, ...]] = [(loop.link1.link, loop.link2.link) for loop in document.description.loops]
+    between += [tuple(press.joints[joint] for joint in relation.joints) for relation in press.relations]
     closings = (
         Closing(
             each.by.name,
@@ -232,7 +232,8 @@ def _put_together(
         for k, each, joints in _in_order(press)
     )
     engine, data = None if errors else press.engine().name, main_data(press, moves=not errors)
-    return [*findings, *_no_slide(press), *_turned_back(press, data)], Facts(
+    places = Records(Place, _places(press))
+    return [*findings, *_no_slide(press, places), *_turned_back(press, data)], Facts(
         press.drivers,
         press.slide,
         press.joints,
@@ -241,7 +242,7 @@ def _put_together(
         press.held_spins,
         engine,
         Records(Closing, closings),
-        Records(Place, _places(press)),
+        places,
         data,
         Records(Dyad, []) if errors else _dyads(press),
     )
@@ -259,12 +260,12 @@ def _places(press: Linkage) -> Iterator[Place]:
         yield Place(name, "pin" if press.axes[press.joints.index(name)].turns else sliding, (joint.parent, joint.child))
 
 
-def _no_slide(press: Linkage) -> Iterator[Finding]:
+def _no_slide(press: Linkage, places: Sequence[Place]) -> Iterator[Finding]:
     """A note of several links that the frame guides, none of which is taken for the slide."""
-    guided = [each.between[1] for each in _places(press) if each.type == "guide"]
+    guided = [place.between[1] for place in places if place.type == "guide"]
     if press.slide is not None or len(guided) < 2:
         return
-    problem = f"the frame guides {', '.join(guided)}, and none is called slide: stroke and dead centres are of none"
+    problem = f"the frame guides {', '.join(guided)}, and none is called slide: no link has a stroke and dead centres"
     remedy = f"call the one that works slide, or name it: load(..., slide={guided[0]!r}), on the command line --slide {guided[0]}"
     yield Finding("note", press.document.called("robot", press.name), None, problem, remedy)
 
@@ -341,7 +342,7 @@ def _describe(facts: Facts) -> list[str]:
     return lines
 
 
-def said_in_a_line(facts: Facts) -> str:
+def summarise_facts(facts: Facts) -> str:
     """How the press moves: its stroke, or why there is none, and the smallest of the transmission angles."""
     data = facts.data
     if facts.mobility != len(facts.drivers):

@@ -493,7 +493,7 @@ def test_of_several_slides_one_is_named():
     ):
         pp.dead_centres(pp.build(**table))
     (note,) = (each for each in draft(**table).check().notes if "guides" in each.problem)
-    assert note.problem == "the frame guides punch, holder, and none is called slide: stroke and dead centres are of none"
+    assert note.problem == "the frame guides punch, holder, and none is called slide: no link has a stroke and dead centres"
     for name, radius in (("punch", 0.1), ("holder", 0.04)):
         assert pp.dead_centres(pp.build(**table, slide=name)).stroke == pytest.approx(2 * radius, rel=1e-12)
         checked = draft(**table).check(slide=name)

@@ -16,7 +16,6 @@ from validation.rows import BEYOND, CONFIRMED, FORMULA, NOT, PARTLY, SOLVER, UNP
 import pinpress as pp
 from pinpress.common.quantities import Array
 from pinpress.derivatives.reshape import reshaped
-from pinpress.kinematics.dyads import transmission_angle_curves
 from pinpress.kinematics.measures import (
     bearing_positions,
     even_length,
@@ -27,6 +26,7 @@ from pinpress.kinematics.measures import (
     stroke,
 )
 from pinpress.kinematics.phases import phases
+from pinpress.kinematics.transmission_angles import transmission_angle_curves
 from pinpress.synthesis.design import Trial
 from pinpress.synthesis.synthesis import SynthesisResult, synthesise
 

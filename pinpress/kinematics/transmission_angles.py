@@ -6,7 +6,7 @@ known already. A press linkage is the driver and a chain of dyads.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -23,10 +23,10 @@ from .cycle import motion_through_change_points
 from .motion import Motion, refuse_motion_of_another
 from .poses import bearing_points, poses
 
-SAMPLES = 720  # crank angles of a turn at which the least angle is looked for
-CLOSER, ROUNDS = 10, 7  # how many times closer crank angles are looked at in each round, and rounds
-EQUAL = 1e-12  # angles that differ by less differ by rounding [rad]
-IN_LINE = 1e-7  # angles below are those of links that come into line, where the search converges only linearly [rad]
+SAMPLES = 720  # crank angles of a turn between which the least angle is searched
+CLOSER, ROUNDS = 10, 7  # factor by which each round of the search is finer than the one before, and number of rounds
+EQUAL = 1e-12  # difference of angles that is rounding [rad]
+IN_LINE = 1e-7  # a smaller angle is that of links that come into line, where the search converges only linearly [rad]
 
 
 @dataclass(frozen=True, repr=False)
@@ -85,18 +85,18 @@ def least_transmission_angles(press: Linkage) -> Records[Dyad]:
     steps = max(2, round(SAMPLES * turns))
     centres, step = np.linspace(first, last, steps + 1)[None], (last - first) / steps
     for _ in range(ROUNDS):
-        found = _angles(press, plane, bearings, centres)
-        least = np.argmax(found <= found.min(axis=1, keepdims=True) + EQUAL, axis=1)[:, None]  # the first of equal ones
-        at = np.take_along_axis(np.broadcast_to(centres, found.shape), least, axis=1)
+        sampled = _angles(press, plane, bearings, centres)
+        least = np.argmax(sampled <= sampled.min(axis=1, keepdims=True) + EQUAL, axis=1)[:, None]  # the first of equal ones
+        crank = np.take_along_axis(np.broadcast_to(centres, sampled.shape), least, axis=1)
         step /= CLOSER
-        centres = np.clip(at + step * np.arange(-CLOSER, CLOSER + 1), first, last)
-    angles = np.take_along_axis(found, least, axis=1)[:, 0]
+        centres = np.clip(crank + step * np.arange(-CLOSER, CLOSER + 1), first, last)
+    angles = np.take_along_axis(sampled, least, axis=1)[:, 0]
     kind = Dyad if branch.coordinate.turns else DyadOverTravel
     return Records(
         kind,
         (
-            kind(each.middle, each.ends, float(angle) if angle > IN_LINE else 0.0, float(crank))
-            for each, angle, crank in zip(bearings, angles, at[:, 0], strict=True)
+            kind(dyad.middle, dyad.ends, float(angle) if angle > IN_LINE else 0.0, float(place))
+            for dyad, angle, place in zip(bearings, angles, crank[:, 0], strict=True)
         ),
     )
 
@@ -119,8 +119,8 @@ def transmission_angle_curves(press: Linkage, motion: Motion) -> DyadAngles:
     refuse_motion_of_another(press, motion)
     dyads = [_bearings(press, plane, block) for block in plane.blocks if block.kind == "dyad"]
     placed = _place_bearings(press, motion.joint_position)
-    angles = np.array([_angle(plane, placed, each) for each in dyads]).reshape(len(dyads), len(motion.joint_position))
-    return DyadAngles(motion, NamedArrays(tuple(each.middle for each in dyads), angles))
+    angles = np.array([_angle(plane, placed, dyad) for dyad in dyads]).reshape(len(dyads), len(motion.joint_position))
+    return DyadAngles(motion, NamedArrays(tuple(dyad.middle for dyad in dyads), angles))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -170,21 +170,14 @@ class _Bearings(NamedTuple):
 
 def _bearings(press: Linkage, plane: Plane, block: Block) -> _Bearings:
     """Which bearing of a dyad is in the middle: of two joints on one side of the loop the outer one, else the loop itself."""
-    one, other = block.joints
     loop = press.loops[block.loops[0]]
     for end in (loop.joint1, loop.joint2):
-        carried = list(_down_to_frame(press, end))
-        if one + 1 in carried and other + 1 in carried:
-            inner, outer = (one, other) if carried.index(one + 1) > carried.index(other + 1) else (other, one)
+        carriers = plane.carriers(end - 1)
+        if set(block.joints) <= set(carriers):
+            inner, outer = sorted(block.joints, key=carriers.index)
             return _Bearings(press.joints[outer], (press.joints[inner], loop.name))
-    return _Bearings(loop.name, (press.joints[one], press.joints[other]))
-
-
-def _down_to_frame(press: Linkage, joint: int) -> Iterator[int]:
-    """Pinocchio's joints from one down the tree to the frame."""
-    while joint:
-        yield joint
-        joint = press.model.parents[joint]
+    first, second = block.joints
+    return _Bearings(loop.name, (press.joints[first], press.joints[second]))
 
 
 class _Placed(NamedTuple):
@@ -211,26 +204,26 @@ def _angles(press: Linkage, plane: Plane, dyads: list[_Bearings], crank: Array) 
     """Transmission angles (dyads, n) at crank angles (dyads, n), or (1, n) for all."""
     placed = _place_bearings(press, motion_through_change_points(press, crank.ravel(), 0.0).joint_position)
     states = np.arange(crank.size).reshape(crank.shape)
-    return np.array([_angle(plane, placed, each)[states[k % len(states)]] for k, each in enumerate(dyads)])
+    return np.array([_angle(plane, placed, dyad)[states[k % len(states)]] for k, dyad in enumerate(dyads)])
 
 
-def _angle(plane: Plane, placed: _Placed, each: _Bearings) -> Array:
+def _angle(plane: Plane, placed: _Placed, dyad: _Bearings) -> Array:
     """Transmission angle (n,) of a dyad."""
-    one, another = _lines(each, placed, plane.normal)
-    across = np.cross(one, another) @ plane.normal
-    return np.asarray(np.arctan2(np.abs(across), np.abs(np.sum(one * another, axis=1))))
+    line1, line2 = _lines(dyad, placed, plane.normal)
+    across = np.cross(line1, line2) @ plane.normal
+    return np.asarray(np.arctan2(np.abs(across), np.abs(np.sum(line1 * line2, axis=1))))
 
 
-def _lines(each: _Bearings, placed: _Placed, normal: Array) -> tuple[Array, Array]:
+def _lines(dyad: _Bearings, placed: _Placed, normal: Array) -> tuple[Array, Array]:
     """Two directions (n, 3) in the plane, between which the transmission angle is."""
-    (points, slides), middle = placed, each.middle
+    (points, slides), middle = placed, dyad.middle
 
     def line(begin: str, end: str) -> Array:
         direction = points[end] - points[begin]
         return np.asarray(direction - np.outer(direction @ normal, normal))
 
     if middle in slides:
-        guides = [slides[name] for name in each.ends if name in slides]
-        return (slides[middle], guides[0]) if guides else (line(*each.ends), np.cross(normal, slides[middle]))
-    first, second = (np.cross(normal, slides[name]) if name in slides else line(middle, name) for name in each.ends)
+        guides = [slides[name] for name in dyad.ends if name in slides]
+        return (slides[middle], guides[0]) if guides else (line(*dyad.ends), np.cross(normal, slides[middle]))
+    first, second = (np.cross(normal, slides[name]) if name in slides else line(middle, name) for name in dyad.ends)
     return first, second
