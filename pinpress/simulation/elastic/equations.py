@@ -305,19 +305,16 @@ class ElasticEquations:
         if event.kind != "slips":
             value = train.margin(event, mode, self.direction, times, states, rates, np.zeros(3))
             return float(value[1]), train.gradient(event, mode, self.direction, self.size), float(value[2] - value[0]) / (2 * INSTANT)
-        segments = np.full(3, knot - 1)
-        held, by_place, by_rate = self._held_torque(event, times, states, rates, segments)
+        held, by_place, by_rate = self.held_torque(event, times, states, rates)
         value = train.margin(event, mode, self.direction, times, states, rates, held)
         gradient = -np.sign(held[1]) * np.concatenate([by_place[1], by_rate[1]])
         return float(value[1]), gradient, float(value[2] - value[0]) / (2 * INSTANT)
 
-    def held_torque(self, event: TrainEvent, time: Array, y: Array, v: Array, segments: Indices) -> Array:
-        """Torque (n,) on the crank of the coupling that holds and may slip [N m], in the mode of the only segment."""
-        return self._held_torque(event, time, y, v, segments)[0]
-
-    def _held_torque(self, event: TrainEvent, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array]:
-        """Likewise, and its derivatives (n, size) by coordinates and rates."""
+    def held_torque(self, event: TrainEvent, time: Array, y: Array, v: Array) -> tuple[Array, Array, Array]:
+        """Torque (n,) on the crank of the coupling that holds and may slip [N m], in the mode of the only segment, and its derivatives
+        (n, size) by coordinates and rates."""
         assert self.train is not None
+        segments = np.zeros(len(time), dtype=int)
         bodies = self.body_forces(time, segments, self.state(time, y, v))
         force, stiffness, damping = self._forces(time, y, v, segments, bodies)
         inverse = np.linalg.inv(self.mass)

@@ -1,4 +1,4 @@
-"""The motion of a press on springs from a known state, step by step, and the state in which it starts without vibration.
+"""The motion of a press on springs from a known state, step by step.
 
 Some panels at a time are solved, as many as the tolerance allows. Where a load begins or ends, or a contact, the last panel ends there.
 """
@@ -14,14 +14,11 @@ import numpy as np
 from ...common.numerics import radau_rule
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
-from ..driven_press import GeneralizedForce
 from ..failures import failure
 from .contact import HertzContact
 from .equations import ElasticEquations
 from .panels import Ends, Mesh, PanelSolution, PanelStates, solve
 from .press.drive import TrainEvent, TrainMode
-from .press.geometry import Springs
-from .press.sprung_press import SprungPress
 from .strokes import CRANK_ANGLE, INSTANT, Event, MotionEvent, Phase, Release, Segment, crossing
 from .task import FIRST_PANELS, LOOKS, MOST_STEPS, PAST_BORDER, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 
@@ -129,14 +126,15 @@ class _March:
         modes = () if self.mode is None else (self.mode,)
         return replace(self.task.equations, segments=(self.pieces[-1].laws,), modes=modes, events={}, lost=self.lost)
 
+    @property
+    def _now(self) -> tuple[Array, Array, Array]:
+        """Time (1,), coordinates and rates (1, size)."""
+        y, v = np.split(self.state[None], 2, axis=1)
+        return np.array([self.time]), y, v
+
     def _places_now(self) -> Array:
         """Values (paths,) of all paths."""
-        return np.asarray(self._paths_now()[0][0])
-
-    def _paths_now(self) -> tuple[Array, Array]:
-        """Values and rates (1, paths) of all paths."""
-        size = len(self.state) // 2
-        return self.task.equations.places(np.array([self.time]), self.state[None, :size], self.state[None, size:])
+        return np.asarray(self.task.equations.places(*self._now)[0][0])
 
     def step(self, until: float) -> None:
         """Go on by a window, or to the next event in it."""
@@ -272,30 +270,27 @@ class _March:
         events = self.train.events(self.mode, self.direction, self.angle)
         if not events:
             return []
-        size, times = len(self.state) // 2, np.append(self.time, seen.time)
-        y, v = np.vstack([self.state[:size], seen.y]), np.vstack([self.state[size:], seen.v])
-        return [(event, self._margin(event, times, y, v)) for event in events]
+        time, y, v = self._now
+        states = np.append(time, seen.time), np.vstack([y, seen.y]), np.vstack([v, seen.v])
+        return [(event, self._margin(event, *states)) for event in events]
 
     def _margin(self, event: TrainEvent, times: Array, y: Array, v: Array) -> Array:
         """Margin (n,) of an event in the present mode; see `DriveTrain.margin`."""
         assert self.train is not None
         assert self.mode is not None
-        held = np.zeros(len(times))
-        if event.kind == "slips":
-            held = self._equations().held_torque(event, times, y, v, np.zeros(len(times), dtype=int))
+        held = self._equations().held_torque(event, times, y, v)[0] if event.kind == "slips" else np.zeros(len(times))
         return self.train.margin(event, self.mode, self.direction, times, y, v, held)
 
     def _slip_at_once(self) -> bool:
         """Whether a coupling that holds begins to slip, because it can hold no more after an event."""
         if self.train is None or self.mode is None:
             return False
-        size = len(self.state) // 2
         for event in self.train.events(self.mode, self.direction, self.angle):
             if event.kind != "slips":
                 continue
-            margin = self._margin(event, np.array([self.time]), self.state[None, :size], self.state[None, size:])
             coupling = self.train.coupling(event.side)
-            if coupling is not None and margin[0] < -1e-9 * coupling.torque:  # less is rounding of a coupling that just holds
+            # By less a coupling that just holds is beyond its torque in rounding.
+            if coupling is not None and self._margin(event, *self._now)[0] < -1e-9 * coupling.torque:
                 self._switch(event)
                 return True
         return False
@@ -304,12 +299,10 @@ class _March:
         """Go on after an event of the drive train."""
         assert self.train is not None
         assert self.mode is not None
-        size, held = len(self.state) // 2, 0.0
-        if event.kind == "slips":
-            y, v = self.state[None, :size], self.state[None, size:]
-            held = float(self._equations().held_torque(event, np.array([self.time]), y, v, np.zeros(1, dtype=int))[0])
-        mode, rates = self.train.after(event, self.mode, self.time, self.state[size:], held)
-        self.state = np.concatenate([self.state[:size], rates])
+        held = float(self._equations().held_torque(event, *self._now)[0][0]) if event.kind == "slips" else 0.0
+        y, v = np.split(self.state, 2)
+        mode, rates = self.train.after(event, self.mode, self.time, v, held)
+        self.state = np.concatenate([y, rates])
         self._go_on_in(mode, event)
 
     def _go_on_in(self, mode: TrainMode, event: MotionEvent) -> None:
@@ -371,7 +364,7 @@ class _March:
             if last.segment[number] is interval or number in self.lost:  # it goes on
                 found[number] = self.lost.get(number, last.laws[number])
                 continue
-            speeds = self._paths_now()[1][0] if speeds is None else speeds
+            speeds = self.task.equations.places(*self._now)[1][0] if speeds is None else speeds
             found[number] = interval.struck(abs(float(speeds[self.task.strokes.forces[number].row])))
         return tuple(found)
 
@@ -427,82 +420,3 @@ def cut_to(near: PanelSolution, mesh: Mesh) -> PanelSolution:
     _, _, a = near.at((mesh.start[:, None] + mesh.length[:, None] * near.rule.points).ravel() - 1e-12 * mesh.length[0])
     accelerations = a.reshape(len(mesh.start), len(near.rule.points), -1)
     return PanelSolution(mesh, near.rule, np.concatenate([y, v], axis=1), accelerations, np.inf, 0, near.passage)
-
-
-def resting(task: Task, start: float) -> Array:
-    """The state (2 size,) at time 0 whose springs carry weight, loads and the inertia forces of the rigid motion, so that no vibration
-    begins. Journals with clearance rest on their bearings on the side to which these forces press them; preloaded joints are open where
-    these forces open them.
-
-    A free crank is accelerated by what its drive then leaves.
-
-    Raises:
-        SimulationError: the springs do not carry them.
-    """
-    y, v, a = task.rigid(np.zeros(1))
-    phase = task.strokes.begin(start + PAST_TURNING * np.sign(task.speed))
-    segment = task.strokes.active(phase, task.strokes.places(start))
-    equations, sprung = replace(task.equations, segments=(segment,)), task.equations.sprung
-    by_crank = v[0] / v[0, -1]  # rates of a free crank's coordinates by its own
-    v, a = task.begins * v, task.begins**2 * a
-    if equations.train is not None:
-        own, train = equations.own, equations.train
-        mode, rates = train.begun(start, float(v[0, -1]))
-        by_crank[:own], v[0, :own] = 0.0, rates
-        equations = replace(equations, modes=(train.due(mode, 0.0, v[0]),))
-    if sprung.closed is None:
-        return np.concatenate([_balance(equations, y, v, a, by_crank, task.tolerance)[0], v[0]])
-    loads, contacts = segment[: len(task.strokes.driven.forces)], task.strokes.contacts
-    closed = replace(equations, sprung=sprung.closed, segments=((*loads, *(None for _ in contacts)),))
-    y = _balance(closed, y, v, a, by_crank, task.tolerance)
-    if sprung.open_pins:
-        aside = replace(sprung.closed, springs=_press_aside(sprung, closed, y, v))
-        y = _balance(replace(closed, sprung=aside), y, v, a, by_crank, task.tolerance)
-    touching: Segment = tuple(contact.rising[0] for contact in contacts)
-    for _ in range(MOST_STEPS):
-        y = _balance(replace(equations, segments=((*loads, *touching),)), y, v, a, by_crank, task.tolerance)
-        before, touching = touching, _members_touching(equations, contacts, y, v)
-        if touching == before:
-            return np.concatenate([y[0], v[0]])
-    raise failure("cannot go on", 0.0, message="preloaded joints neither stay closed nor open at the start")
-
-
-def _members_touching(equations: ElasticEquations, contacts: Sequence[GeneralizedForce], y: Array, v: Array) -> Segment:
-    """The laws of all contacts of pins, and of the members of preloaded joints that touch at a state (1, size); None of the others."""
-    sprung, pins, state = equations.sprung, len(equations.sprung.open_pins), equations.state(np.zeros(1), y, v)
-    found: list[ForceInterval | None] = [contact.rising[0] for contact in contacts]
-    for number, contact in enumerate(contacts[pins:], pins):
-        place, law = float(equations.paths[contact.row].over(sprung, state).value[0]), contact.rising[0]
-        found[number] = law if law.lower < place <= law.upper else None
-    return tuple(found)
-
-
-def _balance(equations: ElasticEquations, y: Array, v: Array, a: Array, by_crank: Array, tolerance: float) -> Array:
-    """Coordinates (1, size) near ``y`` at which all forces balance the inertia forces of given accelerations (1, size); those of the drive
-    train, which has no springs, and of a frame on its mounts, which stands at its place, are found with them."""
-    still = [*range(equations.own), *equations.unsprung]
-    for _ in range(MOST_STEPS):
-        found = equations.linearised(np.zeros(1), y, v, a, np.zeros(1, dtype=int))
-        matrix = found.stiffness[0]
-        matrix[:, still] = equations.mass[:, still]
-        if equations.crank is None:
-            matrix[:, -1] = (found.mass if found.mass.ndim == 2 else found.mass[0]) @ by_crank
-        step = np.linalg.solve(matrix, found.left[0])
-        if equations.crank is None:
-            a, step[-1] = a + step[-1] * by_crank, 0.0
-        a[0, still] += step[still]
-        step[still] = 0.0
-        y = y + step
-        if np.abs(step).max() <= tolerance:
-            return y
-    raise failure("cannot go on", 0.0, message="the springs do not carry the links at the start")
-
-
-def _press_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: Array) -> Springs:
-    """The springs of the closed press, slack where journals with clearance lie beside their bearings' centres, as the forces press them."""
-    geometry, springs = closed.sprung.geometry, closed.sprung.springs
-    extension, rest = geometry.strains(closed.state(np.zeros(1), y, v)).extension[0], springs.rest.copy()
-    for pin in sprung.open_pins:
-        own = springs.bearing == pin.bearing
-        rest[own] = extension[own] * (pin.clearance.radial / max(float(np.linalg.norm(extension[own])), 1e-300))
-    return springs._replace(rest=rest)

@@ -17,13 +17,14 @@ from ..solvers import SimulationProblem
 from ..trajectory import Trajectory
 from .description import Elastic
 from .equations import ElasticEquations, HeldCrank
-from .march import march, resting
+from .march import march
 from .period import periodic, periodic_near
 from .press.drive import drive_train
 from .press.friction import bearing_friction
 from .press.paths import LengthPath, LinePath, from_frame, load_path, refuse_on_flexible_links
 from .press.plane import PlaneGeometry
 from .press.sprung_press import SprungPress
+from .resting import resting
 from .run import ElasticRun, ElasticSegment, elastic_run, segment_of
 from .strokes import Strokes
 from .task import ElasticSolution, Task, largest_deflection
