@@ -1,8 +1,8 @@
 """Why is half of the slide's mass balanced?
 
-A crank press shakes its foundation, and a counterweight on the crank quietens it: the classical rule balances all that turns and half of
-what goes to and fro. Find by hand what shakes, why half, and what remains; then let pinpress prove that no counterweight is better. The
-press runs at 300 strokes/min.
+A crank press shakes its foundation, and a counterweight on the crank quietens it: the classical rule balances all turning masses and half
+of the reciprocating mass. Find by hand what shakes, why half, and what remains; then let pinpress prove that no counterweight is better.
+The press runs at 300 strokes/min.
 
 | link | length | mass | centre of mass |
 |---|---|---|---|
