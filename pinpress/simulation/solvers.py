@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from .over_time.time_solver import TimeSegment
 
 AGAIN = 4.0  # the crank is followed over its angle again from this multiple of the kinetic energy at which it was no longer sure to turn
+LEAST_TOLERANCE = 1e-13  # a smaller error of a step is rounding
 TOLERANCE, ELASTIC_TOLERANCE = 1e-11, 1e-5  # by default, of a rigid and of an elastic motion
 
 Progress = Callable[[float], None]
@@ -62,8 +63,8 @@ class SimulationProblem:
 def checked_tolerance(tolerance: float | None, elastic: bool = False) -> float:
     """The tolerance as a number, that by default where none is given; raises PinpressError outside the range that can be kept."""
     value = number("tolerance", (ELASTIC_TOLERANCE if elastic else TOLERANCE) if tolerance is None else tolerance, positive=True)
-    if not 1e-13 <= value <= 1e-2:  # a smaller error of a step is rounding
-        raise PinpressError(f"tolerance is {value:g}: give one from 1e-13 to 0.01")
+    if not LEAST_TOLERANCE <= value <= 1e-2:
+        raise PinpressError(f"tolerance is {value:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
     return value
 
 
