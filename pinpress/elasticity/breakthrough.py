@@ -188,15 +188,15 @@ def permissible_breakthrough(
     """
     asked = {"reverse_force": reverse_force, "stiffness": stiffness, "mass": mass}
     try:
-        given = np.broadcast_arrays(*(np.atleast_1d(numbers(name, values)) for name, values in asked.items()))
+        arrays = np.broadcast_arrays(*(np.atleast_1d(numbers(name, values)) for name, values in asked.items()))
     except ValueError:
         raise PinpressError("reverse_force, stiffness and mass are not numbers of one length: give (n,) or one number each") from None
-    if given[0].ndim != 1:
-        raise PinpressError(f"reverse_force, stiffness and mass have shape {given[0].shape} together: give (n,) or one number each")
+    if arrays[0].ndim != 1:
+        raise PinpressError(f"reverse_force, stiffness and mass have shape {arrays[0].shape} together: give (n,) or one number each")
     shared = {"damping_ratio": damping_ratio, "break_time": break_time, "clearance": clearance}
     more = [number(name, value) for name, value in shared.items()]
-    found = np.array([_permissible(float(r), float(k), float(m), *more) for r, k, m in zip(*given, strict=True)])
-    return read_only(found)
+    forces = np.array([_permissible(float(r), float(k), float(m), *more) for r, k, m in zip(*arrays, strict=True)])
+    return read_only(forces)
 
 
 class Release(NamedTuple):
@@ -252,8 +252,8 @@ class ResponseSegment:
         release = self.release
         decay = release.damping_ratio * release.frequency
         damped = release.frequency * math.sqrt(1 - release.damping_ratio**2)
-        at, rate = self._particular(0.0)
-        y, w = self.x - at, self.v - rate
+        place, rate = self._particular(0.0)
+        y, w = self.x - place, self.v - rate
         return decay, damped, y, (w + decay * y) / damped
 
     def _particular(self, s: Any) -> tuple[Any, float]:

@@ -83,8 +83,8 @@ class GuideSurface(Frozen):
         suitable_numbers(f"{what}: point", self.point, "three finite numbers, x, y, z [m]", (3,))
         suitable_numbers(f"{what}: normal", self.normal, "a direction of three finite numbers, e.g. (1, 0, 0)", (3,), np.any)
         for name, unit in (("length", "m"), ("width", "m"), ("stiffness", "N/m")):
-            given = positive(f"{what}: {name}", getattr(self, name), unit, STIFFEST if name == "stiffness" else 1e3)
-            object.__setattr__(self, name, given)
+            value = positive(f"{what}: {name}", getattr(self, name), unit, STIFFEST if name == "stiffness" else 1e3)
+            object.__setattr__(self, name, value)
         for name, unit in (("preload", "N"), ("clearance", "m")):
             object.__setattr__(self, name, number(f"{what}: {name}", getattr(self, name), unit))
             if getattr(self, name) < 0:
@@ -127,18 +127,18 @@ def eight_way_guide(
     Warns:
         PinpressWarning: as `GuideSurface`, once for all.
     """
-    found, height = [], number("middle", middle, "m")
+    surfaces, height = [], number("middle", middle, "m")
     for axis, (name, given) in enumerate((("facing_x", facing_x), ("facing_y", facing_y))):
-        x, y = suitable_numbers(name, given, "two positive numbers, half distances along x and y [m]", (2,), lambda each: np.all(each > 0))
+        x, y = suitable_numbers(name, given, "two positive numbers, half distances along x and y [m]", (2,), lambda both: np.all(both > 0))
         for side, right in (("left", -1.0), ("right", 1.0)):
             for end, back in (("front", -1.0), ("back", 1.0)):
                 normal = (right, 0.0, 0.0) if axis == 0 else (0.0, back, 0.0)
                 point = (right * float(x), back * float(y), height)
                 label = f"{side} {end} {'xy'[axis]}"
                 with cautions_collected():  # of the eight alike one says it, below
-                    found.append(GuideSurface(label, point, normal, length, width, stiffness, preload, clearance))
-    _caution_units("eight_way_guide", found[0].preload, found[0].clearance)
-    return tuple(found)
+                    surfaces.append(GuideSurface(label, point, normal, length, width, stiffness, preload, clearance))
+    _caution_units("eight_way_guide", surfaces[0].preload, surfaces[0].clearance)
+    return tuple(surfaces)
 
 
 def _caution_units(what: str, preload: float, clearance: float) -> None:
@@ -200,7 +200,7 @@ class LoadedGuide(OfPress, Tabular):
     def title(self) -> str:
         hardest = max(self.force, key=lambda name: float(self.force[name].max()))
         tilt, most = 1e6 * np.linalg.norm(self.rotation, axis=1).max(), float(self.force[hardest].max())
-        pressure = max(float(each.max()) for each in self.pressure.values())
+        pressure = max(float(values.max()) for values in self.pressure.values())
         return (
             f"LoadedGuide of {self.press_name}: up to {most:.6g} N on {hardest}, {1e-6 * pressure:.4g} MPa, slide turned by up to"
             f" {tilt:.4g} microradians, {len(self.opened)} times not in full touch"
@@ -438,34 +438,34 @@ def _settled(bed: _Bed, load: Array, motion: Motion, press_name: str) -> Array:
     A slide that floats in its clearances is held in the middle, by springs that are a billionth of the surfaces'.
     """
     scale = np.sqrt(bed.scales())
-    held = HELD * np.ones(5)
-    wanted = load / scale  # places are counted in units in which each part is as stiff as the others
+    centring = HELD * np.ones(5)
+    scaled_load = load / scale  # places are counted in units in which each part is as stiff as the others
     scaled = bed._replace(shift=bed.shift / scale, tilt=bed.tilt / scale)
-    x = np.zeros_like(wanted)
-    size = np.abs(wanted).max(axis=1) + np.abs(scaled.stiffness * bed.begin).max() * np.abs(scaled.shift).max() + 1e-300
+    x = np.zeros_like(scaled_load)
+    size = np.abs(scaled_load).max(axis=1) + np.abs(scaled.stiffness * bed.begin).max() * np.abs(scaled.shift).max() + 1e-300
 
-    def energy(places: Array, some: Array) -> Array:
-        return np.asarray(scaled.energy(places) + 0.5 * (places**2 @ held) - (places * some).sum(axis=1))
+    def energy(places: Array, loads: Array) -> Array:
+        return np.asarray(scaled.energy(places) + 0.5 * (places**2 @ centring) - (places * loads).sum(axis=1))
 
     left = np.arange(len(x))
     for _ in range(STEPS):
         gradient, hessian = scaled.slopes(x[left])
-        missing = gradient + held * x[left] - wanted[left]
+        missing = gradient + centring * x[left] - scaled_load[left]
         still = np.abs(missing).max(axis=1) > SETTLED * size[left]
         left, missing, hessian = left[still], missing[still], hessian[still]
         if not len(left):
             break
-        step = -np.linalg.solve(hessian + np.diag(held), missing[..., None])[..., 0]
-        before, falls = energy(x[left], wanted[left]), (missing * step).sum(axis=1)
+        step = -np.linalg.solve(hessian + np.diag(centring), missing[..., None])[..., 0]
+        before, falls = energy(x[left], scaled_load[left]), (missing * step).sum(axis=1)
         share = np.ones(len(left))
         for _ in range(HALVES):
-            after = energy(x[left] + share[:, None] * step, wanted[left])
+            after = energy(x[left] + share[:, None] * step, scaled_load[left])
             steep = after > before + 1e-4 * share * falls + ROUNDED * np.abs(before)
             if not steep.any():
                 break
             share[steep] *= 0.5
         x[left] += share[:, None] * step
-    pulled = np.abs(held * x).max(axis=1) > LEFT * size
+    pulled = np.abs(centring * x).max(axis=1) > LEFT * size
     pulled[left] = True  # so far away that it is all rounding
     if pulled.any():
         raise PinpressError(

@@ -183,8 +183,8 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
         PinpressError: a number is not positive, or the bearing is a guide.
         UnknownNameError: the linkage has no such bearing.
     """
-    given = {"radius": (radius, "m"), "width": (width, "m"), "hardness": (hardness, "N/m2"), "coefficient": (coefficient, "-")}
-    r, w, h, k = (number(name, value, unit, positive=True) for name, (value, unit) in given.items())
+    sizes = {"radius": (radius, "m"), "width": (width, "m"), "hardness": (hardness, "N/m2"), "coefficient": (coefficient, "-")}
+    r, w, h, k = (number(name, value, unit, positive=True) for name, (value, unit) in sizes.items())
     segment = _segment(run)
     press = run.problem.driven.press
     place = bearing_number(press, bearing)
@@ -192,14 +192,14 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
     if place < joints and not press.axes[place].turns:
         raise PinpressError(f"bearing {shown(bearing)} is a guide: its wear is spread over its way; give a pin")
     times, weights = _even(segment)
-    at = segment.states(times)
+    states = segment.states(times)
     sprung = segment.solution.equations.sprung
     if not isinstance(sprung.geometry, PlaneGeometry):
         raise PinpressError(f"{press.name} moves in space: wear is estimated for pins of planar presses alone")
     first, second = bodies_of(sprung, place)
-    rates = at.bodies.rates
+    rates = states.bodies.rates
     sliding = np.abs(rates[:, 3 * second + 2] - rates[:, 3 * first + 2]) * r
-    force = np.linalg.norm(at.forces.in_bearings[place], axis=1)
+    force = np.linalg.norm(states.forces.in_bearings[place], axis=1)
     volume = k / h * float(weights @ (force * sliding))
     return volume / (2 * np.pi * r * w) * 3600 / segment.end
 
@@ -207,26 +207,27 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
 def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) -> ImpactsByTurn:
     segment, press = _segment(run), run.problem.driven.press
     pin = _open_pin(segment, press, bearing)
-    count, share = segment.steps, np.linspace(0.0, 1.0, PLACES + 1)
-    at = solution_states(segment.solution, np.repeat(np.arange(count), len(share)), np.tile(share, count))
-    angle = at.crank[0]
+    panels, share = segment.steps, np.linspace(0.0, 1.0, PLACES + 1)
+    states = solution_states(segment.solution, np.repeat(np.arange(panels), len(share)), np.tile(share, panels))
+    angle = states.crank[0]
     gone = np.abs(angle - angle[0]) / (2 * np.pi)
     turns = int(np.floor(gone[-1] + 1e-9))
     if turns - settling < 1:
         raise PinpressError(f"the run of {segment.end:g} s has {turns} whole turns: give one with more than {settling}")
-    gap = journal_places(segment.solution.equations.sprung, pin, at.bodies)
-    force = np.linalg.norm(at.forces.in_bearings[pin.bearing], axis=1)
+    gap = journal_places(segment.solution.equations.sprung, pin, states.bodies)
+    force = np.linalg.norm(states.forces.in_bearings[pin.bearing], axis=1)
     turn = np.where(gone < turns + 1e-9, np.minimum(gone, turns - 1e-9), gone).astype(int)
     touching = np.abs(gap) > pin.clearance.radial
     rows = []
-    for each in range(settling, turns):
-        own = turn == each
-        lengths = np.where(own[1:] & own[:-1], np.diff(at.times), 0.0)
+    for count in range(settling, turns):
+        in_turn = turn == count
+        lengths = np.where(in_turn[1:] & in_turn[:-1], np.diff(states.times), 0.0)
         flying = float(lengths[~touching[1:]].sum() / lengths.sum())
-        struck = gone[1:][own[1:] & touching[1:] & ~touching[:-1]]
+        struck = gone[1:][in_turn[1:] & touching[1:] & ~touching[:-1]]
         # Touches within a ten-thousandth of a turn are one impact.
         impacts = int(len(struck) and 1 + (np.diff(struck) > 1e-4).sum())
-        rows.append((number_of_run, each, float(force[own].max()), float(np.abs(gap[own]).max()) - pin.clearance.radial, impacts, flying))
+        depth = float(np.abs(gap[in_turn]).max()) - pin.clearance.radial
+        rows.append((number_of_run, count, float(force[in_turn].max()), depth, impacts, flying))
     columns = {name: read_only(np.array(column)) for name, column in zip(OF_TURN, zip(*rows, strict=True), strict=True)}
     orbit = np.stack([gap.real, gap.imag], axis=1)[turn >= settling]
     return ImpactsByTurn(press, bearing, pin.clearance.radial, orbit=read_only(orbit), **columns)
@@ -234,7 +235,7 @@ def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) ->
 
 def _joined(parts: Sequence[ImpactsByTurn]) -> ImpactsByTurn:
     """All turns of several runs."""
-    columns = {name: read_only(np.concatenate([getattr(each, name) for each in parts])) for name in OF_TURN}
+    columns = {name: read_only(np.concatenate([getattr(part, name) for part in parts])) for name in OF_TURN}
     first = parts[0]
     return ImpactsByTurn(first._press, first.bearing, first.radial, orbit=first.orbit, **columns)
 

@@ -26,16 +26,16 @@ def shapes_in_space(geometry: SpaceGeometry, state: SpaceState, moved: Array) ->
     spin = changed.reshape(n, m, -1, 3, 3) @ matrices.swapaxes(-1, -2)
     turn = np.stack([spin[..., 2, 1], spin[..., 0, 2], spin[..., 1, 0]], axis=-1)
     straight = moved[:, :, : 6 * geometry.count].reshape(n, m, -1, 6)[..., :3]
-    found = np.zeros((n, m, press.model.nv, 6))
+    shapes = np.zeros((n, m, press.model.nv, 6))
     for body, joint in enumerate(geometry.joints):
-        found[:, :, joint - 1] = np.concatenate([straight[:, :, body], turn[:, :, body]], axis=2)
+        shapes[:, :, joint - 1] = np.concatenate([straight[:, :, body], turn[:, :, body]], axis=2)
     for joint in range(1, press.model.nv + 1):
         if joint not in geometry.joints:  # a cross without mass moves with its carrier
             body = geometry.joints.index(int(press.model.parents[joint]))
             place = geometry.own_axes[body].T @ (press.model.jointPlacements[joint].translation - geometry.lever[body])
             arm = (matrices[:, 0, body] @ place)[:, None]
-            found[:, :, joint - 1] = np.concatenate([straight[:, :, body] + np.cross(turn[:, :, body], arm), turn[:, :, body]], axis=2)
-    return found
+            shapes[:, :, joint - 1] = np.concatenate([straight[:, :, body] + np.cross(turn[:, :, body], arm), turn[:, :, body]], axis=2)
+    return shapes
 
 
 def kinetic_energy_in_space(geometry: SpaceGeometry, state: SpaceState, moved: Array, flywheel: float) -> dict[str, Array]:
@@ -44,14 +44,14 @@ def kinetic_energy_in_space(geometry: SpaceGeometry, state: SpaceState, moved: A
     n, m = moved.shape[:2]
     turning = (geometry.weigh(changed.reshape(n * m, -1, 9)).reshape(changed.shape) * changed).sum(axis=3)
     straight = (moved[:, :, : 6 * geometry.count].reshape(n, m, -1, 6)[..., :3] ** 2).sum(axis=3) * geometry.mass_of
-    found = {geometry.press.link_of(joint): (turning + straight)[:, :, body] for body, joint in enumerate(geometry.joints)}
-    return found | ({"flywheel": flywheel * moved[:, :, -1] ** 2} if flywheel else {})
+    energy = {geometry.press.link_of(joint): (turning + straight)[:, :, body] for body, joint in enumerate(geometry.joints)}
+    return energy | ({"flywheel": flywheel * moved[:, :, -1] ** 2} if flywheel else {})
 
 
 def _changed_matrices(geometry: SpaceGeometry, state: SpaceState, moved: Array) -> Array:
     """(n, m, B, 9) how much the matrices of the bodies change."""
     n, m, count = *moved.shape[:2], geometry.count
     by = state.turned.by[:, None, :count]
-    own = moved[:, :, : 6 * count].reshape(n, m, count, 6)[..., 3:]
-    every = np.concatenate([own, np.broadcast_to(moved[:, :, None, -1:], (n, m, count, 1))], axis=3)
+    turning = moved[:, :, : 6 * count].reshape(n, m, count, 6)[..., 3:]
+    every = np.concatenate([turning, np.broadcast_to(moved[:, :, None, -1:], (n, m, count, 1))], axis=3)
     return np.asarray((every[..., None, :] @ by)[..., 0, :])

@@ -195,7 +195,7 @@ def dead_centre_shift(press: Linkage, stiffness: Stiffness, *, speed: ArrayLike,
         place, depth = _minimum(press, curves[0] + curves[1] + w**2 * curves[2], w)
         return centres.bottom_angle + WINDOW * place, centres.bottom_position + depth
 
-    found = np.array([lowest(w) for w in speeds])
+    points = np.array([lowest(w) for w in speeds])
     return ElasticDeadCentre(
         _press=press,
         speed=speeds,
@@ -203,8 +203,8 @@ def dead_centre_shift(press: Linkage, stiffness: Stiffness, *, speed: ArrayLike,
         rigid_position=centres.bottom_position,
         constant=float(constant[-1]),
         by_squared_speed=float(inertia[-1]),
-        crank_angle=found[:, 0].copy(),
-        position=found[:, 1].copy(),
+        crank_angle=points[:, 0].copy(),
+        position=points[:, 1].copy(),
         standstill_position=lowest(0.0)[1],
     )
 
@@ -249,12 +249,12 @@ def _series(press: Linkage, values: Array) -> Array:
     Raises:
         PinpressError: the nodes do not resolve it.
     """
-    found = np.asarray(chebyshev.chebvander(chebyshev.chebpts1(NODES), NODES - 1).T @ values * (2 / NODES))
-    found[0] *= 0.5
+    coefficients = np.asarray(chebyshev.chebvander(chebyshev.chebpts1(NODES), NODES - 1).T @ values * (2 / NODES))
+    coefficients[0] *= 0.5
     # The last coefficients are about the error.
-    if not np.abs(found[-3:]).max() <= 1e-9 * max(np.abs(found).max(), np.finfo(float).tiny):
+    if not np.abs(coefficients[-3:]).max() <= 1e-9 * max(np.abs(coefficients).max(), np.finfo(float).tiny):
         raise PinpressError(f"{press.name} moves too unevenly near bottom dead centre to find its shift: the linkage is close to locking")
-    return found
+    return coefficients
 
 
 def _speeds(speed: ArrayLike) -> Array:

@@ -84,9 +84,9 @@ class CampbellDiagram(OfPress, Tabular):
     def __str__(self) -> str:
         rows = [["mode", "order", "speed", "meets it at some angle", "frequency"]]
         frequency = self.modes.natural_frequency.mean(axis=0) / (2 * np.pi)
-        for each in self.resonances[:MOST_ROWS]:
-            span = f"{each.slowest / RPM:.4g} to {each.fastest / RPM:.4g} r/min"
-            rows.append([str(each.mode), str(each.order), f"{each.speed / RPM:.4g} r/min", span, f"{frequency[each.mode - 1]:.4g} Hz"])
+        for met in self.resonances[:MOST_ROWS]:
+            span = f"{met.slowest / RPM:.4g} to {met.fastest / RPM:.4g} r/min"
+            rows.append([str(met.mode), str(met.order), f"{met.speed / RPM:.4g} r/min", span, f"{frequency[met.mode - 1]:.4g} Hz"])
         more = len(self.resonances) - MOST_ROWS
         low, high = self.speed[0] / RPM, self.speed[-1] / RPM
         heading = f"{self.press_name} on its springs: {len(self.resonances)} resonances from {low:.4g} to {high:.4g} r/min"
@@ -95,8 +95,8 @@ class CampbellDiagram(OfPress, Tabular):
     def columns(self) -> dict[str, Array]:
         """A row for each mode: the least, mean and largest natural frequency over the period."""
         frequency = self.modes.natural_frequency
-        found = {"mode": np.arange(1, frequency.shape[1] + 1)}
-        return found | {
+        columns = {"mode": np.arange(1, frequency.shape[1] + 1)}
+        return columns | {
             "lowest_frequency [rad/s]": frequency.min(axis=0),
             "mean_frequency [rad/s]": frequency.mean(axis=0),
             "highest_frequency [rad/s]": frequency.max(axis=0),
@@ -128,9 +128,9 @@ def campbell(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, orders: int
     order = np.arange(1, count + 1)[:, None] / turns
     slowest, mean, fastest = frequency.min(axis=0) / order, frequency.mean(axis=0) / order, frequency.max(axis=0) / order
     met = np.argwhere((fastest >= speed[0]) & (slowest <= speed[-1]))
-    found = [Resonance(int(m) + 1, int(k) + 1, float(mean[k, m]), float(slowest[k, m]), float(fastest[k, m])) for k, m in met]
-    found.sort(key=lambda each: -each.speed)
-    return CampbellDiagram(press, modes, read_only(speed), count, Records(Resonance, found), turns)
+    resonances = [Resonance(int(m) + 1, int(k) + 1, float(mean[k, m]), float(slowest[k, m]), float(fastest[k, m])) for k, m in met]
+    resonances.sort(key=lambda resonance: -resonance.speed)
+    return CampbellDiagram(press, modes, read_only(speed), count, Records(Resonance, resonances), turns)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -213,8 +213,8 @@ def over_speeds(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, loads: S
     """
     speed = _rising_speeds(speeds)
     runs: list[ElasticRun] = []
-    for each in speed[::-1].tolist():  # the faster, the fewer vibrations in a stroke: panels are only divided on the way
-        runs.insert(0, _stroke(press, elastic, each, loads, runs[0] if runs else None))
+    for rate in speed[::-1].tolist():  # the faster, the fewer vibrations in a stroke: panels are only divided on the way
+        runs.insert(0, _stroke(press, elastic, rate, loads, runs[0] if runs else None))
     mean = [np.diff(run.time) @ (run.shaking_force[1:] + run.shaking_force[:-1]) / (2 * run.time[-1]) for run in runs]
     frame = [float(np.linalg.norm(run.shaking_force - about, axis=1).max()) for run, about in zip(runs, mean, strict=True)]
 

@@ -95,23 +95,23 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
     if not isinstance(stiffness, Stiffness):
         raise PinpressError(f"stiffness is a {type(stiffness).__name__}: give a Stiffness(bearings={{...}}, rods=[...], ...)")
     _ = press.slide_guide  # raises where there is no slide
-    found = [_bearing_spring(press, name, value) for name, value in named("bearings", stiffness.bearings).items()]
-    found += [_guide_spring(press, name, value) for name, value in named("moments", stiffness.moments).items()]
-    found += [_rod_spring(press, rod) for rod in rods_of(stiffness)]
+    springs = [_bearing_spring(press, name, value) for name, value in named("bearings", stiffness.bearings).items()]
+    springs += [_guide_spring(press, name, value) for name, value in named("moments", stiffness.moments).items()]
+    springs += [_rod_spring(press, rod) for rod in rods_of(stiffness)]
     if stiffness.shaft is not None:
         press.refuse_several_drivers("shaft names none of them; leave shaft out")
         driver = press.bearings.index(press.driver)
-        found.append(Spring(SHAFT, 1 / part_stiffness("the shaft", stiffness.shaft, "N m/rad"), "shaft", ((driver, 1.0),)))
+        springs.append(Spring(SHAFT, 1 / part_stiffness("the shaft", stiffness.shaft, "N m/rad"), "shaft", ((driver, 1.0),)))
     if stiffness.frame is not None:
         compliance = 1 / part_stiffness("the frame", stiffness.frame)
-        found.append(Spring(FRAME, compliance, "frame", tuple(_on_crown(press)), joint=_joint(stiffness.frame)))
+        springs.append(Spring(FRAME, compliance, "frame", tuple(_on_crown(press)), joint=_joint(stiffness.frame)))
     doubt_stiffness(press, stiffness)
-    if not found:
+    if not springs:
         raise PinpressError(f"no part of {press.name} yields: give Stiffness the stiffness of at least one")
-    names = [part.name for part in found]
+    names = [part.name for part in springs]
     if len(set(names)) < len(names):
         raise PinpressError(f"several parts are named {', '.join(sorted({n for n in names if names.count(n) > 1}))}: give each once")
-    return tuple(found)
+    return tuple(springs)
 
 
 def sharing(press: Linkage, springs: Sequence[Spring]) -> dict[str, float]:
@@ -138,22 +138,22 @@ def internal_forces(press: Linkage, springs: Sequence[Spring], motion: Motion, r
     lines = bearing_points(press, poses(press, motion.joint_position)) if any(part.kind == "rod" for part in springs) else np.empty(0)
     across = _in_plane(press)
     axis = press.slide_direction
-    found = []
+    forces = []
     for part in springs:
         if part.kind == "shaft":
-            found.append(reactions.driving_torque[:, None])
+            forces.append(reactions.driving_torque[:, None])
         elif part.kind == "moment":
             moment = reactions.bearing_moment[press.bearings[part.bearings[0][0]]]
-            found.append(moment @ press.engine_of_one_driver.turning_axes().T)
+            forces.append(moment @ press.engine_of_one_driver.turning_axes().T)
         else:
             force = sum((weight * reactions.bearing_force[press.bearings[k]] for k, weight in part.bearings), np.zeros(3))
             if part.kind == "bearing":
-                found.append(_without_travel(press, motion, part.bearings[0][0], force @ across))
+                forces.append(_without_travel(press, motion, part.bearings[0][0], force @ across))
             elif part.kind == "frame":
-                found.append((force @ axis)[:, None])
+                forces.append((force @ axis)[:, None])
             else:
-                found.append(_along(press, lines[part.line[1]] - lines[part.line[0]], force @ across, across, part.name))
-    return found
+                forces.append(_along(press, lines[part.line[1]] - lines[part.line[0]], force @ across, across, part.name))
+    return forces
 
 
 def _along(press: Linkage, line: Array, force: Array, across: Array, name: str) -> Array:

@@ -83,33 +83,33 @@ def _spread_mass(link: str, mass: float, centre: float, inertia: float, length: 
     h, middle = length / count, (np.arange(count) + 0.5) / count
     powers = np.stack([np.ones(count), middle, middle**2])
     moments = np.stack([np.ones(count), middle * length, (middle * length) ** 2 + h**2 / 12])
-    found = np.linalg.solve(moments @ powers.T, [mass, mass * centre, inertia + mass * centre**2]) @ powers
-    if not (found > 0).all():
+    masses = np.linalg.solve(moments @ powers.T, [mass, mass * centre, inertia + mass * centre**2]) @ powers
+    if not (masses > 0).all():
         raise PinpressError(
             f"beam {shown(link)}: its mass of {mass:.4g} kg, centre of mass at {centre / length:.3g} of its length and moment of inertia of"
             f" {inertia / (mass * length**2):.3g} m l2 are not those of a beam, which has 0.083 m l2 where it is even; give matrices for it"
         )
-    return np.asarray(found)
+    return np.asarray(masses)
 
 
 def _beam_stiffness(axial: float, bending: float, h: float) -> Array:
-    found = np.zeros((6, 6))
-    found[np.ix_([0, 3], [0, 3])] = axial / h * np.array([[1, -1], [-1, 1]])
+    matrix = np.zeros((6, 6))
+    matrix[np.ix_([0, 3], [0, 3])] = axial / h * np.array([[1, -1], [-1, 1]])
     rows = [
         [12, 6 * h, -12, 6 * h],
         [6 * h, 4 * h * h, -6 * h, 2 * h * h],
         [-12, -6 * h, 12, -6 * h],
         [6 * h, 2 * h * h, -6 * h, 4 * h * h],
     ]
-    found[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = bending / h**3 * np.array(rows)
-    return found
+    matrix[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = bending / h**3 * np.array(rows)
+    return matrix
 
 
 def _beam_mass(h: float) -> Array:
     """(6, 6) consistent mass matrix of an element of mass 1."""
-    found = np.zeros((6, 6))
-    found[np.ix_([0, 3], [0, 3])] = np.array([[2, 1], [1, 2]]) / 6
+    matrix = np.zeros((6, 6))
+    matrix[np.ix_([0, 3], [0, 3])] = np.array([[2, 1], [1, 2]]) / 6
     rows = [[156, 22 * h, 54, -13 * h], [22 * h, 4 * h * h, 13 * h, -3 * h * h]]
     rows += [[54, 13 * h, 156, -22 * h], [-13 * h, -3 * h * h, -22 * h, 4 * h * h]]
-    found[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = np.array(rows) / 420
-    return found
+    matrix[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = np.array(rows) / 420
+    return matrix

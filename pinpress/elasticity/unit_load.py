@@ -266,8 +266,8 @@ def _refuse_unshared(held: HeldPress) -> None:
         size = work(idle, idle)
         for forces in (held.unit, held.unloaded):
             done, whole = work(forces, idle), work(forces, forces)
-            there = (size > 1e-16 * work(held.unit, held.unit)) & (whole > 0.0)  # less is rounding of forces, squared
-            if np.any(done[there] ** 2 > 1e-9 * size[there] * whole[there]):  # a wrong deflection by this share
+            loaded = (size > 1e-16 * work(held.unit, held.unit)) & (whole > 0.0)  # less is rounding of forces, squared
+            if np.any(done[loaded] ** 2 > 1e-9 * size[loaded] * whole[loaded]):  # a wrong deflection by this share
                 raise PinpressError(
                     f"parallel rods of {held.press.name} do not share forces by their own springs and those of their bearings alone: make"
                     " both sides alike, or leave out the guides' moments and arms"

@@ -85,14 +85,14 @@ class ElasticModes(OfPress, Tabular):
     def __str__(self) -> str:
         """Frequencies over the angles, and what each mode is at the angle nearest to bottom dead centre."""
         state = self.nearest_to_bottom
-        held = "the crank held" if self.flywheel is None else "the crank free with its flywheel"
+        crank = "the crank held" if self.flywheel is None else "the crank free with its flywheel"
         rows = [["", "frequency", "over the angles", "damping", "yields", "moves"]]
         for mode, frequency in enumerate(self.natural_frequency.T / (2 * np.pi)):
             yields, moves = self.words(state, mode)
             span = f"{frequency.min():.4g} to {frequency.max():.4g} Hz"
             rows.append([str(mode + 1), f"{frequency[state]:.4g} Hz", span, f"{self.damping_ratio[state, mode]:.4f}", yields, moves])
         where = f"at {np.degrees(self.crank_angle[state]):.4g} deg"
-        return "\n".join([f"{self.press_name} on its springs, {held}; {where}:", *tables.fitted(rows)])
+        return "\n".join([f"{self.press_name} on its springs, {crank}; {where}:", *tables.fitted(rows)])
 
     def words(self, state: int, mode: int) -> tuple[str, str]:
         """The parts that hold most of a mode's strain energy, and the links that hold most of its kinetic energy, with their shares."""
@@ -111,8 +111,8 @@ class ElasticModes(OfPress, Tabular):
 
 
 def _most(shares: Mapping[str, Array], state: int, mode: int) -> str:
-    at = sorted(((round(float(share[state, mode]), 9), name) for name, share in shares.items()), key=lambda item: -item[0])
-    named = [(share, name) for share, name in at[:NAMED] if share >= 0.1] or at[:1]
+    ordered = sorted(((round(float(share[state, mode]), 9), name) for name, share in shares.items()), key=lambda item: -item[0])
+    named = [(share, name) for share, name in ordered[:NAMED] if share >= 0.1] or ordered[:1]
     return ", ".join(f"{name} {100 * share:.0f} %" for share, name in named)
 
 
@@ -141,14 +141,14 @@ def natural_frequencies(
     coordinates, _, _ = geometry.rigid(motion_through_change_points(press, angles, 0.0))
     state = geometry.state(coordinates, np.zeros_like(coordinates))
     forces = sprung.spring_forces(state)
-    mass, kept = sprung.mass_at(state).copy(), sprung.free - (flywheel is None)
+    mass, count = sprung.mass_at(state).copy(), sprung.free - (flywheel is None)
     wheel = 0.0 if flywheel is None else flywheel_inertia(flywheel)
     mass[..., -1, -1] += wheel
-    squared, shapes = undamped_modes(mass[..., :kept, :kept], forces.stiffness[:, :kept, :kept])
+    squared, shapes = undamped_modes(mass[..., :count, :count], forces.stiffness[:, :count, :count])
     first = 0 if flywheel is None else 1  # the press that turns as a whole has no frequency
     frequency, shapes = np.sqrt(np.maximum(squared[:, first:], 0.0)), shapes[:, :, first:]
     free = np.zeros((len(angles), sprung.free, shapes.shape[2]))
-    free[:, :kept] = shapes
+    free[:, :count] = shapes
     moved = np.swapaxes(sprung.carry @ free, 1, 2)
     if isinstance(geometry, SpaceGeometry):
         displaced, bending = shapes_in_space(geometry, state, moved), moved[:, :, :0]
@@ -163,7 +163,7 @@ def natural_frequencies(
         flywheel=flywheel,
         crank_angle=read_only(angles),
         natural_frequency=read_only(frequency),
-        damping_ratio=read_only(_damping_ratios(frequency, shapes, forces.damping[:, :kept, :kept])),
+        damping_ratio=read_only(_damping_ratios(frequency, shapes, forces.damping[:, :count, :count])),
         shapes=read_only(displaced.copy()),
         strain_energy=_shares(_strain_energy(sprung, elastic, state, moved)),
         kinetic_energy=_shares(kinetic),
@@ -198,17 +198,17 @@ def _damping_ratios(frequency: Array, shapes: Array, damping: Array) -> Array:
     damped press in first order.
     """
     modal = np.swapaxes(shapes, 1, 2) @ damping @ shapes
-    own: Array = np.diagonal(modal, axis1=1, axis2=2)
+    diagonal: Array = np.diagonal(modal, axis1=1, axis2=2)
     tiny = np.finfo(float).tiny
-    if np.abs(modal - own[:, None, :] * np.eye(own.shape[1])).max() <= APART * max(float(own.max()), tiny):
-        return np.asarray(own / (2 * np.maximum(frequency, tiny)), dtype=float)
+    if np.abs(modal - diagonal[:, None, :] * np.eye(diagonal.shape[1])).max() <= APART * max(float(diagonal.max()), tiny):
+        return np.asarray(diagonal / (2 * np.maximum(frequency, tiny)), dtype=float)
     return np.array([damped_modes(w, c).ratio for w, c in zip(frequency, modal, strict=True)])
 
 
 def _strain_energy(sprung: SprungPress, elastic: Elastic, state: BodyState, moved: Array) -> dict[str, Array]:
     """Name of a part -> (n, m) twice its strain energy, of displacements (n, m, k). A rod and its pin share by compliance; in space a
     bearing's turning is a part of its own."""
-    press, geometry, springs, found = sprung.press, sprung.geometry, sprung.springs, dict[str, Array]()
+    press, geometry, springs, energy = sprung.press, sprung.geometry, sprung.springs, dict[str, Array]()
     stored = springs.stiffness * (moved @ geometry.gradient(geometry.strains(state)).swapaxes(1, 2)) ** 2
     rods = {(name, link_joint(press, rod.link) - 1): rod for rod in elastic.stiffness.rods for name in rod.between}
     for spring, (bearing, body) in enumerate(zip(springs.bearing, geometry.lines.first, strict=True)):
@@ -217,13 +217,13 @@ def _strain_energy(sprung: SprungPress, elastic: Elastic, state: BodyState, move
         share, rod = 1.0, rods.get((name, int(body)))
         if rod is not None:
             share = springs.stiffness[spring] / part_stiffness(name, elastic.stiffness.bearings[name])
-        found[part] = found.get(part, 0.0) + share * stored[:, :, spring]
+        energy[part] = energy.get(part, 0.0) + share * stored[:, :, spring]
         if rod is not None and share < 1.0:
-            found[rod.name] = found.get(rod.name, 0.0) + (1.0 - share) * stored[:, :, spring]
+            energy[rod.name] = energy.get(rod.name, 0.0) + (1.0 - share) * stored[:, :, spring]
     linear = sprung.linear.stiffness * sprung.linear_rates(moved) ** 2
     for column, part in enumerate(sprung.linear.parts):
-        found[part] = found.get(part, 0.0) + linear[:, :, column]
-    return found
+        energy[part] = energy.get(part, 0.0) + linear[:, :, column]
+    return energy
 
 
 def _kinetic_energy(geometry: PlaneGeometry, moved: Array, flywheel: float) -> dict[str, Array]:
@@ -232,15 +232,15 @@ def _kinetic_energy(geometry: PlaneGeometry, moved: Array, flywheel: float) -> d
     energy = (geometry.inertia * moved**2)[:, :, : geometry.rigid_size].reshape(*moved.shape[:2], -1, 3).sum(axis=3)
     for link in geometry.flexible:
         energy[:, :, link.body] += link.mass * (moved[:, :, link.columns] ** 2).sum(axis=2)
-    found = {press.link_of(body + 1): energy[:, :, body] for body in range(press.model.nv)}
+    energies = {press.link_of(body + 1): energy[:, :, body] for body in range(press.model.nv)}
     if geometry.crown is not None:
-        found["crown"] = energy[:, :, geometry.crown]
+        energies["crown"] = energy[:, :, geometry.crown]
     if geometry.base is not None:
-        found[FRAME] = energy[:, :, geometry.base]
+        energies[FRAME] = energy[:, :, geometry.base]
     if flywheel:
         body = geometry.rotor if geometry.rotor is not None else press.joints.index(press.driver)
-        found["flywheel"] = flywheel * moved[:, :, 3 * body + 2] ** 2
-    return found
+        energies["flywheel"] = flywheel * moved[:, :, 3 * body + 2] ** 2
+    return energies
 
 
 def _shares(parts: Mapping[str, Array]) -> FrozenMapping[str, Array]:

@@ -59,8 +59,8 @@ class Clearance:
             caution(f"Clearance: radial is {radial:g} m, {1e3 * radial:g} mm: give it in m, {1e-3 * radial:g} if mm are meant")
         if not isinstance(self.law, str) or self.law not in LAWS:
             raise PinpressError(f"Clearance: law is {shown(self.law)}: give one of {', '.join(map(repr, LAWS))}")
-        given = {"restitution": self.restitution, "hertz_stiffness": self.hertz_stiffness}
-        for name, value in given.items():
+        of_hertz = {"restitution": self.restitution, "hertz_stiffness": self.hertz_stiffness}
+        for name, value in of_hertz.items():
             if (value is None) == (self.law == "hertz"):
                 need = "give it" if value is None else "leave it out, or give law='hertz'"
                 raise PinpressError(f"Clearance: {name} belongs to the law 'hertz': {need}")

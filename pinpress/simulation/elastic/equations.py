@@ -128,8 +128,8 @@ class ElasticEquations:
     def places(self, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
         """Values and rates (n, paths) of all paths."""
         state = self.state(time, y, v)
-        found = [path.over(self.sprung, state) for path in self.paths]
-        return np.stack([path.value for path in found], axis=1), np.stack([path.rate for path in found], axis=1)
+        motions = [path.over(self.sprung, state) for path in self.paths]
+        return np.stack([path.value for path in motions], axis=1), np.stack([path.rate for path in motions], axis=1)
 
     def linearised(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Linearised:
         state, n, own = self.state(time, y, v), self.size, self.own
@@ -151,48 +151,48 @@ class ElasticEquations:
         """Inertia forces of the bodies' free coordinates that the mass matrix leaves out, those of a held crank too."""
         if self.sprung.geometry.constant_mass:
             return None
-        held = np.zeros((len(a), self.sprung.free - self.size + self.own))  # a held crank has no acceleration
-        return self.sprung.varying_inertia(state, np.concatenate([a[:, self.own :], held], axis=1))
+        of_crank = np.zeros((len(a), self.sprung.free - self.size + self.own))  # a held crank has no acceleration
+        return self.sprung.varying_inertia(state, np.concatenate([a[:, self.own :], of_crank], axis=1))
 
     def _by_time(self, time: Array, y: Array, v: Array, segments: Indices, state: BodyState, forces: SpringForces) -> Array:
         """Derivative (n, size) of the forces by time."""
         if self.crank is not None:
             return np.asarray(-forces.stiffness[:, : self.size, -1] * self.crank.speed)
         assert self.train is not None
-        found = np.zeros_like(y)
+        by_time = np.zeros_like(y)
         if self.train.timed:
-            for mode, there in self._by_mode(segments):
-                at = y[there], v[there]
-                before, after = (self.train.pushes(mode, time[there] + step, *at) for step in (-INSTANT, INSTANT))
-                found[there] += (after - before) / (2 * INSTANT)
+            for mode, rows in self._by_mode(segments):
+                states = y[rows], v[rows]
+                before, after = (self.train.pushes(mode, time[rows] + step, *states) for step in (-INSTANT, INSTANT))
+                by_time[rows] += (after - before) / (2 * INSTANT)
         for number, law in enumerate(self.driven.forces):
             if law.time is not None:
                 path = self.paths[law.row].over(self.sprung, state)
                 before, after = (self._law_values(law, number, segments, time + step, path)[0] for step in (-INSTANT, INSTANT))
-                found[:, self.own :] += (after - before)[:, None] / (2 * INSTANT) * path.gradient
-        return found
+                by_time[:, self.own :] += (after - before)[:, None] / (2 * INSTANT) * path.gradient
+        return by_time
 
     def _forces(self, time: Array, y: Array, v: Array, segments: Indices, bodies: SpringForces, held: bool = True) -> SpringForces:
         """Forces on all unknown coordinates, and on that of a held crank, of those of the bodies; where not ``held``, those that act on
         sides that hold each other, too."""
         if self.train is None:
             return bodies
-        own, (force, stiffness, damping) = self.own, (np.zeros((len(y), *(self.size,) * (part.ndim - 1))) for part in bodies)
-        force[:, own:], stiffness[:, own:, own:], damping[:, own:, own:] = bodies
-        for mode, there in self._by_mode(segments):
-            parts = (force[there], stiffness[there], damping[there])
-            self.train.add(mode, time[there], y[there], v[there], parts, held=held)
-            force[there], stiffness[there], damping[there] = parts
+        count, (force, stiffness, damping) = self.own, (np.zeros((len(y), *(self.size,) * (part.ndim - 1))) for part in bodies)
+        force[:, count:], stiffness[:, count:, count:], damping[:, count:, count:] = bodies
+        for mode, rows in self._by_mode(segments):
+            parts = (force[rows], stiffness[rows], damping[rows])
+            self.train.add(mode, time[rows], y[rows], v[rows], parts, held=held)
+            force[rows], stiffness[rows], damping[rows] = parts
         return SpringForces(force, stiffness, damping)
 
     def _by_mode(self, segments: Indices) -> list[tuple[TrainMode, Any]]:
         """The modes of the drive train at n states in segments, and which of the states are in each."""
         if len(self.modes) <= 1:
             return [(self.mode(0), slice(None))]
-        found: dict[TrainMode, list[int]] = {}
+        segments_of: dict[TrainMode, list[int]] = {}
         for segment in np.unique(segments):
-            found.setdefault(self.mode(segment), []).append(segment)
-        return [(mode, np.flatnonzero(np.isin(segments, some))) for mode, some in found.items()]
+            segments_of.setdefault(self.mode(segment), []).append(segment)
+        return [(mode, np.flatnonzero(np.isin(segments, of_mode))) for mode, of_mode in segments_of.items()]
 
     def body_forces(self, time: Array, segments: Indices, state: BodyState, derivatives: bool = True) -> SpringForces:
         """Forces on all free coordinates of the bodies, the crank's last; without those of the drive train."""
@@ -209,30 +209,30 @@ class ElasticEquations:
             if not on:
                 continue
             if (law.row, on) not in seen:
-                some = np.flatnonzero(np.isin(segments, on))
-                there = state if len(some) == len(segments) else some_of(state, some)
-                seen[law.row, on] = some, there, self.paths[law.row].over(self.sprung, there)
-            some, there, path = seen[law.row, on]
-            values, by_place, by_rate = self._law_values(law, number, segments[some], time[some], path)
-            force[some] += values[:, None] * path.gradient
+                rows = np.flatnonzero(np.isin(segments, on))
+                part = state if len(rows) == len(segments) else some_of(state, rows)
+                seen[law.row, on] = rows, part, self.paths[law.row].over(self.sprung, part)
+            rows, part, path = seen[law.row, on]
+            values, by_place, by_rate = self._law_values(law, number, segments[rows], time[rows], path)
+            force[rows] += values[:, None] * path.gradient
             if not derivatives:
                 continue
             outer = path.gradient[:, :, None] * path.gradient[:, None, :]
-            stiffness[some] -= by_place[:, None, None] * outer + values[:, None, None] * path.bend
+            stiffness[rows] -= by_place[:, None, None] * outer + values[:, None, None] * path.bend
             if by_rate.any():
-                rates = self.sprung.free_rates(there.rates)
+                rates = self.sprung.free_rates(part.rates)
                 turned = np.matmul(path.bend, rates[:, :, None]).transpose(0, 2, 1)
-                stiffness[some] -= by_rate[:, None, None] * path.gradient[:, :, None] * turned
-                damping[some] -= by_rate[:, None, None] * outer
+                stiffness[rows] -= by_rate[:, None, None] * path.gradient[:, :, None] * turned
+                damping[rows] -= by_rate[:, None, None] * outer
         return SpringForces(force, stiffness, damping)
 
     def path_forces(self, time: Array, segments: Indices, state: BodyState) -> list[tuple[Array, Array]]:
         """Of each load, then of each contact, the force along its path (n,) [N], and the rate of the path (n,) [m/s]."""
-        found = []
+        forces = []
         for number, law in enumerate(self.all_forces):
             path = self.paths[law.row].over(self.sprung, state)
-            found.append((self._law_values(law, number, segments, time, path)[0], path.rate))
-        return found
+            forces.append((self._law_values(law, number, segments, time, path)[0], path.rate))
+        return forces
 
     def _law_values(
         self, law: GeneralizedForce, number: int, segments: Indices, time: Array, path: PathMotion
@@ -243,16 +243,16 @@ class ElasticEquations:
             interval = self.segments[segment][number]
             if interval is None:
                 continue
-            there = segments == segment
+            rows = segments == segment
             if isinstance(interval, TimeSpan):
                 assert law.time is not None
                 # At the span's ends rounding would tell otherwise: the force is asked on its own side of them.
-                values[there] = law.time(np.clip(time[there], interval.begin + INSTANT, interval.end - INSTANT))
+                values[rows] = law.time(np.clip(time[rows], interval.begin + INSTANT, interval.end - INSTANT))
                 continue
-            values[there], by_place[there], by_rate[there] = _values(interval, path.value[there] - law.datum, path.rate[there])
+            values[rows], by_place[rows], by_rate[rows] = _values(interval, path.value[rows] - law.datum, path.rate[rows])
             if interval.one_sided and not 0 <= number - len(self.driven.forces) < len(self.sprung.open_pins):
-                for each in (by_place, by_rate, values):
-                    each[there] *= interval.sense * values[there] > 0
+                for part in (by_place, by_rate, values):
+                    part[rows] *= interval.sense * values[rows] > 0
         return values, by_place, by_rate
 
     def event(self, knot: int, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
@@ -267,9 +267,9 @@ class ElasticEquations:
             gradient = np.zeros(2 * self.size)
             gradient[self.size - 1] = 1.0
             return float(y[-1] - value), gradient, 0.0
-        at = self.paths[path].over(self.sprung, self.state(np.array([time]), y[None], v[None]))
-        gradient = np.concatenate([self._of_unknowns(at.gradient[0]), np.zeros(self.size)])
-        return float(at.value[0] - value), gradient, self._with_the_crank(at.gradient[0])
+        motion = self.paths[path].over(self.sprung, self.state(np.array([time]), y[None], v[None]))
+        gradient = np.concatenate([self._of_unknowns(motion.gradient[0]), np.zeros(self.size)])
+        return float(motion.value[0] - value), gradient, self._with_the_crank(motion.gradient[0])
 
     def _of_unknowns(self, gradient: Array) -> Array:
         """A gradient (size,) by the unknown coordinates, of that (f,) by the bodies' free ones."""
@@ -287,7 +287,7 @@ class ElasticEquations:
         path = self.paths[law.row].over(self.sprung, self.sprung.state(free, rates))
         interval, place = self.lost.get(number, self.segments[knot - 1][number]), path.value - law.datum
         if interval is None:  # lost before, in a motion of several segments
-            interval = next((each for each in law.rising if each.lower < place[0] <= each.upper), law.rising[0])
+            interval = next((interval for interval in law.rising if interval.lower < place[0] <= interval.upper), law.rising[0])
         assert isinstance(interval, ForceInterval)
         value, by_place, by_rate = _values(interval, place, path.rate)
         gradient = by_place[0] * path.gradient[0] + by_rate[0] * (path.bend[0] @ rates[0])
@@ -305,9 +305,9 @@ class ElasticEquations:
         if event.kind != "slips":
             value = train.margin(event, mode, self.direction, times, states, rates, np.zeros(3))
             return float(value[1]), train.gradient(event, mode, self.direction, self.size), float(value[2] - value[0]) / (2 * INSTANT)
-        held, by_place, by_rate = self.held_torque(event, times, states, rates)
-        value = train.margin(event, mode, self.direction, times, states, rates, held)
-        gradient = -np.sign(held[1]) * np.concatenate([by_place[1], by_rate[1]])
+        torque, by_place, by_rate = self.held_torque(event, times, states, rates)
+        value = train.margin(event, mode, self.direction, times, states, rates, torque)
+        gradient = -np.sign(torque[1]) * np.concatenate([by_place[1], by_rate[1]])
         return float(value[1]), gradient, float(value[2] - value[0]) / (2 * INSTANT)
 
     def held_torque(self, event: TrainEvent, time: Array, y: Array, v: Array) -> tuple[Array, Array, Array]:
@@ -322,8 +322,8 @@ class ElasticEquations:
         if event.side == "clutch":
             torque, inertia = self.train.torque(self.mode(0), time, y, v), self.train.inertia
             slopes = self.train.torque_slopes(self.mode(0), time, y, v)
-            taken = [inertia * acceleration[0][:, -1], inertia * acceleration[1][:, -1], inertia * acceleration[2][:, -1]]
-            return torque - taken[0], slopes.by_place - taken[1], slopes.by_rate - taken[2]
+            by_inertia = [inertia * acceleration[0][:, -1], inertia * acceleration[1][:, -1], inertia * acceleration[2][:, -1]]
+            return torque - by_inertia[0], slopes.by_place - by_inertia[1], slopes.by_rate - by_inertia[2]
         force, stiffness, damping = self._forces(time, y, v, segments, bodies, held=False)
         row = self.whole_mass[-1]
         return (
@@ -345,10 +345,10 @@ class ElasticEquations:
             assert self.crank is not None
             return Driving(torque, torque, np.full(len(time), self.crank.speed), np.zeros(len(time)))
         torque, motor, lost = np.zeros((3, len(time)))
-        for mode, there in self._by_mode(segments):
-            at = time[there], y[there], v[there]
-            torque[there], motor[there] = self.train.torque(mode, *at), self.train.motor_torque(mode, *at)
-            lost[there] = self.train.lost(mode, time[there], v[there])
+        for mode, rows in self._by_mode(segments):
+            states = time[rows], y[rows], v[rows]
+            torque[rows], motor[rows] = self.train.torque(mode, *states), self.train.motor_torque(mode, *states)
+            lost[rows] = self.train.lost(mode, time[rows], v[rows])
         return Driving(torque, motor, self.train.shaft_speed(v), lost)
 
     def drive_states(self, v: Array) -> Array:
@@ -382,7 +382,7 @@ def _values(interval: ForceInterval, place: Array, rate: Array) -> tuple[Array, 
     return np.broadcast_to(force(place, rate), place.shape), by_place, by_rate
 
 
-def _slope(law: Callable[[Array], Any], at: Array, size: float) -> Array:
+def _slope(law: Callable[[Array], Any], places: Array, size: float) -> Array:
     """Slope of a law by a central difference."""
     step = 1e-6 * size
-    return np.asarray((np.asarray(law(at + step)) - np.asarray(law(at - step))) / (2 * step) + 0.0 * at)
+    return np.asarray((np.asarray(law(places + step)) - np.asarray(law(places - step))) / (2 * step) + 0.0 * places)

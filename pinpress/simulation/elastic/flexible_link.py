@@ -70,14 +70,14 @@ class FlexibleLink(Frozen):
     damping_ratio: float = 0.01
 
     def __post_init__(self) -> None:
-        what, own = f"FlexibleLink of {shown(self.link)}", vars(self)
+        what, values = f"FlexibleLink of {shown(self.link)}", vars(self)
         for name in ("mass", "stiffness"):
-            own[name] = symmetric_matrix(f"{what}: {name}", own[name], MOST_ROWS)
+            values[name] = symmetric_matrix(f"{what}: {name}", values[name], MOST_ROWS)
         refuse_negative_mass(f"{what}: mass", self.mass)
         count = len(self.mass)
         if self.stiffness.shape != self.mass.shape:
             raise PinpressError(f"{what}: stiffness has shape {self.stiffness.shape}, mass {self.mass.shape}: give both for the same rows")
-        own["nodes"] = numbers(f"{what}: nodes", self.nodes, (None, 2), unit="m")
+        values["nodes"] = numbers(f"{what}: nodes", self.nodes, (None, 2), unit="m")
         degrees = numbers(f"{what}: degrees", self.degrees, (count, 2))
         node, direction = degrees.T
         apart = (degrees != np.round(degrees)).any() or len(np.unique(degrees[node >= 0], axis=0)) < np.count_nonzero(node >= 0)
@@ -87,7 +87,7 @@ class FlexibleLink(Frozen):
                 f"{what}: degrees must say for each row of the matrices the number of its node, from 0 to {len(self.nodes) - 1}, and 0 or 1"
                 " for its displacement along the axes or 2 for its turn, each once; leave out what moves across the plane"
             )
-        own["degrees"] = degrees.astype(np.intp)
+        values["degrees"] = degrees.astype(np.intp)
         if not isinstance(self.bearings, Mapping) or len(set(map(str, self.bearings.values()))) < 2:
             raise PinpressError(
                 f"{what}: bearings is {shown(self.bearings)}: give a mapping, name of each bearing: number of its node; at least two"
@@ -141,8 +141,8 @@ def read_flexible_link(
     Raises:
         PinpressError: a file cannot be read, lacks an array, or the arrays make no sense.
     """
-    other = None if stiffness is None else files.path_of("stiffness", stiffness)
-    return FlexibleLink(link, bearings, *read_model(files.path_of("file", file), other, nodes, degrees), modes, damping_ratio)
+    second = None if stiffness is None else files.path_of("stiffness", stiffness)
+    return FlexibleLink(link, bearings, *read_model(files.path_of("file", file), second, nodes, degrees), modes, damping_ratio)
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- reduction
@@ -186,9 +186,9 @@ def _reduced(link: FlexibleLink) -> _Reduced:
         raise PinpressError(f"{what}: its mass matrix has no mass: give kg")
     centre = complex(rigid[1, 2], -rigid[0, 2]) / total
     inertia = float(rigid[2, 2]) - total * abs(centre) ** 2
-    held = np.flatnonzero(np.isin(node, list(link.bearings.values())) & np.isin(direction, (0, 1)))
+    at_bearings = np.flatnonzero(np.isin(node, list(link.bearings.values())) & np.isin(direction, (0, 1)))
     try:
-        basis = craig_bampton(mass, stiffness, held, link.modes)
+        basis = craig_bampton(mass, stiffness, at_bearings, link.modes)
     except np.linalg.LinAlgError as error:
         raise PinpressError(f"{what}: it moves though all its bearings are held: some rows lack stiffness") from error
     try:
@@ -262,38 +262,38 @@ def flexible_body(link: FlexibleLink, body: int, first: int, pins: Mapping[int, 
     Raises:
         PinpressError: bearings, mass, centre of mass or moment of inertia are not those of the link.
     """
-    what, found = f"FlexibleLink of {shown(link.link)}", link._reduced
+    what, reduced = f"FlexibleLink of {shown(link.link)}", link._reduced
     names = [name for name, _ in pins.values()]
     if sorted(map(str, link.bearings)) != sorted(names):
         raise PinpressError(
             f"{what}: bearings names {', '.join(map(str, link.bearings))}, and the link has {', '.join(names)}: name all of them"
         )
-    nodes = link.nodes @ (1.0, 1j) - found.centre
-    there = np.array([nodes[link.bearings[name]] for name in names])
-    wanted = np.array([place - own.centre for _, place in pins.values()])
-    sides = [each - each.mean() for each in (there, wanted)]
+    nodes = link.nodes @ (1.0, 1j) - reduced.centre
+    by_model = np.array([nodes[link.bearings[name]] for name in names])
+    by_linkage = np.array([place - own.centre for _, place in pins.values()])
+    sides = [places - places.mean() for places in (by_model, by_linkage)]
     turn = complex(sides[0].conj() @ sides[1])
     turn /= abs(turn) or 1.0
     span = float(np.abs(sides[1]).max())
     for words, given, needed, size in (
         ("places of the bearings from each other [m]", turn * sides[0], sides[1], span),
-        ("places of the bearings from the centre of mass [m]", turn * there, wanted, span),
-        ("mass [kg]", found.mass, own.mass, own.mass),
-        ("moment of inertia [kg m2]", found.inertia, own.inertia, own.inertia),
+        ("places of the bearings from the centre of mass [m]", turn * by_model, by_linkage, span),
+        ("mass [kg]", reduced.mass, own.mass, own.mass),
+        ("moment of inertia [kg m2]", reduced.inertia, own.inertia, own.inertia),
     ):
         if not np.abs(np.subtract(given, needed)).max() <= 0.02 * size:  # two per cent: model and linkage may differ in details
-            texts = (", ".join(_text(value) for value in np.atleast_1d(each)) for each in (given, needed))
+            texts = (", ".join(_text(value) for value in np.atleast_1d(places)) for places in (given, needed))
             raise PinpressError(f"{what}: {words} by its matrices: {next(texts)}; in the linkage: {next(texts)}; let both be the same")
-    shapes = turn * found.shapes * np.sqrt(own.mass)
+    shapes = turn * reduced.shapes * np.sqrt(own.mass)
     return FlexibleBody(
         name=link.link,
         body=body,
-        columns=slice(first, first + len(found.frequency)),
+        columns=slice(first, first + len(reduced.frequency)),
         mass=own.mass,
-        stiffness=own.mass * found.frequency**2,
-        damping=2 * link.damping_ratio * own.mass * found.frequency,
-        stretch=found.stretch * np.sqrt(own.mass),
-        swirl=found.swirl * own.mass,
+        stiffness=own.mass * reduced.frequency**2,
+        damping=2 * link.damping_ratio * own.mass * reduced.frequency,
+        stretch=reduced.stretch * np.sqrt(own.mass),
+        swirl=reduced.swirl * own.mass,
         places=np.asarray(turn * nodes, dtype=complex),
         shapes=shapes,
         nodes=tuple(link.bearings[name] for name in names),

@@ -146,26 +146,26 @@ class _March:
         edges = self.edges[self.edges > self.time + INSTANT]
         end = min(until, turning, *edges[:1])
         span = min(WINDOW * self.length, end - self.time)
-        found = self._solve_window(span, {}, None)
-        error = np.inf if found is None else float(found.errors().max())
+        window = self._solve_window(span, {}, None)
+        error = np.inf if window is None else float(window.errors().max())
         factor = 0.9 * (self.task.tolerance / max(error, 1e-300)) ** (1 / (STAGES + 1)) if np.isfinite(error) else 0.25
         if not error <= self.task.tolerance:
             self.length = min(max(factor, 0.2), 0.9) * span / WINDOW
             if self.length < 1e-9 * self.task.period:  # it is stuck
                 raise failure("cannot go on", self.time, message="the steps become too short")
             return
-        assert found is not None
+        assert window is not None
         self.length = min(min(factor, 3.0) * span / WINDOW, self.task.period / FIRST_PANELS)
-        event = self._first_event(found, angle)
+        event = self._first_event(window, angle)
         if event is not None:
-            ended = self._solve_window(event.time - self.time, {1: event.event}, found)
+            ended = self._solve_window(event.time - self.time, {1: event.event}, window)
             if ended is None:
                 self.length *= 0.25
                 return
             self._take(ended)
             self._cross(event)
         else:
-            self._take(found)
+            self._take(window)
             if self.train is not None and self.mode is not None:
                 self._go_on_in(self.train.due(self.mode, self.time, self.state[len(self.state) // 2 :]), Event(CRANK_ANGLE, self.angle))
             if self.time >= turning - 1e-12 * self.task.period:
@@ -194,12 +194,12 @@ class _March:
         border = Ends(False, np.zeros(2 * size), list(events))
         return solve(equations, guess, border, SETTLED * self.task.tolerance, MOST_STEPS)
 
-    def _first_event(self, found: PanelSolution, turning: float) -> _Passing | None:
+    def _first_event(self, window: PanelSolution, turning: float) -> _Passing | None:
         """What first changes the forces that act within a window, or angle of its own that a free crank passes; without such an event the
         phase goes on to its end."""
         strokes, phase, equations = self.task.strokes, self.phase, self._equations()
         angles = [angle for angle in (turning, self.goal) if np.isfinite(angle)] if self.task.equations.crank is None else []
-        seen = found.sample(np.arange(1, LOOKS + 1) / LOOKS)
+        seen = window.sample(np.arange(1, LOOKS + 1) / LOOKS)
         margins = self._margins(seen)
         if not strokes.borders and not angles and not margins:
             return None
@@ -227,7 +227,7 @@ class _March:
             apart = any(before_step.through[number] and not phase.through[number] for number in joints)  # its spring is relaxed
             if apart or strokes.active(phase, places[k], self.time) != self.pieces[-1].segment:
                 passed += [self._passing(times, places[:, border.path], k, border) for border in strokes.borders]
-            found_here = [one for one in passed if one is not None]
+            found_here = [passing for passing in passed if passing is not None]
             if found_here:
                 self.phase = before_step
                 return min(found_here, key=lambda passing: passing.time)
@@ -278,8 +278,8 @@ class _March:
         """Margin (n,) of an event in the present mode; see `DriveTrain.margin`."""
         assert self.train is not None
         assert self.mode is not None
-        held = self._equations().held_torque(event, times, y, v)[0] if event.kind == "slips" else np.zeros(len(times))
-        return self.train.margin(event, self.mode, self.direction, times, y, v, held)
+        torque = self._equations().held_torque(event, times, y, v)[0] if event.kind == "slips" else np.zeros(len(times))
+        return self.train.margin(event, self.mode, self.direction, times, y, v, torque)
 
     def _slip_at_once(self) -> bool:
         """Whether a coupling that holds begins to slip, because it can hold no more after an event."""
@@ -299,9 +299,9 @@ class _March:
         """Go on after an event of the drive train."""
         assert self.train is not None
         assert self.mode is not None
-        held = float(self._equations().held_torque(event, *self._now)[0][0]) if event.kind == "slips" else 0.0
+        torque = float(self._equations().held_torque(event, *self._now)[0][0]) if event.kind == "slips" else 0.0
         y, v = np.split(self.state, 2)
-        mode, rates = self.train.after(event, self.mode, self.time, v, held)
+        mode, rates = self.train.after(event, self.mode, self.time, v, torque)
         self.state = np.concatenate([y, rates])
         self._go_on_in(mode, event)
 
@@ -356,17 +356,17 @@ class _March:
 
     def _strike(self, segment: Segment) -> Segment:
         """The intervals of a new segment; contacts by Hertz with the speed at which they are struck now."""
-        found, speeds = list(segment), None
+        laws, speeds = list(segment), None
         for number, interval in enumerate(segment):
             if not isinstance(interval, HertzContact):
                 continue
             last = self.pieces[-1]
             if last.segment[number] is interval or number in self.lost:  # it goes on
-                found[number] = self.lost.get(number, last.laws[number])
+                laws[number] = self.lost.get(number, last.laws[number])
                 continue
             speeds = self.task.equations.places(*self._now)[1][0] if speeds is None else speeds
-            found[number] = interval.struck(abs(float(speeds[self.task.strokes.forces[number].row])))
-        return tuple(found)
+            laws[number] = interval.struck(abs(float(speeds[self.task.strokes.forces[number].row])))
+        return tuple(laws)
 
     def _take(self, window: PanelSolution) -> None:
         self.windows.append((window, len(self.pieces) - 1))

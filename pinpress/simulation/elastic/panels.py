@@ -230,27 +230,27 @@ def solve(
         divided_above: error of a panel above which panels are divided anyway: the motion is then found no better than it takes to see it
             [m or rad]; without it all changes are made until they are small.
     """
-    found, change, curvature, stalls = guess, np.inf, guess.curvature, 0
+    panels, change, curvature, stalls = guess, np.inf, guess.curvature, 0
     for count in range(1, most + 1):
         before = change
-        found = newton_step(equations, found, border, count)
-        change = found.change
-        if not np.isfinite(change) or not (np.diff(found.mesh.knots) > 0).all():
+        panels = newton_step(equations, panels, border, count)
+        change = panels.change
+        if not np.isfinite(change) or not (np.diff(panels.mesh.knots) > 0).all():
             return None
         stalled = change > 0.1 * before  # rounding ends what Newton's method gains
         stalls += stalled
         near = 1e3 if stalls < 3 else 1e4  # on stiff springs places are known no better
         if change <= tolerance or (stalled and change <= near * tolerance):
-            return replace(found, curvature=curvature)
+            return replace(panels, curvature=curvature)
         if np.isfinite(before):
             curvature = max(curvature, change / before**2)
         # the next change: Newton's method squares what is left
         ahead = DOUBT * curvature * change**2 if curvature and np.isfinite(divided_above) else np.inf
         if ahead <= 0.1 * tolerance:
-            return replace(found, curvature=curvature)
-        error = float(found.errors().max()) if np.isfinite(ahead) else 0.0
+            return replace(panels, curvature=curvature)
+        error = float(panels.errors().max()) if np.isfinite(ahead) else 0.0
         if error > divided_above and ahead <= SEEN * error:
-            return replace(found, curvature=curvature)
+            return replace(panels, curvature=curvature)
         if count > 3 and change > 2.0 * before:
             return None
     return None
@@ -355,19 +355,19 @@ class _Step:
             right[..., -1] = rule.points[:, None] * self.by_time - bent
         rows = self.stages * size
         right = right.reshape(self.panels, rows, columns)
-        found = np.empty_like(right)
+        changes = np.empty_like(right)
         for first in range(0, self.panels, AT_A_TIME):
-            some = slice(first, first + AT_A_TIME)
-            found[some] = np.linalg.solve(self._matrix(some).reshape(-1, rows, rows), right[some])
-        return found[..., 0], found[..., 1 : 1 + 2 * size], found[..., 1 + 2 * size :]
+            part = slice(first, first + AT_A_TIME)
+            changes[part] = np.linalg.solve(self._matrix(part).reshape(-1, rows, rows), right[part])
+        return changes[..., 0], changes[..., 1 : 1 + 2 * size], changes[..., 1 + 2 * size :]
 
-    def _matrix(self, some: slice) -> Array:
+    def _matrix(self, part: slice) -> Array:
         """Derivatives (k, s, f, s, f) of the equations by the accelerations, on some panels."""
-        rule, h = self.rule, self.h[some, None, None, None, None]
-        matrix = (h * h * rule.integrate_twice[:, None, :, None]) * self.stiffness[some, :, :, None, :]
-        matrix += (h * rule.integrate[:, None, :, None]) * self.damping[some, :, :, None, :]
+        rule, h = self.rule, self.h[part, None, None, None, None]
+        matrix = (h * h * rule.integrate_twice[:, None, :, None]) * self.stiffness[part, :, :, None, :]
+        matrix += (h * rule.integrate[:, None, :, None]) * self.damping[part, :, :, None, :]
         stage = np.arange(self.stages)
-        matrix[:, stage, :, stage] += self.mass if self.mass.ndim == 2 else self.mass[:, some]
+        matrix[:, stage, :, stage] += self.mass if self.mass.ndim == 2 else self.mass[:, part]
         return np.asarray(matrix)
 
     def ends(self, alone: Array, by_state: Array, by_time: Array) -> tuple[Array, Array, Array]:
@@ -378,8 +378,8 @@ class _Step:
         powers = np.stack([h * h, h], axis=1)  # (p, 2)
 
         def summed(changes: Array) -> Array:
-            found = np.einsum("ks,psfx->pkfx", weights, changes.reshape(self.panels, self.stages, size, -1))
-            return np.asarray((powers[:, :, None, None] * found).reshape(self.panels, 2 * size, -1))
+            sums = np.einsum("ks,psfx->pkfx", weights, changes.reshape(self.panels, self.stages, size, -1))
+            return np.asarray((powers[:, :, None, None] * sums).reshape(self.panels, 2 * size, -1))
 
         ends = np.concatenate([self.y[:, -1], self.v[:, -1]], axis=1) + summed(alone[..., None])[..., 0]
         passage = summed(by_state)

@@ -34,26 +34,26 @@ def periodic(task: Task, start: float) -> ElasticSolution:
         SimulationError: it is not found: the press may not repeat its stroke.
     """
     plan = task.strokes.plan(start)
-    told = bool(task.strokes.borders or (task.equations.train is not None and task.equations.train.jumps))
+    has_events = bool(task.strokes.borders or (task.equations.train is not None and task.equations.train.jumps))
     # A loose period comes first: it shows whether its events are as planned, and is a near guess if they are.
-    guess, tolerance = _rigid_guess(task, plan), (300.0 if told else 1.0) * task.tolerance
+    guess, tolerance = _rigid_guess(task, plan), (300.0 if has_events else 1.0) * task.tolerance
     if task.equations.train is not None and task.equations.train.jumps:
         rigid = ElasticSolution(replace(task.equations, segments=plan.segments, events=plan.events), guess, task.gain, 0)
         plan = _observe(task, rigid, start) or plan
         guess = _guess_for(plan, guess)
     for attempt in range(6):  # each with the events that the motion before it had
         near = attempt > 0 or not plan.jumps  # else the times at which the torque jumps are still those of the rigid press
-        found = _refine(task._replace(tolerance=tolerance), start, plan, guess, near)
-        observed = None if found is None else _observe(task, found, start)
-        if found is None or observed is None:
+        solution = _refine(task._replace(tolerance=tolerance), start, plan, guess, near)
+        observed = None if solution is None else _observe(task, solution, start)
+        if solution is None or observed is None:
             break
         if not near or not _alike(observed, plan):
-            plan, guess = observed, _guess_for(observed, found.panels)
+            plan, guess = observed, _guess_for(observed, solution.panels)
         elif tolerance == task.tolerance:
-            return _with_passage(task, found)
+            return _with_passage(task, solution)
         else:
             tolerance = task.tolerance
-            guess = found.panels.onto(_divide(found.panels.mesh, found.panels.errors(), tolerance))
+            guess = solution.panels.onto(_divide(solution.panels.mesh, solution.panels.errors(), tolerance))
     y, v, _ = task.rigid(np.zeros(1))
     state, depths = np.concatenate([y[0], v[0]]), []
     for stroke in range(STROKES):
@@ -69,10 +69,10 @@ def periodic(task: Task, start: float) -> ElasticSolution:
             if observed is None:
                 continue
             plan, guess = observed, _guess_for(observed, guess)
-        found = _refine(task, start, plan, guess)
-        observed = None if found is None else _observe(task, found, start)
-        if found is not None and observed is not None and _alike(observed, plan):
-            return _with_passage(task, found)
+        solution = _refine(task, start, plan, guess)
+        observed = None if solution is None else _observe(task, solution, start)
+        if solution is not None and observed is not None and _alike(observed, plan):
+            return _with_passage(task, solution)
     shown = ", ".join(f"{1e3 * depth:.4f}" for depth in depths)
     raise failure("does not repeat", strokes=STROKES, depths=shown)
 
@@ -89,9 +89,9 @@ def periodic_near(task: Task, start: float, near: ElasticSolution) -> ElasticSol
     states = np.concatenate([before.states[:, :size], before.states[:, size:] / slower], axis=1)
     guess = replace(before, mesh=mesh, states=states, accelerations=before.accelerations / slower**2, change=np.inf, steps=0)
     plan = Plan(of.segments, of.events or {}, mesh.knots * abs(task.speed), of.modes)
-    found = _refine(task, start, plan, guess)
-    observed = None if found is None else _observe(task, found, start)
-    return None if found is None or observed is None or not _alike(observed, plan) else _with_passage(task, found)
+    solution = _refine(task, start, plan, guess)
+    observed = None if solution is None else _observe(task, solution, start)
+    return None if solution is None or observed is None or not _alike(observed, plan) else _with_passage(task, solution)
 
 
 def _rigid_guess(task: Task, plan: Plan) -> PanelSolution:
@@ -121,13 +121,13 @@ def _refine(task: Task, start: float, plan: Plan, guess: PanelSolution, near: bo
     equations = replace(task.equations, segments=plan.segments, modes=plan.modes, events=events)
     border = _border(task, equations, near)
     for _ in range(8):  # panels are divided so often at most
-        found = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS, task.tolerance)
-        if found is None:
+        panels = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS, task.tolerance)
+        if panels is None:
             return None
-        errors = found.errors()
+        errors = panels.errors()
         if errors.max() <= task.tolerance:
-            return ElasticSolution(equations, found, task.gain, found.steps * errors.size * STAGES)
-        guess = found.onto(_divide(found.mesh, errors, task.tolerance))
+            return ElasticSolution(equations, panels, task.gain, panels.steps * errors.size * STAGES)
+        guess = panels.onto(_divide(panels.mesh, errors, task.tolerance))
     return None
 
 
@@ -139,18 +139,18 @@ def _border(task: Task, equations: ElasticEquations, near: bool = True) -> Ends:
     return Ends(True, task.gain, free, equations.integrals)
 
 
-def _with_passage(task: Task, found: ElasticSolution) -> ElasticSolution:
+def _with_passage(task: Task, solution: ElasticSolution) -> ElasticSolution:
     """The solution with a passage in which the lowest vibration is resolved: panels of a smooth motion may be longer than it is."""
-    equations, panels = found.equations, found.panels
+    equations, panels = solution.equations, solution.panels
     mesh = panels.mesh
     angle = 3.0  # of the lowest vibration on a panel, up to which collocation has its decay exactly [rad]
     parts = np.maximum(1, np.ceil(mesh.length * equations.sprung.lowest_frequency / angle)).astype(int)
     if parts.max() == 1:
-        return found
+        return solution
     if equations.crank is not None and parts.sum() > MOST_PARTS:
-        return replace(found, panels=replace(panels, passage=_slow_decay(equations, panels) * np.eye(2 * equations.size)))
+        return replace(solution, panels=replace(panels, passage=_slow_decay(equations, panels) * np.eye(2 * equations.size)))
     border = _border(task, equations)
-    return replace(found, panels=replace(panels, passage=newton_step(equations, panels.onto(_split(mesh, parts)), border, 1).passage))
+    return replace(solution, panels=replace(panels, passage=newton_step(equations, panels.onto(_split(mesh, parts)), border, 1).passage))
 
 
 def _slow_decay(equations: ElasticEquations, panels: PanelSolution) -> float:
@@ -180,15 +180,15 @@ def _divide(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
 def _split(mesh: Mesh, parts: Indices) -> Mesh:
     """Each panel in so many equal parts (p,)."""
     ends = [np.linspace(low, high, part + 1) for low, high, part in zip(mesh.low, mesh.high, parts, strict=True)]
-    low, high = (np.concatenate([each[piece] for each in ends]) for piece in (slice(None, -1), slice(1, None)))
+    low, high = (np.concatenate([places[piece] for places in ends]) for piece in (slice(None, -1), slice(1, None)))
     return Mesh(mesh.knots, np.repeat(mesh.segment, parts), low, high)
 
 
-def _observe(task: Task, found: ElasticSolution, start: float) -> Plan | None:
+def _observe(task: Task, solution: ElasticSolution, start: float) -> Plan | None:
     """The segments, with the times of their knots, in which forces act by the places that the paths of a motion really reach, and by the
     speeds of the drive's shaft; None where no border tells why."""
-    equations, mesh, strokes = found.equations, found.panels.mesh, task.strokes
-    seen, ahead = found.panels.sample(MIDDLES), strokes.turnings_ahead(start)
+    equations, mesh, strokes = solution.equations, solution.panels.mesh, task.strokes
+    seen, ahead = solution.panels.sample(MIDDLES), strokes.turnings_ahead(start)
     places, _ = equations.places(seen.time, seen.y, seen.v)
     angles = equations.whole(seen.time, seen.y, seen.v)[0][:, -1]
     beyond = _beyond_jumps(equations, seen.v)
@@ -235,15 +235,14 @@ def _beyond_jumps(equations: ElasticEquations, v: Array) -> Array:
 def _mode(task: Task, beyond: Array) -> TrainMode | None:
     """Mode of a drive train beyond (jumps,) the speeds at which its torque jumps; None where the crank is held."""
     train = task.equations.train
-    return None if train is None else train.engaged._replace(faster=tuple(bool(each > 0) for each in beyond))
+    return None if train is None else train.engaged._replace(faster=tuple(bool(faster > 0) for faster in beyond))
 
 
-def _alike(one: Plan, other: Plan) -> bool:
+def _alike(first: Plan, second: Plan) -> bool:
     """Whether the same forces act, from the same events on."""
-    kinds = [[event.path for _, event in sorted(plan.events.items()) if isinstance(event, Event)] for plan in (one, other)]
-    return (
-        one.segments == other.segments and kinds[0] == kinds[1] and [mode.faster for mode in one.modes] == [m.faster for m in other.modes]
-    )
+    paths = [[event.path for _, event in sorted(plan.events.items()) if isinstance(event, Event)] for plan in (first, second)]
+    sides = [[mode.faster for mode in plan.modes] for plan in (first, second)]
+    return first.segments == second.segments and paths[0] == paths[1] and sides[0] == sides[1]
 
 
 def _guess_for(plan: Plan, near: PanelSolution) -> PanelSolution:
@@ -252,7 +251,7 @@ def _guess_for(plan: Plan, near: PanelSolution) -> PanelSolution:
     return cut_to(near, even_mesh(plan.knots, counts))
 
 
-def _deepest(found: ElasticSolution) -> float:
+def _deepest(solution: ElasticSolution) -> float:
     """Lowest place of the first path, the slide's [m]."""
-    seen = found.panels.sample(np.arange(LOOKS) / LOOKS)
-    return float(found.equations.places(seen.time, seen.y, seen.v)[0][:, 0].min())
+    seen = solution.panels.sample(np.arange(LOOKS) / LOOKS)
+    return float(solution.equations.places(seen.time, seen.y, seen.v)[0][:, 0].min())

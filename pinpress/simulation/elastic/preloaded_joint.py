@@ -74,10 +74,10 @@ class PreloadedJoint(Frozen):
 
     def elongation(self, load: ArrayLike) -> Array:
         """Elongation by loads of any shape [m]."""
-        given = numbers("PreloadedJoint: load", load, unit="N")
-        alone = np.where(given > 0, self.loaded, self.relieved)
-        closed = np.clip(given, -self.slack_load, self.opening_load)
-        return np.asarray(closed / self.stiffness + (given - closed) / alone)
+        loads = numbers("PreloadedJoint: load", load, unit="N")
+        alone = np.where(loads > 0, self.loaded, self.relieved)
+        closed = np.clip(loads, -self.slack_load, self.opening_load)
+        return np.asarray(closed / self.stiffness + (loads - closed) / alone)
 
     def forces(self, load: ArrayLike) -> tuple[Array, Array]:
         """Force of the loaded member and force of the relieved one under loads of any shape, both as large as the preload without a load
@@ -166,7 +166,7 @@ class OpenJoint:
     def contacts(self) -> tuple[ForceInterval, ForceInterval]:
         """The loaded and the relieved member, as contacts along the extension."""
         loaded, relieved = (
-            partial(_member, *each) for each in zip(self.members, self.dampers, (-self.reach[0], self.reach[1]), strict=True)
+            partial(_member, *member) for member in zip(self.members, self.dampers, (-self.reach[0], self.reach[1]), strict=True)
         )
         return (
             ForceInterval(math.inf, -self.reach[0], loaded, one_sided=True, heeds_velocity=self.dampers[0] > 0, sense=-1),

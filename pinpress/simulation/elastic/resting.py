@@ -35,9 +35,9 @@ def resting(task: Task, start: float) -> Array:
     by_crank = v[0] / v[0, -1]  # rates of a free crank's coordinates by its own
     v, a = task.begins * v, task.begins**2 * a
     if equations.train is not None:
-        own, train = equations.own, equations.train
+        count, train = equations.own, equations.train
         mode, rates = train.begun(start, float(v[0, -1]))
-        by_crank[:own], v[0, :own] = 0.0, rates
+        by_crank[:count], v[0, :count] = 0.0, rates
         equations = replace(equations, modes=(train.due(mode, 0.0, v[0]),))
     if sprung.closed is None:
         return np.concatenate([_balance(equations, y, v, a, by_crank, task.tolerance)[0], v[0]])
@@ -59,11 +59,11 @@ def resting(task: Task, start: float) -> Array:
 def _members_touching(equations: ElasticEquations, contacts: Sequence[GeneralizedForce], y: Array, v: Array) -> Segment:
     """The laws of all contacts of pins, and of the members of preloaded joints that touch at a state (1, size); None of the others."""
     sprung, pins, state = equations.sprung, len(equations.sprung.open_pins), equations.state(np.zeros(1), y, v)
-    found: list[ForceInterval | None] = [contact.rising[0] for contact in contacts]
+    laws: list[ForceInterval | None] = [contact.rising[0] for contact in contacts]
     for number, contact in enumerate(contacts[pins:], pins):
         place, law = float(equations.paths[contact.row].over(sprung, state).value[0]), contact.rising[0]
-        found[number] = law if law.lower < place <= law.upper else None
-    return tuple(found)
+        laws[number] = law if law.lower < place <= law.upper else None
+    return tuple(laws)
 
 
 def _balance(equations: ElasticEquations, y: Array, v: Array, a: Array, by_crank: Array, tolerance: float) -> Array:
@@ -71,12 +71,12 @@ def _balance(equations: ElasticEquations, y: Array, v: Array, a: Array, by_crank
     train, which has no springs, and of a frame on its mounts, which stands at its place, are found with them."""
     still = [*range(equations.own), *equations.unsprung]
     for _ in range(MOST_STEPS):
-        found = equations.linearised(np.zeros(1), y, v, a, np.zeros(1, dtype=int))
-        matrix = found.stiffness[0]
+        linear = equations.linearised(np.zeros(1), y, v, a, np.zeros(1, dtype=int))
+        matrix = linear.stiffness[0]
         matrix[:, still] = equations.mass[:, still]
         if equations.crank is None:
-            matrix[:, -1] = (found.mass if found.mass.ndim == 2 else found.mass[0]) @ by_crank
-        step = np.linalg.solve(matrix, found.left[0])
+            matrix[:, -1] = (linear.mass if linear.mass.ndim == 2 else linear.mass[0]) @ by_crank
+        step = np.linalg.solve(matrix, linear.left[0])
         if equations.crank is None:
             a, step[-1] = a + step[-1] * by_crank, 0.0
         a[0, still] += step[still]
@@ -92,6 +92,6 @@ def _press_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: Arr
     geometry, springs = closed.sprung.geometry, closed.sprung.springs
     extension, rest = geometry.strains(closed.state(np.zeros(1), y, v)).extension[0], springs.rest.copy()
     for pin in sprung.open_pins:
-        own = springs.bearing == pin.bearing
-        rest[own] = extension[own] * (pin.clearance.radial / max(float(np.linalg.norm(extension[own])), 1e-300))
+        of_pin = springs.bearing == pin.bearing
+        rest[of_pin] = extension[of_pin] * (pin.clearance.radial / max(float(np.linalg.norm(extension[of_pin])), 1e-300))
     return springs._replace(rest=rest)

@@ -173,10 +173,10 @@ class ElasticSegment:
 
     @property
     def borders(self) -> Array:
-        knots, own = self.solution.panels.mesh.knots, self.solution.panels.mesh.borders - self.first
+        knots, first = self.solution.panels.mesh.knots, self.solution.panels.mesh.borders - self.first
         period = float(knots[-1] - knots[0])
-        found = (own + period * np.arange(np.ceil(self.end / period) + 1)[:, None]).ravel()
-        return np.unique(np.concatenate([found[(found > 0.0) & (found < self.end)], [0.0, self.end]]))
+        borders = (first + period * np.arange(np.ceil(self.end / period) + 1)[:, None]).ravel()
+        return np.unique(np.concatenate([borders[(borders > 0.0) & (borders < self.end)], [0.0, self.end]]))
 
     jumps = borders
 
@@ -192,22 +192,21 @@ class ElasticSegment:
         """States at times (n,) of the segment."""
         mesh = self.solution.panels.mesh
         begin, until = mesh.knots[0], mesh.knots[-1]
-        own = self.first + times
-        turns = np.floor((own - begin) / (until - begin) - 1e-12).clip(0) if self.solution.gain is not None else np.zeros(len(times))
-        own = own - turns * (until - begin)
-        panel = np.clip(np.searchsorted(mesh.start, own, side="right") - 1, 0, len(mesh.start) - 1)
-        share = (own - mesh.start[panel]) / mesh.length[panel]
+        within = self.first + times
+        turns = np.floor((within - begin) / (until - begin) - 1e-12).clip(0) if self.solution.gain is not None else np.zeros(len(times))
+        within = within - turns * (until - begin)
+        panel = np.clip(np.searchsorted(mesh.start, within, side="right") - 1, 0, len(mesh.start) - 1)
+        share = (within - mesh.start[panel]) / mesh.length[panel]
         return solution_states(self.solution, panel, share, turns)
 
     def at(self, times: Array, complete: bool = True) -> Sample:
         return self.sample(self.states(times))
 
-    def sample(self, at: SolutionStates) -> Sample:
+    def sample(self, states: SolutionStates) -> Sample:
         """What a trajectory gives at states."""
-        (angle, speed, acceleration), driving = at.crank, at.driving
-        states = self.solution.equations.drive_states(at.v)
-        angle, driven = angle + self._whole_periods, (driving.torque, driving.motor, driving.speed, states)
-        return Sample(angle[None], speed[None], acceleration[None], *driven, self.integrals(at))
+        (angle, speed, acceleration), driving = states.crank, states.driving
+        driven = driving.torque, driving.motor, driving.speed, self.solution.equations.drive_states(states.v)
+        return Sample((angle + self._whole_periods)[None], speed[None], acceleration[None], *driven, self.integrals(states))
 
     @cached_property
     def _whole_periods(self) -> float:
@@ -220,20 +219,20 @@ class ElasticSegment:
         """Powers (p, s, 4) of the `INTEGRALS` at all points of the panels, and their integrals (p + 1, 4) from the solution's start."""
         panels = self.solution.panels
         count, stages = panels.accelerations.shape[:2]
-        at = solution_states(self.solution, np.repeat(np.arange(count), stages), np.tile(panels.rule.points, count))
-        powers = at.powers().T.reshape(count, stages, len(INTEGRALS))
+        states = solution_states(self.solution, np.repeat(np.arange(count), stages), np.tile(panels.rule.points, count))
+        powers = states.powers().T.reshape(count, stages, len(INTEGRALS))
         gains = panels.mesh.length[:, None] * np.einsum("s,psk->pk", panels.rule.integrate[-1], powers)
         return powers, np.concatenate([np.zeros((1, len(INTEGRALS))), np.cumsum(gains, axis=0)])
 
-    def integrals(self, at: SolutionStates) -> Array:
+    def integrals(self, states: SolutionStates) -> Array:
         """(4, n) the `INTEGRALS` from the segment's start."""
-        return np.asarray((self._integrated(at) - self._integrated(self.states(np.zeros(1)))).T)
+        return np.asarray((self._integrated(states) - self._integrated(self.states(np.zeros(1)))).T)
 
-    def _integrated(self, at: SolutionStates) -> Array:
+    def _integrated(self, states: SolutionStates) -> Array:
         powers, ends = self._powers
-        weights = self.solution.panels.weights(at.share)
-        inside = self.solution.panels.mesh.length[at.panel][:, None] * np.einsum("ns,nsk->nk", weights, powers[at.panel])
-        return np.asarray(ends[at.panel] + inside + at.turns[:, None] * ends[-1])
+        weights = self.solution.panels.weights(states.share)
+        inside = self.solution.panels.mesh.length[states.panel][:, None] * np.einsum("ns,nsk->nk", weights, powers[states.panel])
+        return np.asarray(ends[states.panel] + inside + states.turns[:, None] * ends[-1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -329,8 +328,8 @@ def solution_states(solution: ElasticSolution, panel: Indices, share: Array, tur
     free, rates = equations.whole(times, y, v)
     if passed.any():
         assert solution.gain is not None
-        held = () if equations.crank is None else (equations.crank.speed * (mesh.knots[-1] - mesh.knots[0]),)
-        free = free + passed[:, None] * np.concatenate([solution.gain[equations.own : y.shape[1]], held])
+        by_crank = () if equations.crank is None else (equations.crank.speed * (mesh.knots[-1] - mesh.knots[0]),)
+        free = free + passed[:, None] * np.concatenate([solution.gain[equations.own : y.shape[1]], by_crank])
     accelerations = a[:, equations.own :] if equations.crank is None else np.column_stack([a, np.zeros(len(a))])
     bodies = equations.sprung.state(free, rates)
     return SolutionStates(solution, panel, share, passed, times, segments, y, v, a, bodies, accelerations)
@@ -358,12 +357,12 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, points: int
     press, trajectory = problem.driven.press, Trajectory([segment])
     solution, sprung = segment.solution, segment.solution.equations.sprung
     times = np.linspace(0.0, segment.end, points)
-    at = segment.states(times)
-    sample = segment.sample(at)
+    states = segment.states(times)
+    sample = segment.sample(states)
     motion = motion_through_change_points(press, sample.position[0], sample.speed[0], sample.acceleration[0], times)
     confirm_torques(problem.driven.drive, times, sample.position[0], sample.drive_speed, sample.drive_torque)
     base = sprung.geometry.base
-    kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
+    rigid = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
     stats = Stats(
         method="elastic",
@@ -375,22 +374,22 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, points: int
         energy_error=_audit(segment, problem.tolerance),
     )
     return ElasticRun(
-        **kept,
+        **rigid,
         stats=stats,
         drive_torque=read_only(sample.drive_torque),
         drive_speed=read_only(sample.drive_speed),
         **integrals,
         problem=problem,
         trajectory=trajectory,
-        displacement=read_only(sprung.geometry.displacement(at.bodies.coordinates, motion)),
-        bearing_force=NamedArrays(press.bearings, at.forces.in_bearings),
-        joint_load=FrozenMapping(at.forces.joint_loads()),
-        shaking_force=read_only(at.shaking_force()),
-        floor_force=None if base is None else read_only(at.outer_less_inertia()),
-        frame_motion=None if base is None else read_only(at.bodies.coordinates[:, 3 * base : 3 * base + 3].copy()),
+        displacement=read_only(sprung.geometry.displacement(states.bodies.coordinates, motion)),
+        bearing_force=NamedArrays(press.bearings, states.forces.in_bearings),
+        joint_load=FrozenMapping(states.forces.joint_loads()),
+        shaking_force=read_only(states.shaking_force()),
+        floor_force=None if base is None else read_only(states.outer_less_inertia()),
+        frame_motion=None if base is None else read_only(states.bodies.coordinates[:, 3 * base : 3 * base + 3].copy()),
         decay_per_stroke=None if solution.gain is None else solution.decay,
         elastic=sprung.elastic,
-        _on_springs=read_only(at.slide()),
+        _on_springs=read_only(states.slide()),
         _extremes=_extremes(segment),
     )
 
@@ -402,14 +401,14 @@ def _audit(segment: ElasticSegment, tolerance: float) -> float:
         SimulationError: the energy does not balance.
     """
     count, (_, works) = segment.steps, segment._powers
-    at = solution_states(segment.solution, np.append(np.arange(count), count - 1), np.append(np.zeros(count), 1.0))
-    error = energy_error(*at.energies(), *works[:, [DRIVE_WORK, LOAD_WORK, LOST]].T)
+    states = solution_states(segment.solution, np.append(np.arange(count), count - 1), np.append(np.zeros(count), 1.0))
+    error = energy_error(*states.energies(), *works[:, [DRIVE_WORK, LOAD_WORK, LOST]].T)
     largest = float(error.max())
     # Coordinates that are wrong by a share of the deflection change the energy of springs by about twice that share; at the ends of panels
     # they are far better. Up to a millionth is accepted of all runs, rigid ones too.
     if not largest <= max(1e-6, tolerance):
         worst = int(error.argmax())
-        raise failure("unbalanced", float(at.times[worst]), float(at.crank[0][worst]))
+        raise failure("unbalanced", float(states.times[worst]), float(states.crank[0][worst]))
     return largest
 
 
@@ -419,8 +418,8 @@ def _extremes(segment: ElasticSegment) -> Extremes:
 
     def all_values(panel: Indices, share: Array) -> Array:
         """Depth of the slide, pull on it, and size of each bearing's force, (2 + bearings, n)."""
-        at = solution_states(solution, panel, share)
-        return np.stack([-at.slide()[:, 0], at.forces.on_slide(), *np.linalg.norm(at.forces.in_bearings, axis=2)])
+        states = solution_states(solution, panel, share)
+        return np.stack([-states.slide()[:, 0], states.forces.on_slide(), *np.linalg.norm(states.forces.in_bearings, axis=2)])
 
     (depth, panel, share), (pull, _, _), *peaks = _largest(all_values, segment.steps)
     return Extremes(
@@ -446,30 +445,30 @@ def _largest(values: Callable[[Indices, Array], Array], panels: int) -> list[tup
     low, high = np.maximum(place - 1 / FINE, 0.0), np.minimum(place + 1 / FINE, 1.0)
     shares = low[..., None] + (high - low)[..., None] * places
     fine = values(np.repeat(panel, FINE + 1), shares.ravel()).reshape(len(coarse), *shares.shape)
-    found = []
+    largest = []
     for row in range(len(coarse)):
-        own = fine[row, row]
-        where, best = np.unravel_index(int(own.argmax()), own.shape)
-        value, beside = float(own[where, best]), 0.0
+        peaks = fine[row, row]
+        where, best = np.unravel_index(int(peaks.argmax()), peaks.shape)
+        value, beside = float(peaks[where, best]), 0.0
         if 0 < best < FINE:
-            before, after = own[where, best - 1], own[where, best + 1]
+            before, after = peaks[where, best - 1], peaks[where, best + 1]
             bend = 2 * value - before - after
             beside = 0.5 * (after - before) / bend if bend > 0 else 0.0
             value += 0.25 * beside * float(after - before)
         step = shares[row, where, 1] - shares[row, where, 0]
-        found.append((value, int(panel[row, where]), float(shares[row, where, best] + beside * step)))
-    return found
+        largest.append((value, int(panel[row, where]), float(shares[row, where, best] + beside * step)))
+    return largest
 
 
 def _events(segment: ElasticSegment) -> tuple[tuple[float, float, float], ...]:
     """Time, crank angle and slide position of each event."""
-    solution, mesh, found = segment.solution, segment.solution.panels.mesh, []
+    solution, mesh, events = segment.solution, segment.solution.panels.mesh, []
     for knot in solution.equations.events or {}:
         if knot == len(solution.equations.segments):  # the end of a period
             continue
-        there = solution_states(solution, np.array([int(np.searchsorted(mesh.segment, knot))]), np.zeros(1))
-        time = float(there.times[0]) - segment.first
+        state = solution_states(solution, np.array([int(np.searchsorted(mesh.segment, knot))]), np.zeros(1))
+        time = float(state.times[0]) - segment.first
         if solution.gain is not None:
             time %= float(mesh.knots[-1] - mesh.knots[0])
-        found.append((time, float(segment.at(np.array([time])).position[0, 0]), float(there.slide()[0, 0])))
-    return tuple(sorted(found))
+        events.append((time, float(segment.at(np.array([time])).position[0, 0]), float(state.slide()[0, 0])))
+    return tuple(sorted(events))

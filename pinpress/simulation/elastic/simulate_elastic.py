@@ -68,8 +68,9 @@ def elastic_steady_state(
     task, start = _task(driven, sprung, speed, angle, tolerance, steady=True)
     if driven.prescribed is None:
         task = _free(task, rigid_period(start), task.tolerance / tolerance)
-    found = None if before is None else periodic_near(task, start, before)
-    solution = periodic(task, start) if found is None or found.decay > STABLE else found
+    solution = None if before is None else periodic_near(task, start, before)
+    if solution is None or solution.decay > STABLE:
+        solution = periodic(task, start)
     if solution.decay > STABLE:
         raise failure("unstable stroke", decay=solution.decay)
     segment = _from_angle(solution, task, start, angle)
@@ -178,15 +179,15 @@ def _task_from(start: float, sprung: SprungPress, strokes: Strokes, speed: float
 
 def _contacts(driven: DrivenPress, sprung: SprungPress) -> tuple[GeneralizedForce, ...]:
     """The contacts of pins with clearance and of members of preloaded joints, on paths after those of the loads."""
-    found, first = [], len(driven.coordinates)
+    contacts, first = [], len(driven.coordinates)
     for row, pin in enumerate(sprung.open_pins, first):
         both = (pin.contact(),)
-        found.append(GeneralizedForce(row, -pin.clearance.radial, both, both))
+        contacts.append(GeneralizedForce(row, -pin.clearance.radial, both, both))
     for row, joint in enumerate(sprung.open_joints, first + len(sprung.open_pins)):
         for member in joint.contacts():
             both = (member,)
-            found.append(GeneralizedForce(row, 0.0, both, both))
-    return tuple(found)
+            contacts.append(GeneralizedForce(row, 0.0, both, both))
+    return tuple(contacts)
 
 
 def _free(task: Task, period: Trajectory | None, displacement: float) -> Task:
@@ -197,14 +198,14 @@ def _free(task: Task, period: Trajectory | None, displacement: float) -> Task:
         period: of the rigid press under its drive; None: it is not known.
         displacement: to which errors of coordinates are compared [m or rad].
     """
-    equations, held, driven = task.equations, task.equations.crank, task.equations.driven
-    assert held is not None
+    equations, crank, driven = task.equations, task.equations.crank, task.equations.driven
+    assert crank is not None
     until = task.period if period is None else period.segments[-1].end
-    train = drive_train(driven, held.speed, until, displacement)
+    train = drive_train(driven, crank.speed, until, displacement)
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:
         if period is None:
-            angle, speed, acceleration = held.angle + held.speed * times, np.full(len(times), held.speed), np.zeros(len(times))
+            angle, speed, acceleration = crank.angle + crank.speed * times, np.full(len(times), crank.speed), np.zeros(len(times))
         else:
             sample = period.at(times)
             angle, speed, acceleration = sample.position[0], sample.speed[0], sample.acceleration[0]
@@ -216,7 +217,7 @@ def _free(task: Task, period: Trajectory | None, displacement: float) -> Task:
             a[:, : len(states)] = np.transpose(np.array(driven.drive.rates(speed, angle, times, tuple(states)))) * train.scale
         return y, v, a
 
-    speed = held.speed * task.period / until
+    speed = crank.speed * task.period / until
     gain = _gain(*rigid(np.array([0.0, until]))[0])
     equations = replace(equations, crank=None, train=train, direction=1 if speed > 0 else -1)
     return task._replace(equations=equations, rigid=rigid, period=until, speed=speed, gain=gain)

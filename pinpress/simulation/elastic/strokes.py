@@ -104,8 +104,8 @@ class Strokes:
     @cached_property
     def borders(self) -> tuple[Event, ...]:
         """All places at which a force is not smooth."""
-        found = {Event(force.row, value) for force in self.forces for value in force.borders()}
-        return tuple(sorted(found))
+        borders = {Event(force.row, value) for force in self.forces for value in force.borders()}
+        return tuple(sorted(borders))
 
     @cached_property
     def turnings(self) -> Array:
@@ -119,8 +119,8 @@ class Strokes:
 
     def places(self, angle: float) -> Array:
         """(paths,) values of the paths of the rigid press at a crank angle [m]."""
-        own = max((contact.row + 1 - len(self.driven.coordinates) for contact in self.contacts), default=0)
-        return np.concatenate([self.driven.model.at(np.array(angle))[0][COORDINATES:], np.zeros(own)])
+        others = max((contact.row + 1 - len(self.driven.coordinates) for contact in self.contacts), default=0)
+        return np.concatenate([self.driven.model.at(np.array(angle))[0][COORDINATES:], np.zeros(others)])
 
     def begin(self, angle: float) -> Phase:
         """The phase of a stroke in which nothing has happened yet, at a crank angle."""
@@ -239,7 +239,7 @@ def _span(force: GeneralizedForce, time: float) -> TimeSpan:
 
 
 def _interval(force: GeneralizedForce, rising: bool, place: float) -> ForceInterval | None:
-    return next((each for each in force.intervals(rising) if each.lower < place <= each.upper), None)
+    return next((interval for interval in force.intervals(rising) if interval.lower < place <= interval.upper), None)
 
 
 def _passed(force: GeneralizedForce, rising: bool, place: float) -> bool:
@@ -247,4 +247,4 @@ def _passed(force: GeneralizedForce, rising: bool, place: float) -> bool:
     intervals = force.intervals(rising)
     if not intervals:
         return False
-    return place > max(each.upper for each in intervals) if rising else place <= min(each.lower for each in intervals)
+    return place > max(interval.upper for interval in intervals) if rising else place <= min(interval.lower for interval in intervals)

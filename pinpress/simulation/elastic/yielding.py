@@ -117,19 +117,19 @@ def by_bearing(
         UnknownNameError: a name is not that of a bearing.
         PinpressError: a bearing lacks its stiffness or has one that it cannot have, or a number is not positive.
     """
-    found = {}
+    values = {}
     for name, value in named(what, given).items():
         place = bearing_number(press, name)
         if place not in needed:
             raise PinpressError(f"{what} names {shown(name)}, which is {holds_none}: leave it out")
         refuse_joint_but_of_guide(press, place, value, unit)
-        found[place] = part_stiffness(shown(name), value, unit)
-    missing = [press.bearings[place] for place in needed if place not in found]
+        values[place] = part_stiffness(shown(name), value, unit)
+    missing = [press.bearings[place] for place in needed if place not in values]
     if missing:
         raise PinpressError(
             f"Stiffness.{what} lacks {', '.join(map(shown, missing))} of {press.name}{yields}; give each a stiffness [{unit}]"
         )
-    return found
+    return values
 
 
 def refuse_joint_but_of_guide(press: Linkage, place: int, value: object, unit: str = "N/m") -> None:
@@ -152,13 +152,13 @@ def refuse_joint_but_of_guide(press: Linkage, place: int, value: object, unit: s
 
 def dampers_by_bearing(press: Linkage, dampers: Mapping[str, float]) -> dict[int, float]:
     """Dampers by the numbers of their bearings [N s/m]; raises PinpressError where a name or a number is not suitable."""
-    found = {}
+    dampings = {}
     for name, value in dampers.items():
         place = bearing_number(press, name)
-        found[place] = number(f"damper of {shown(name)}", value, "N s/m")
-        if found[place] < 0:
-            raise PinpressError(f"damper of {shown(name)} is {found[place]:g}: give a number that is not negative [N s/m]")
-    return found
+        dampings[place] = number(f"damper of {shown(name)}", value, "N s/m")
+        if dampings[place] < 0:
+            raise PinpressError(f"damper of {shown(name)} is {dampings[place]:g}: give a number that is not negative [N s/m]")
+    return dampings
 
 
 def doubt_stiffness(press: Linkage, stiffness: Stiffness) -> None:

@@ -62,7 +62,7 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     sprung = build(press, elastic, reference_motion(press))
     doubt_stiffness(press, elastic.stiffness)
     if elastic.crown_mass is not None:
-        plausibility.crown(float(elastic.crown_mass), sum(float(each.mass) for each in press.model.inertias))
+        plausibility.crown(float(elastic.crown_mass), sum(float(body.mass) for body in press.model.inertias))
     return sprung
 
 
@@ -138,17 +138,17 @@ def _conditions(geometry: PlaneGeometry) -> tuple[Array, Array]:
         constants.append(coupling.offset)
         by_angle.append(0.0)
         eliminated.append(3 * coupling.follower + 2)
-    kept = [i for i in range(3 * count) if i not in eliminated]
-    carry, rest = np.zeros((size, len(kept) + (crown is not None) + 1)), np.zeros(size)
-    carry[kept, np.arange(len(kept))] = 1.0
+    free = [i for i in range(3 * count) if i not in eliminated]
+    carry, rest = np.zeros((size, len(free) + (crown is not None) + 1)), np.zeros(size)
+    carry[free, np.arange(len(free))] = 1.0
     if rows:
         matrix = np.array(rows)
         inverse = np.linalg.inv(matrix[:, eliminated])
-        carry[eliminated, : len(kept)], carry[eliminated, -1] = -inverse @ matrix[:, kept], inverse @ by_angle
+        carry[eliminated, : len(free)], carry[eliminated, -1] = -inverse @ matrix[:, free], inverse @ by_angle
         rest[eliminated] = inverse @ constants
     if crown is not None:
         along = complex(to_complex(plane, press.slide_direction))
-        carry[3 * crown : 3 * crown + 2, len(kept)] = along.real, along.imag
+        carry[3 * crown : 3 * crown + 2, len(free)] = along.real, along.imag
     if rotor is not None:
         if plane.parents[plane.driver] >= 0:
             raise PinpressError(f"the crank of {press.name} is not carried by the frame: a shaft that twists is one on the frame")
@@ -202,8 +202,8 @@ def _with_springs(drawn: DrawnBodies, bare: PlaneGeometry, elastic: Elastic, ref
     guides = list(drawn.plane.prismatic)
     turning = by_bearing(press, "moments", stiffness.moments, "N m/rad", guides, **words)
     softer = _rods(drawn, rods_of(stiffness))
-    given = {-1: (FRAME, stiffness.frame)} | {press.bearings.index(name): (name, value) for name, value in stiffness.bearings.items()}
-    joints = [JointSpring(name, place, value) for place, (name, value) in given.items() if isinstance(value, PreloadedJoint)]
+    parts = {-1: (FRAME, stiffness.frame)} | {press.bearings.index(name): (name, value) for name, value in stiffness.bearings.items()}
+    joints = [JointSpring(name, place, value) for place, (name, value) in parts.items() if isinstance(value, PreloadedJoint)]
     for place, rod in softer.items():
         if isinstance(rod.stiffness, PreloadedJoint):
             joints.append(JointSpring(rod.name, place, rod.stiffness, rod.ends, radial[place]))
@@ -270,20 +270,20 @@ def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
     press = drawn.press
     ends = [_rod_ends(drawn, rod) for rod in rods]
     used = [number for _, pins, _ in ends for number in pins]
-    found: dict[int, _Softer] = {}
+    softer: dict[int, _Softer] = {}
     for rod, (body, pins, along) in zip(rods, ends, strict=True):
-        alone = [number for number in pins if used.count(number) == 1] or [number for number in pins if number not in found][:1]
+        alone = [number for number in pins if used.count(number) == 1] or [number for number in pins if number not in softer][:1]
         if not alone:
             raise PinpressError(f"rod {shown(rod.name)}: other rods end at both of its pins; give one of them to the stiffness of the pin")
         for pin_number in alone:
-            if pin_number in found:
+            if pin_number in softer:
                 raise PinpressError(
                     f"rod {shown(rod.name)}: another rod yields at its pin {shown(press.bearings[pin_number])}; give one of them to the"
                     " stiffness of the pin"
                 )
             outwards = along if press.bearings[pin_number] == rod.between[1] else -along
-            found[pin_number] = _Softer(rod.name, body, outwards, rod.stiffness, len(alone))
-    return found
+            softer[pin_number] = _Softer(rod.name, body, outwards, rod.stiffness, len(alone))
+    return softer
 
 
 def _rod_ends(drawn: DrawnBodies, rod: Rod) -> tuple[int, list[int], complex]:
@@ -321,21 +321,21 @@ def pins_of(drawn: DrawnBodies, link: str) -> tuple[int, dict[str, complex]]:
     press, plane = drawn.press, drawn.plane
     body = link_joint(press, link) - 1
     geared = {joint for coupling in press.couplings for end in (coupling.leader, coupling.follower) for joint in (end, plane.parents[end])}
-    for why, there in (
+    for why, is_so in (
         ("it is the crank, which its drive holds", body == plane.driver),
         ("it carries the crank", body == plane.parents[plane.driver]),
         ("it slides in a guide", body in drawn.directions),
         ("it carries a guide", any(plane.parents[joint] == body for joint in drawn.directions)),
         ("it carries a gear", body in geared),
     ):
-        if there:
+        if is_so:
             raise PinpressError(f"link {shown(link)} of {press.name} cannot bend: {why}; flexible links are joined by pins alone")
-    found = {}
+    pins = {}
     for place, name in enumerate(press.bearings):
         link1, one, link2, two = drawn.bearing(place)
         if body in (link1, link2):
-            found[name] = one if link1 == body else two
-    return body, found
+            pins[name] = one if link1 == body else two
+    return body, pins
 
 
 def _with_flexible_links(drawn: DrawnBodies, rigid: SprungPress, elastic: Elastic) -> SprungPress:
@@ -346,7 +346,7 @@ def _with_flexible_links(drawn: DrawnBodies, rigid: SprungPress, elastic: Elasti
         if not isinstance(link, FlexibleLink):
             raise PinpressError(f"flexible_links has {shown(link)}: give FlexibleLinks, as flexible_beam and read_flexible_link return")
         body, places = pins_of(drawn, link.link)
-        if any(other.body == body for other in bodies) or any(rod.link == link.link for rod in elastic.stiffness.rods):
+        if any(bent.body == body for bent in bodies) or any(rod.link == link.link for rod in elastic.stiffness.rods):
             raise PinpressError(f"link {shown(link.link)} of {press.name} yields twice: give it one FlexibleLink, and no Rod")
         pins = {press.bearings.index(name): (name, place) for name, place in places.items()}
         bodies.append(flexible_body(link, body, first, pins, rigid_inertia(drawn, body)))
@@ -389,7 +389,7 @@ def _with_flexible_links(drawn: DrawnBodies, rigid: SprungPress, elastic: Elasti
 
 def _with_clearances(drawn: DrawnBodies, closed: SprungPress, elastic: Elastic) -> SprungPress:
     """The press with clearance in some of its pins."""
-    press, found = drawn.press, []
+    press, pins = drawn.press, []
     if not isinstance(elastic.clearances, Mapping):
         raise PinpressError(f"clearances is {shown(elastic.clearances)}: give a mapping, name of a pin: Clearance(...)")
     for name, clearance in elastic.clearances.items():
@@ -397,14 +397,14 @@ def _with_clearances(drawn: DrawnBodies, closed: SprungPress, elastic: Elastic) 
         if not isinstance(clearance, Clearance):
             raise PinpressError(f"clearance of {shown(name)} is {shown(clearance)}: give a Clearance(radial)")
         lines, springs = closed.geometry.lines, closed.springs
-        own = np.flatnonzero(springs.bearing == place)
-        if place in drawn.directions or lines.turning[own].any():
+        of_pin = np.flatnonzero(springs.bearing == place)
+        if place in drawn.directions or lines.turning[of_pin].any():
             raise PinpressError(f"clearance of {shown(name)}: it is a guide, or a rod yields there; give clearance to other pins")
         if any(place in bent.at_bearing for bent in closed.geometry.flexible):
             raise PinpressError(f"clearance of {shown(name)}: a flexible link is joined there; give clearance to other pins")
-        k = int(own[0])
+        k = int(of_pin[0])
         bodies, arms = (int(lines.first[k]), int(lines.second[k])), (complex(lines.arm1[k]), complex(lines.arm2[k]))
-        found.append(OpenPin(place, bodies, arms, clearance, float(springs.stiffness[k]), float(springs.damping[k])))
-    kept = ~np.isin(closed.springs.bearing, [open_pin.bearing for open_pin in found])
-    springs = Springs._make(column[kept] for column in closed.springs)
-    return replace(closed, geometry=closed.geometry.with_lines(kept), springs=springs, open_pins=tuple(found), closed=closed)
+        pins.append(OpenPin(place, bodies, arms, clearance, float(springs.stiffness[k]), float(springs.damping[k])))
+    stiff = ~np.isin(closed.springs.bearing, [open_pin.bearing for open_pin in pins])
+    springs = Springs._make(column[stiff] for column in closed.springs)
+    return replace(closed, geometry=closed.geometry.with_lines(stiff), springs=springs, open_pins=tuple(pins), closed=closed)

@@ -68,7 +68,7 @@ def press_in_space(press: Linkage, elastic: Elastic, reference: Motion) -> Sprun
 
 
 def _refuse_unsuitable(press: Linkage, elastic: Elastic) -> None:
-    given = {
+    unsuitable = {
         "rods": (bool(elastic.stiffness.rods), "give what a rod yields to the stiffness of its bearings"),
         "shaft": (elastic.stiffness.shaft is not None, "leave it out"),
         "frame": (elastic.stiffness.frame is not None, "leave it and crown_mass out"),
@@ -76,8 +76,8 @@ def _refuse_unsuitable(press: Linkage, elastic: Elastic) -> None:
         "mounts": (elastic.mounted_frame is not None, "leave them out"),
         "clearances": (bool(elastic.clearances), "leave them out"),
     }
-    for name, (there, instead) in given.items():
-        if there:
+    for name, (is_given, instead) in unsuitable.items():
+        if is_given:
             raise PinpressError(f"{press.name} moves in space, and elastic motion in space knows no {name}: {instead}")
     if press.couplings:
         raise PinpressError(
@@ -151,18 +151,18 @@ def _across(axis: Array) -> tuple[Array, Array]:
 
 def _joints(press: Linkage, light: set[int]) -> list[_Joint]:
     """All bearings, in the order of their last members."""
-    found = [_tree_joint(press, light, j) for j in range(1, press.model.njoints) if j not in light]
+    bearings = [_tree_joint(press, light, j) for j in range(1, press.model.njoints) if j not in light]
     for place, loop in enumerate(press.loops, press.model.nv):
         for joint in (loop.joint1, loop.joint2):
             if joint in light:
                 raise _massless(press, joint)
         kind = {"spherical": "ball", "revolute": "pin", "fixed": "weld"}[loop.type]
-        found.append(_Joint(kind, (place,), loop.joint1, loop.joint2, loop.point1, loop.point2, loop.rotation1, loop.rotation2))
-    used = {member for each in found for member in each.members}
+        bearings.append(_Joint(kind, (place,), loop.joint1, loop.joint2, loop.point1, loop.point2, loop.rotation1, loop.rotation2))
+    used = {member for bearing in bearings for member in bearing.members}
     for joint in sorted(light):
         if joint - 1 not in used:
             raise _massless(press, joint)
-    return found
+    return bearings
 
 
 def _tree_joint(press: Linkage, light: set[int], joint: int) -> _Joint:
@@ -198,40 +198,40 @@ def _tree_joint(press: Linkage, light: set[int], joint: int) -> _Joint:
 
 def _with_springs(bare: SpaceGeometry, joints: Sequence[_Joint], elastic: Elastic, reference: Motion) -> SprungPress:
     press, frame, stiffness = bare.press, bare.count, elastic.stiffness
-    every = [member for each in joints for member in each.members]
-    held = [member for each in joints if each.kind != "ball" for member in each.members]
+    every = [member for bearing in joints for member in bearing.members]
+    with_moments = [member for bearing in joints if bearing.kind != "ball" for member in bearing.members]
     ball, yields = "a ball joint and holds no moment", ", which moves in space: there every bearing yields"
     directions, turning_too = " in all directions it holds", " and pins, guides, crosses and welds also against turning"
     straight = by_bearing(press, "bearings", stiffness.bearings, "N/m", every, holds_none=ball, yields=f"{yields},{directions}")
-    twisting = by_bearing(press, "moments", stiffness.moments, "N m/rad", held, holds_none=ball, yields=f"{yields},{turning_too}")
+    twisting = by_bearing(press, "moments", stiffness.moments, "N m/rad", with_moments, holds_none=ball, yields=f"{yields},{turning_too}")
     body_of = {0: frame, **{joint: body for body, joint in enumerate(bare.joints)}}
     axes = np.concatenate([bare.own_axes, np.eye(3)[None]])
     centres = np.concatenate([bare.lever, np.zeros((1, 3))])
     lines: list[tuple[int, int, Array, float, Array, Array, float]] = []
     springs: list[tuple[float, float, float, int, float]] = []
     alike, preloaded = list(range(len(press.bearings))), []
-    for each in joints:
-        first, second, name = body_of[each.first], body_of[each.second], each.members[-1]
-        arm1, arm2 = axes[first].T @ (each.point1 - centres[first]), axes[second].T @ (each.point2 - centres[second])
-        axes1, axes2 = axes[first].T @ each.axes1, axes[second].T @ each.axes2
+    for bearing in joints:
+        first, second, name = body_of[bearing.first], body_of[bearing.second], bearing.members[-1]
+        arm1, arm2 = axes[first].T @ (bearing.point1 - centres[first]), axes[second].T @ (bearing.point2 - centres[second])
+        axes1, axes2 = axes[first].T @ bearing.axes1, axes[second].T @ bearing.axes2
         turning = float(first != frame)
-        k = 1 / sum(1 / straight[member] for member in each.members)
+        k = 1 / sum(1 / straight[member] for member in bearing.members)
         joint = stiffness.bearings[press.bearings[name]]
         if isinstance(joint, PreloadedJoint):  # of a guide; each of its two directions is nearest to another axis of what carries it
-            for number, direction in enumerate(each.axes1.T[1:]):
+            for number, direction in enumerate(bearing.axes1.T[1:]):
                 part = f"{press.bearings[name]} {'xyz'[np.abs(direction).argmax()]}"
                 preloaded.append(JointSpring(part, name, joint, number=number))
-        for direction in axes1.T[1:] if each.kind == "guide" else np.eye(3):
-            lines.append((first, second, direction, turning * (each.kind == "guide"), arm1, arm2, 1.0))
+        for direction in axes1.T[1:] if bearing.kind == "guide" else np.eye(3):
+            lines.append((first, second, direction, turning * (bearing.kind == "guide"), arm1, arm2, 1.0))
             springs.append((k, 0.0, 0.0, name, 1.0))
-        if each.kind != "ball":
-            k = 1 / sum(1 / twisting[member] for member in each.members)
+        if bearing.kind != "ball":
+            k = 1 / sum(1 / twisting[member] for member in bearing.members)
             # The cosines between these axes of both ends are twists. A weld and a guide twist about three axes.
-            twists = {"pin": ((0, 1), (0, 2)), "universal": ((0, 0),)}.get(each.kind, ((0, 1), (1, 2), (2, 0)))
+            twists = {"pin": ((0, 1), (0, 2)), "universal": ((0, 0),)}.get(bearing.kind, ((0, 1), (1, 2), (2, 0)))
             for one, other in twists:
                 lines.append((first, second, axes1[:, one], turning, np.zeros(3), axes2[:, other], 0.0))
                 springs.append((k, 0.0, 0.0, name, 0.0))
-        for member in each.members:
+        for member in bearing.members:
             alike[member] = name
     geometry = replace(bare, lines=in_columns(LinesInSpace, lines))
     return SprungPress(

@@ -110,8 +110,8 @@ class DriveTrain:
     @cached_property
     def jumps(self) -> tuple[float, ...]:
         """Speeds of the drive's shaft at which its torque jumps [rad/s]."""
-        found = () if self.drive is None else corners_of(self.drive)
-        return tuple(float(speed) for speed, jump in found if jump and speed)
+        corners = () if self.drive is None else corners_of(self.drive)
+        return tuple(float(speed) for speed, jump in corners if jump and speed)
 
     @cached_property
     def switch_times(self) -> Array:
@@ -122,8 +122,8 @@ class DriveTrain:
 
     def risen(self, mode: TrainMode) -> list[float]:
         """Times at which closed couplings have their whole torque [s]."""
-        both = [(self.coupling("clutch"), mode.clutch), (self.coupling("brake"), mode.brake)]
-        return [own.since + each.rise for each, own in both if each is not None and each.rise and np.isfinite(own.since)]
+        parts = [(self.coupling(side), mode.coupling(side)) for side in SIDES]
+        return [state.since + part.rise for part, state in parts if part is not None and part.rise and np.isfinite(state.since)]
 
     def coupling(self, side: Side) -> Coupling | None:
         return self.driven.clutch if side == "clutch" else self.driven.brake
@@ -132,7 +132,7 @@ class DriveTrain:
     def timed(self) -> bool:
         """Whether its torques depend on time."""
         couplings = [self.coupling(side) for side in SIDES]
-        return (self.drive is not None and self.drive.timed) or any(each is not None and each.rise > 0 for each in couplings)
+        return (self.drive is not None and self.drive.timed) or any(coupling is not None and coupling.rise > 0 for coupling in couplings)
 
     # ------------------------------------------------------------------------------------------------------------------------- equations
 
@@ -156,18 +156,18 @@ class DriveTrain:
     def mass(self, bodies: Array, mode: TrainMode | None = None) -> Array:
         """(count + f, count + f) mass matrix with that of the bodies (f, f); in a mode that of its equations, else that of the energy."""
         n = self.count
-        found = np.zeros((n + len(bodies),) * 2)
-        found[n:, n:] = bodies
-        found[np.arange(n), np.arange(n)] = 1.0
-        found[-1, -1] += self.inertia
+        matrix = np.zeros((n + len(bodies),) * 2)
+        matrix[n:, n:] = bodies
+        matrix[np.arange(n), np.arange(n)] = 1.0
+        matrix[-1, -1] += self.inertia
         if self.slip is not None:
-            found[self.slip, self.slip] = found[self.slip, -1] = found[-1, self.slip] = self.inertia
+            matrix[self.slip, self.slip] = matrix[self.slip, -1] = matrix[-1, self.slip] = self.inertia
         if mode is not None:
             for row in self._held(mode):
-                diagonal = found[row, row]
-                found[row] = found[:, row] = 0.0
-                found[row, row] = diagonal
-        return found
+                diagonal = matrix[row, row]
+                matrix[row] = matrix[:, row] = 0.0
+                matrix[row, row] = diagonal
+        return matrix
 
     def _held(self, mode: TrainMode) -> list[int]:
         """Coordinates whose rates a mode holds."""
@@ -189,22 +189,22 @@ class DriveTrain:
 
     def pushes(self, mode: TrainMode, time: Array, y: Array, v: Array) -> Array:
         """Its forces (n, size) on all coordinates."""
-        found, torque = np.zeros_like(y), self.torque(mode, time, y, v)
-        found[:, -1] = torque + self.friction(mode, "brake", time)
+        forces, torque = np.zeros_like(y), self.torque(mode, time, y, v)
+        forces[:, -1] = torque + self.friction(mode, "brake", time)
         if self.slip is not None:
-            found[:, self.slip] = torque - self.friction(mode, "clutch", time)
+            forces[:, self.slip] = torque - self.friction(mode, "clutch", time)
         if self.drive is not None and self.scale:
             rates = self.drive.rates(self.shaft_speed(v), y[:, -1], time, self.states(v))
             for row, (scale, rate) in enumerate(zip(self.scale, rates, strict=True)):
-                found[:, row] = scale * rate
-        return found
+                forces[:, row] = scale * rate
+        return forces
 
     def friction(self, mode: TrainMode, side: Side, time: Array) -> Array:
         """Torque (n,) of a coupling on the crank while it slips; else zero [N m]."""
-        coupling, own = self.coupling(side), mode.coupling(side)
-        if coupling is None or own.grip is not SLIPPING:
+        coupling, state = self.coupling(side), mode.coupling(side)
+        if coupling is None or state.grip is not SLIPPING:
             return np.zeros(len(time))
-        return np.asarray(own.sign * (own.capacity(coupling, time) + np.zeros(len(time))))
+        return np.asarray(state.sign * (state.capacity(coupling, time) + np.zeros(len(time))))
 
     def shaft_speed(self, v: Array) -> Array:
         """(n,) speed of the drive's shaft [rad/s], of rates (n, size)."""
@@ -218,8 +218,8 @@ class DriveTrain:
         """Torque (n,) of the drive [N m]."""
         if self.drive is None:
             return np.zeros(len(time))
-        found = self.drive.torque(self._on_side(mode, self.shaft_speed(v)), y[:, -1], time, self.states(v))
-        return np.broadcast_to(found, time.shape)
+        torque = self.drive.torque(self._on_side(mode, self.shaft_speed(v)), y[:, -1], time, self.states(v))
+        return np.broadcast_to(torque, time.shape)
 
     def torque_slopes(self, mode: TrainMode, time: Array, y: Array, v: Array) -> Slopes:
         """Derivatives of the drive's torque."""
@@ -232,8 +232,8 @@ class DriveTrain:
         """(n,) at the motor's own shaft [N m]."""
         if self.drive is None:
             return np.zeros(len(time))
-        found = self.drive.motor_torque(self._on_side(mode, self.shaft_speed(v)), y[:, -1], time, self.states(v))
-        return np.broadcast_to(found, time.shape)
+        torque = self.drive.motor_torque(self._on_side(mode, self.shaft_speed(v)), y[:, -1], time, self.states(v))
+        return np.broadcast_to(torque, time.shape)
 
     def _on_side(self, mode: TrainMode, speed: Array) -> Array:
         """Speeds (n,) on the mode's side of those at which the torque jumps."""
@@ -243,15 +243,15 @@ class DriveTrain:
         return speed
 
     def _state_slopes(self, time: Array, y: Array, v: Array) -> list[Slopes]:
-        drive, found = self.drive, []
+        drive, slopes = self.drive, []
         for k, scale in enumerate(self.scale):
 
             def law(speed: Array, angle: Array, states: tuple[Array, ...], k: int = k, scale: float = scale) -> Array:
                 assert drive is not None
                 return scale * np.asarray(drive.rates(speed, angle, time, states)[k])
 
-            found.append(self._slopes(law, y, v))
-        return found
+            slopes.append(self._slopes(law, y, v))
+        return slopes
 
     def _slopes(self, law: Any, y: Array, v: Array) -> Slopes:
         """Central differences of a law of the shaft's speed, the crank's angle and the drive's states."""
@@ -272,8 +272,8 @@ class DriveTrain:
 
     def lost(self, mode: TrainMode, time: Array, v: Array) -> Array:
         """(n,) power lost in clutch and brake [W]."""
-        found = -self.friction(mode, "brake", time) * v[:, -1]
-        return found if self.slip is None else found + self.friction(mode, "clutch", time) * v[:, self.slip]
+        power = -self.friction(mode, "brake", time) * v[:, -1]
+        return power if self.slip is None else power + self.friction(mode, "clutch", time) * v[:, self.slip]
 
     # ------------------------------------------------------------------------------------------------------------------------- switching
 
@@ -297,67 +297,67 @@ class DriveTrain:
 
     def events(self, mode: TrainMode, direction: int, angle: float) -> list[TrainEvent]:
         """What may end a mode, of a crank at an angle that turns in a direction, but for what happens at a time."""
-        found = [TrainEvent("jumps", number=k) for k in range(len(mode.faster))]
+        events = [TrainEvent("jumps", number=k) for k in range(len(mode.faster))]
         for side in SIDES:
-            own = mode.coupling(side)
-            point = own.next_switch(self.coupling(side))
+            state = mode.coupling(side)
+            point = state.next_switch(self.coupling(side))
             if point is not None and point.angle is not None and (point.angle - angle) * direction > 0:
-                found.append(TrainEvent("switches", side))
-            if self.coupling(side) is not None and own.grip is not OPEN:
-                found.append(TrainEvent("slips" if own.grip is HOLDING else "grips", side))
-        return found
+                events.append(TrainEvent("switches", side))
+            if self.coupling(side) is not None and state.grip is not OPEN:
+                events.append(TrainEvent("slips" if state.grip is HOLDING else "grips", side))
+        return events
 
     def margin(self, event: TrainEvent, mode: TrainMode, direction: int, time: Array, y: Array, v: Array, held: Array) -> Array:
         """(n,) how far an event is away: positive in the mode; ``held``: (n,) torque on the crank of a coupling that holds [N m]."""
         if event.kind == "jumps":
             beyond = self.shaft_speed(v) - self.jumps[event.number]
             return beyond if mode.faster[event.number] else -beyond
-        own = mode.coupling(event.side)
+        state = mode.coupling(event.side)
         if event.kind == "switches":
-            point = own.next_switch(self.coupling(event.side))
+            point = state.next_switch(self.coupling(event.side))
             assert point is not None
             assert point.angle is not None
             return np.asarray(direction * (point.angle - y[:, -1]))
         if event.kind == "grips":
-            return np.asarray(own.sign * self._relative(event.side, v))
+            return np.asarray(state.sign * self._relative(event.side, v))
         coupling = self.coupling(event.side)
         assert coupling is not None
-        return np.asarray(own.capacity(coupling, time) - np.abs(held))
+        return np.asarray(state.capacity(coupling, time) - np.abs(held))
 
     def gradient(self, event: TrainEvent, mode: TrainMode, direction: int, size: int) -> Array:
         """(2 size,) derivative of a margin by coordinates and rates, of an event that needs no accelerations."""
-        found = np.zeros(2 * size)
+        slopes = np.zeros(2 * size)
         if event.kind == "switches":
-            found[size - 1] = -direction
+            slopes[size - 1] = -direction
         elif event.kind == "jumps":
-            found[-1] = 1.0 if mode.faster[event.number] else -1.0
+            slopes[-1] = 1.0 if mode.faster[event.number] else -1.0
             if self.slip is not None:
-                found[size + self.slip] = found[-1]
+                slopes[size + self.slip] = slopes[-1]
         elif event.side == "brake":
-            found[-1] = -mode.brake.sign
+            slopes[-1] = -mode.brake.sign
         else:
             assert self.slip is not None
-            found[size + self.slip] = mode.clutch.sign
-        return found
+            slopes[size + self.slip] = mode.clutch.sign
+        return slopes
 
     def after(self, event: TrainEvent, mode: TrainMode, time: float, v: Array, held: float) -> tuple[TrainMode, Array]:
         """Mode and rates (size,) after an event; ``held``: torque on the crank of a coupling that has held [N m]."""
         v = v.copy()
         if event.kind == "jumps":
-            faster = tuple(one != (k == event.number) for k, one in enumerate(mode.faster))
+            faster = tuple(above != (k == event.number) for k, above in enumerate(mode.faster))
             return mode._replace(faster=faster), v
         if event.kind == "switches":
             return self._switched(mode, event.side, time, v), v
-        own = mode.coupling(event.side)
+        state = mode.coupling(event.side)
         if event.kind == "slips":
-            return mode.with_coupling(event.side, own.slipping(held)), v
+            return mode.with_coupling(event.side, state.slipping(held)), v
         if event.side == "clutch":
             v[self.slip] = 0.0
         else:
             if self.slip is not None and mode.clutch.grip is not HOLDING:  # its driving side turns on
                 v[self.slip] += v[-1]
             v[-1] = 0.0
-        return mode.with_coupling(event.side, own._replace(grip=HOLDING)), v
+        return mode.with_coupling(event.side, state._replace(grip=HOLDING)), v
 
 
 def drive_train(driven: DrivenPress, speed: float, period: float, displacement: float) -> DriveTrain:
@@ -377,12 +377,12 @@ def drive_train(driven: DrivenPress, speed: float, period: float, displacement: 
 
 def _state_sizes(drive: Drive, speed: float, period: float) -> list[float]:
     """About how large the states of a drive become: as at its start, or where they settle at some speeds, or in a period."""
-    state, found = tuple(map(float, drive.state)), [abs(value) for value in drive.state]
+    state, sizes = tuple(map(float, drive.state)), [abs(value) for value in drive.state]
     for share in SHARES:
         rates = drive.rates(share * speed, 0.0, 0.0, state)
-        for k in range(len(found)):
+        for k in range(len(sizes)):
             step = STEP * (abs(state[k]) or 1.0)
             beside = drive.rates(share * speed, 0.0, 0.0, (*state[:k], state[k] + step, *state[k + 1 :]))
             pace = max(abs(float(beside[k]) - float(rates[k])) / step, 1 / period)
-            found[k] = max(found[k], abs(float(rates[k])) / pace)
-    return [size or 1.0 for size in found]
+            sizes[k] = max(sizes[k], abs(float(rates[k])) / pace)
+    return [size or 1.0 for size in sizes]

@@ -91,40 +91,40 @@ class BearingFriction:
 
     def lost_power(self, state: BodyState) -> Array:
         """(n,) [W]."""
-        found = self.at(state)
-        return -np.asarray((found.efforts * found.speed).sum(axis=1))
+        rubbing = self.at(state)
+        return -np.asarray((rubbing.efforts * rubbing.speed).sum(axis=1))
 
     def along_guides(self, state: BodyState) -> dict[int, Array]:
         """Friction (n, 3) of the guides on the links that slide in them, in world axes, by the numbers of the guides [N]."""
-        found, pins = self.at(state), len(self.angles)
-        along = self.slides.along(found.sliding)
-        return {number: found.efforts[:, pins + k, None] * along[:, k] for k, number in enumerate(self.guides)}
+        rubbing, pins = self.at(state), len(self.angles)
+        along = self.slides.along(rubbing.sliding)
+        return {number: rubbing.efforts[:, pins + k, None] * along[:, k] for k, number in enumerate(self.guides)}
 
     def forces(self, state: BodyState, derivatives: bool = True) -> SpringForces:
         """Forces on the free coordinates."""
-        found, springs, sprung, slides = self.at(state), self.sprung.springs, self.sprung, self.slides
+        rubbing, springs, sprung, slides = self.at(state), self.sprung.springs, self.sprung, self.slides
         pins, count = len(self.angles), len(state.rates)
         turning = np.broadcast_to(self._turning, (count, *self._turning.shape))
-        gradient = np.concatenate([turning, sprung.to_free(slides.gradient(found.sliding))], axis=1)
-        force = np.matmul(found.efforts[:, None, :], gradient)[:, 0]
+        gradient = np.concatenate([turning, sprung.to_free(slides.gradient(rubbing.sliding))], axis=1)
+        force = np.matmul(rubbing.efforts[:, None, :], gradient)[:, 0]
         if not derivatives:
             return SpringForces(force, None, None)
         turned = np.zeros_like(gradient)  # derivatives of the speeds by the coordinates
-        turned[:, pins:] = sprung.to_free(slides.gradient_rate(found.sliding))
+        turned[:, pins:] = sprung.to_free(slides.gradient_rate(rubbing.sliding))
         geometry = sprung.geometry
-        opening = sprung.to_free(geometry.gradient(found.strains))
-        held = np.tile(springs.stiffness, (count, 1))
+        opening = sprung.to_free(geometry.gradient(rubbing.strains))
+        stiffness = np.tile(springs.stiffness, (count, 1))
         for joint in sprung.open_joints:
-            held[:, joint.spring] += joint.spring_slope(found.strains.extension[:, joint.spring])
-        by_place = held[:, :, None] * opening + springs.damping[:, None] * sprung.to_free(geometry.gradient_rate(found.strains))
-        share = np.tanh(found.speed / self.slow)
-        steep = self.arm * found.pressing * (1 - share * share) / self.slow + self.viscous
-        moving = (found.pressing > self.preload)[:, None, :]  # not held by the preload
-        along = -(found.pulls[:, :, None] * self.owners) / np.maximum(found.pressing, 1e-300)[:, None, :] * moving  # (n, S, K)
+            stiffness[:, joint.spring] += joint.spring_slope(rubbing.strains.extension[:, joint.spring])
+        by_place = stiffness[:, :, None] * opening + springs.damping[:, None] * sprung.to_free(geometry.gradient_rate(rubbing.strains))
+        share = np.tanh(rubbing.speed / self.slow)
+        steep = self.arm * rubbing.pressing * (1 - share * share) / self.slow + self.viscous
+        moving = (rubbing.pressing > self.preload)[:, None, :]  # not held by the preload
+        along = -(rubbing.pulls[:, :, None] * self.owners) / np.maximum(rubbing.pressing, 1e-300)[:, None, :] * moving  # (n, S, K)
         pressed = (self.arm * share)[:, None, :] * along
         effort_by_place = np.matmul(pressed.transpose(0, 2, 1), by_place) + steep[:, :, None] * turned
         effort_by_rate = np.matmul(pressed.transpose(0, 2, 1), springs.damping[:, None] * opening) + steep[:, :, None] * gradient
-        across, bend = gradient.transpose(0, 2, 1), sprung.to_free_twice(slides.bend(found.sliding, found.efforts[:, pins:]))
+        across, bend = gradient.transpose(0, 2, 1), sprung.to_free_twice(slides.bend(rubbing.sliding, rubbing.efforts[:, pins:]))
         return SpringForces(force, np.matmul(across, effort_by_place) - bend, np.matmul(across, effort_by_rate))
 
 
@@ -134,21 +134,21 @@ def bearing_friction(sprung: SprungPress, law: FrictionLaw, speed: float) -> Bea
     Raises:
         PinpressError: the press moves in space, a pin with friction has clearance, or a guide has a preload beside a `PreloadedJoint`.
     """
-    press, some = sprung.press, np.flatnonzero((law.arm > 0) | (law.viscous > 0))
+    press, rubbing = sprung.press, np.flatnonzero((law.arm > 0) | (law.viscous > 0))
     if not isinstance(sprung.geometry, PlaneGeometry):
         raise PinpressError(f"{press.name} moves in space: on its springs it has no friction; leave it out")
     for pin in sprung.open_pins:
-        if pin.bearing in some:
+        if pin.bearing in rubbing:
             raise PinpressError(f"{shown(press.bearings[pin.bearing])} has clearance: give it no friction, or no clearance")
     geometry, directions = sprung.geometry, _guides(sprung)
-    gibs = {joint.bearing: 2 * joint.joint.preload for joint in sprung.joints if joint.bearing in some and joint.bearing in directions}
+    gibs = {joint.bearing: 2 * joint.joint.preload for joint in sprung.joints if joint.bearing in rubbing and joint.bearing in directions}
     for number in gibs:
         if law.preload[number]:
             raise PinpressError(
                 f"friction of {shown(press.bearings[number])}: its gibs are a PreloadedJoint, whose forces rub: leave preload out"
             )
-    pins = [int(number) for number in some if number not in directions]
-    guides = [int(number) for number in some if number in directions]
+    pins = [int(number) for number in rubbing if number not in directions]
+    guides = [int(number) for number in rubbing if number in directions]
     angles = np.zeros((len(pins), len(sprung.drawn)))
     for row, number in enumerate(pins):
         first, second = bodies_of(sprung, number)

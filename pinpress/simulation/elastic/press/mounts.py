@@ -34,19 +34,19 @@ def on_mounts(sprung: SprungPress, frame: Frame, mounts: Sequence[Mount]) -> Spr
     """
     press, geometry = sprung.press, sprung.geometry
     place = len(geometry.centers) - 1
-    own = pin.Inertia(frame.mass, np.asarray(frame.centre, dtype=float), frame.tensor) + press.model.inertias[0]
-    if not own.mass > 0:
+    body = pin.Inertia(frame.mass, np.asarray(frame.centre, dtype=float), frame.tensor) + press.model.inertias[0]
+    if not body.mass > 0:
         raise PinpressError("Elastic: the frame on its mounts has no mass: give that of the real one [kg]")
-    center, normal = complex(to_complex(geometry.plane, own.lever)), geometry.plane.normal
+    center, normal = complex(to_complex(geometry.plane, body.lever)), geometry.plane.normal
     gravity = complex(to_complex(geometry.plane, press.model.gravity.linear))
     inertia, weight = np.concatenate([geometry.inertia, np.zeros(3)]), np.concatenate([geometry.weight, np.zeros(3)])
-    inertia[3 * place : 3 * place + 3] = own.mass, own.mass, float(normal @ own.inertia @ normal)
-    weight[3 * place : 3 * place + 2] = own.mass * gravity.real, own.mass * gravity.imag
+    inertia[3 * place : 3 * place + 3] = body.mass, body.mass, float(normal @ body.inertia @ normal)
+    weight[3 * place : 3 * place + 2] = body.mass * gravity.real, body.mass * gravity.imag
     centers = np.append(geometry.centers, 0.0)
     centers[place] = center
     lines = geometry.lines
     arm1, arm2 = lines.arm1 - np.where(lines.first == place, center, 0.0), lines.arm2 - np.where(lines.second == place, center, 0.0)
-    of_mounts, springs = _mounts(sprung, mounts, center, _static_load(sprung, center, own.mass))
+    of_mounts, springs = _mounts(sprung, mounts, center, _static_load(sprung, center, body.mass))
     lines = Lines._make(np.concatenate(both) for both in zip(lines._replace(arm1=arm1, arm2=arm2), of_mounts, strict=True))
     shapes = np.zeros((2, len(lines.first), 0), dtype=complex)
     behind = (0, 0), (0, 3)
@@ -70,8 +70,8 @@ def _carried(sprung: SprungPress, place: int) -> Array:
     tied = {3 * coupling.follower + 2 for coupling in press.couplings} | (
         {3 * plane.driver + 2} if sprung.geometry.rotor is None else set()
     )
-    kept = [row for row in range(3 * press.model.nv) if row not in tied]
-    turning = [column for column, row in enumerate(kept) if row % 3 == 2]
+    untied = [row for row in range(3 * press.model.nv) if row not in tied]
+    turning = [column for column, row in enumerate(untied) if row % 3 == 2]
     carry = np.zeros((len(sprung.drawn) + 3, free + 3))
     carry[: len(sprung.drawn), : free - 1], carry[: len(sprung.drawn), -1] = sprung.carry[:, :-1], sprung.carry[:, -1]
     carry[3 * place : 3 * place + 3, free - 1 : free + 2] = np.eye(3)
@@ -108,16 +108,16 @@ def _mounts(sprung: SprungPress, mounts: Sequence[Mount], center: complex, load:
                     f"the plane of {sprung.press.name} lies askew to the axes of mount {number}: let the press stand along two of them"
                 )
         for axis in axes:
-            own = (float(axis @ (np.array(values) * axis)) for values in (mount.stiffness, mount.damping, mount.static))
-            columns.append(tuple(own))
+            along_axis = (float(axis @ (np.array(values) * axis)) for values in (mount.stiffness, mount.damping, mount.static))
+            columns.append(tuple(along_axis))
     stiffness, damping, static = np.array(columns).T
     points = np.repeat([complex(to_complex(geometry.plane, np.array(mount.point))) for mount in mounts], 2)
     directions = np.tile([1.0 + 0j, 1j], len(mounts))
     arms = points - center
     rows = np.stack([directions.real, directions.imag, (directions.conj() * 1j * arms).real], axis=1)
     for values in (static, stiffness):
-        held = rows.T @ (values[:, None] * rows)
-        if not np.linalg.eigvalsh(held)[0] > 0 or np.linalg.cond(held) > 1e14:
+        matrix = rows.T @ (values[:, None] * rows)
+        if not np.linalg.eigvalsh(matrix)[0] > 0 or np.linalg.cond(matrix) > 1e14:
             raise PinpressError("the mounts do not hold the frame in its plane: give them stiffness along both axes, at two places")
     strain = -static * (rows @ np.linalg.solve(rows.T @ (static[:, None] * rows), load))
     count, nothing = len(points), np.zeros(len(points))

@@ -158,8 +158,8 @@ class _Places:
         """A vector of world axes in those of the geometry."""
         if self.bodies is None:
             return along
-        own = complex(to_complex(self.bodies.plane, along))
-        return np.array([own.real, own.imag])
+        across = complex(to_complex(self.bodies.plane, along))
+        return np.array([across.real, across.imag])
 
     def drawn(self, end: End) -> Array:
         """The point of a link on the frame in the drawn pose."""
@@ -190,17 +190,19 @@ def refuse_on_flexible_links(sprung: SprungPress, paths: Sequence[LoadPath]) -> 
 def from_frame(sprung: SprungPress, paths: Sequence[LoadPath], slide: bool) -> tuple[LoadPath, ...]:
     """Paths that count from a frame on mounts in place of the ground; ``slide``: whether the first is the slide's position."""
     geometry, base = sprung.geometry, sprung.geometry.base
-    ground, found = len(geometry.centers) - 1, list[LoadPath]()
+    ground, counted = len(geometry.centers) - 1, list[LoadPath]()
     for number, path in enumerate(paths):
         if isinstance(path, PointPath) and slide and number == 0:
             point, along = complex(geometry.centers[path.body]) + path.arm, complex(*path.direction)
             row = (base, path.body, point - geometry.centers[base], path.arm, along, 1.0)
             line = replace(geometry, lines=Lines._make(np.array([value]) for value in row), shapes=np.zeros((2, 1, 0), dtype=complex))
-            found.append(LinePath(line, path.offset + (along.conjugate() * point).real))
+            counted.append(LinePath(line, path.offset + (along.conjugate() * point).real))
         elif isinstance(path, LengthPath):
-            own = geometry.centers[base]
-            ends = [(base, complex(arm - own)) if body == ground else (body, arm) for body, arm in zip(path.bodies, path.arms, strict=True)]
-            found.append(replace(path, bodies=(ends[0][0], ends[1][0]), arms=(ends[0][1], ends[1][1])))
+            centre = geometry.centers[base]
+            ends = [
+                (base, complex(arm - centre)) if body == ground else (body, arm) for body, arm in zip(path.bodies, path.arms, strict=True)
+            ]
+            counted.append(replace(path, bodies=(ends[0][0], ends[1][0]), arms=(ends[0][1], ends[1][1])))
         else:
-            found.append(path)
-    return tuple(found)
+            counted.append(path)
+    return tuple(counted)

@@ -150,14 +150,14 @@ class PlaneGeometry:
         rows = plane.origins + plane.centers
         points = [rows @ basis - self.centers[:count, None], rows @ basis_velocity(plane, basis, states.v)]
         points.append(rows @ basis_acceleration(plane, basis, states.v, states.a))
-        found = [np.zeros((states.v.shape[1], len(self.inertia))) for _ in range(3)]
+        result = [np.zeros((states.v.shape[1], len(self.inertia))) for _ in range(3)]
         drivers = motion.crank_angle, motion.crank_speed, motion.crank_acceleration
-        for values, place, joints, driver in zip(found, points, (states.position, states.v, states.a), drivers, strict=True):
+        for values, place, joints, driver in zip(result, points, (states.position, states.v, states.a), drivers, strict=True):
             values[:, : 3 * count : 3], values[:, 1 : 3 * count : 3] = place.real.T, place.imag.T
             values[:, 2 : 3 * count : 3] = (plane.spin @ joints).T
             if self.rotor is not None:
                 values[:, 3 * self.rotor + 2] = plane.sense[plane.driver] * driver
-        return found[0], found[1], found[2]
+        return result[0], result[1], result[2]
 
     def crank(self, values: Array) -> Array:
         driver, parent = self.plane.driver, self.plane.parents[self.plane.driver]
@@ -251,33 +251,33 @@ class PlaneGeometry:
         """Derivatives (n, S, k) from those by x and z of the second body, which are minus those of the first, and by both
         angles, (n, S) each, and from those by the shapes' coordinates (n, S, Q)."""
         lines, rows = self.lines, np.arange(len(self.lines.first))
-        found = np.zeros((len(x), len(rows), len(self.inertia)))
-        found[:, rows, 3 * lines.first] = -x
-        found[:, rows, 3 * lines.first + 1] = -z
-        found[:, rows, 3 * lines.first + 2] = first
-        found[:, rows, 3 * lines.second] = x
-        found[:, rows, 3 * lines.second + 1] = z
-        found[:, rows, 3 * lines.second + 2] = second
+        gradient = np.zeros((len(x), len(rows), len(self.inertia)))
+        gradient[:, rows, 3 * lines.first] = -x
+        gradient[:, rows, 3 * lines.first + 1] = -z
+        gradient[:, rows, 3 * lines.first + 2] = first
+        gradient[:, rows, 3 * lines.second] = x
+        gradient[:, rows, 3 * lines.second + 1] = z
+        gradient[:, rows, 3 * lines.second + 2] = second
         if bent is not None:
-            found[:, :, self.rigid_size :] = bent
-        return found
+            gradient[:, :, self.rigid_size :] = bent
+        return gradient
 
     def bend(self, strains: LineStrains, pull: Array) -> Array:
         lines, size = self.lines, len(self.inertia)
-        found = np.zeros((len(pull), size, size))
+        matrix = np.zeros((len(pull), size, size))
         by_turn1 = np.where(lines.turning > 0, -strains.lever1.real, strains.lever1.real) * pull
         by_turn2 = -strains.lever2.real * pull
         angles = np.arange(2, self.rigid_size, 3)
-        found[:, angles, angles] = by_turn1 @ self._at_first + by_turn2 @ self._at_second
+        matrix[:, angles, angles] = by_turn1 @ self._at_first + by_turn2 @ self._at_second
         for k in np.flatnonzero(lines.turning):
             a, b = 3 * int(lines.first[k]), 3 * int(lines.second[k])
             along = 1j * strains.against[:, k].conj() * pull[:, k]
             for row, values in ((b, along.real), (b + 1, along.imag), (a, -along.real), (a + 1, -along.imag), (b + 2, -by_turn2[:, k])):
-                found[:, row, a + 2] += values
-                found[:, a + 2, row] += values
+                matrix[:, row, a + 2] += values
+                matrix[:, a + 2, row] += values
         if strains.bends is not None:
-            self._add_bent(strains, pull, found)
-        return found
+            self._add_bent(strains, pull, matrix)
+        return matrix
 
     def _add_bent(self, strains: LineStrains, pull: Array, found: Array) -> None:
         """Add the second derivatives by turns and shapes' coordinates, times the pulls (n, S), to a matrix (n, k, k)."""
@@ -303,11 +303,11 @@ class PlaneGeometry:
     # --------------------------------------------------------------------------------------------------- flexible links in a turning frame
 
     def kinetic_energy(self, state: PlaneState) -> Array:
-        found: Array = 0.5 * (state.rates**2 @ self.inertia)
+        energy: Array = 0.5 * (state.rates**2 @ self.inertia)
         for link in self.flexible:
             q, dq, spin = state.coordinates[:, link.columns], state.rates[:, link.columns], state.rates[:, 3 * link.body + 2]
-            found += spin**2 * (q @ link.stretch + 0.5 * link.mass * (q**2).sum(axis=1)) + spin * ((q @ link.swirl) * dq).sum(axis=1)
-        return found
+            energy += spin**2 * (q @ link.stretch + 0.5 * link.mass * (q**2).sum(axis=1)) + spin * ((q @ link.swirl) * dq).sum(axis=1)
+        return energy
 
     def varying_inertia(self, state: PlaneState, accelerations: Array) -> VaryingInertia:
         """With T of `flexible_link` they are d/dt dT/dy' - dT/dy for the turn phi and the shapes' coordinates q of each flexible link."""

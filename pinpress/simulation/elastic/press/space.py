@@ -150,9 +150,9 @@ class SpaceGeometry:
     @cached_property
     def weight(self) -> Array:
         """(k,) gravity on the coordinates."""
-        found = np.zeros(self.size)
-        found[: 6 * self.count].reshape(self.count, 6)[:, :3] = self.mass_of[:, None] * self.gravity
-        return found
+        weight = np.zeros(self.size)
+        weight[: 6 * self.count].reshape(self.count, 6)[:, :3] = self.mass_of[:, None] * self.gravity
+        return weight
 
     def places(self, values: Array) -> Array:
         """(n, B + 1, 3) centres of mass, or their rates, of all coordinates or rates (n, k)."""
@@ -160,13 +160,13 @@ class SpaceGeometry:
 
     def rigid(self, motion: Motion) -> tuple[Array, Array, Array]:
         engine, states = self.press.engine("space"), motion.states(self.press)
-        found = [np.zeros((states.v.shape[1], self.size)) for _ in range(3)]
-        for values, centers in zip(found, engine.body_motion(states, self.joints).points(self.lever), strict=True):
+        result = [np.zeros((states.v.shape[1], self.size)) for _ in range(3)]
+        for values, centers in zip(result, engine.body_motion(states, self.joints).points(self.lever), strict=True):
             for body, center in enumerate(centers):
                 values[:, 6 * body : 6 * body + 3] = center.T
-        for values, value in zip(found, (motion.crank_angle, motion.crank_speed, motion.crank_acceleration), strict=True):
+        for values, value in zip(result, (motion.crank_angle, motion.crank_speed, motion.crank_acceleration), strict=True):
             values[:, -1] = value
-        return found[0], found[1], found[2]
+        return result[0], result[1], result[2]
 
     def crank(self, values: Array) -> Array:
         return values[:, -1]
@@ -176,20 +176,20 @@ class SpaceGeometry:
         their turns, along the axis and as long as the angle [rad]. A cross without mass moves with its carrier."""
         rigid, placed = self.rigid(motion)[0], poses(self.press, motion.joint_position)
         matrices = self.state(coordinates, np.zeros_like(coordinates), derivatives=False).turned.matrix.reshape(len(coordinates), -1, 3, 3)
-        found = np.zeros((len(coordinates), self.press.model.nv, 6))
+        moved = np.zeros((len(coordinates), self.press.model.nv, 6))
         shift = self.places(coordinates) - self.places(rigid)
         for body, joint in enumerate(self.joints):
             before = placed.rotation[joint] @ self.own_axes[body]
-            found[:, joint - 1, :3] = shift[:, body]
-            found[:, joint - 1, 3:] = _turn_of(matrices[:, body] @ before.swapaxes(1, 2))
+            moved[:, joint - 1, :3] = shift[:, body]
+            moved[:, joint - 1, 3:] = _turn_of(matrices[:, body] @ before.swapaxes(1, 2))
         for joint in range(1, self.press.model.nv + 1):
             if joint not in self.joints:
                 carrier = int(self.press.model.parents[joint])
                 centre = placed.points(carrier, self.press.model.inertias[carrier].lever)
                 arm = placed.position[joint] - centre
-                found[:, joint - 1] = found[:, carrier - 1]
-                found[:, joint - 1, :3] += np.cross(found[:, carrier - 1, 3:], arm)
-        return found
+                moved[:, joint - 1] = moved[:, carrier - 1]
+                moved[:, joint - 1, :3] += np.cross(moved[:, carrier - 1, 3:], arm)
+        return moved
 
     def total(self, forces: Array, body: int | None = None) -> Array:
         assert body is None
@@ -222,11 +222,11 @@ class SpaceGeometry:
         assert turned.curve_by is not None
         by, by_twice = turned.by[:, :b], turned.by_twice[:, :b]
         turning = accelerations[:, : 6 * b].reshape(n, b, 6)[:, :, 3:]
-        own = np.concatenate([turning, np.broadcast_to(accelerations[:, None, -1:], (n, b, 1))], axis=2)
-        pushed = self.weigh((own[:, :, None] @ by)[:, :, 0] + turned.curve[:, :b])[..., None]
-        changed = (own[:, :, None] @ by_twice.reshape(n, b, 4, 36)).reshape(n, b, 4, 9) + turned.curve_by[:, :b]
+        change = np.concatenate([turning, np.broadcast_to(accelerations[:, None, -1:], (n, b, 1))], axis=2)
+        pushed = self.weigh((change[:, :, None] @ by)[:, :, 0] + turned.curve[:, :b])[..., None]
+        changed = (change[:, :, None] @ by_twice.reshape(n, b, 4, 36)).reshape(n, b, 4, 9) + turned.curve_by[:, :b]
         by_place = (by_twice.reshape(n, b, 16, 9) @ pushed).reshape(n, b, 4, 4) + by @ self.weigh(changed).swapaxes(2, 3)
-        others = (by @ self.weigh(each).swapaxes(2, 3) for each in (2 * turned.rate_by[:, :b], by))
+        others = (by @ self.weigh(matrices).swapaxes(2, 3) for matrices in (2 * turned.rate_by[:, :b], by))
         force, rows = (by @ pushed)[..., 0], np.zeros((n, self.size))
         rows[:, : 6 * b].reshape(n, b, 6)[:, :, 3:] = force[:, :, :3]
         rows[:, -1] = force[:, :, 3].sum(axis=1)
@@ -240,16 +240,16 @@ class SpaceGeometry:
     def _scatter(self, blocks: Array) -> Array:
         """(n, k, k) of blocks (n, B or B + 1, 4, 4) by the bodies' turns and the crank angle."""
         n, b = blocks.shape[:2]
-        found = np.zeros((n, self.size, self.size))
+        matrix = np.zeros((n, self.size, self.size))
         for body in range(b):
-            own = slice(6 * body + 3, 6 * body + 6)
-            found[:, own, own], found[:, own, -1], found[:, -1, own] = (
+            turns = slice(6 * body + 3, 6 * body + 6)
+            matrix[:, turns, turns], matrix[:, turns, -1], matrix[:, -1, turns] = (
                 blocks[:, body, :3, :3],
                 blocks[:, body, :3, 3],
                 blocks[:, body, 3, :3],
             )
-        found[:, -1, -1] = blocks[:, :, 3, 3].sum(axis=1)
-        return found
+        matrix[:, -1, -1] = blocks[:, :, 3, 3].sum(axis=1)
+        return matrix
 
     def kinetic_energy(self, state: SpaceState) -> Array:
         rate, speed = state.turned.rate[:, : self.count], self.places(state.rates)[:, : self.count]
@@ -298,14 +298,14 @@ class SpaceGeometry:
     def _place(self, parts: Array, along: Array) -> Array:
         """Gradients (n, S, k) from `_parts`, and from those by the second centre of mass, the directions (n, S, 3)."""
         lines, rows = self.lines, np.arange(len(self.lines.first))
-        found = np.zeros((len(parts), len(rows), self.size))
+        gradient = np.zeros((len(parts), len(rows), self.size))
         for axis in range(3):
             straight = lines.place * along[:, :, axis]
-            found[:, rows, 6 * lines.first + axis], found[:, rows, 6 * lines.second + axis] = -straight, straight
-            found[:, rows, 6 * lines.first + 3 + axis] = parts[:, :, 0, axis]
-            found[:, rows, 6 * lines.second + 3 + axis] = parts[:, :, 1, axis]
-        found[:, :, -1] = parts[:, :, :, 3].sum(axis=2)
-        return found
+            gradient[:, rows, 6 * lines.first + axis], gradient[:, rows, 6 * lines.second + axis] = -straight, straight
+            gradient[:, rows, 6 * lines.first + 3 + axis] = parts[:, :, 0, axis]
+            gradient[:, rows, 6 * lines.second + 3 + axis] = parts[:, :, 1, axis]
+        gradient[:, :, -1] = parts[:, :, :, 3].sum(axis=2)
+        return gradient
 
     def bend(self, strains: StrainsInSpace, pull: Array) -> Array:
         lines, by, n = self.lines, strains.turned.by, len(pull)
@@ -314,42 +314,42 @@ class SpaceGeometry:
         sideways = (pull[..., None] * strains.along).swapaxes(1, 2)
         pushed = sideways @ on_second - sideways @ on_first + (pull[..., None] * strains.gap).swapaxes(1, 2) @ on_axis
         pushed = pushed.reshape(n, 3, self.count + 1, 3).swapaxes(1, 2).reshape(n, self.count + 1, 9, 1)
-        found = self._scatter((strains.turned.by_twice.reshape(n, self.count + 1, 16, 9) @ pushed).reshape(n, self.count + 1, 4, 4))
-        some = np.flatnonzero(lines.turning)
-        first, second = lines.first[some], lines.second[some]
-        own = pull[:, some, None, None] * _apply(by[:, first], lines.direction[some, None])  # (n, T, 4, 3)
-        ends = [-_apply(by[:, first], lines.arm1[some, None]), _apply(by[:, second], lines.arm2[some, None])]
+        matrix = self._scatter((strains.turned.by_twice.reshape(n, self.count + 1, 16, 9) @ pushed).reshape(n, self.count + 1, 4, 4))
+        tilting = np.flatnonzero(lines.turning)
+        first, second = lines.first[tilting], lines.second[tilting]
+        own = pull[:, tilting, None, None] * _apply(by[:, first], lines.direction[tilting, None])  # (n, T, 4, 3)
+        ends = [-_apply(by[:, first], lines.arm1[tilting, None]), _apply(by[:, second], lines.arm2[tilting, None])]
         turns = [own @ end.swapaxes(2, 3) for end in ends]  # (n, T, 4, 4)
-        straight = lines.place[some, None, None] * own
-        for k in range(len(some)):
+        straight = lines.place[tilting, None, None] * own
+        for k in range(len(tilting)):
             one, two = 6 * int(first[k]), 6 * int(second[k])
             rows = np.array([one + 3, one + 4, one + 5, -1])
-            for start, each in ((one, -straight[:, k]), (two, straight[:, k])):
-                _add_twice(found, rows, np.arange(start, start + 3), each)
-            for start, each in ((one, turns[0][:, k]), (two, turns[1][:, k])):
-                _add_twice(found, rows, np.array([start + 3, start + 4, start + 5, -1]), each)
-        return found
+            for start, block in ((one, -straight[:, k]), (two, straight[:, k])):
+                _add_twice(matrix, rows, np.arange(start, start + 3), block)
+            for start, block in ((one, turns[0][:, k]), (two, turns[1][:, k])):
+                _add_twice(matrix, rows, np.array([start + 3, start + 4, start + 5, -1]), block)
+        return matrix
 
     @cached_property
     def _spread(self) -> tuple[Array, Array, Array]:
         """(S, 3 (B + 1)) arms 2 at the columns of their bodies, arms 1, and the directions that turn with body 1."""
         lines, rows = self.lines, np.arange(len(self.lines.first))
-        found = [np.zeros((len(rows), self.count + 1, 3)) for _ in range(3)]
-        found[0][rows, lines.second], found[1][rows, lines.first] = lines.arm2, lines.arm1
-        found[2][rows, lines.first] = lines.turning[:, None] * lines.direction
-        return tuple(each.reshape(len(rows), -1) for each in found)  # type: ignore[return-value]
+        columns = [np.zeros((len(rows), self.count + 1, 3)) for _ in range(3)]
+        columns[0][rows, lines.second], columns[1][rows, lines.first] = lines.arm2, lines.arm1
+        columns[2][rows, lines.first] = lines.turning[:, None] * lines.direction
+        return tuple(column.reshape(len(rows), -1) for column in columns)  # type: ignore[return-value]
 
 
 def _apply(matrices: Array, vectors: Array) -> Array:
     """Matrices (..., 9) times vectors (..., 3)."""
-    own = matrices.reshape(*matrices.shape[:-1], 3, 3)
-    return np.asarray(own[..., 0] * vectors[..., 0, None] + own[..., 1] * vectors[..., 1, None] + own[..., 2] * vectors[..., 2, None])
+    turns = matrices.reshape(*matrices.shape[:-1], 3, 3)
+    return np.asarray(turns[..., 0] * vectors[..., 0, None] + turns[..., 1] * vectors[..., 1, None] + turns[..., 2] * vectors[..., 2, None])
 
 
-def _add_twice(found: Array, rows: Indices, columns: Indices, block: Array) -> None:
+def _add_twice(matrices: Array, rows: Indices, columns: Indices, block: Array) -> None:
     """Add a block (n, rows, columns) to matrices, and its transpose. The crank angle may be among rows and columns."""
-    found[:, rows[:, None], columns] += block
-    found[:, columns[:, None], rows] += block.swapaxes(1, 2)
+    matrices[:, rows[:, None], columns] += block
+    matrices[:, columns[:, None], rows] += block.swapaxes(1, 2)
 
 
 def _turn_of(rotation: Array) -> Array:

@@ -206,7 +206,7 @@ class SprungPress:
     def varying_inertia(self, state: BodyState, accelerations: Array) -> VaryingInertia:
         """Inertia forces on the free coordinates at their accelerations (n, f), beside those of the constant part of the mass matrix."""
         force, *matrices = self.geometry.varying_inertia(state, self.all_rates(accelerations))
-        return VaryingInertia(self.to_free(force), *(self.to_free_twice(each) for each in matrices))
+        return VaryingInertia(self.to_free(force), *(self.to_free_twice(matrix) for matrix in matrices))
 
     def mass_at(self, state: BodyState) -> Array:
         """Mass matrices (n, f, f) of the free coordinates, or (f, f) where it is the same everywhere."""
@@ -305,7 +305,7 @@ def reference_motion(press: Linkage) -> Motion:
     return motion_through_change_points(press, np.array([angle]), 0.0)
 
 
-def some_of(state: Any, some: Indices) -> Any:
+def some_of(state: Any, rows: Indices) -> Any:
     """Some of the states of bodies, by their numbers."""
-    parts = (some_of(part, some) if isinstance(part, tuple) else None if part is None else part[some] for part in state)
+    parts = (some_of(part, rows) if isinstance(part, tuple) else None if part is None else part[rows] for part in state)
     return type(state)(*parts)

@@ -102,11 +102,11 @@ def _taylor(series: ComplexArray, base: float) -> Array:
     """(cells, 13, m) Taylor coefficients about the middles of cells of a period, of Fourier series (K, m) with a base frequency."""
     harmonics = np.arange(len(series))
     cells = 4 * len(series)  # for each harmonic: with this degree rounding is all that is left
-    found, term = np.empty((cells, DEGREE + 1, series.shape[1])), series * np.exp(1j * np.pi * harmonics / cells)[:, None]
+    coefficients, term = np.empty((cells, DEGREE + 1, series.shape[1])), series * np.exp(1j * np.pi * harmonics / cells)[:, None]
     for power in range(DEGREE + 1):
-        found[:, power] = np.fft.irfft(term, cells, axis=0) * cells
+        coefficients[:, power] = np.fft.irfft(term, cells, axis=0) * cells
         term = term * (1j * base * harmonics / (power + 1))[:, None]
-    return found
+    return coefficients
 
 
 class Turned(NamedTuple):
@@ -148,13 +148,13 @@ def turn_bodies(nominal: NominalTurns, w: Array, angle: Array, w_rate: Array, sp
     n, b = w.shape[:2]
     shapes = {"matrix": (), "by": (4,), "by_twice": (4, 4), "rate": (), "rate_by": (4,), "curve": (), "curve_by": (4,)}
     left_out = () if derivatives else ("by_twice", "curve_by")
-    found = {name: None if name in left_out else np.empty((n, b, *shape, 9)) for name, shape in shapes.items()}
+    arrays = {name: None if name in left_out else np.empty((n, b, *shape, 9)) for name, shape in shapes.items()}
     for first in range(0, n, AT_A_TIME):
-        some = slice(first, first + AT_A_TIME)
-        parts = {name: None if each is None else each[some].reshape(*each[some].shape[:-1], 3, 3) for name, each in found.items()}
-        small = _small_turn(w[some], w_rate[some], derivatives)
-        _fill(parts, nominal.at(angle[some]), small, speed[some, None, None, None])
-    return Turned(**found)  # type: ignore[arg-type]
+        part = slice(first, first + AT_A_TIME)
+        parts = {name: None if array is None else array[part].reshape(*array[part].shape[:-1], 3, 3) for name, array in arrays.items()}
+        small = _small_turn(w[part], w_rate[part], derivatives)
+        _fill(parts, nominal.at(angle[part]), small, speed[part, None, None, None])
+    return Turned(**arrays)  # type: ignore[arg-type]
 
 
 def _fill(parts: dict[str, Any], nominal: Array, small: Array, spin: Array) -> None:
@@ -189,7 +189,7 @@ def _small_turn(w: Array, v: Array, derivatives: bool) -> Array:
     def contracted(tensors: Array, vectors: Array) -> Array:
         return np.asarray(sum(tensors[:, :, d] * vectors[:, :, d, None, None] for d in range(3)))
 
-    found = np.zeros((*w.shape[:2], 3, SMALL, 3))
+    rows = np.zeros((*w.shape[:2], 3, SMALL, 3))
     square, square_rate = along(w), along(v)
     k_by = CROSS + square
     k = contracted(CROSS + 0.5 * square, w)
@@ -203,7 +203,7 @@ def _small_turn(w: Array, v: Array, derivatives: bool) -> Array:
     one, two, three, twice = (..., None, None), (..., None), (..., None, None, None), (..., None, None)
 
     def put(place: slice | int, values: Array) -> None:
-        found[:, :, :, place] = values if isinstance(place, int) else values.swapaxes(2, 3)
+        rows[:, :, :, place] = values if isinstance(place, int) else values.swapaxes(2, 3)
 
     put(0, _UNIT + f[one] * k)
     put(slice(1, 4), f_by[twice] * k[:, :, None] + f[three] * k_by)
@@ -211,7 +211,7 @@ def _small_turn(w: Array, v: Array, derivatives: bool) -> Array:
     put(slice(14, 17), f_rate_by[twice] * k[:, :, None] + f_by[twice] * k_rate[:, :, None] + f_rate[three] * k_by + f[three] * square_rate)
     put(17, f_curve[one] * k + 2 * f_rate[one] * k_rate + f[one] * k_curve)
     if not derivatives:
-        return found
+        return rows
     f_curve_by = 2 * ((f3 * size_rate**2 + f2 * size_curve)[two] * w + 2 * (f2 * size_rate)[two] * v)
     curve_by = f_curve_by[twice] * k[:, :, None] + 2 * f_rate_by[twice] * k_rate[:, :, None] + f_by[twice] * k_curve[:, :, None]
     put(slice(18, 21), curve_by + f_curve[three] * k_by + 2 * f_rate[three] * square_rate)
@@ -219,4 +219,4 @@ def _small_turn(w: Array, v: Array, derivatives: bool) -> Array:
     mixed = f_by[:, :, :, None, None, None] * k_by[:, :, None]
     by_twice = f_twice[..., None, None] * k[:, :, None, None] + mixed + mixed.swapaxes(2, 3) + f[..., None, None, None, None] * SQUARE
     put(slice(4, 13), by_twice.reshape(*w.shape[:2], 9, 3, 3))
-    return found
+    return rows
