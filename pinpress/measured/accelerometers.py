@@ -37,7 +37,7 @@ POINTS = {  # columns of a file of points
     **dict.fromkeys("xyz", Wanted("m", bare="m")),
     "direction": Wanted(),
     "part": Wanted(needed=False),
-    "gain": Wanted("-", bare="-", needed=False),
+    "gain": Wanted("m/s2 per V", bare="m/s2 per V", needed=False),
 }
 
 Source: TypeAlias = str | os.PathLike[str] | Mapping[str, ArrayLike]

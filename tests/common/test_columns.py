@@ -10,6 +10,7 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress import measured
 from pinpress.common.reading.columns import Wanted, parted, read_channels, read_columns
+from pinpress.measured.accelerometers import points_of
 
 POINTS = "channel,x [mm],y [mm],z [mm],direction\ntop,0,100.5,1.5e3,z\nbed,0,0,-900,x\n"
 RECORD = "time [s],crank [rad],motor [N m]\n" + "".join(f"{0.01 * k:.3f},{0.05 * k:.4f},{100 + k:.1f}\n" for k in range(40))
@@ -76,8 +77,11 @@ def test_points_in_mm_are_points_in_m(tmp_path):
     file.write_text(POINTS, encoding="utf-8")
     read = accelerometers(file)
     np.testing.assert_allclose(read["top"][0], [0, 0.1005, 1.5], rtol=1e-15)
+    file.write_text(POINTS.replace("direction", "direction,gain [m/s2 per V]").replace("z\n", "z,98.1\n"), encoding="utf-8")
+    assert [each.gain for each in points_of(file).values()] == [98.1, None]
     for text, said in (
         (POINTS.replace("z [mm]", "z [kg]"), r"column 'z' is in 'kg', which is none of m, mm"),
+        (POINTS.replace("direction", "direction,gain [mV/g]"), r"column 'gain' is in 'mV/g', which is none of m/s2 per V"),
         (POINTS.replace("bed", "top"), r"points\.csv, line 3: channel 'top' is there twice"),
     ):
         file.write_text(text, encoding="utf-8")

@@ -60,6 +60,7 @@ def test_a_table_gives_what_the_calls_give(press, tmp_path, name, text):
         ("", "is empty: give a CSV file with the heads dimension, tolerance"),
         ("dimension, tolerance\n", "has no dimension"),
         ("dimension, tolerence\n", "column 'tolerence' is unknown, did you mean 'tolerance'"),
+        ("dimension, tolerance [um]\nlength E F, 50\n", "column 'tolerance \\[um\\]' is unknown, did you mean 'tolerance'"),
         ("dimension, unit\n", "no column 'tolerance'; give a CSV file with the heads dimension, tolerance and"),
         ("dimension, tolerance, dimension\n", "two columns are called 'dimension': rename one"),
         ("dimension, tolerance\nlength E F, 0.05\nlength E G, 0.05\n", "line 3: no bearing 'G'"),

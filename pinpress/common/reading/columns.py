@@ -79,7 +79,8 @@ class Columns(NamedTuple):
 
     def rows(self) -> list[tuple[int, dict[str, Any]]]:
         """The line of every row, and its values by their names."""
-        return [(line, {name: column[k] for name, column in self.values.items()}) for k, line in enumerate(self.lines)]
+        columns = {name: column.tolist() if isinstance(column, np.ndarray) else column for name, column in self.values.items()}
+        return [(line, {name: column[k] for name, column in columns.items()}) for k, line in enumerate(self.lines)]
 
 
 class Row(NamedTuple):
@@ -280,10 +281,11 @@ def _is_number(cell: str) -> bool:
 
 
 def _places(file: str, heads: Sequence[str], wanted: Mapping[str, Wanted], others: bool, remedy: str) -> dict[str, int]:
-    """Name of a wanted column -> its place in the file."""
-    names = [parted(head)[0] for head in heads]
-    known = [name for own, each in wanted.items() for name in (own, *each.names)]
-    unknown = next((name for name in names if name and name not in known), None)
+    """Name of a wanted column -> its place in the file. A head of words is taken as it is: a unit in it would be overlooked."""
+    called = {name: each for own, each in wanted.items() for name in (own, *each.names)}
+    names = [head if (short := parted(head)[0]) in called and called[short].quantity is None else short for head in heads]
+    known = list(called)
+    unknown = next((name for name in names if name and name not in called), None)
     hint = "" if unknown is None else f"column {unknown!r} is unknown{suggestion(unknown, known)}; "
     if not others and unknown is not None:
         raise PinpressError(f"{file}: {hint}{remedy}")
