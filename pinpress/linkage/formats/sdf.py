@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
@@ -86,11 +85,6 @@ _ATTRIBUTES = {  # attributes of elements that are read
 _UNSEARCHED = ("plugin", "sensor", "collision", "physics")  # say nothing of the mechanics
 _TURNING = ("revolute", "continuous")
 _CHAINS = {"ball": 3, "universal": 2, "revolute2": 2}  # numbers of revolute joints that make such a joint of the tree
-_UNREAD = {
-    "screw": "write a prismatic joint",
-    "planar": "write two prismatic joints and a revolute one, with links between them",
-    "floating": "write the joints that guide the link",
-}
 
 
 def read(document: Document) -> Document:
@@ -101,16 +95,7 @@ def read(document: Document) -> Document:
 
 @dataclass(frozen=True, eq=False)
 class _Bearing:
-    """A joint of the file.
-
-    Attributes:
-        element: its ``<joint>``.
-        name: of the joint.
-        type: of the joint in SDF.
-        parent: name of its parent link.
-        child: name of its child link.
-        place: its pose in the model.
-    """
+    """A ``<joint>`` of the file: its name and type in SDF, names of its parent and child links, and its pose in the model."""
 
     element: Element
     name: str
@@ -125,7 +110,10 @@ class _Reader:
 
     def __init__(self, file: str, root: Element) -> None:
         self.file = file
-        self.version = self._version(root)
+        major, _, minor = root.get("version").partition(".")
+        if not (major.isdecimal() and minor.isdecimal() and int(major) == 1):
+            refuse(file, root, f"unknown version {root.get('version')!r} of SDF", 'write version="1.6" or another from 1.4 on')
+        self.version = int(major), int(minor)
         self.remarks: list[Finding] = []
         self.balls: list[tuple[str, ...]] = []
         self.model = self._only_model(root)
@@ -142,22 +130,17 @@ class _Reader:
         self.joints = self._by_name("joint")
         self.frames = self._by_name("frame")
         self.posed: dict[str, pin.SE3] = {}
-        _ = self.model_place  # raises where it is none
+        self.searched: list[str] = []  # names whose poses are being searched
+        self.model_place = self._model_place()
 
     # ------------------------------------------------------------------------------------------------------------------------- the file
 
-    def _version(self, root: Element) -> tuple[int, int]:
-        major, _, minor = root.get("version").partition(".")
-        if not (major.isdecimal() and minor.isdecimal() and int(major) == 1):
-            refuse(self.file, root, f"unknown version {root.get('version')!r} of SDF", 'write version="1.6" or another from 1.4 on')
-        return int(major), int(minor)
-
     def _only_model(self, root: Element) -> Element:
         refuse_unknown(self.file, root, _KNOWN["sdf"].split())
-        found = list(root.all("model"))
+        models = list(root.all("model"))
         for world in root.all("world"):
             refuse_unknown(self.file, world, _KNOWN["world"].split())
-            found += world.all("model")
+            models += world.all("model")
             for element in world.all("include"):
                 self.remarks.append(remark("warning", element, "<include> is not read", "write the model in its place, if it is the press"))
             for element in world.all("gravity"):
@@ -165,7 +148,7 @@ class _Reader:
                 if abs(gravity - [0.0, 0.0, -9.81]).max() > 0.02:  # -9.8 is Gazebo's own
                     remedy = f"load(..., gravity=({', '.join(f'{part:g}' for part in gravity)}))"
                     self.remarks.append(remark("warning", element, "the gravity of the world is not read", remedy))
-        moving = [model for model in found if not self._true(model, "static")]
+        moving = [model for model in models if not self._true(model, "static")]
         if len(moving) != 1:
             where = moving[1] if moving else root
             refuse(self.file, where, f"there are {len(moving) or 'no'} models that move", "write the one <model> that is the press")
@@ -180,7 +163,7 @@ class _Reader:
                 self._refuse_attributes(child)
 
     def _by_name(self, tag: str) -> dict[str, Element]:
-        found: dict[str, Element] = {}
+        named: dict[str, Element] = {}
         elements, most = self.model.all(tag), MOST["joint"]
         if len(elements) > most:
             refuse(self.file, elements[most], f"there are {len(elements)} <{tag}>, more than {most}", ALONE)
@@ -188,51 +171,45 @@ class _Reader:
             name = element.get("name")
             if not name:
                 refuse(self.file, element, "has no name", f'write <{tag} name="...">')
-            if name in found:
-                problem = f"the name is already that of the <{tag}> on line {found[name].line}"
+            if name in named:
+                problem = f"the name is already that of the <{tag}> on line {named[name].line}"
                 refuse(self.file, element, problem, f"give each <{tag}> its own name")
-            found[name] = element
-        return found
+            named[name] = element
+        return named
 
     def _true(self, element: Element, tag: str) -> bool:
-        found = optional(self.file, element, tag)
-        return found is not None and found.text.strip().lower() in ("1", "true")
+        child = optional(self.file, element, tag)
+        return child is not None and child.text.strip().lower() in ("1", "true")
 
     def _number(self, element: Element | None, tag: str, default: float) -> float:
-        found = None if element is None else optional(self.file, element, tag)
-        if found is None:
-            return default
-        return float(numbers(self.file, found, found.text, 1)[0])
+        child = None if element is None else optional(self.file, element, tag)
+        return default if child is None else float(numbers(self.file, child, child.text, 1)[0])
 
     # --------------------------------------------------------------------------------------------------------------------------- places
 
-    def _own_pose(self, element: Element) -> pin.SE3:
+    def _pose(self, element: Element) -> pin.SE3:
         """The pose of an element, in the frame to which it is relative."""
-        found = optional(self.file, element, "pose")
-        if found is None:
+        pose = optional(self.file, element, "pose")
+        if pose is None:
             return pin.SE3.Identity()
-        place, rounded = pose_and_rounding(self.file, found)
+        place, rounded = pose_and_rounding(self.file, pose)
         if rounded and not any("quarter turn" in each.problem for each in self.remarks):
             problem = "angles such as 1.5708 are read as quarter turns, which they are to all their digits"
-            self.remarks.append(remark("note", found, problem, "write 1.5707963267948966, or an angle that is none"))
+            self.remarks.append(remark("note", pose, problem, "write 1.5707963267948966, or an angle that is none"))
         return place
 
-    @cached_property
-    def model_place(self) -> pin.SE3:
+    def _model_place(self) -> pin.SE3:
         """The pose of the model in the world. Its ``<pose>`` may be that of another frame in it, its ``placement_frame``."""
         for pose in self.model.all("pose"):
             named = pose.get("relative_to") or pose.get("frame")
             if named not in ("", WORLD):
                 refuse(self.file, pose, f"the pose of the model is relative to {named!r}, which is not read", "write its pose in the world")
-        placed, own = self.model.get("placement_frame"), self._own_pose(self.model)
-        if not placed:
-            return own
-        if WORLD in self._searched:
-            problem = f"its placement_frame {placed!r} stands in the world, so that it does not place the model"
-            refuse(self.file, self.model, problem, "name a frame of the model")
-        self._searched.append(WORLD)
-        place = own * self.place(placed, self.model).inverse()
-        self._searched.pop()
+        frame, pose = self.model.get("placement_frame"), self._pose(self.model)
+        if not frame:
+            return pose
+        self.searched.append(WORLD)
+        place = pose * self.place(frame, self.model).inverse()
+        self.searched.pop()
         return place
 
     def place(self, name: str, at: Element) -> pin.SE3:
@@ -240,26 +217,26 @@ class _Reader:
         if name in (_MODEL, ""):
             return pin.SE3.Identity()
         if name == WORLD:
+            if WORLD in self.searched:
+                problem = (
+                    f"its placement_frame {self.model.get('placement_frame')!r} stands in the world, so that it does not place the model"
+                )
+                refuse(self.file, self.model, problem, "name a frame of the model")
             return self.model_place.inverse()
         if name not in self.posed:
             element = self.links.get(name) or self.frames.get(name) or self.joints.get(name)
             if element is None:
-                known = [*self.links, *self.joints, *self.frames]
-                refuse(self.file, at, f"no frame {name!r}{suggestion(name, known)}", "name a link, joint or frame of this model")
-            if name in self._searched:
+                names = [*self.links, *self.joints, *self.frames]
+                refuse(self.file, at, f"no frame {name!r}{suggestion(name, names)}", "name a link, joint or frame of this model")
+            if name in self.searched:
                 refuse(self.file, element, "its pose is relative to itself", "let the poses lead back to the model")
-            if len(self._searched) > DEEPEST_JOINTS:
+            if len(self.searched) > DEEPEST_JOINTS:
                 refuse(self.file, element, f"its pose is more than {DEEPEST_JOINTS} frames away from the model's", ALONE)
-            self._searched.append(name)
-            own = self._own_pose(element)
-            self.posed[name] = self.place(self._relative_to(element), element) * own
-            self._searched.pop()
+            self.searched.append(name)
+            pose = self._pose(element)
+            self.posed[name] = self.place(self._relative_to(element), element) * pose
+            self.searched.pop()
         return self.posed[name]
-
-    @cached_property
-    def _searched(self) -> list[str]:
-        """Names whose poses are being searched."""
-        return []
 
     def _relative_to(self, element: Element) -> str:
         """Name of the frame to which the pose of an element is relative."""
@@ -320,7 +297,10 @@ class _Reader:
         loops = [self._loop(bearing, frames) for bearing in holding if bearing not in carried.values()]
         loops += self._drake_loops(frames)
         joints = self._with_gears(joints, geared, carried, frames)
-        self._note_turned(turned_round, bearings)
+        for name in sorted(turned_round):
+            bearing = bearings[name]
+            problem = f"the tree reaches {bearing.parent!r} through {bearing.child!r}: its force is that of {bearing.child!r} on the other"
+            self.remarks.append(remark("note", bearing.element, problem, "exchange <parent> and <child> for the other sign"))
         drivers = tuple(self._drivers({joint.name for joint in joints}))
         name, origin = self.model.get("name") or "press", origin_of(self.model)
         return Mechanism(name, (*links, *chains), tuple(joints), tuple(loops), drivers, tuple(self.remarks), origin, tuple(self.balls))
@@ -343,10 +323,15 @@ class _Reader:
     def _bearing(self, name: str, element: Element) -> _Bearing:
         refuse_unknown(self.file, element, _KNOWN["joint"].split())
         kind = element.get("type")
-        known = [*_TURNING, "prismatic", "fixed", "gearbox", *_CHAINS]
-        if kind not in known:
-            remedy = _UNREAD.get(kind, f"write one of: {', '.join(known)}")
-            refuse(self.file, element, f"joint type {kind!r} cannot be read{suggestion(kind, known)}", remedy)
+        types = [*_TURNING, "prismatic", "fixed", "gearbox", *_CHAINS]
+        if kind not in types:
+            remedies = {
+                "screw": "write a prismatic joint",
+                "planar": "write two prismatic joints and a revolute one, with links between them",
+                "floating": "write the joints that guide the link",
+            }
+            remedy = remedies.get(kind, f"write one of: {', '.join(types)}")
+            refuse(self.file, element, f"joint type {kind!r} cannot be read{suggestion(kind, types)}", remedy)
         parent, child = (needed(self.file, element, end) for end in ("parent", "child"))
         ends = [self._link_of(end.text.strip(), end) for end in (parent, child)]
         if ends[0] == ends[1]:
@@ -367,13 +352,13 @@ class _Reader:
         xyz = optional(self.file, element, "xyz")
         if xyz is None:
             return np.asarray(bearing.place.rotation[:, 2])
-        own = direction(self.file, xyz, xyz.text)
+        axis = direction(self.file, xyz, xyz.text)
         in_model = self.version < (1, 5) or self._true(element, "use_parent_model_frame")
         if in_model and self.version < (1, 7):
-            return own
+            return axis
         named = xyz.get("expressed_in")
         rotation = self.place(named, xyz).rotation if named else bearing.place.rotation
-        return np.asarray(rotation @ own)
+        return np.asarray(rotation @ axis)
 
     def _joint(
         self, bearing: _Bearing, parent: str, child: str, frames: Mapping[str, pin.SE3], turned_round: bool
@@ -426,12 +411,12 @@ class _Reader:
         return max(lower, -1e9), min(upper, 1e9)
 
     def _limit(self, limit: Element | None, tag: str, sign: float = 1.0) -> float:
-        """A limit, infinite in the sense of ``sign`` where there is none: not written, infinite, or larger than all that is computed with,
-        as are the 1e16 that the format itself has for none and the largest number of a computer that some programs write."""
-        found = None if limit is None else optional(self.file, limit, tag)
-        word = "" if found is None else found.text.strip()
-        said = float(word) if NUMBER.fullmatch(word) or word.lower().lstrip("+-") == "inf" else 0.0
-        return sign * math.inf if found is None or sign * said > LARGEST else self._number(limit, tag, 0.0)
+        """A limit, infinite in the direction of ``sign`` if there is none: not written, infinite, or larger than all numbers that enter
+        computations, as are the 1e16 of the format itself and the largest number of a computer, which some programs write."""
+        child = None if limit is None else optional(self.file, limit, tag)
+        word = "" if child is None else child.text.strip()
+        value = float(word) if NUMBER.fullmatch(word) or word.lower().lstrip("+-") == "inf" else 0.0
+        return sign * math.inf if child is None or sign * value > LARGEST else self._number(limit, tag, 0.0)
 
     def _chain(self, bearing: _Bearing, parent: str, child: str, place: pin.SE3, axes: Array) -> tuple[list[Joint], list[Link]]:
         """Revolute joints in place of one that turns about several axes, and the links between them."""
@@ -472,19 +457,19 @@ class _Reader:
     def _mimic(self, bearing: _Bearing, axis: Element) -> Follow | None:
         """The gear pair of a joint: ``<mimic>`` of SDF 1.11, multiplier (leader - reference) + offset; or ``<drake:mimic joint multiplier
         offset>``."""
-        found = optional(self.file, axis, "mimic")
-        if found is not None:
-            refuse_unknown(self.file, found, _KNOWN["mimic"].split())
-            if found.get("axis") not in ("", "axis"):
-                refuse(self.file, found, "it follows a second axis", "let it follow a revolute or prismatic joint")
-            multiplier, offset, reference = (self._number(found, name, 0.0) for name in ("multiplier", "offset", "reference"))
-            return Follow(found.get("joint"), multiplier, offset - multiplier * reference, origin_of(found))
-        found = optional(self.file, bearing.element, "drake:mimic")
-        if found is None:
+        mimic = optional(self.file, axis, "mimic")
+        if mimic is not None:
+            refuse_unknown(self.file, mimic, _KNOWN["mimic"].split())
+            if mimic.get("axis") not in ("", "axis"):
+                refuse(self.file, mimic, "it follows a second axis", "let it follow a revolute or prismatic joint")
+            multiplier, offset, reference = (self._number(mimic, name, 0.0) for name in ("multiplier", "offset", "reference"))
+            return Follow(mimic.get("joint"), multiplier, offset - multiplier * reference, origin_of(mimic))
+        mimic = optional(self.file, bearing.element, "drake:mimic")
+        if mimic is None:
             return None
-        texts = found.attributes.get("multiplier", "1"), found.attributes.get("offset", "0")
-        multiplier, offset = (float(numbers(self.file, found, text, 1)[0]) for text in texts)
-        return Follow(found.get("joint"), multiplier, offset, origin_of(found))
+        texts = mimic.attributes.get("multiplier", "1"), mimic.attributes.get("offset", "0")
+        multiplier, offset = (float(numbers(self.file, mimic, text, 1)[0]) for text in texts)
+        return Follow(mimic.get("joint"), multiplier, offset, origin_of(mimic))
 
     def _with_gears(
         self, joints: list[Joint], geared: Mapping[str, _Bearing], carried: Mapping[str, _Bearing], frames: Mapping[str, pin.SE3]
@@ -525,8 +510,8 @@ class _Reader:
         for gravity in element.all("gravity"):
             if gravity.text.strip().lower() in ("0", "false"):
                 refuse(self.file, gravity, "gravity acts on all links or none", "remove it; load(..., gravity=(0, 0, 0)) has none")
-        found = optional(self.file, element, "inertial")
-        inertia = None if found is None else self._inertia(found, inside)
+        inertial = optional(self.file, element, "inertial")
+        inertia = None if inertial is None else self._inertia(inertial, inside)
         shapes = [shape for visual in element.all("visual") for shape in self._shapes(visual, inside)]
         return Link(name, inertia, tuple(shapes), origin_of(element))
 
@@ -546,7 +531,7 @@ class _Reader:
             if pose.get("relative_to") or pose.get("frame"):
                 refuse(self.file, pose, "the pose of an <inertial> is in the frame of its link", "leave out the name of the frame")
         kilograms = float(numbers(self.file, mass, mass.text, 1)[0])
-        return Inertia(kilograms, inside * self._own_pose(element), tensor, origin_of(element))
+        return Inertia(kilograms, inside * self._pose(element), tensor, origin_of(element))
 
     def _shapes(self, visual: Element, inside: pin.SE3) -> Iterator[Shape]:
         geometry = optional(self.file, visual, "geometry")
@@ -555,7 +540,7 @@ class _Reader:
                 geometry = None
         if geometry is None:
             return
-        place, colour = inside * self._own_pose(visual), None
+        place, colour = inside * self._pose(visual), None
         for material in visual.all("material"):
             for part in material.all("diffuse", "ambient")[:1]:
                 words = numbers(self.file, part, part.text, len(part.text.split()))
@@ -581,8 +566,7 @@ class _Reader:
     def _drake_loops(self, frames: Mapping[str, pin.SE3]) -> Iterator[Loop]:
         """Drake's ball constraints and bushings, whose names and numbers are texts in SDF."""
         taken = {*self.joints}
-        refused = ("drake:joint", "drake:tendon_constraint")
-        for element in self.model.all(*refused):
+        for element in self.model.all("drake:joint", "drake:tendon_constraint"):
             refuse(self.file, element, "cannot be read", "write joints of SDF")
         self.remarks += [spring_remark(element) for element in self.model.all(SPRING)]
 
@@ -607,12 +591,6 @@ class _Reader:
                 if name in joints and name not in seen and "state" not in (plugin.get("name") + plugin.get("filename")).lower():
                     seen.add(name)
                     yield name, origin_of(element)
-
-    def _note_turned(self, names: set[str], bearings: Mapping[str, _Bearing]) -> None:
-        for name in sorted(names):
-            bearing = bearings[name]
-            problem = f"the tree reaches {bearing.parent!r} through {bearing.child!r}: its force is that of {bearing.child!r} on the other"
-            self.remarks.append(remark("note", bearing.element, problem, "exchange <parent> and <child> for the other sign"))
 
 
 def _rank(kind: str) -> int:
