@@ -1,7 +1,7 @@
-"""Numbers of a URDF that are hardly in SI units: lengths in mm, angles in degrees, masses in g, moments of inertia in any of these.
+"""Numbers of a URDF that are probably not in SI units: lengths in mm, angles in degrees, masses in g, moments of inertia of any of these.
 
-Factors of a thousand are looked for, in proportion to the linkage and to the pins of each link; limits are wide enough that no machine
-part reaches them. Only numbers that enter the mechanics are looked at, of a URDF without errors.
+A wrong unit makes a factor of a thousand, in proportion to the linkage and to the pins of each link; the limits are wide enough that no
+machine part reaches them. Only numbers that enter the mechanics are checked, of a URDF without errors.
 """
 
 import math
@@ -12,15 +12,9 @@ from ..document import Document, Finding
 from ..element import Element
 from .elements import principal_moments
 
-LARGEST = 50.0  # length of a linkage above which it is hardly meant [m]
-DENSEST = 1e7  # that a link may be [kg/m3], hundreds of times as dense as any metal: a wrong unit makes millions
-HEAVY = 1e4  # mass of a linkage that is likely, however small it is [kg]
-HEAVIEST = 1e6  # mass of a linkage by the cube of its size [kg/m3]: that of heavy slides over short cranks is a tenth of this
-SHORT = 0.5  # a link with pins closer together counts as so long [lengths of the linkage]
-OUTSIDE, OUTSIDE_ON_FRAME = 3.0, 5.0  # how far the mass of a link may be from its pins [its length; lengths of the linkage]
-GYRATION = 5.0  # radius of gyration of a link [its length]
-GYRATION_ON_FRAME = 10.0  # of one on the frame, which may carry a flywheel, or one that slides, where it is without effect [of the linkage]
-TURN = 2 * math.pi
+SHORT = 0.5  # a link counts as at least this long [lengths of the linkage], however close together its pins are
+OUTSIDE = 3.0  # a centre of mass may be this far from the pins of its link [lengths of the link]
+GYRATION = 5.0  # the radius of gyration of a link may be as large [lengths of the link]
 
 KG_M2 = "write moments of inertia in kg m2, and the mass in kg"
 
@@ -35,7 +29,8 @@ def remarks(document: Document, size: float, mass: float, centres: bool = True) 
         centres: whether centres of mass are looked at.
     """
     robot = document.robot
-    heavy = mass > max(HEAVY, HEAVIEST * size**3)
+    # A small linkage may weigh 10 t; heavy slides over short cranks make up to 1e5 kg/m3 of the cube of the linkage's size.
+    heavy = mass > max(1e4, 1e6 * size**3)
     yield from length(robot, size)
     if heavy:
         yield _warning(robot, f"its links weigh {mass:.4g} kg, in a linkage of {size:.3g} m", "write masses in kg, 0.001 for a gram")
@@ -46,12 +41,13 @@ def remarks(document: Document, size: float, mass: float, centres: bool = True) 
             if centres:
                 yield from _centre(description, link.get("name"), inertial, size)
             if link.get("name") not in document.estimated:
-                yield from _inertia(description, link.get("name"), inertial, size, math.inf if heavy else DENSEST)
+                # No metal has more than 2.3e4 kg/m3; a wrong unit makes millions.
+                yield from _inertia(description, link.get("name"), inertial, size, math.inf if heavy else 1e7)
 
 
 def length(robot: Element, size: float) -> Iterator[Finding]:
-    """The warning of a linkage that is longer than any, also of one that does not close."""
-    if size > LARGEST:
+    """The warning of a linkage that is longer than any press; it need not close."""
+    if size > 50.0:
         yield _warning(robot, f"the linkage is {size:.4g} m long", "write lengths in metres, 0.001 for a millimetre")
 
 
@@ -60,7 +56,7 @@ def angles(robot: Element) -> Iterator[Finding]:
     for part in robot.all("link", "joint", "loop_joint"):
         for parent in (part, *part.all("inertial")):
             for element in parent.all("origin", "link1", "link2"):
-                if (most := max(map(abs, element.numbers("rpy")), default=0.0)) > TURN:
+                if (most := max(map(abs, element.numbers("rpy")), default=0.0)) > 2 * math.pi:
                     problem = f"rpy={element.get('rpy')!r} turns by more than a full turn: it seems to be in degrees"
                     yield _warning(element, problem, f"write radians, {math.radians(most):.17g} for {most:g} degrees")
 
@@ -73,7 +69,7 @@ def _centre(description: Description, name: str, inertial: Element, size: float)
         if not description.moves(name) or math.hypot(*centre) <= OUTSIDE * SHORT * size:
             continue
         away = min(math.dist(centre, pin) for pin in description.pins[name])
-        if away > (OUTSIDE_ON_FRAME * size if description.is_on_frame(name) else OUTSIDE * _length(description, name, size)):
+        if away > (5.0 * size if description.is_on_frame(name) else OUTSIDE * _length(description, name, size)):
             problem = f"the centre of mass is {away:.3g} m from the nearest pin of link {name!r}, in a linkage of {size:.3g} m"
             yield _warning(origin, problem, "write it in metres, in the link's own frame")
 
@@ -95,8 +91,9 @@ def _inertia(description: Description, name: str, inertial: Element, size: float
     if suspect:
         least = f"with {mass:.6g} kg and moments of inertia up to {largest:.3g} kg m2 its density is at least"
         yield _warning(inertia, f"{least} {density:.0e} kg/m3", KG_M2)
-    sturdy = not turns or description.is_on_frame(name)
-    most = GYRATION_ON_FRAME * size if sturdy else GYRATION * _length(description, name, size)
+    # A link on the frame may carry a flywheel, and moments of inertia of a link that slides have no effect.
+    wide = not turns or description.is_on_frame(name)
+    most = 10.0 * size if wide else GYRATION * _length(description, name, size)
     if radius > most:
         yield _warning(inertia, f"the radius of gyration is {radius:.3g} m, of a linkage of {size:.3g} m", KG_M2)
 

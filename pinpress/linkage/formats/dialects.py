@@ -126,9 +126,9 @@ def drake_loop(file: str, element: Element, said: Said, place: Callable[[Element
     if element.tag == BALL:
         ends = []
         for body, point in (("A", "AP"), ("B", "BQ")):
-            named, at = needed(file, element, f"{BALL}_body_{body}"), needed(file, element, f"{BALL}_p_{point}")
-            link, frame = place(named)
-            ends.append((link, pin.SE3(np.eye(3), frame.act(numbers(file, at, said(at), 3)))))
+            link, frame = place(needed(file, element, f"{BALL}_body_{body}"))
+            xyz = needed(file, element, f"{BALL}_p_{point}")
+            ends.append((link, pin.SE3(np.eye(3), frame.act(numbers(file, xyz, said(xyz), 3)))))
     else:
         ends = [place(needed(file, element, f"drake:bushing_frame{side}")) for side in ("A", "C")]
         axis = _bushing_axis(file, element, said)
@@ -145,11 +145,11 @@ def _bushing_axis(file: str, element: Element, said: Said) -> Array | None:
     names = ("torque_stiffness", "torque_damping", "force_stiffness", "force_damping")
     elements = [needed(file, element, f"drake:bushing_{name}") for name in names]
     torque, damping, force, _ = (numbers(file, of, said(of), 3) for of in elements)
-    held = [axis for axis in range(3) if torque[axis] or damping[axis]]
-    if force.min() > 0 and not held:
+    resisted = [axis for axis in range(3) if torque[axis] or damping[axis]]
+    if force.min() > 0 and not resisted:
         return None
-    if force.min() > 0 and len(held) == 2 and torque[held].min() > 0:
-        return np.asarray(np.eye(3)[next(axis for axis in range(3) if axis not in held)])
+    if force.min() > 0 and len(resisted) == 2 and torque[resisted].min() > 0:
+        return np.asarray(np.eye(3)[next(axis for axis in range(3) if axis not in resisted)])
     problem = "a bushing is elastic, and this one is neither a pin (held but for the turn about one axis) nor a ball joint (no torques)"
     remedy = "write a <loop_joint> for a rigid bearing; for elastic ones give pp.elasticity.Stiffness"
     refuse(file, element, problem, remedy)
@@ -173,8 +173,8 @@ def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]
     """A loop of URDF+: its frame is given in both links, ``type`` is that of a joint, and ``axis`` is given in that frame."""
     kind = TYPES_OF_LOOPS.get(element.get("type"))
     if kind is None:
-        said = f"type {element.get('type')!r} closes no loop here" if element.get("type") else "has no type"
-        refuse(file, element, said, "write revolute, continuous, spherical or fixed; make a prismatic joint one of the tree")
+        problem = f"type {element.get('type')!r} closes no loop here" if element.get("type") else "has no type"
+        refuse(file, element, problem, "write revolute, continuous, spherical or fixed; make a prismatic joint one of the tree")
     ends = []
     refuse_unknown(file, element, ("predecessor", "successor", "axis", "limit", "dynamics"))
     for side in ("predecessor", "successor"):
@@ -183,8 +183,8 @@ def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]
         ends.append((end.get("link"), _pose_of_origin(file, end)))
     axis = None
     if kind == "revolute":
-        found = optional(file, element, "axis")
-        axis = np.array([1.0, 0.0, 0.0]) if found is None else direction(file, found, found.get("xyz"))
+        written = optional(file, element, "axis")
+        axis = np.array([1.0, 0.0, 0.0]) if written is None else direction(file, written, written.get("xyz"))
     name = element.get("name") or unused(f"loop_{ends[0][0]}_{ends[1][0]}", taken)
     return Loop(name, kind, (ends[0], ends[1]), axis, _origin_of(element, name))
 
@@ -196,8 +196,8 @@ def _gazebo_joint(file: str, robot: Element, joint: Element, taken: set[str]) ->
     """A joint of SDF as a loop: its pose is that in the frame of the child, and it is closed as drawn."""
     kind = TYPES_OF_LOOPS.get(joint.get("type"))
     if kind is None:
-        said = f"a {joint.get('type')} joint closes no loop here" if joint.get("type") else "has no type"
-        refuse(file, joint, said, "write revolute, ball or fixed; make a prismatic joint one of the tree")
+        problem = f"a {joint.get('type')} joint closes no loop here" if joint.get("type") else "has no type"
+        refuse(file, joint, problem, "write revolute, ball or fixed; make a prismatic joint one of the tree")
     parent, child = (needed(file, joint, end).text.strip() for end in ("parent", "child"))
     places = _places(file, robot)
     if parent not in places or child not in places:

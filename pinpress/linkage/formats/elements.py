@@ -16,7 +16,6 @@ from ..document import Finding, Origin
 from ..element import NUMBER, Element
 
 ALONE = "write the linkage of the press alone"
-_DIGITS = 4  # least decimals of an angle that is read as a quarter turn if it is one to all of them: 1.5708
 
 
 def refuse(file: str, element: Element | Origin, problem: str, remedy: str) -> NoReturn:
@@ -58,31 +57,31 @@ def numbers(file: str, element: Element, text: str, count: int) -> Array:
 
 def direction(file: str, element: Element, text: str) -> Array:
     """(3,) the direction in a text of an element, of length 1; raises UrdfError where it is zero."""
-    found = numbers(file, element, text, 3)
-    length = float(np.linalg.norm(found))
+    axis = numbers(file, element, text, 3)
+    length = float(np.linalg.norm(axis))
     if length == 0:
         refuse(file, element, "the axis is zero", "write its direction, for example 0 -1 0")
-    return found / length if abs(length - 1) > 1e-15 else found
+    return axis / length if abs(length - 1) > 1e-15 else axis
 
 
 def optional(file: str, element: Element, tag: str) -> Element | None:
     """The only child with this tag; None where there is none; raises UrdfError where there are two."""
-    found = element.all(tag)
-    if len(found) > 1:
-        refuse(file, found[1], f"a second <{tag}> in one <{element.tag}>", "keep one of them")
-    return found[0] if found else None
+    children = element.all(tag)
+    if len(children) > 1:
+        refuse(file, children[1], f"a second <{tag}> in one <{element.tag}>", "keep one of them")
+    return children[0] if children else None
 
 
 def needed(file: str, element: Element, tag: str) -> Element:
     """The only child with this tag; raises UrdfError where there is none, or two."""
-    found = optional(file, element, tag)
-    if found is None:
+    child = optional(file, element, tag)
+    if child is None:
         refuse(file, element, f"has no <{tag}>", f"write <{tag}> in this <{element.tag}>")
-    return found
+    return child
 
 
 def refuse_unknown(file: str, element: Element, known: Iterable[str]) -> None:
-    """Raise UrdfError where a child is none of these, and has no namespace prefix."""
+    """Raise UrdfError for a child whose tag is not among these, and has no namespace prefix."""
     words = list(known)
     for child in element.children:
         if child.tag not in words and ":" not in child.tag:
@@ -91,7 +90,7 @@ def refuse_unknown(file: str, element: Element, known: Iterable[str]) -> None:
 
 
 def refuse_unknown_attributes(file: str, element: Element, known: Iterable[str]) -> None:
-    """Raise UrdfError where an attribute is none of these, and has no namespace prefix."""
+    """Raise UrdfError for an attribute that is not among these, and has no namespace prefix."""
     words = list(known)
     for name in element.attributes:
         if name not in words and ":" not in name and name != "xmlns":
@@ -100,18 +99,18 @@ def refuse_unknown_attributes(file: str, element: Element, known: Iterable[str])
 
 
 def unused(name: str, taken: Collection[str]) -> str:
-    """This name, or with a number behind it where it is taken."""
-    found, count = name, 1
-    while found in taken:
+    """This name, or with a number behind it if it is taken."""
+    free, count = name, 1
+    while free in taken:
         count += 1
-        found = f"{name}_{count}"
-    return found
+        free = f"{name}_{count}"
+    return free
 
 
 def pose_of(file: str, element: Element) -> pin.SE3:
     """The pose in an element's ``<pose>``, identity where it has none."""
-    found = optional(file, element, "pose")
-    return pin.SE3.Identity() if found is None else pose_and_rounding(file, found)[0]
+    pose = optional(file, element, "pose")
+    return pin.SE3.Identity() if pose is None else pose_and_rounding(file, pose)[0]
 
 
 def pose_and_rounding(file: str, pose: Element) -> tuple[pin.SE3, bool]:
@@ -133,7 +132,7 @@ def pose_and_rounding(file: str, pose: Element) -> tuple[pin.SE3, bool]:
 def _quarter_turns(word: str) -> float:
     """An angle [rad]; one that equals a multiple of a quarter turn to half of its last digit is that multiple."""
     value, decimals = float(word), len(word.partition(".")[2])
-    if "e" in word.lower() or decimals < _DIGITS:
+    if "e" in word.lower() or decimals < 4:  # the shortest is 1.5708
         return value
     quarters = round(value / (math.pi / 2)) * (math.pi / 2)
     return quarters if quarters and abs(value - quarters) <= 0.501 * 10.0**-decimals else value

@@ -29,11 +29,6 @@ if TYPE_CHECKING:
     import mujoco
 
 WORLD = "world"
-SAME = 1e-9  # relative difference above which MuJoCo's inertia is not the tensor in the file, but made from shapes or changed
-_SHAPES = ("BOX", "SPHERE", "CYLINDER", "CAPSULE", "MESH")
-_EQUALITIES = ("connect", "weld", "joint", "tendon")
-_OF_FILES = ("include", "mesh", "hfield", "texture", "skin", "model")  # elements that name files
-_FOLDERS = ("assetdir", "meshdir", "texturedir")  # in which MuJoCo looks for them
 
 
 def read(document: Document) -> Document:
@@ -53,8 +48,8 @@ def read(document: Document) -> Document:
         spec.compiler.fusestatic = False
         model = spec.compile()
     except (ValueError, RuntimeError) as error:
-        said = " ".join(str(error).split())
-        raise UrdfError(document.file, "<mujoco>", None, f"MuJoCo cannot read it: {said}", "correct the file") from error
+        reason = " ".join(str(error).split())
+        raise UrdfError(document.file, "<mujoco>", None, f"MuJoCo cannot read it: {reason}", "correct the file") from error
     finally:
         mujoco.set_mju_user_warning(before)
     reader = _Reader(document, mujoco, spec, model)
@@ -63,10 +58,12 @@ def read(document: Document) -> Document:
 
 
 def _refuse_odd_files(document: Document, root: Element, folder: Path, seen: set[Path]) -> None:
-    """Raise UrdfError where a file that MuJoCo would open is a pipe or a device, which may have no end, or where one that is included lies
-    outside of the model's folder: whoever loads a model of somebody else's does not mean to read other files by it."""
-    places = [folder, *(folder / each.get(name) for each in _all(root, "compiler") for name in _FOLDERS if each.get(name))]
-    for element in [each for tag in _OF_FILES for each in _all(root, tag) if each.get("file")]:
+    """Raise UrdfError where a file that MuJoCo would open is a pipe or a device, which may have no end, or where an included file lies
+    outside of the model's folder: a user who loads somebody else's model does not expect it to read other files."""
+    names = "assetdir", "meshdir", "texturedir"  # of folders in which MuJoCo looks for files
+    places = [folder, *(folder / each.get(name) for each in _all(root, "compiler") for name in names if each.get(name))]
+    tags = "include", "mesh", "hfield", "texture", "skin", "model"  # of elements that name files
+    for element in [each for tag in tags for each in _all(root, tag) if each.get("file")]:
         for path in {Path(os.path.normpath(place / element.get("file"))) for place in places}:  # as MuJoCo takes .. out
             if path.exists() and not path.is_file():
                 refuse(document.file, element, f"{shown(str(path))} is not a regular file", "give one")
@@ -111,11 +108,11 @@ class _Reader:
     def _names(self, elements: Mapping[int, Any], tag: str, taken: set[str]) -> dict[int, str]:
         """Names of all elements; those without a name get one."""
         taken |= {element.name for element in elements.values()}
-        found = {}
+        names = {}
         for k, element in sorted(elements.items()):
-            found[k] = element.name or unused(f"{tag}_{k}", taken)
-            taken.add(found[k])
-        return found
+            names[k] = element.name or unused(f"{tag}_{k}", taken)
+            taken.add(names[k])
+        return names
 
     def _origin(self, element: Any, tag: str, name: str) -> Origin:
         """Origin of an element, as far as MuJoCo knows it: with several files it does not know which one."""
@@ -233,13 +230,15 @@ class _Reader:
         xx, yy, zz, xy, xz, yz = self.bodies[body].fullinertia
         in_file = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         compiled = place.rotation @ tensor @ place.rotation.T
-        if np.abs(in_file - compiled).max() <= SAME * np.abs(compiled).max():  # NaN where the file has none
+        # Else MuJoCo made the inertia from shapes, or changed it; the tensor is NaN where the file has none.
+        if np.abs(in_file - compiled).max() <= 1e-9 * np.abs(compiled).max():
             return Inertia(mass, pin.SE3(np.eye(3), place.translation), in_file, origin)
         return Inertia(mass, place, tensor, origin)
 
     def _shapes(self, body: int) -> Iterator[Shape]:
         model, undrawn = self.model, 0
-        box, sphere, cylinder, capsules, mesh = (int(getattr(self.mujoco.mjtGeom, f"mjGEOM_{kind}")) for kind in _SHAPES)
+        kinds = "BOX", "SPHERE", "CYLINDER", "CAPSULE", "MESH"
+        box, sphere, cylinder, capsules, mesh = (int(getattr(self.mujoco.mjtGeom, f"mjGEOM_{kind}")) for kind in kinds)
         first = int(model.body_geomadr[body])
         for geom in range(first, first + int(model.body_geomnum[body])):
             # MuJoCo shows shapes of groups 0 to 2; the others are mostly for collisions.
@@ -274,18 +273,18 @@ class _Reader:
             return [Joint(name, "fixed", parent, child, place, np.array([1.0, 0.0, 0.0]), self._body_origin(body))], []
         made: list[Joint] = []
         links: list[Link] = []
-        at = np.zeros(3)  # of the frame reached so far, in that of the body
+        reached = np.zeros(3)  # origin of the last frame, in that of the body
         steps = [(k, axis, name) for k in joints for axis, name in self._axes(k)]
         for step, (k, axis, name) in enumerate(steps):
             last = step == len(steps) - 1
             origin = self._origin(self.hinges[k], "joint", self.joint_names[k])
-            anchor = np.array(model.jnt_pos[k]) if self._turns(k) else at
+            anchor = np.array(model.jnt_pos[k]) if self._turns(k) else reached
             link = child if last else unused(f"{child}_{step + 1}", {*self.body_names.values()})
             anchor = self._shift(body) if last else anchor
-            made.append(self._joint(k, name, axis, parent, link, place * pin.SE3(np.eye(3), anchor - at), origin))
+            made.append(self._joint(k, name, axis, parent, link, place * pin.SE3(np.eye(3), anchor - reached), origin))
             if not last:
                 links.append(massless_link(link, origin))
-            parent, place, at = link, pin.SE3.Identity(), anchor
+            parent, place, reached = link, pin.SE3.Identity(), anchor
         return made, links
 
     def _axes(self, joint: int) -> list[tuple[Array, str]]:
@@ -345,7 +344,7 @@ class _Reader:
         """The joints with their gear pairs, and the loops."""
         by_name = {joint.name: joint for joint in joints}
         loops: list[Loop] = []
-        tags = {int(getattr(self.mujoco.mjtEq, f"mjEQ_{tag.upper()}")): tag for tag in _EQUALITIES}
+        tags = {int(getattr(self.mujoco.mjtEq, f"mjEQ_{tag.upper()}")): tag for tag in ("connect", "weld", "joint", "tendon")}
         for k, element in sorted(self.equalities.items()):
             tag = tags.get(int(self.model.eq_type[k]), "flex")
             ends = "_".join(self._ends(k)) if self._is_loop(k) else str(k)
@@ -429,7 +428,7 @@ def _rotation(quaternion: Array) -> Array:
 
 def _all(element: Element, tag: str) -> list[Element]:
     """All elements with a tag that an element contains, at any depth."""
-    found = element.all(tag)
+    elements = element.all(tag)
     for child in element.children:
-        found += _all(child, tag)
-    return found
+        elements += _all(child, tag)
+    return elements
