@@ -134,6 +134,14 @@ def test_units_of_heads(tmp_path, head, factor):
     assert parted("force [kN] ") == ("force", "kN")
 
 
+def test_units_in_a_line_below_the_names(tmp_path):
+    file = tmp_path / "table.csv"
+    file.write_text("name,length,force\n-,mm,kN\nA,1,2.5\nB,-2,1e3\n", encoding="utf-8")
+    found = read_columns(file, TABLE_OF)
+    np.testing.assert_allclose(found.values["length"], [1e-3, -2e-3], rtol=1e-15)
+    assert found.values["name"] == ["A", "B"]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

@@ -265,11 +265,22 @@ def _cells(
         units = ["" if plain else parted(head)[1] for head in heads]
         below = rows if plain else below
         heads = [f"{name} [{unit}]" if unit else name for name, unit in zip([*wanted, *heads[len(wanted) :]], units, strict=False)]
+    elif below and _are_units(heads, below[0].cells) and any(each.quantity is not None for each in wanted.values()):
+        heads, below = _with_units(heads, below[0].cells), below[1:]
     for line, cells in below:
         if len(cells) > len(heads) or (by_order and len(cells) != len(wanted)):
             count = len(wanted) if by_order else len(heads)
             raise PinpressError(f"{file}, line {line}: {len(cells)} cells for {count} columns: write decimals after a point; {remedy}")
     return heads, [[row.cells[k] if k < len(row.cells) else "" for row in below] for k in range(len(heads))], [row.line for row in below]
+
+
+def _are_units(names: Sequence[str], cells: Sequence[str]) -> bool:
+    """Whether the line below the names is one of units."""
+    return len(cells) == len(names) and not any(_is_number(cell) or not cell for cell in cells)
+
+
+def _with_units(names: Sequence[str], units: Sequence[str]) -> list[str]:
+    return [f"{name} [{unit.strip('[]() ')}]" if unit.strip("[]() -") else name for name, unit in zip(names, units, strict=True)]
 
 
 def _is_number(cell: str) -> bool:
@@ -355,11 +366,8 @@ def _csv(file: str, content: bytes, wanted: list[str]) -> Channels:
         raise PinpressError(f"{file}: one column only in the first line, {shown(lines[0])}: part columns by commas, semicolons or tabs")
     if all(map(_is_number, names)):
         raise PinpressError(f"{file}: the first line has numbers, no names: write the names of the columns above them, such as crank [rad]")
-    first = 1
     below = [_cell(cell, separator) for cell in next(csv.reader(lines[1:2], delimiter=separator, skipinitialspace=True))]
-    if len(below) == len(names) and not any(_is_number(cell) or not cell for cell in below):  # a line of units
-        names = [f"{name} [{unit.strip('[]() ')}]" if unit.strip("[]() -") else name for name, unit in zip(names, below, strict=True)]
-        first = 2
+    names, first = (_with_units(names, below), 2) if _are_units(names, below) else (names, 1)
     rows = lines[first:] if separator == "," else [row.replace(",", ".") for row in lines[first:]]  # the decimal comma
     if len({*names}) < len(names):
         raise PinpressError(f"{file}: two columns are called {next(name for name in names if names.count(name) > 1)!r}: rename one")
