@@ -16,7 +16,6 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import by_driver
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..engines.structure import array_of
 from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage
 
@@ -113,7 +112,7 @@ def acceleration_derivatives(
         wanted = f"({joints},) or ({count}, {joints}) finite efforts of the joints [N m, N]"
         numbers = suitable_numbers("efforts", efforts, wanted, None, lambda values: values.shape in ((joints,), (count, joints)))
         given = np.broadcast_to(numbers, (count, joints)).copy()
-    rows = np.asarray(array_of([relation.coefficients for relation in press.relations], joints, float))
+    rows = press.structure.relation_coefficients[: len(press.relations)]
     with np.errstate(all="ignore"):  # what is not finite is refused
         derivatives = ForwardDerivatives(press.forward_dynamics(own), rows)
         states = zip(np.array(motion.joint_position), np.array(motion.v), given, strict=True)

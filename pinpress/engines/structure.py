@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -26,9 +26,6 @@ from .constraints import Curve, LoopJoint, Relation
 from .racks import Rack, find_racks
 
 MOST_JOINTS = 200  # `pin.Data` has 7 arrays whose size grows with the cube of the joints: half a gigabyte at this number
-
-Entries = Mapping[int, complex]
-"""A row of a matrix: its entries by their columns."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -83,7 +80,7 @@ class Structure:
     @cached_property
     def incidence(self) -> Array:
         """(nv, nl) ``joints_of_loop`` as a matrix, zero where a joint is not on a loop."""
-        return np.asarray(array_of(self.joints_of_loop, self.model.nv, float).T)
+        return _matrix(self.joints_of_loop, self.model.nv).T.copy()
 
     @cached_property
     def relation_units(self) -> Array:
@@ -92,10 +89,14 @@ class Structure:
         return np.array([self.size if self.axes[relation.joint].turns else 1.0 for relation in self.relations])
 
     @cached_property
+    def relation_coefficients(self) -> Array:
+        """(nr, nv) coefficients of the relations."""
+        return _matrix([relation.coefficients for relation in self.relations], self.model.nv)
+
+    @cached_property
     def relation_slopes(self) -> Array:
         """(nr, nv) slopes of the equations of the relations, without those of curves."""
-        rows = array_of([relation.coefficients for relation in self.relations], self.model.nv, float)
-        return np.asarray(self.relation_units[:, None] * rows)
+        return np.asarray(self.relation_units[:, None] * self.relation_coefficients)
 
     @cached_property
     def relation_offsets(self) -> Array:
@@ -163,6 +164,14 @@ def build_structure(model: pin.Model, loops: tuple[LoopJoint, ...], relations: t
         slots=slots(model),
         axes=axes(model),
     )
+
+
+def _matrix(rows: Sequence[Mapping[int, float]], width: int) -> Array:
+    """(rows, width) these entries by their columns; all others are zero."""
+    result = np.zeros((len(rows), width))
+    for row, entries in zip(result, rows, strict=True):
+        row[list(entries)] = list(entries.values())
+    return result
 
 
 def _extent(model: pin.Model, loops: tuple[LoopJoint, ...]) -> tuple[float, float]:
@@ -263,15 +272,3 @@ def configuration(slots: tuple[Slot, ...], x: Array) -> Array:
         else:
             q[start] = coordinate
     return q
-
-
-# ------------------------------------------------------------------------------------------------------------------------ constant matrices
-
-
-def array_of(rows: Sequence[Entries], width: int, dtype: type = complex) -> Any:
-    """The array (rows, width) with these entries, of numbers of this type; all others are zero."""
-    result: Array = np.zeros((len(rows), width), dtype)
-    for place, row in enumerate(rows):
-        for column, entry in row.items():
-            result[place, column] = entry
-    return result

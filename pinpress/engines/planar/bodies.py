@@ -5,6 +5,7 @@ How bearings share forces out of the plane depends on no configuration, and stan
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,7 +14,6 @@ import pinocchio as pin
 
 from ...common.quantities import Array, ComplexArray
 from ..sharing import Objective, lexicographic_least_squares
-from ..structure import array_of
 from .model import Plane
 
 ROUNDING = 1e-13  # relative size below which an offset from the plane is rounding
@@ -68,8 +68,8 @@ class Bodies:
 
     @cached_property
     def moment_sharing(self) -> Array:
-        """(bearings, nv) how bearings share tilting moments."""
-        return share_moments(self.plane)
+        """(bearings, nv) how bearings share tilting moments, which the loops that resist tilting can carry."""
+        return _share(self.plane, np.flatnonzero(self.plane.resists_tilting).tolist(), None)
 
     @cached_property
     def along_normal(self) -> bool:
@@ -80,20 +80,19 @@ class Bodies:
     def tilting(self) -> ComplexArray:
         """(nv, nb) second derivative of the basis to the tilting moments that the joints would have to carry with all loops open, where
         nothing acts along the normal."""
-        plane, width = self.plane, 1 + len(self.mass)
+        plane = self.plane
         steps = np.array([height - plane.heights[p] if p >= 0 else 0.0 for p, height in zip(plane.parents, plane.heights, strict=True)])
-        turned = [{rotor: -1j * by} if rotor else {} for rotor, by in zip(plane.rotors, self.products.tolist(), strict=True)]
-        own = 1j * self.forces * (plane.center_heights - plane.heights)[:, None] + array_of(turned, width)
+        own = 1j * self.forces * (plane.center_heights - plane.heights)[:, None]
+        for row, rotor, products in zip(own, plane.rotors, self.products, strict=True):
+            if rotor:
+                row[rotor] -= 1j * products
         hanging = 1j * self.subtree_forces * steps[:, None]
         return np.asarray(plane.subtree @ (own + hanging) - hanging)
 
     @cached_property
     def tilting_by_pins(self) -> Array:
         """(nv, nl) forces of the loops in the plane to minus i times what they add to these moments."""
-        plane = self.plane
-        levers = plane.heights[:, None] - plane.loop_heights
-        rows = [{k: sign * float(levers[j, k]) for k, sign in loops.items()} for j, loops in enumerate(plane.loops_of_joint)]
-        return np.asarray(array_of(rows, len(plane.loop_heights), float))
+        return np.asarray(self.plane.incidence * (self.plane.heights[:, None] - self.plane.loop_heights))
 
 
 def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
@@ -110,17 +109,21 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     body_forces = centers * mass[:, None]
     body_forces[:, 0] = -mass * complex(*(plane.axes @ gravity))
     heights = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
-    inertia = plane.spin * tensors[:, 2, 2][:, None]
+    about_normal = tensors[:, 2, 2]
+    rotor_inertia: ComplexArray = np.zeros((count, 1 + count), complex)
+    for rotor, inertia in zip(plane.rotors, about_normal, strict=True):
+        if rotor:
+            rotor_inertia[rotor - 1, rotor] += inertia
     return Bodies(
         plane=plane,
         mass=mass,
         gravity=gravity.copy(),
         axial_weight=axial_weight,
-        inertia=inertia,
+        inertia=plane.spin * about_normal[:, None],
         products=products,
         centers=centers,
         forces=body_forces,
-        rotor_inertia=_inertia_of_rotors(plane, tensors[:, 2, 2]),
+        rotor_inertia=rotor_inertia,
         geared=frozenset(j for gear in plane.relation_rows for j in gear if plane.sense[j]),
         in_one_plane=bool(
             np.all(np.ptp(heights) <= ROUNDING * np.abs(plane.origins).max())
@@ -130,33 +133,19 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     )
 
 
-def _inertia_of_rotors(plane: Plane, about_normal: Array) -> ComplexArray:
-    """(nb - 1, nb) the moments of inertia (nv,) of the links with the rotors that turn them [kg m2]."""
-    rows: list[dict[int, complex]] = [{} for _ in plane.parents]
-    for rotor, inertia in zip(plane.rotors, about_normal.tolist(), strict=True):
-        if rotor:
-            rows[rotor - 1][rotor] = rows[rotor - 1].get(rotor, 0.0) + inertia
-    return np.asarray(array_of(rows, 1 + len(rows)))
-
-
 def share_forces(plane: Plane, compliance: Array | None) -> Array:
-    """How bearings share forces along the normal, which all loops can carry; see `_shares`."""
-    return _shares(plane, list(range(len(plane.loop_heights))), compliance)
+    """How bearings share forces along the normal, which all loops can carry; see `_share`."""
+    return _share(plane, range(len(plane.loop_heights)), compliance)
 
 
-def share_moments(plane: Plane) -> Array:
-    """How bearings share tilting moments, which the loops that resist tilting can carry; see `_shares`."""
-    return _shares(plane, [int(k) for k in np.flatnonzero(plane.resists_tilting)], None)
-
-
-def _shares(plane: Plane, loops: list[int], compliance: Array | None) -> Array:
+def _share(plane: Plane, loops: Sequence[int], compliance: Array | None) -> Array:
     """(bearings, nv) loads of the joints with all loops open to the loads of all bearings, of which these ``loops`` take a share by least
     squares; it depends on no configuration."""
     count, bearings = len(plane.parents), len(plane.parents) + len(plane.loop_heights)
     alone, every = np.eye(bearings, count), np.eye(bearings)
-    response = np.concatenate([-plane.incidence, np.eye(len(plane.loop_heights))])[:, loops]  # of all bearings to a unit in each loop
+    response = np.concatenate([-plane.incidence, np.eye(len(plane.loop_heights))])[:, list(loops)]  # of all bearings to a unit in each loop
     objectives = [Objective(response, every, 1.0)]
     if compliance is not None:
         weights = np.sqrt(compliance)
         objectives.insert(0, Objective(weights[:, None] * response, weights * every, float(weights.max())))
-    return alone + response @ lexicographic_least_squares(objectives).T @ alone if loops else alone
+    return alone + response @ lexicographic_least_squares(objectives).T @ alone if len(loops) else alone

@@ -27,12 +27,11 @@ from numpy.typing import NDArray
 
 from ...common.quantities import CRANK, RAM, Array, ComplexArray, DriverCoordinate
 from ..blocks import ordered_groups
-from ..constraints import LoopJoint, Relation
+from ..constraints import Relation
 from ..engine import PIECE
 from ..racks import Rack
-from ..structure import Entries, Structure, array_of, drawn_placements
+from ..structure import Structure, drawn_placements
 
-EPSILON = float(np.finfo(float).eps)
 COORDINATES = 40_960  # joint coordinates of the states that are worked through at a time: their arrays take some megabytes
 PARALLEL = 1e-12  # a linkage is spatial where a joint axis is further from the plane's normal than this [rad]
 ROUNDING = 1e-12  # share of the distances of points from the world origin below which the length of a loop is rounding
@@ -102,7 +101,6 @@ class Plane:
         blocks: the equations in the order in which they are solved.
         subtree: (nv, nv) 1 where joint j (the row) carries the link of joint k.
         incidence: (nv, nl) +1 where joint j carries only end 2 of loop l, -1 where it carries only end 1.
-        loops_of_joint: (nv,) entries of ``incidence`` by loops, rising.
         size: sum of the lengths round the largest loop [m].
     """
 
@@ -136,7 +134,6 @@ class Plane:
     blocks: tuple[Block, ...]
     subtree: Array
     incidence: Array
-    loops_of_joint: tuple[Mapping[int, float], ...]
     size: float
 
     @property
@@ -147,7 +144,7 @@ class Plane:
     @cached_property
     def tolerance(self) -> float:
         """Gap at which a loop is closed to rounding [m]."""
-        return 8 * EPSILON * self.size
+        return 8 * float(np.finfo(float).eps) * self.size
 
     @cached_property
     def piece(self) -> int:
@@ -172,6 +169,11 @@ class Plane:
         return -self.gap_rows[:, 1 : 1 + len(self.revolute)]
 
     @cached_property
+    def loops_of_joint(self) -> tuple[dict[int, float], ...]:
+        """(nv,) entries of ``incidence`` by loops, where they are not zero."""
+        return tuple({k: float(row[k]) for k in np.flatnonzero(row).tolist()} for row in self.incidence)
+
+    @cached_property
     def redundant(self) -> bool:
         """Whether some of the equations in the plane are redundant."""
         return any(block.redundant for block in self.blocks)
@@ -181,8 +183,12 @@ class Plane:
         return self.rotors[joint] if joint >= 0 else 0
 
     def carriers(self, joint: int) -> list[int]:
-        """The joint and all joints between it and the frame."""
-        return _ancestry(self.parents, joint)
+        """The joint and all joints between it and the frame, rising."""
+        line = []
+        while joint >= 0:
+            line.append(joint)
+            joint = self.parents[joint]
+        return line[::-1]
 
     def point(self, joint: int, arm: complex) -> ComplexArray:
         """Row (nb,) of a point of a joint's link, at ``arm`` from the joint's origin in the drawn pose."""
@@ -225,52 +231,59 @@ def build_plane(structure: Structure, one_block: bool = False) -> Plane | None:
     model, loops, relations, driver = structure.model, structure.loops, structure.relations, structure.drivers[0]
     place, turning = drawn_placements(model), [axis.turns for axis in structure.axes]
     directions = [p.rotation @ axis.direction for p, axis in zip(place[1:], structure.axes, strict=True)]
-    normal = _normal(directions, turning, driver)
-    if structure.curves or normal is None or _misalignment(directions, turning, normal) > PARALLEL:
+    normal = None if structure.curves else _find_normal(structure, place, directions)
+    if normal is None:
         return None
-    if not all(_moves_in_plane(loop, place, normal) for loop in loops):
-        return None
-    tree, count = _planar_tree(model, place, directions, turning, normal), model.nv
+    tree, count = _planar_tree(structure, place, directions, normal), model.nv
     ends = [(tree.end(loop.joint1, loop.point1), tree.end(loop.joint2, loop.point2)) for loop in loops]
-    gaps = [_difference(second.row, first.row) for first, second in ends]
-    if any(abs(first.height - second.height) > PARALLEL * _length(gap) for (first, second), gap in zip(ends, gaps, strict=True)):
+    gaps = np.array([second.row - first.row for first, second in ends]).reshape(len(ends), 1 + count)
+    lengths = np.abs(gaps).sum(axis=1)
+    if any(abs(first.height - second.height) > PARALLEL * length for (first, second), length in zip(ends, lengths, strict=True)):
         return None
-    incidence = structure.joints_of_loop
-    blocks = ordered_blocks(incidence, relations, driver, count, one_block)
+    blocks = ordered_blocks(structure.joints_of_loop, relations, driver, count, one_block)
     if blocks is None:
         return None
-    revolute, prismatic = tree.revolute, tree.prismatic
-    size = max((_length({row: entry for row, entry in gap.items() if row <= len(revolute)}) for gap in gaps), default=0.0)
-    reach = max((_length(first.row) for first, _ in ends), default=0.0)
+    # the lengths round the loops, without travels along guides
+    size = float(np.abs(gaps[:, : 1 + len(tree.revolute)]).sum(axis=1).max(initial=0.0))
+    reach = max((float(np.abs(first.row).sum()) for first, _ in ends), default=0.0)
     if size <= ROUNDING * reach:  # slides alone go round the loops, so that the lengths round them are the rounding of points
         size = reach
     size = size or 1.0
     units = np.array([size if turning[relation.joint] else 1.0 for relation in relations])
-    slopes = units[:, None] * array_of([relation.coefficients for relation in relations], count, float)
-    carriers = [_ancestry(tree.parents, j) for j in range(count)]
-    spin = [{k: tree.sense[k] for k in line if turning[k]} for line in carriers]
-    centers = [{tree.rotors[j]: tree.flat(place[j + 1].rotation @ model.inertias[j + 1].lever)} for j in range(count)]
+    slopes = units[:, None] * structure.relation_coefficients
+    carried = np.eye(count)  # by links: 1 for the joints that carry them
+    for joint, parent in enumerate(structure.parents):
+        if parent >= 0:
+            carried[joint] += carried[parent]
+    spin = carried * tree.sense
+    centers: ComplexArray = np.zeros((count, 1 + count), complex)
+    for j, inertia in enumerate(list(model.inertias)[1:]):
+        centers[j, tree.rotors[j]] = tree.flat(place[j + 1].rotation @ inertia.lever)
+    guide_rotors = tuple(tree.rotor(structure.parents[j]) for j in tree.prismatic)
+    guide_directions: ComplexArray = np.zeros((len(tree.prismatic), 1 + count), complex)
+    for k, (j, rotor) in enumerate(zip(tree.prismatic, guide_rotors, strict=True)):
+        guide_directions[k, rotor] = tree.flat(directions[j])
     return Plane(
         normal=tree.normal,
         axes=tree.axes,
         driver=driver,
-        parents=tree.parents,
+        parents=structure.parents,
         sense=tree.sense,
-        revolute=revolute,
-        prismatic=prismatic,
-        turn=array_of([spin[j] for j in revolute], count, float),
-        spin=array_of(spin, count, float),
+        revolute=tree.revolute,
+        prismatic=tree.prismatic,
+        turn=spin[list(tree.revolute)],
+        spin=spin,
         frames=np.array([np.array([*tree.axes, tree.normal]) @ p.rotation for p in place[1:]]),
         rotors=tree.rotors,
-        guide_rotors=tuple(next(iter(tree.guides[j])) for j in prismatic),
-        origins=array_of(tree.origins, 1 + count),
-        centers=array_of(centers, 1 + count),
+        guide_rotors=guide_rotors,
+        origins=tree.origins,
+        centers=centers,
         heights=np.array([p.translation @ tree.normal for p in place[1:]]),
         center_heights=np.array([place[j].act(model.inertias[j].lever) @ tree.normal for j in range(1, count + 1)]),
-        directions=array_of([tree.guides[j] for j in prismatic], 1 + count),
-        gap_rows=array_of(gaps, 1 + count),
+        directions=guide_directions,
+        gap_rows=gaps,
         loop_links=tuple((loop.joint1 - 1, loop.joint2 - 1) for loop in loops),
-        loop_points=array_of([first.row for first, _ in ends], 1 + count),
+        loop_points=np.array([first.row for first, _ in ends]).reshape(len(ends), 1 + count),
         loop_heights=np.array([first.height for first, _ in ends]),
         resists_tilting=np.array([loop.held_rotations > 0 for loop in loops], dtype=bool),
         relation_slopes=slopes,
@@ -279,146 +292,101 @@ def build_plane(structure: Structure, one_block: bool = False) -> Plane | None:
         offsets=units * [relation.offset for relation in relations],
         racks=structure.racks,
         blocks=blocks,
-        subtree=array_of(_transposed([dict.fromkeys(line, 1.0) for line in carriers], count), count, float),
-        incidence=array_of(_transposed(incidence, count), len(loops), float),
-        loops_of_joint=tuple(_transposed(incidence, count)),
+        subtree=carried.T.copy(),
+        incidence=structure.incidence,
         size=size,
     )
 
 
-def _normal(directions: Sequence[Array], turning: Sequence[bool], driver: int) -> Array | None:
-    """The axis of the driver, or of the first joint that turns where the driver slides; None where no joint turns."""
+def _find_normal(structure: Structure, place: Sequence[pin.SE3], directions: Sequence[Array]) -> Array | None:
+    """The normal of the plane in which a linkage moves; None where it is not planar, or no joint turns.
+
+    It is the axis of the driver, or of the first joint that turns where the driver slides.
+
+    Args:
+        structure: of the linkage.
+        place: placements of the world and the joints in the drawn pose.
+        directions: axes of the joints in the world.
+    """
+    turning = [axis.turns for axis in structure.axes]
+    driver = structure.drivers[0]
     joint = driver if turning[driver] else next((j for j, turns in enumerate(turning) if turns), None)
-    return None if joint is None else directions[joint]
+    if joint is None:
+        return None
+    normal = directions[joint]
 
+    def is_parallel(axis: Array) -> bool:
+        return float(np.linalg.norm(np.cross(axis, normal))) <= PARALLEL
 
-def _misalignment(directions: Sequence[Array], turning: Sequence[bool], normal: Array) -> float:
-    """Largest angle between a turning axis and the normal, or between a sliding axis and the plane across the normal [rad]."""
-    return max(
-        float(np.linalg.norm(np.cross(d, normal)) if turns else abs(d @ normal)) for d, turns in zip(directions, turning, strict=True)
-    )
-
-
-def _moves_in_plane(loop: LoopJoint, place: Sequence[pin.SE3], normal: Array) -> bool:
-    """Whether the bearing of a loop lets its links move in the plane: a spherical one, or a revolute one with its axis along the normal."""
-    ends = ((loop.joint1, loop.rotation1[:, 0]), (loop.joint2, loop.rotation2[:, 0]))
-    return loop.type == "spherical" or (
-        loop.type == "revolute"
-        and all(float(np.linalg.norm(np.cross(place[joint].rotation @ axis, normal))) <= PARALLEL for joint, axis in ends)
-    )
+    if not all(is_parallel(axis) if turns else abs(axis @ normal) <= PARALLEL for axis, turns in zip(directions, turning, strict=True)):
+        return None
+    for loop in structure.loops:
+        axes = (place[loop.joint1].rotation @ loop.rotation1[:, 0], place[loop.joint2].rotation @ loop.rotation2[:, 0])
+        if loop.type == "fixed" or (loop.type == "revolute" and not all(map(is_parallel, axes))):
+            return None
+    return normal
 
 
 class _End(NamedTuple):
-    """A point of a link.
+    """A point of a link: its row (nb,) over the basis, and its height along the normal [m]."""
 
-    Attributes:
-        row: its row over the basis.
-        height: along the normal [m].
-    """
-
-    row: dict[int, complex]
+    row: ComplexArray
     height: float
 
 
 class _PlanarTree(NamedTuple):
-    """The tree of a planar linkage in its drawn pose, as rows over the basis; see `Plane` for what has the name of an attribute there.
-
-    Attributes:
-        place: placements of the world and the joints.
-        positions: complex positions of the joint origins [m].
-        origins: rows of the joint origins.
-        guides: rows of the prismatic directions, by joint.
-    """
+    """The tree of a planar linkage in its drawn pose, as rows over the basis. Attributes are those of `Plane`, the placements of the world
+    and the joints, and the complex positions of the joint origins [m]."""
 
     place: Sequence[pin.SE3]
+    positions: list[complex]
     normal: Array
     axes: Array
-    parents: tuple[int, ...]
     sense: Array
     revolute: tuple[int, ...]
     prismatic: tuple[int, ...]
     rotors: tuple[int, ...]
-    positions: list[complex]
-    origins: list[dict[int, complex]]
-    guides: dict[int, dict[int, complex]]
+    origins: ComplexArray
 
     def flat(self, vector: Array) -> complex:
         """A world vector (3,) as a complex number."""
         return complex(*(self.axes @ vector))
 
+    def rotor(self, joint: int) -> int:
+        """`Plane.rotor`."""
+        return self.rotors[joint] if joint >= 0 else 0
+
     def end(self, joint: int, point: Array) -> _End:
         """A point (3,) in the frame of a Pinocchio joint, 0 for the frame."""
         world = self.place[joint].act(point)
-        start, carrier, origin = (self.origins[joint - 1], self.rotors[joint - 1], self.positions[joint - 1]) if joint else ({}, 0, 0.0)
-        return _End(_moved(start, carrier, self.flat(world) - origin), float(world @ self.normal))
+        row = self.origins[joint - 1].copy() if joint else np.zeros(self.origins.shape[1], complex)
+        row[self.rotor(joint - 1)] += self.flat(world) - (self.positions[joint - 1] if joint else 0.0)
+        return _End(row, float(world @ self.normal))
 
 
-def _planar_tree(
-    model: pin.Model, place: Sequence[pin.SE3], directions: Sequence[Array], turning: Sequence[bool], normal: Array
-) -> _PlanarTree:
-    """The tree from placements of the world and the joints in the drawn pose, the joints' axes in the world, and whether they turn."""
-    normal, axes = _axes_of_plane(normal)
-    parents = tuple(int(parent) - 1 for parent in list(model.parents)[1:])
-    revolute, prismatic = (tuple(j for j in range(model.nv) if turning[j] is turns) for turns in (True, False))
-    sense = np.array([np.sign(d @ normal) if t else 0.0 for d, t in zip(directions, turning, strict=True)])
-    positions = [complex(*(axes @ place[j + 1].translation)) for j in range(model.nv)]
-    row_of = {j: row for row, j in enumerate((*revolute, *prismatic), 1)}  # of the basis
-    rotors: list[int] = []
-    origins: list[dict[int, complex]] = []
-    guides: dict[int, dict[int, complex]] = {}
-    for j, parent in enumerate(parents):  # parents come before their children in Pinocchio
-        carrier = rotors[parent] if parent >= 0 else 0
-        rotors.append(row_of[j] if turning[j] else carrier)
-        step = positions[j] - (positions[parent] if parent >= 0 else 0.0)
-        origins.append(_moved(origins[parent] if parent >= 0 else {}, carrier, step))
-        if not turning[j]:
-            direction = complex(*(axes @ directions[j]))
-            origins[j][row_of[j]] = direction
-            guides[j] = {carrier: direction}
-    return _PlanarTree(place, normal, axes, parents, sense, revolute, prismatic, tuple(rotors), positions, origins, guides)
-
-
-def _axes_of_plane(normal: Array) -> tuple[Array, Array]:
-    """Unit normal and axes of the plane: the first axis is world x (world y where x is the normal), projected into the plane."""
+def _planar_tree(structure: Structure, place: Sequence[pin.SE3], directions: Sequence[Array], normal: Array) -> _PlanarTree:
+    """The tree; arguments as of `_find_normal`, and what it returned."""
     normal = normal / np.linalg.norm(normal)
-    start = np.eye(3)[1 if abs(normal[0]) > 0.9 else 0]
+    start = np.eye(3)[1 if abs(normal[0]) > 0.9 else 0]  # world x, or y where x is the normal
     first = start - (start @ normal) * normal
     first /= np.linalg.norm(first)
-    return normal, np.array([first, np.cross(normal, first)]) + 0.0  # + 0.0 turns -0.0 into 0.0
-
-
-def _moved(row: Entries, rotor: int, step: complex) -> dict[int, complex]:
-    """The row of a point that lies a ``step`` further on the link of a rotor."""
-    return {**row, rotor: row.get(rotor, 0j) + step}
-
-
-def _difference(row: Entries, other: Entries) -> dict[int, complex]:
-    """One row less another, without the entries that cancel."""
-    entries = {column: row.get(column, 0j) - other.get(column, 0j) for column in sorted({*row, *other})}
-    return {column: entry for column, entry in entries.items() if entry}
-
-
-def _length(row: Entries) -> float:
-    """Sum of the magnitudes of a row's entries."""
-    return float(np.abs(np.array(list(row.values()))).sum())
-
-
-def _transposed(rows: Sequence[Mapping[int, float]], count: int) -> list[dict[int, float]]:
-    """The rows of the transposed matrix, ``count`` of them."""
-    result: list[dict[int, float]] = [{} for _ in range(count)]
-    for place, row in enumerate(rows):
-        for column, entry in row.items():
-            result[column][place] = entry
-    return result
-
-
-def _ancestry(parents: Sequence[int], joint: int) -> list[int]:
-    """The joint and all joints between it and the frame, rising."""
-    line = []
-    while joint >= 0:
-        line.append(joint)
-        joint = parents[joint]
-    return line[::-1]
+    axes = np.array([first, np.cross(normal, first)]) + 0.0  # + 0.0 turns -0.0 into 0.0
+    turning = [axis.turns for axis in structure.axes]
+    revolute, prismatic = (tuple(j for j, turns in enumerate(turning) if turns is kind) for kind in (True, False))
+    sense = np.array([np.sign(d @ normal) if t else 0.0 for d, t in zip(directions, turning, strict=True)])
+    positions = [complex(*(axes @ placement.translation)) for placement in place[1:]]
+    row_of = {j: row for row, j in enumerate((*revolute, *prismatic), 1)}  # of the basis
+    rotors: list[int] = []
+    origins: ComplexArray = np.zeros((len(turning), 1 + len(turning)), complex)
+    for j, parent in enumerate(structure.parents):  # parents come before their children in Pinocchio
+        carrier = rotors[parent] if parent >= 0 else 0
+        rotors.append(row_of[j] if turning[j] else carrier)
+        if parent >= 0:
+            origins[j] = origins[parent]
+        origins[j, carrier] += positions[j] - (positions[parent] if parent >= 0 else 0.0)
+        if not turning[j]:
+            origins[j, row_of[j]] = complex(*(axes @ directions[j]))
+    return _PlanarTree(place, positions, normal, axes, sense, revolute, prismatic, tuple(rotors), origins)
 
 
 # ------------------------------------------------------------------------------------------------ the order in which equations are solved

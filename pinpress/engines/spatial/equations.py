@@ -21,7 +21,7 @@ from ...common.quantities import Array
 from ..body_motion import cross, turned
 from ..engine import PIECE
 from ..friction import REST
-from ..structure import Structure, array_of
+from ..structure import Structure
 from .blocks import Blocks, build_blocks
 from .bodies import Bodies, Placements, accelerations, build_bodies, displaced, motion_axes, placements, velocities
 
@@ -127,7 +127,7 @@ class Loops(Frozen):
     @cached_property
     def spinning(self) -> Array:
         """(nl, nv) sums over the joints on a loop, +1 where a joint carries only its end 2, -1 where only its end 1."""
-        return np.asarray(array_of(self.structure.joints_of_loop, len(self.bodies.parents), float))
+        return np.ascontiguousarray(self.structure.incidence.T)
 
     @cached_property
     def pair_turns(self) -> NDArray[np.bool_]:
