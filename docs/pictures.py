@@ -340,7 +340,7 @@ def notebook() -> str:
 
 
 def programs() -> Figure:
-    """docs/comparison.md: error against run time of a free run, of pinpress and of other programs, from viz/accuracy.csv."""
+    """docs/accuracy.md: error against run time of a free run, of pinpress and of other programs, from viz/accuracy.csv."""
     with (ROOT / "viz" / "accuracy.csv").open(encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["group"] == "free run" and row["error"]]
     words = {"reduced": "pinpress", "constraint": "pinpress, all joints", "SciPy DOP853, closed form": "hand script, SciPy DOP853"}

@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parent.parent
 TOP = ("CHANGELOG.md", "CODE_OF_CONDUCT.md", "CONTRIBUTING.md", "SECURITY.md")
 BESIDE = ("](../viz/", "](../CHANGELOG.md", "](../urdf/")
 # Who searches finds the guide first, then examples (whose pages say so themselves), then names, evidence, and what is for contributors.
-BELOW_THE_GUIDE = {"reference/pp": 0.6, "reference/": 0.3, "accuracy": 0.4, "limits": 0.4, "cost": 0.4, "glossary": 0.3, "mistakes": 0.3}
+BELOW_THE_GUIDE = {"reference/pp": 0.6, "reference/": 0.3, "accuracy": 0.4, "limits": 0.4, "glossary": 0.3, "mistakes": 0.3}
 BELOW_THE_GUIDE |= dict.fromkeys(("kong2025", "zhang2007", "chen2002", "viz/"), 0.2)
 BELOW_THE_GUIDE |= {name.partition(".")[0]: 0.1 for name in TOP}
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pinpress as pp
-from pinpress.accuracy.contests import least_seconds
+from pinpress.accuracy.work_precision import least_seconds
 
 HERE = Path(__file__).parent
 VERTICAL, HORIZONTAL = pp.balancing.Range("shaking_force", "z"), pp.balancing.Range("shaking_force", "x")

@@ -7,7 +7,6 @@ a drive holds its speed so hard that it forgets a disturbance within microsecond
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -18,10 +17,10 @@ from ..drives.protocol import Drive, SpeedTorqueDrive
 from ..drives.transmission import Clutch, Flywheel, Geared, SwitchPoint
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
-from ..loads.process import Blanking, ElasticDie, ForceInterval, ProcessLoad
+from ..loads.process import Blanking, ElasticDie, ProcessLoad
 from ..simulation.reduced_model import COORDINATES, reduced_model_of
-from .measurements import CLUTCH, DIE, FREE_RUN, SPEED_LAW
 
+FREE_RUN, CLUTCH, DIE, SPEED_LAW = SCENES = ("free run", "clutch and blanking", "elastic die", "stiff speed law")
 RATED = 1485 * RPM  # speed of the motor [rad/s]
 PERIODS = 2.0  # turns in which the motor at its rated power gives the flywheel's energy
 BLANKED = 0.2  # share of the flywheel's energy that the blank takes
@@ -63,7 +62,7 @@ class Scene:
     """A run that all methods of simulation compute.
 
     Attributes:
-        group: one of `measurements.SCENES`.
+        group: one of `SCENES`.
         words: the scene in words.
         turn: approximate duration of a turn [s].
         duration: duration of the run [s].
@@ -93,23 +92,6 @@ class Scene:
         """Moment of inertia of flywheel and drive on the crank's shaft [kg m2]."""
         return float(self.flywheel.inertia) + (0.0 if self.drive is None else float(self.drive.inertia))
 
-    def push(self, height: float, rate: float) -> float:
-        """Force of the loads on the slide, upwards [N], at a height above bottom dead centre [m] that rises at a rate [m/s]."""
-        force = 0.0
-        for interval in self._falling if rate < 0 else self._rising:
-            if interval.lower < height <= interval.upper:
-                pushed = float(interval.force(height, rate))
-                force += float(interval.acting(pushed))
-        return force
-
-    @cached_property
-    def _falling(self) -> tuple[ForceInterval, ...]:
-        return tuple(interval for load in self.loads for interval in load.intervals(True))
-
-    @cached_property
-    def _rising(self) -> tuple[ForceInterval, ...]:
-        return tuple(interval for load in self.loads for interval in load.intervals(False))
-
 
 def free_run(speed: float, flywheel: float, duration: float) -> Scene:
     """A run without torque, with weights, from crank angle 0."""
@@ -132,7 +114,7 @@ def build_scene(press: Linkage, group: str, speed: float, flywheel: float, durat
         return Scene(group, words, turn, duration, 0.0, SLOWER * speed, wheel, SpeedLaw(gain, speed))
     motor = Geared(InductionMotor(rated_power=energy / (PERIODS * turn), rated_speed=RATED), ratio=RATED / speed)
     driven = f"a motor of {energy / (PERIODS * turn) / 1e3:.3g} kW"
-    found = dead_centres(press)
+    ends = dead_centres(press)
     if group == DIE:
         height = math.sqrt(2 * COMPRESSED * energy / DIE_STIFFNESS)
         words = f"{driven} and a die of {DIE_STIFFNESS:.0e} N/m, {1e3 * height:.3g} mm above bottom dead centre"
@@ -146,7 +128,7 @@ def build_scene(press: Linkage, group: str, speed: float, flywheel: float, durat
     )
     turning = Flywheel(flywheel, speed=speed)
     clutch = Clutch(torque, closes=SwitchPoint(time=0.0), rise=RISE * turn)
-    return Scene(group, words, turn, duration, float(found.top_angle), 0.0, turning, motor, clutch, (blank,))
+    return Scene(group, words, turn, duration, float(ends.top_angle), 0.0, turning, motor, clutch, (blank,))
 
 
 def build_blank(press: Linkage, speed: float, flywheel: float) -> Blanking:
@@ -155,8 +137,8 @@ def build_blank(press: Linkage, speed: float, flywheel: float) -> Blanking:
     Raises:
         PinpressError: the press has no slide, or a slide without dead centres.
     """
-    found = dead_centres(press)
-    start, end = (height * (found.top_position - found.bottom_position) for height in HEIGHTS)
+    stroke = dead_centres(press).stroke
+    start, end = (height * stroke for height in HEIGHTS)
     energy = 0.5 * flywheel * speed**2
     return Blanking(BLANKED * energy * 0.5 * math.pi / (start - end), start, end)
 

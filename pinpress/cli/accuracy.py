@@ -1,10 +1,8 @@
-"""`pinpress accuracy`: error against run time of all methods, and of other programs."""
+"""`pinpress accuracy`: error against run time of all engines and methods."""
 
 import argparse
-import importlib.util
-from pathlib import Path
 
-from ..accuracy.measurements import SCENES, WorkPrecision, plot
+from ..accuracy.scenes import SCENES
 from ..common.files import make_folder
 from ..common.quantities import RPM
 from ..dynamics.inputs import described, of_press, stated
@@ -15,9 +13,8 @@ from .words.progress import progress
 from .words.units import quantity
 
 EPILOG = """\
-every error is against a reference that two independent methods agree on; the table says how far. Times are the least of several rounds
-in which all take turns. MuJoCo and Exudyn take part where pip install 'pinpress[peers]' has put them, Drake where 'pinpress[drake]' has;
-where there is a C++ compiler, a loop with Pinocchio in C++ is compiled, once, in half a minute. The plot needs 'pinpress[plots]'.
+every error is against a reference that two independent methods agree on; the table says how closely. Times are the least of several
+rounds in which all take turns. The plot needs 'pinpress[plots]'.
 e.g. pinpress accuracy zxn2_3000b --speed 70 --out out
 """
 BAR = "{percentage:3.0f} % |{bar}| {remaining} to go"
@@ -27,11 +24,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `accuracy` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "accuracy",
-        help="error against run time of all methods for a press, and of other programs",
-        description="Measure a press: inverse dynamics by all engines, simulations by all methods over tolerances and\n"
-        "steps (freely, with clutch and blank, on a stiff die, under a stiff drive, on springs), proximal settings of constraint\n"
-        "dynamics, samples of the reduced table, and the same press in other programs. Prints\n"
-        "tables; with --out also writes accuracy.csv, accuracy.html (a page) and accuracy.png.",
+        help="error against run time of all engines and methods for a press",
+        description="Measure a press: inverse dynamics by all engines, and simulations by all methods over tolerances and steps\n"
+        "(freely, with clutch and blank, on a stiff die, under a stiff drive). Prints tables; with --out also writes\n"
+        "accuracy.csv and accuracy.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -51,7 +47,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "--scene", action="append", choices=SCENES, metavar="SCENE", help=f"scene to simulate, one of: {', '.join(SCENES)} (default: all)"
     )
     add_press_options(parser)
-    add_out_option(parser, "accuracy.csv, accuracy.html and accuracy.png")
+    add_out_option(parser, "accuracy.csv and accuracy.png")
     parser.set_defaults(run=run)
 
 
@@ -61,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: Loading, measuring or writing fails.
     """
-    from ..accuracy.work_precision import compare  # slow to import: so a mistake in the words above is named at once
+    from ..accuracy.work_precision import compare, plot  # slow to import: so a mistake in the words above is named at once
 
     flywheel = part_specs.flywheel(options.flywheel)
     press = load_press(options)
@@ -83,17 +79,6 @@ def run(options: argparse.Namespace) -> int:
     turning = [] if flywheel is None else [("flywheel", described(flywheel))]
     print_inputs([*of_press(press), ("speed", f"{options.speed:g} r/min"), *turning, ("scenes", ", ".join(scenes)), stated()])
     if options.out is not None:
-        _write(measured, options.out)
+        measured.to_csv(options.out / "accuracy.csv")  # first, so that no measurement is lost if Matplotlib is missing
+        write_pictures(options.out, ["accuracy.csv"], lambda: {"accuracy.png": plot(measured)})
     return 0
-
-
-def _write(measured: WorkPrecision, folder: Path) -> None:
-    """Write the files and say so. The CSV file comes first, so that no measurement is lost where Plotly or Matplotlib is missing."""
-    measured.to_csv(folder / "accuracy.csv")
-    written = ["accuracy.csv"]
-    if importlib.util.find_spec("plotly") is not None:
-        from ..accuracy.page import report  # slow to import
-
-        report(measured, folder / "accuracy.html")
-        written.append("accuracy.html")
-    write_pictures(folder, written, lambda: {"accuracy.png": plot(measured)})

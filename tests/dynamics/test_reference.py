@@ -1,7 +1,7 @@
 """The shipped presses against published values, an independent script, and mechanics in closed form.
 
 Source of the ZXN2-3000(B): Kong X. et al. 2025, Forging and Stamping Technology 50(2), 195-203. `reference/zxn2_3000b.json` was computed
-from its lengths and masses (and inferred inertias) without pinpress; `pinpress.accuracy.peers.six_bar_script` is a second such computation.
+from its lengths and masses (and inferred inertias) without pinpress; `support.oracles.six_bar_script` is a second such computation.
 """
 
 import json
@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support import texts
+from support.oracles.six_bar_script import six_bar, world_forces
 
 import pinpress as pp
-from pinpress.accuracy.peers.six_bar_script import six_bar, world_forces
 
 ROOT = Path(__file__).parents[1]
 REFERENCE = json.loads((ROOT / "reference" / "zxn2_3000b.json").read_text(encoding="utf-8"))

@@ -1,5 +1,5 @@
 """Linkages larger than a press: what is computed stays right, and planar ones need none of Pinocchio's data. Times are printed by
-`tests/benchmarks/mechanics/sizes.py`."""
+`tests/benchmarks/speed/sizes.py`."""
 
 import dataclasses
 

@@ -52,6 +52,7 @@ MADE = {
 }
 MADE |= {
     "FailedPoint",
+    "Group",
     "HarmonicAnalysis",
     "Linkage",
     "Measurement",

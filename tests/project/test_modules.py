@@ -8,7 +8,6 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "pinpress"
-BENCHMARKS = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "tests" / "benchmarks").rglob("*.py"))
 MODULES = {path.relative_to(PACKAGE).as_posix(): path for path in sorted(PACKAGE.rglob("*.py"))}
 MOST = 16  # modules of one folder, apart from its __init__
 LEAST = 40  # lines of a module
@@ -33,14 +32,6 @@ def splinters(lines: dict[str, int]) -> list[str]:
 
 def test_folders_hold_few_modules() -> None:
     assert crowded(MODULES) == {}
-
-
-def test_benchmarks_stand_in_rooms_and_contributors_are_told_of_each() -> None:
-    rooms = {path.split("/")[2] for path in BENCHMARKS}
-    assert rooms == {"features", "history", "mechanics"}
-    assert crowded(BENCHMARKS) == {}
-    told = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    assert [path for path in BENCHMARKS if "/history/" not in path and f"python {path} " not in told] == []
 
 
 def test_modules_are_not_splinters() -> None:

@@ -28,7 +28,6 @@ PRESSES = (
 )
 MODULES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "pinpress").rglob("*.py*") if path.suffix in (".py", ".pyi")}
 PAGES = {path.relative_to(ROOT).as_posix() for room in ("visual", "live") for path in (ROOT / "pinpress" / room / "templates").iterdir()}
-PEERS = {f"pinpress/accuracy/peers/{name}" for name in ("bricard.urdf", "pinocchio_loop.cpp")}
 TABLES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "pinpress" / "pin_table" / "templates").glob("*.yaml")}
 SHIPPED = [f"{name}.{suffix}" for name in PRESSES for suffix in ("urdf", "yaml")]
 
@@ -78,7 +77,7 @@ def test_wheel_contents(built):
         names = {name for name in archive.namelist() if not name.split("/")[0].endswith(".dist-info")}
         info = [name.split("/", 1)[1] for name in archive.namelist() if name.split("/")[0].endswith(".dist-info")]
         shipped = {name: archive.read(f"pinpress/urdf/{name}") for name in SHIPPED}
-    data = {"pinpress/py.typed"} | PAGES | PEERS | TABLES | {f"pinpress/urdf/{name}" for name in SHIPPED}
+    data = {"pinpress/py.typed"} | PAGES | TABLES | {f"pinpress/urdf/{name}" for name in SHIPPED}
     assert names == MODULES | data
     assert "licenses/LICENSE" in info
     assert shipped == {name: (ROOT / "urdf" / name).read_bytes() for name in SHIPPED}
@@ -91,7 +90,7 @@ def test_sdist_contents(built):
     assert names > MODULES
     assert {f"urdf/{name}" for name in SHIPPED} < names
     assert {path.relative_to(ROOT).as_posix() for path in (ROOT / "tests").rglob("*.py")} < names
-    assert {"pyproject.toml", "README.md", "LICENSE", "pinpress/py.typed"} | PAGES | PEERS | TABLES < names
+    assert {"pyproject.toml", "README.md", "LICENSE", "pinpress/py.typed"} | PAGES | TABLES < names
     # What the tests read beside it: they pass where the source distribution is unpacked.
     assert {".ci/run", ".github/workflows/integration.yml", ".pre-commit-config.yaml", ".zenodo.json", "paper/paper.bib"} < names
 

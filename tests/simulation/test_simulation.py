@@ -20,8 +20,7 @@ from support.oracles.crank_slide_equation import Window
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
-from pinpress.accuracy.measurements import SPEED_LAW
-from pinpress.accuracy.scenes import build_scene
+from pinpress.accuracy.scenes import SPEED_LAW, build_scene
 from pinpress.simulation import solvers
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.over_angle import angle_solver

@@ -41,9 +41,7 @@ ACCURACY = pp.accuracy.WorkPrecision(
     "crank_slide",
     "a turn",
     "a machine",
-    {"free run": "a scene"},
-    {"table": 1e-14},
-    {"table": "two methods"},
+    {"table": pp.accuracy.Group("", "of a call", "of a table", 1e-14, "two methods")},
     Records(pp.accuracy.Measurement, [MEASUREMENT]),
     (),
 )

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import minimize, minimize_scalar
+from support.oracles import six_bar_script
 from validation import kong2025, kong2025_as_printed, kong2025_counterweights
 from validation.lookup import reference, row
 
 import pinpress as pp
-from pinpress.accuracy.peers import six_bar_script
 
 SPEED = 70 * np.pi / 30
 KNOWN = reference("zxn2_3000b")["kinematic_extremes"]

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from extremes.extreme_crank_slide import CrankSlider
 from scipy.optimize import brentq
+from support.oracles.end_on_springs import end_of
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.accuracy.on_springs import end_of
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.elastic import period
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
@@ -97,7 +97,7 @@ def test_bottom_dead_centre_over_the_speed():
 def test_exudyn_rings_alike(how, bound):
     """The springs ring over half a stroke from a pose in which they are slack; bodies, springs and integrators are Exudyn's own."""
     pytest.importorskip("exudyn")
-    from pinpress.accuracy.peers.exudyn_on_springs import ExudynOnSprings, Setting
+    from support.oracles.exudyn_on_springs import ExudynOnSprings, Setting
 
     press = shipped("jf75g_125_plain")
     start, until = pp.dead_centres(press).bottom_angle - np.pi, np.pi / SPEED

@@ -1381,17 +1381,7 @@ def calls() -> dict[str, Call]:
         (
             "accuracy.plot",
             pp.accuracy.plot,
-            lambda: {
-                "measured": pp.accuracy.WorkPrecision("press", "scene", "machine", {}, {}, {}, Records(pp.accuracy.Measurement, ()), ())
-            },
-        ),
-        (
-            "accuracy.report",
-            pp.accuracy.report,
-            lambda: {
-                "measured": pp.accuracy.WorkPrecision("press", "scene", "machine", {}, {}, {}, Records(pp.accuracy.Measurement, ()), ()),
-                "path": FOLDER / "accuracy.html",
-            },
+            lambda: {"measured": pp.accuracy.WorkPrecision("press", "scene", "machine", {}, Records(pp.accuracy.Measurement, ()), ())},
         ),
         ("plots.bearings", pp.plots.bearings, lambda: {"reactions": reactions()}),
         ("plots.comparison", pp.plots.comparison, lambda: {"before": reactions(), "after": reactions()}),
