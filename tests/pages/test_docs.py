@@ -47,7 +47,6 @@ RUN += [
     "press_parts",
     "measured",
     "measured_vibration",
-    "mistakes",
     "motor",
     "pin_table",
     "pinocchio",
@@ -172,11 +171,12 @@ def test_reference_has_every_public_name() -> None:
     assert sorted(space for _, spaces in scripts["PAGES"].values() for space in spaces.split()) == sorted(SPACES)
 
 
-def test_the_page_of_mistakes_has_what_is_said_today() -> None:
-    script = runpy.run_path(str(DOCS / "mistakes_page.py"))
-    page = script["page"]()
-    assert (DOCS / "mistakes.md").read_text(encoding="utf-8") == page, "python docs/mistakes_page.py"
-    assert "|  |" not in page, "nothing is said to a mistake"
+def test_answers_to_mistakes_are_what_is_said_today() -> None:
+    script = runpy.run_path(str(ROOT / "tests" / "mistakes" / "write_answers.py"))
+    answers = script["answers"]()
+    assert (ROOT / "tests" / "mistakes" / "answers.md").read_text(encoding="utf-8") == answers, "python tests/mistakes/write_answers.py"
+    assert (DOCS / "mistakes.md").read_text(encoding="utf-8") == script["guide"](), "python tests/mistakes/write_answers.py"
+    assert "|  |" not in answers, "nothing is said to a mistake"
 
 
 @pytest.mark.parametrize("right", [mistakes.TABLE, mistakes.URDF], ids=lambda file: file.name)

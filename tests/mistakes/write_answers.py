@@ -1,31 +1,23 @@
-"""Writes docs/mistakes.md: everyday mistakes in pin tables, URDFs and calls, and what is said to each.
+"""Writes tests/mistakes/answers.md, what is said to every mistake of this folder and to wrong calls, and docs/mistakes.md, a choice of it.
 
-    python docs/mistakes_page.py
+    python tests/mistakes/write_answers.py
 
-The mistakes in descriptions are the files of tests/mistakes. What is said is computed; a test holds the page to it.
+What is said is computed; a test holds both files to it.
 """
 
 import re
 import sys
 from pathlib import Path
 
-DOCS = Path(__file__).resolve().parent
-sys.path.insert(0, str(DOCS.parent))
-sys.path.insert(0, str(DOCS.parent / "tests"))
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
 from support import mistakes  # noqa: E402
 
 PAGE = """\
-# Everyday mistakes
+# What is said to everyday mistakes
 
-This page shows how `pp.build` and `pp.load`, and so every command, answer {count} mistakes that people make when they describe a press, and
-how other functions answer some more. An error ends the call. A warning is a line on stderr in a command, and a `PinpressWarning` in Python.
-A note is what `pinpress check` adds.
-
-Each mistake in a description is a file of the folder `tests/mistakes`. You can try it: `pinpress check tests/mistakes/no-units.yaml`. The
-tables show the file, the line in which it differs from the right one, and the answer, with `press` for the file's name.
-`python docs/mistakes_page.py` writes this page. Where lengths do not meet, `pinpress build` also draws how far they reach:
-
-![lengths-too-short-to-meet.yaml: pin C is sought 700 mm from B and 375 mm from D; the circles do not meet](pictures/lengths_too_short.svg)
+`python tests/mistakes/write_answers.py` writes this file. Each row names a file of this folder, or a call, the line in which it differs
+from the right one, and the answer, with `press` for the file's name.
 
 ## In pin tables
 
@@ -54,6 +46,40 @@ These are the answers to calls after these lines:
 
 {in_calls}
 """
+GUIDE = """\
+# Everyday mistakes
+
+`pp.build` and `pp.load`, and so every command, answer {count} mistakes that people make when they describe a press. An error ends the
+call. A warning is a line on stderr in a command, and a `PinpressWarning` in Python. A note is what `pinpress check` adds. Each answer names
+the file, the line, what is written there and what to write instead.
+
+You can try them: each mistake is a file of the folder `tests/mistakes`, such as `pinpress check tests/mistakes/no-units.yaml`. These are
+some of them, with `press` for the file's name; `tests/mistakes/answers.md` has the answers to all.
+
+{chosen}
+
+Where lengths do not meet, `pinpress build` also draws how far they reach:
+
+![lengths-too-short-to-meet.yaml: pin C is sought 700 mm from B and 375 mm from D; the circles do not meet](pictures/lengths_too_short.svg)
+
+Functions answer wrong calls in the same way, after `press = pp.load("zxn2_3000b")` and `motion = pp.cycle(press, speed=70 * pp.RPM)`:
+
+{calls}
+
+`python tests/mistakes/write_answers.py` writes this page.
+"""
+CHOSEN = (
+    "no-units.yaml",
+    "m-where-mm-are-meant.yaml",
+    "no-side.yaml",
+    "lengths-too-short-to-meet.yaml",
+    "slide-in-tonnes.yaml",
+    "one-length-in-mm.urdf",
+    "masses-in-g.urdf",
+    "no-driver.urdf",
+    "axis-in-the-plane.urdf",
+)
+CHOSEN_CALLS = (1, 2, 5, 6)  # places in `CALLS`
 TAB = "\t"
 HEAD = "| file | written | answer |\n| --- | --- | --- |"
 HEAD_OF_CALLS = "| call | answer |\n| --- | --- |"
@@ -125,8 +151,8 @@ CALLS = (
 )
 
 
-def page() -> str:
-    """The text of docs/mistakes.md."""
+def answers() -> str:
+    """The text of tests/mistakes/answers.md."""
     tables, urdfs = mistakes.files(mistakes.TABLE), mistakes.files(mistakes.URDF)
     return PAGE.format(
         count=len(tables) + len(urdfs),
@@ -136,6 +162,18 @@ def page() -> str:
         in_urdfs="\n".join([HEAD, *map(_row, urdfs)]),
         calls=RIGHT_CALLS,
         in_calls="\n".join([HEAD_OF_CALLS, *_calls()]),
+    )
+
+
+def guide() -> str:
+    """The text of docs/mistakes.md."""
+    files = [file for right in (mistakes.TABLE, mistakes.URDF) for file in mistakes.files(right)]
+    named = {file.name: file for file in files}
+    calls = _calls()
+    return GUIDE.format(
+        count=len(files),
+        chosen="\n".join([HEAD, *(_row(named[name]) for name in CHOSEN)]),
+        calls="\n".join([HEAD_OF_CALLS, *(calls[place] for place in CHOSEN_CALLS)]),
     )
 
 
@@ -167,4 +205,5 @@ def _plain(text: str) -> str:
 
 
 if __name__ == "__main__":
-    (DOCS / "mistakes.md").write_text(page(), encoding="utf-8")
+    (ROOT / "tests" / "mistakes" / "answers.md").write_text(answers(), encoding="utf-8")
+    (ROOT / "docs" / "mistakes.md").write_text(guide(), encoding="utf-8")
