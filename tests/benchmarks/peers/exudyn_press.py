@@ -257,7 +257,7 @@ class Exudyn:
             joint, zero = self._slide(system)
 
             def push(mbs: Any, t: float, item: int, u: float, v: float, k: float, d: float, offset: float) -> float:
-                return -push(scene, zero + u, v)
+                return -load_on_slide(scene, zero + u, v)
 
             _force(mbs, marked(joint, 1), push)
         mbs.Assemble()

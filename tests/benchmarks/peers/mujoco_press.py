@@ -24,7 +24,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 from benchmarks.peers.loop_equations import Ends, LoopEquations, carriers_of, ends_of, with_loops
-from benchmarks.peers.peer import Answer, RunEnd, push, steps_of
+from benchmarks.peers.peer import Answer, RunEnd, load_on_slide, steps_of
 from mujoco import rollout
 
 from pinpress.accuracy.scenes import CLUTCH, DIE, SPEED_LAW, Scene
@@ -127,7 +127,7 @@ class Mujoco:
             result = np.zeros(len(x))
             if drive is not None:
                 result[self._driver] = float(drive.torque(float(v[self._driver])))
-            result[joint] = along * push(scene, zero + along * float(x[joint]), along * float(v[joint]))
+            result[joint] = along * load_on_slide(scene, zero + along * float(x[joint]), along * float(v[joint]))
             return result
 
         return effort

@@ -124,7 +124,7 @@ class ClosedFormSolver(Protocol):
         """A function that finds the end of a scene to a tolerance. It raises a PinpressError where the integrator gives up."""
 
 
-def push(scene: Scene, height: float, rate: float) -> float:
+def load_on_slide(scene: Scene, height: float, rate: float) -> float:
     """Force of a scene's loads on the slide, upwards [N], at a height above bottom dead centre [m] that rises at a rate [m/s]."""
     force = 0.0
     for load in scene.loads:
