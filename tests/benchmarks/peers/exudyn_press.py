@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 import exudyn
 import numpy as np
 import pinocchio as pin
-from benchmarks.peers.peer import Answer, RunEnd, steps_of
+from benchmarks.peers.peer import Answer, RunEnd, load_on_slide, steps_of
 from exudyn import itemInterface as items  # noqa: N813
 from support.oracles.exudyn_solver import solve
 
