@@ -122,7 +122,8 @@ def _over_angle(problem: SimulationProblem, state: State, progress: Progress | N
     stop = solver.run(progress)
     if stop is None:
         return solver.segments, None
-    if stop.at_rest and not driven.forces and first and driven.friction is None:  # in equilibrium, if an unstable one
+    idle = driven.drive is None or not np.any(driven.drive.torque(0.0))  # else gears with losses may hold the crank against its torque
+    if stop.at_rest and not driven.forces and first and driven.friction is None and idle:  # in equilibrium, if an unstable one
         return [*solver.segments, StandstillSegment(stop.state, problem.until)], None
     return solver.segments, stop.state
 

@@ -15,6 +15,7 @@ from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.over_angle import collocation, refinement
 from pinpress.simulation.over_angle.forces import Forces
 from pinpress.simulation.over_angle.mesh import build_mesh, mesh_borders
+from pinpress.simulation.over_time.time_solver import TimeSegment
 from pinpress.simulation.reduced_model import reduced_model_of
 from pinpress.simulation.run import BETWEEN
 
@@ -158,6 +159,59 @@ def test_a_call_repeated_is_equal_in_every_bit(press):
     second = pp.simulate(press, 0.5, **asked)
     for name in ("crank_angle", "crank_speed", "crank_acceleration", "drive_torque", "drive_work", "lost"):
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+
+
+def test_a_call_repeated_is_equal_in_every_bit_over_time_and_in_a_steady_state(press):
+    clutch, brake = pp.drives.Clutch(9e4, pp.drives.SwitchPoint(time=0.05)), pp.drives.Brake(5e4, opens=pp.drives.SwitchPoint(time=0.05))
+    parts = {"drive": MOTOR, "loads": [pp.loads.Blanking(2e5, 0.01, 0.004)]}
+    wheel = pp.drives.Flywheel(1500.0, speed=7.0)
+
+    def runs():
+        yield pp.simulate(press, 0.4, angle=1.0, clutch=clutch, brake=brake, flywheel=wheel, **parts)
+        yield pp.steady_state(press, 7.3, flywheel=pp.drives.Flywheel(1500.0), **parts)
+
+    for first, second in zip(list(runs()), list(runs()), strict=True):
+        for name in ("time", "crank_angle", "crank_speed", "crank_acceleration", "drive_torque", "drive_work", "lost"):
+            np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+
+
+RESTS = {
+    "brake": {"angle": 1.0, "speed": 5.0, "brake": pp.drives.Brake(300.0, pp.drives.SwitchPoint(time=0.05))},
+    "load behind a clutch": {
+        "angle": -1.0,
+        "drive": pp.drives.ConstantTorque(100.0),
+        "clutch": pp.drives.Clutch(50.0),
+        "loads": [pp.loads.DeepDrawing(1e5, 0.1)],
+    },
+    "friction": {"angle": 0.1, "speed": 1.0, "friction": {"slide_guide": pp.loads.Friction(0.3, preload=3e5)}},
+    "gears with losses": {
+        "angle": 0.8,
+        "speed": 0.5,
+        "drive": pp.drives.Geared(pp.drives.ConstantTorque(10.0), 30.0, efficiency=0.2),
+    },
+}
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # of a press that stands at the end, and of loads without a stroke
+@pytest.mark.parametrize("name", RESTS)
+def test_at_rest_the_torque_needed_lies_within_what_holds(name):
+    """The crank would start neither forward nor back, whatever holds it, at the beginning, in the middle and at the end of each rest."""
+    run = pp.simulate(texts.shipped("crank_slide"), 1.5, flywheel=pp.drives.Flywheel(5.0), **RESTS[name])
+    rests = 0
+    for segment in run.trajectory.segments:
+        if not isinstance(segment, TimeSegment):
+            continue
+        for begin, end, mode, piece in zip(segment.borders, segment.times, segment.modes, segment.pieces, strict=False):
+            if not mode.rests:
+                continue
+            rests += 1
+            for time in (begin, 0.5 * (begin + end), end):
+                y, system = piece(time), segment.system
+                rising = system.tending(system.starting(mode, y, 1), time, y)
+                falling = -system.tending(system.starting(mode, y, -1), time, y)
+                assert max(rising, falling) <= system.holding(rising, falling)
+                assert system.rates(mode, time, y)[1] == 0.0
+    assert rests
 
 
 def drawn(random, presses):
