@@ -28,7 +28,6 @@ from ..engines.rank import RANK, PassiveJacobian, rank
 from ..engines.spatial.engine import SpatialEngine
 from ..engines.structure import Structure
 
-CLEAR = 1e-2  # smallest margin of a redundant linkage over a turn; below it all its equations are solved in one block
 MANY_PERIODS = 1000  # from so many periods on the rounding of a crank angle is seen in the gaps of loops
 FARTHEST = 1e7  # larger crank angles are rounded by more than 1e-9 rad, which the slide's position would show [rad]
 
@@ -326,7 +325,7 @@ def _relations_with_one_joint_left(structure: Structure, placed: Collection[int]
 def _full_turn(planar: PlanarEngine, structure: Structure, drawn: Closure) -> Branch | None:
     """The branch, if the driver turns fully with the equations in the blocks of this engine and stays well away from locks; else None."""
     try:
-        walked = walk_branch(planar, structure, drawn.position[:, 0], smallest_margin=CLEAR)
+        walked = walk_branch(planar, structure, drawn.position[:, 0], smallest_margin=1e-2)  # near a lock one block is safer
     except PinpressError:
         return None
     return walked if walked.period is not None else None

@@ -1,6 +1,4 @@
-"""The text of a URDF as XML elements, each with its line, and findings about them: what reading, checking, showing and rewriting a linkage
-start from.
-"""
+"""A URDF: its text, its elements and what they say; and findings about it."""
 
 from __future__ import annotations
 
@@ -33,14 +31,14 @@ class Origin(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Finding(Record):
-    """One thing found in a URDF, or in its linkage: `load` raises the first error, `check` lists all findings.
+    """An error, a warning or a note about a URDF or its linkage: `load` raises the first error, `check` lists all findings.
 
     Attributes:
-        severity: "error" (the linkage is not loaded), "warning" (it is loaded, but hardly meant so) or "note" (worth knowing).
-        element: the XML element, e.g. ``<joint name="A">``; None where the finding is about the file as a whole.
-        line: line of this element in the file; None where there is none.
-        problem: what was found.
-        remedy: what to write or to do; empty where nothing need be done.
+        severity: "error" (the linkage is not loaded), "warning" (it is loaded, but probably a mistake) or "note" (worth knowing).
+        element: the XML element, e.g. ``<joint name="A">``; None if the finding is about the file as a whole.
+        line: line of this element in the file; None if it has no line.
+        problem: what is wrong, odd or worth knowing.
+        remedy: what to write or to do; empty if nothing need be done.
         error: the exception that `load` raises if this is the first error; None of warnings and notes.
     """
 
@@ -68,10 +66,10 @@ class Document:
     Attributes:
         file: path of the file.
         text: its content as read, UTF-8, perhaps with a byte order mark; of a file in another format, the URDF made from it.
-        origins: of such a file, from which of its elements those of the text were written, by line in the text and tag of the element under
+        origins: elements of such a file from which those of the text were written, by line in the text and tag of the element under
             ``<robot>`` that they are or are in ("robot" for the root).
         remarks: warnings and notes about what such a file says and a URDF cannot.
-        estimated: names of links whose moments of inertia nobody wrote: they were worked out from masses and lengths.
+        estimated: names of links whose moments of inertia were worked out from masses and lengths.
     """
 
     file: str
@@ -90,7 +88,7 @@ class Document:
 
     @cached_property
     def description(self) -> Description:
-        """What the elements say, of a URDF without errors."""
+        """What the elements say."""
         return describe(self.robot)
 
     def find(self, tag: str, name: str | None) -> Element:

@@ -45,11 +45,6 @@ if TYPE_CHECKING:
 NAME_A_SLIDE = "name a link that the frame guides: load(..., slide=...) or build(..., slide=...), on the command line --slide"
 UPRIGHT = 0.7  # cosine between the slide's axis and the vertical above which words call its ways up and down
 LEVEL = 1e-6  # cosine between a slide's axis and the vertical up to which it moves horizontally: files round directions to some six digits
-SHOWN = np.pi / 3  # crank angle at which a linkage is drawn in notebooks: a drawn pose is often a dead centre [rad]
-ROUNDED = (
-    4e-6  # of the largest principal moment: files may round each link's by 1e-6, and the largest of links welded is a third of their sum
-)
-EVEN = 1e-9  # unbalance of a shaft that is rounding, as a share of its moment of inertia, or of its mass times the linkage's size
 
 
 class SlideGuide(NamedTuple):
@@ -68,8 +63,8 @@ class SlideGuide(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Linkage(Frozen):
-    """A closed linkage and its drivers. Made by `load`; read-only, ``model`` too: once it was changed in place, whatever is asked of the
-    linkage raises a PinpressError. Inertias that no body has are refused, however the linkage was made.
+    """A closed linkage and its drivers, made by `load`. It is read-only, ``model`` too: after a change in place every use of the linkage
+    raises a PinpressError. Inertias that no body has are refused, however the linkage was made.
 
     World axes: up is against gravity, z by default (`up`); a planar press then stands in the x-z plane. Angles are zero in the drawn pose.
     SI units. A changed linkage is made by ``dataclasses.replace(press, model=...)`` with a changed copy of the model: everything else here
@@ -86,7 +81,7 @@ class Linkage(Frozen):
         drivers: names of the driver joints, as many as degrees of freedom.
         slide: name of the slide link, None where the linkage has none.
         held_spins: names of the joints that are held where the file draws them, because a link could spin about the line of its ball
-            joints, which neither drivers nor forces heed.
+            joints, which neither drivers nor forces determine.
         zero: where the driver's coordinate is 0, as in "top dead centre"; empty for the pose that the file draws. See `drawn_at`.
     """
 
@@ -119,7 +114,7 @@ class Linkage(Frozen):
         from .skeleton import skeleton  # to save start-up time: the XML library
 
         try:
-            shown = self.drawn_at(SHOWN)
+            shown = self.drawn_at(np.pi / 3)  # the pose of the file is often a dead centre
         except PinpressError:
             shown = self
         links = [self.link_of(joint) for joint in range(self.model.njoints)]
@@ -361,8 +356,10 @@ class Linkage(Frozen):
         return self.assembly.branch or walk_branch(self.engine(), self.structure, self.closed)
 
     def follow_beside(self, other: Linkage) -> None:
-        """Find the branch of this linkage from that of another one with the same joints and nearly the same lengths, which takes a tenth of
-        the time of walking it. Where they differ too much nothing is found, and the branch is walked when it is needed."""
+        """Find the branch of this linkage from that of another one with the same joints and nearly the same lengths.
+
+        That takes a tenth of the time of walking it. If they differ too much, the branch is walked when it is needed.
+        """
         if self.joints == other.joints and self.drivers == other.drivers and len(self.drivers) == 1:
             nearby = walk_branch_beside(self.engine(), self.structure, other.branch)
             if nearby is not None:
@@ -404,12 +401,12 @@ class Linkage(Frozen):
         )
 
     def refuse_sliding_driver(self, refusal: str) -> None:
-        """Raise PinpressError where the first driver slides; ``refusal``: why that does not do, and what does."""
+        """Raise PinpressError if the first driver slides; ``refusal``: why that is not possible here, and what is."""
         if not self.driver_coordinates[0].turns:
             raise PinpressError(f"driver {self.driver!r} of {self.name} slides to and fro: {refusal}")
 
     def refuse_several_drivers(self, refusal: str) -> None:
-        """Raise PinpressError where the linkage has several drivers; ``refusal``: why that does not do, and what does."""
+        """Raise PinpressError if the linkage has several drivers; ``refusal``: why that is not possible here, and what is."""
         if len(self.drivers) > 1:
             raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: {refusal}")
 
@@ -511,8 +508,8 @@ class Linkage(Frozen):
         if positions.size == 0 or positions.ndim != 1 + several or positions.shape[1:] != (len(self.drivers),) * several:
             count = len(self.drivers)
             one_driver = "one angle or (n,) angles [rad]" if self.driver_coordinates[0].turns else "one position or (n,) positions [m]"
-            wanted = f"({count},) or (n, {count}), the angles of all drivers [rad]" if several else one_driver
-            raise PinpressError(f"angle has shape {angles.shape}: give {wanted}")
+            shapes = f"({count},) or (n, {count}), the angles of all drivers [rad]" if several else one_driver
+            raise PinpressError(f"angle has shape {angles.shape}: give {shapes}")
         refuse_far("angle", positions, self.driver_coordinates)
         if several:
             x = follow_drivers(self.engine(), self.structure, self.closed, positions, self.name)
@@ -559,13 +556,12 @@ class Linkage(Frozen):
     @property
     @per_linkage
     def _first_links(self) -> dict[int, str]:
-        """`link_of` of all joints."""
         bodies = [(frame.parentJoint, str(frame.name)) for frame in self.model.frames if frame.type == pin.BODY]
         return dict(reversed(bodies)) | {0: self.root}
 
 
 def first_unphysical(inertias: Sequence[pin.Inertia]) -> tuple[int, str] | None:
-    """The first of some inertias that no body has, by its index, and why; None if bodies have all of them.
+    """Index of the first inertia that no body has, and why; None if bodies have all of them.
 
     No body has a mass below zero, or principal moments that break I1 + I2 >= I3 >= 0. Masses and moments of zero pass, of links without
     mass and of points.
@@ -576,7 +572,8 @@ def first_unphysical(inertias: Sequence[pin.Inertia]) -> tuple[int, str] | None:
         return int(np.argmin(finite)), "a mass, centre of mass or moment of inertia that is not finite"
     moments = np.linalg.eigvalsh(tensors)
     least = np.minimum(moments[:, 0], moments[:, 0] + moments[:, 1] - moments[:, 2])
-    wrong = np.flatnonzero((masses < 0.0) | (least < -ROUNDED * np.abs(moments).max(axis=1)))
+    # Files may round the moments of each link by 1e-6, and the largest moment of welded links is at least a third of their sum.
+    wrong = np.flatnonzero((masses < 0.0) | (least < -4e-6 * np.abs(moments).max(axis=1)))
     if not len(wrong):
         return None
     k = int(wrong[0])
@@ -594,7 +591,7 @@ def _is_balanced(inertia: pin.Inertia, axis: Array, size: float) -> bool:
     along = axis @ inertia.inertia @ axis
     uneven = inertia.inertia - along * np.outer(axis, axis) - 0.5 * np.trace(transverse) * normal_part
     eccentric = inertia.mass * np.linalg.norm(normal_part @ inertia.lever)
-    return bool(np.abs(uneven).max() <= EVEN * along and eccentric <= EVEN * inertia.mass * size)
+    return bool(np.abs(uneven).max() <= 1e-9 * along and eccentric <= 1e-9 * inertia.mass * size)  # less is rounding
 
 
 # Outside the class, where it would be taken for the field's default.

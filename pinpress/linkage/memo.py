@@ -69,11 +69,11 @@ def per_linkage(work_out: Callable[[Any], Any] | None = None, *, of_geometry: bo
         attributes = press.__dict__
         if attributes[_MODEL] != attributes[_AS_BUILT]:
             refuse_changed(press)
-        known = attributes[_KEPT][of_geometry]
+        results = attributes[_KEPT][of_geometry]
         try:
-            return known[name]
+            return results[name]
         except KeyError:
-            known[name] = value = read_only(work_out(press))
+            results[name] = value = read_only(work_out(press))
             return value
 
     return kept
@@ -91,12 +91,12 @@ def keep_geometry_of(work_out: Callable[[Any], T], press: object, result: T) -> 
 
 def keep_all_but(forgotten: Callable[[Any], Any], copied: object, press: object) -> None:
     """Hand all kept results to an equal linkage, without that of one function (``forgotten``) of `per_linkage`."""
-    for known, own in zip(vars(copied)[_KEPT], vars(press)[_KEPT], strict=True):
-        known.update({name: value for name, value in own.items() if name != _name(forgotten)})
+    for results, from_press in zip(vars(copied)[_KEPT], vars(press)[_KEPT], strict=True):
+        results.update({name: value for name, value in from_press.items() if name != _name(forgotten)})
 
 
 def refuse_changed(press: object) -> None:
-    """Raise PinpressError where the model of a linkage is not what it was, or has numbers that equal nothing."""
+    """Raise PinpressError if the model of a linkage was changed in place, or has numbers that are not finite."""
     kept = vars(press)
     if kept[_MODEL] != kept[_AS_BUILT]:
         if kept[_MODEL] != kept[_MODEL]:  # NaN equals nothing

@@ -1,4 +1,4 @@
-"""The plane in which a linkage moves, if it moves in one, and how far its joints and loops are off it."""
+"""The plane in which a linkage moves, if it is planar, and how far its joints and loops are off the plane."""
 
 from __future__ import annotations
 

@@ -21,20 +21,11 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # 
 TOWARDS = np.array([0.1, -1.0, 0.5])  # direction towards the viewer of a planar linkage, roughly
 OBLIQUE = np.array([0.40, -0.80, 0.45])  # the same of a linkage in space
 PARALLEL = 1e-6  # sine of the angle between axes that are drawn as parallel
-MOST_NAMES = 24  # a linkage with more bearings is drawn without their names
-SAME = 0.5  # points closer than this are one [pixels]
-LETTER = 6.5  # mean width of a letter [pixels]
 SHORT, FAR = 16.0, 8.0  # half the length of a slide's block, and of the rails beside it beyond it [pixels]
 
 
 class _Bearing(NamedTuple):
-    """A bearing of the drawing.
-
-    Attributes:
-        name: its name.
-        point: (3,) its place in world axes [m].
-        bodies: the Pinocchio joints whose bodies it connects; of a guide only that of what slides.
-    """
+    """A bearing: its place in world axes [m], and the Pinocchio joints whose bodies it connects; of a guide only the sliding body."""
 
     name: str
     point: Array
@@ -56,11 +47,13 @@ def skeleton(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis],
     guided = {joint: places[joint].rotation @ axis.direction for joint, axis in enumerate(axes, 1) if not axis.turns}
     right, up = _view([places[joint].rotation @ axis.direction for joint, axis in enumerate(axes, 1)], axes)
     origins = [place.translation for place in places[1:]]
-    at = _onto_sheet(np.array([each.point for each in bearings] or origins) @ np.array([right, up]).T)
+    points = _onto_sheet(np.array([each.point for each in bearings] or origins) @ np.array([right, up]).T)
     size = {"width": f"{WIDTH:g}", "height": f"{HEIGHT:g}", "viewBox": f"0 0 {WIDTH:g} {HEIGHT:g}"}
     look = {"font-family": "sans-serif", "font-size": "11", "fill": "currentColor", "role": "img", "aria-label": words}
     root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", **size, **look})
-    corners = [np.array([at[k] for k, each in enumerate(bearings) if joint in each.bodies]).reshape(-1, 2) for joint in range(len(links))]
+    corners = [
+        np.array([points[k] for k, each in enumerate(bearings) if joint in each.bodies]).reshape(-1, 2) for joint in range(len(links))
+    ]
     for joint in guided:
         carrier = int(model.parents[joint])
         if carrier and len(corners[joint]) and len(corners[carrier]):
@@ -72,23 +65,25 @@ def skeleton(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis],
             _block(root, corners[joint].mean(axis=0), way, on_frame=int(model.parents[joint]) == 0, link=link, colour=colour)
         if len(corners[joint]):
             _link(root, corners[joint], link, colour)
-    for place, each in zip(at, bearings, strict=True):
-        if 0 in each.bodies:
-            _support(root, place)
-    _pins(root, at, [each.name for each in bearings] if len(bearings) <= MOST_NAMES else [])
+    for (x, y), each in zip(points, bearings, strict=True):
+        if 0 in each.bodies:  # the frame under it
+            path = f"M{x:.1f} {y:.1f} l-9 14 h18 z M{x - 12:.1f} {y + 14:.1f} h24"
+            look = {"fill": "none", "stroke": "currentColor", "stroke-opacity": "0.6", "stroke-width": "1.5"}
+            SubElement(root, "path", {"d": path, **look})
+    _pins(root, points, [each.name for each in bearings] if len(bearings) <= 24 else [])  # names of more would cover the picture
     return tostring(root, encoding="unicode")
 
 
 def _bearings(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis], places: Sequence[pin.SE3]) -> list[_Bearing]:
     """Bearings that have a place: joints that turn, and loops. A guide is drawn as a block where its body's bearings are; where there
     are none, it has the place of its joint."""
-    found = [_Bearing(loop.name, places[loop.joint1].act(loop.point1), (loop.joint1, loop.joint2)) for loop in loops]
+    bearings = [_Bearing(loop.name, places[loop.joint1].act(loop.point1), (loop.joint1, loop.joint2)) for loop in loops]
     joints = [
         _Bearing(model.names[joint], place.translation, (int(model.parents[joint]), joint)) for joint, place in enumerate(places) if joint
     ]
-    found += [each for each, axis in zip(joints, axes, strict=True) if axis.turns]
-    placed = {joint for each in found for joint in each.bodies}
-    return found + [each._replace(bodies=each.bodies[1:]) for each in joints if each.bodies[1] not in placed]
+    bearings += [each for each, axis in zip(joints, axes, strict=True) if axis.turns]
+    placed = {joint for each in bearings for joint in each.bodies}
+    return bearings + [each._replace(bodies=each.bodies[1:]) for each in joints if each.bodies[1] not in placed]
 
 
 def _view(directions: Sequence[Array], axes: Sequence[Axis]) -> tuple[Array, Array]:
@@ -152,22 +147,15 @@ def _block(root: Element, middle: Array, way: Array, *, on_frame: bool, link: st
         SubElement(root, "path", {"d": rails, **turn, "stroke": "currentColor", "stroke-opacity": "0.6", "stroke-width": "3"})
 
 
-def _support(root: Element, place: Array) -> None:
-    """The frame under a bearing."""
-    x, y = place
-    path = f"M{x:.1f} {y:.1f} l-9 14 h18 z M{x - 12:.1f} {y + 14:.1f} h24"
-    SubElement(root, "path", {"d": path, "fill": "none", "stroke": "currentColor", "stroke-opacity": "0.6", "stroke-width": "1.5"})
-
-
-def _pins(root: Element, at: Array, names: Sequence[str]) -> None:
+def _pins(root: Element, points: Array, names: Sequence[str]) -> None:
     """Circles at the bearings with their names; bearings in one place have one circle."""
     written: list[tuple[Array, list[str]]] = []
-    for k, place in enumerate(at):
-        here = next((words for other, words in written if np.abs(other - place).max() < SAME), None)
-        if here is None:
-            here = []
-            written.append((place, here))
-        here += names[k : k + 1]
+    for k, place in enumerate(points):
+        same_place = next((words for other, words in written if np.abs(other - place).max() < 0.5), None)  # [pixels]
+        if same_place is None:
+            same_place = []
+            written.append((place, same_place))
+        same_place += names[k : k + 1]
     taken: list[Array] = []
     for place, words in written:
         circle = {"cx": f"{place[0]:.1f}", "cy": f"{place[1]:.1f}", "r": "4", "fill": "#fff", "stroke": "#222", "stroke-width": "1.5"}
@@ -178,12 +166,12 @@ def _pins(root: Element, at: Array, names: Sequence[str]) -> None:
 
 def _name(root: Element, place: Array, words: str, taken: list[Array]) -> None:
     """A name beside a bearing, on the first of four sides where it is clear of the names before it."""
-    width = LETTER * len(words)
+    width = 6.5 * len(words)  # [pixels] of a mean letter
     for side, down in ((1, -7.0), (-1, -7.0), (1, 16.0), (-1, 16.0)):
         low = place + np.array([8.0 if side > 0 else -8.0 - width, down])
         box = low + np.array([[0.0, -9.0], [width, 2.0]])
         if not any(np.all(box[0] < other[1]) and np.all(other[0] < box[1]) for other in taken):
             break
     taken.append(box)
-    at = {"x": f"{place[0] + 8 * side:.1f}", "y": f"{place[1] + down:.1f}", "text-anchor": "start" if side > 0 else "end"}
-    SubElement(root, "text", at).text = words
+    position = {"x": f"{place[0] + 8 * side:.1f}", "y": f"{place[1] + down:.1f}", "text-anchor": "start" if side > 0 else "end"}
+    SubElement(root, "text", position).text = words

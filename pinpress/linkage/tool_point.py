@@ -32,26 +32,16 @@ def tool_point(press: Any) -> ToolPoint:
     """The point of a linkage with a slide: the ``<tool>`` of its file, else the middle of the pins farthest apart by which links hold the
     slide. Where all of them are in one line along the guide, it is the origin of the slide's link."""
     link = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement
-    point, name = _named(press) or _middle_or_origin(press, link)
-    return ToolPoint(point, link.act(point), name)
-
-
-def _named(press: Any) -> tuple[Array, str] | None:
-    """The ``<tool>`` of the slide's link, in its frame, and its name."""
     for tool in press.document.robot.all("link")[press.links.index(str(press.slide))].all("tool"):
-        return np.array(tool.numbers("xyz")), tool.get("name") or "the <tool> of its file"
-    return None
-
-
-def _middle_or_origin(press: Any, link: pin.SE3) -> tuple[Array, str]:
-    """The point that the pins make, in the slide link's frame, and what it is; ``link``: placement of this frame in that of its joint."""
-    pins = {name: link.actInv(point) for name, point in _holding(press).items()}
+        point = np.array(tool.numbers("xyz"))
+        return ToolPoint(point, link.act(point), tool.get("name") or "the <tool> of its file")
+    pins = {name: link.actInv(point) for name, point in _holding_pins(press).items()}
     along = link.rotation.T @ press.axes[press.slide_guide.joint].direction
-    middle = middle_of_outermost(pins, along, press.size)
-    if middle is not None:
-        return middle
+    if middle := middle_of_outermost(pins, along, press.size):
+        return ToolPoint(middle[0], link.act(middle[0]), middle[1])
     at_origin = (name for name, point in pins.items() if np.linalg.norm(_across(point, along)) <= ALIKE * press.size)
-    return np.zeros(3), next((f"pin {name}" for name in at_origin), f"the origin of link {press.slide}")
+    name = next((f"pin {name}" for name in at_origin), f"the origin of link {press.slide}")
+    return ToolPoint(np.zeros(3), np.array(link.translation), name)
 
 
 def middle_of_outermost(pins: Mapping[str, Array], along: Array, size: float) -> tuple[Array, str] | None:
@@ -74,7 +64,7 @@ def _across(vector: Array, along: Array) -> Array:
     return np.asarray(vector - (vector @ along) * along)
 
 
-def _holding(press: Any) -> dict[str, Array]:
+def _holding_pins(press: Any) -> dict[str, Array]:
     """Places (3,) in the frame of the slide's body of the bearings by which the drive holds it [m].
 
     A chain that hangs on the slide and leads to no driver, such as a lever that it moves, carries nothing of a process force.

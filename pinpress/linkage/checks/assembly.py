@@ -40,7 +40,7 @@ def errors(press: Linkage) -> Iterator[Finding]:
     rows = assembly.rows if assembly.closes else assembly.rows_as_drawn
     freedom = press.model.nv - rank(rows.columns)
     yield from _unseen(press)
-    if assembly.closes and freedom > len(press.drivers) and mobility.freedom_beside(press) == len(press.drivers):
+    if assembly.closes and freedom > len(press.drivers) and mobility.freedom_nearby(press) == len(press.drivers):
         yield _change_point(press, rows)
     elif freedom != len(press.drivers):
         yield _mobility(press, rows, freedom)

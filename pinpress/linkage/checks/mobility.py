@@ -1,7 +1,6 @@
-"""Mobility of a linkage at one configuration: which joints can move, which equations are redundant, which loop or gear pair is one too
-many.
+"""Mobility of a linkage at one configuration: which joints can move, which equations are redundant, which loop or gear pair is too many.
 
-A joint or an equation takes part in a free motion, or in a redundancy, if its share of the null vectors is above rounding.
+A joint or an equation takes part in a free motion, or in a redundancy, if its share of the null vectors is above rounding error.
 """
 
 from typing import NamedTuple
@@ -17,8 +16,8 @@ from ...engines.structure import data_of
 from ..linkage import Linkage
 
 TAKES_PART = 1e-6  # share of a unit null vector above which a joint or an equation takes part in it
-BALANCED = 1e-6  # distance of a centre of mass from the line that its link spins about, that is rounding [lengths of the linkage]
-NEARLY = 0.2  # the same, up to which a spin is named where it keeps a linkage from being loaded [lengths of the linkage]
+BALANCED = 1e-6  # a centre of mass this close to the line about which its link spins is on it [lengths of the linkage]
+NEARLY = 0.2  # up to this distance a message names the spin that keeps a linkage from being loaded [lengths of the linkage]
 
 
 class Constraint(NamedTuple):
@@ -109,17 +108,17 @@ class Spin(NamedTuple):
 
 
 def spins(press: Linkage, rows: Rows) -> list[Spin]:
-    """The spins that are all that the drivers leave undetermined; none where something else can move too, or nothing.
+    """The spins, if the drivers leave nothing else undetermined; none if another motion is free too, or no motion.
 
-    A free motion is a spin if only one body with a mass moves in it, and turns about a line on which its centre of mass lies, to rounding
-    or nearly.
+    A free motion is a spin if only one body with a mass moves in it, and turns about a line on which its centre of mass lies or nearly
+    lies.
     """
     passive = PassiveJacobian(rows.columns, press.structure.passive_joints)
     free = passive.right[passive.rank :] / passive.lengths
     if not len(free) or press.model.nv - rank(rows.columns) != len(press.drivers) + len(free):
         return []
     all_spins: list[Spin] = []
-    while len(free):  # each joint that is held leaves a free motion less
+    while len(free):  # each joint that is held removes a free motion
         way, joint = np.unravel_index(int(np.abs(free).argmax()), free.shape)
         motion = free[way] / free[way, joint]
         free = np.delete(free - np.outer(free[:, joint], motion), way, axis=0)
@@ -131,7 +130,7 @@ def spins(press: Linkage, rows: Rows) -> list[Spin]:
 
 
 def _spin(press: Linkage, rows: Rows, joints: list[int], motion: Array, held: int) -> Spin | None:
-    """The spin that a free motion (passive joints,) is; None where it moves more than one body with a mass, or its centre of mass far."""
+    """A free motion (passive joints,) as a spin; None if it moves several bodies with a mass, or a centre of mass far."""
     model, rates = press.model, np.zeros(press.model.nv)
     rates[joints] = motion
     data = data_of(model)
@@ -151,8 +150,8 @@ def _spin(press: Linkage, rows: Rows, joints: list[int], motion: Array, held: in
 
 def overconstraining(press: Linkage, rows: Rows) -> list[Constraint]:
     """The loops and gear pairs that are one too many: without this one alone, the drivers would move the linkage and determine it."""
-    wanted = len(press.drivers)
-    return [each for each, columns in _without_one(press, rows) if _freedom(press, columns) == (wanted, wanted)]
+    drivers = len(press.drivers)
+    return [each for each, columns in _without_one(press, rows) if _freedom(press, columns) == (drivers, drivers)]
 
 
 def locking(press: Linkage, rows: Rows) -> list[Constraint]:
@@ -194,28 +193,32 @@ def redundancy(press: Linkage, x: Array) -> Redundancy:
     return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in constraints(press) if each in taking))
 
 
-def freedom_beside(press: Linkage) -> int:
-    """Degrees of freedom in a random pose near the drawn one, where no equation fails by chance."""
-    count = int(press.model.nv)
-    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
-    away = 1e-3 * lengths  # near to the drawn pose, and a thousand times the rounding of files
-    beside = press.closed + away * np.random.default_rng(0).uniform(-1, 1, count)
-    return count - rank(press.equations(beside).columns)
+def freedom_nearby(press: Linkage) -> int:
+    """Degrees of freedom in a random pose near the drawn one, where no equation is redundant by chance."""
+    away = np.random.default_rng(0).uniform(-1e-3, 1e-3, press.model.nv)  # a thousand times the rounding of files
+    nearby = press.closed + away * _lengths(press)
+    return int(press.model.nv) - rank(press.equations(nearby).columns)
 
 
 def is_shaky(press: Linkage) -> bool:
-    """Whether the equations of a linkage that fail in the drawn pose fail in closed poses beside it too, as those of two equal trammels do
-    that a rod across them joins. Beside a change point the singular value that is zero there is about as large as the distance from it."""
-    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
+    """Whether equations that are redundant in the drawn pose are so in closed poses nearby too, as in two equal trammels that a rod joins.
+
+    Near a change point the singular value that is zero there is about as large as the distance from it.
+    """
     random, last = np.random.default_rng(0), press.model.nv - len(press.drivers) - 1
     away, largest = 1e-2, 0.0  # distance of the poses [rad, lengths of the linkage]
     for _ in range(6):
-        x = press.closed + away * lengths * random.uniform(-1, 1, len(lengths))
+        x = press.closed + away * _lengths(press) * random.uniform(-1, 1, press.model.nv)
         for _ in range(40):  # at a double root steps of Newton's method halve the distance, here from 1e-2 to rounding
             rows = press.equations(x)
             x = x - np.linalg.lstsq(rows.columns, rows.gaps, rcond=1e-9)[0]
         largest = max(largest, float(singular_values(press.equations(x).columns)[last]))
     return largest < 1e-3 * away  # a double root is found to the square root of rounding, 1e-8
+
+
+def _lengths(press: Linkage) -> Array:
+    """(nv,) what counts as 1 rad of each joint [rad or m]."""
+    return np.array([1.0 if axis.turns else press.size for axis in press.axes])
 
 
 def rates_of_drivers(press: Linkage) -> Array:
