@@ -348,14 +348,7 @@ def _on_guide(press: Linkage, reactions: Reactions, offset: Array) -> tuple[Arra
 
 
 class _Touching(NamedTuple):
-    """Where S surfaces touch, in n states.
-
-    Attributes:
-        middle: (n, S) compression at the middle of each [m].
-        slope: (n, S) by the place along the guide [-].
-        low: (n, S) place from which it touches, from its middle [m].
-        high: (n, S) place up to which it does.
-    """
+    """Compression at the middle (n, S) of S surfaces [m], its slope along the guide, and from where to where each touches [m]."""
 
     middle: Array
     slope: Array

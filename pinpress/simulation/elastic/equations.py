@@ -82,8 +82,8 @@ class ElasticEquations:
         return self.sprung.free - 1 if self.train is None else self.train.count + self.sprung.free
 
     @property
-    def own(self) -> int:
-        """Number of coordinates of the drive train, which come before those of the bodies."""
+    def body_start(self) -> int:
+        """Number of the first coordinate of the bodies: those of the drive train come before."""
         return 0 if self.train is None else self.train.count
 
     @property
@@ -94,7 +94,7 @@ class ElasticEquations:
     @property
     def unsprung(self) -> Sequence[int]:
         """Coordinates of a frame on its mounts: it begins where it stands under its weight, whatever shakes it."""
-        last = self.own + self.sprung.free - 1
+        last = self.body_start + self.sprung.free - 1
         return range(last - 3, last) if self.sprung.geometry.base is not None else ()
 
     @cached_property
@@ -117,7 +117,7 @@ class ElasticEquations:
     def whole(self, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
         """Free coordinates and rates (n, f) of the bodies, that of the crank last, of the unknown ones (n, size)."""
         if self.crank is None:
-            return y[:, self.own :], v[:, self.own :]
+            return y[:, self.body_start :], v[:, self.body_start :]
         angle, speed = self.crank.angle + self.crank.speed * time, np.full(len(time), self.crank.speed)
         return np.column_stack([y, angle]), np.column_stack([v, speed])
 
@@ -132,14 +132,14 @@ class ElasticEquations:
         return np.stack([path.value for path in motions], axis=1), np.stack([path.rate for path in motions], axis=1)
 
     def linearised(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Linearised:
-        state, n, own = self.state(time, y, v), self.size, self.own
+        state, n, start = self.state(time, y, v), self.size, self.body_start
         forces = self._forces(time, y, v, segments, self.body_forces(time, segments, state))
         by_time = self._by_time(time, y, v, segments, state, forces)
         left, mass = forces.force[:, :n] - a @ self.mass, self.mass
         stiffness, damping = forces.stiffness[:, :n, :n], forces.damping[:, :n, :n]
         varying = self._varying_inertia(state, a)
         if varying is not None:
-            bodies, whole = n - own, ((0, 0), (own, 0), (own, 0))  # the drive train's coordinates have constant inertia
+            bodies, whole = n - start, ((0, 0), (start, 0), (start, 0))  # the drive train's coordinates have constant inertia
             by_place, by_rate, by_acceleration = (np.pad(matrix[:, :bodies, :bodies], whole) for matrix in varying[1:])
             left = left - np.pad(varying.force[:, :bodies], whole[:2])
             stiffness, damping, mass = stiffness + by_place, damping + by_rate, mass + by_acceleration
@@ -151,8 +151,8 @@ class ElasticEquations:
         """Inertia forces of the bodies' free coordinates that the mass matrix leaves out, those of a held crank too."""
         if self.sprung.geometry.constant_mass:
             return None
-        of_crank = np.zeros((len(a), self.sprung.free - self.size + self.own))  # a held crank has no acceleration
-        return self.sprung.varying_inertia(state, np.concatenate([a[:, self.own :], of_crank], axis=1))
+        of_crank = np.zeros((len(a), self.sprung.free - self.size + self.body_start))  # a held crank has no acceleration
+        return self.sprung.varying_inertia(state, np.concatenate([a[:, self.body_start :], of_crank], axis=1))
 
     def _by_time(self, time: Array, y: Array, v: Array, segments: Indices, state: BodyState, forces: SpringForces) -> Array:
         """Derivative (n, size) of the forces by time."""
@@ -169,7 +169,7 @@ class ElasticEquations:
             if law.time is not None:
                 path = self.paths[law.row].over(self.sprung, state)
                 before, after = (self._law_values(law, number, segments, time + step, path)[0] for step in (-INSTANT, INSTANT))
-                by_time[:, self.own :] += (after - before)[:, None] / (2 * INSTANT) * path.gradient
+                by_time[:, self.body_start :] += (after - before)[:, None] / (2 * INSTANT) * path.gradient
         return by_time
 
     def _forces(self, time: Array, y: Array, v: Array, segments: Indices, bodies: SpringForces, held: bool = True) -> SpringForces:
@@ -177,7 +177,7 @@ class ElasticEquations:
         sides that hold each other, too."""
         if self.train is None:
             return bodies
-        count, (force, stiffness, damping) = self.own, (np.zeros((len(y), *(self.size,) * (part.ndim - 1))) for part in bodies)
+        count, (force, stiffness, damping) = self.body_start, (np.zeros((len(y), *(self.size,) * (part.ndim - 1))) for part in bodies)
         force[:, count:], stiffness[:, count:, count:], damping[:, count:, count:] = bodies
         for mode, rows in self._by_mode(segments):
             parts = (force[rows], stiffness[rows], damping[rows])
@@ -273,7 +273,7 @@ class ElasticEquations:
 
     def _of_unknowns(self, gradient: Array) -> Array:
         """A gradient (size,) by the unknown coordinates, of that (f,) by the bodies' free ones."""
-        return np.concatenate([np.zeros(self.own), gradient])[: self.size]
+        return np.concatenate([np.zeros(self.body_start), gradient])[: self.size]
 
     def _with_the_crank(self, gradient: Array) -> float:
         """Derivative by time of what has this gradient (f,) by the free coordinates, where the crank goes its prescribed way."""

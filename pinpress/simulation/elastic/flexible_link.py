@@ -151,14 +151,8 @@ def read_flexible_link(
 class _Reduced(NamedTuple):
     """A free link in its own vibrations, of modal masses of 1, in the axes of its model.
 
-    Attributes:
-        mass: of the whole [kg].
-        centre: its centre of mass [m].
-        inertia: about that [kg m2].
-        frequency: (m,) rising [rad/s].
-        shapes: (k, m) displacements of its nodes, along the first axis and i times along the second.
-        stretch: (m,) integrals of place times shape over the mass.
-        swirl: (m, m) integrals of the cross products of shapes over the mass.
+    Mass [kg], centre of mass [m] and inertia about it [kg m2]; rising frequencies (m,) [rad/s], displacements (k, m) of the nodes, along
+    the first axis and i times along the second, and the integrals c (m,) and G (m, m) of the module.
     """
 
     mass: float

@@ -52,13 +52,7 @@ def march(
 
 
 class _Passing(NamedTuple):
-    """A path passes a border, the crank an angle, the force of a contact vanishes, or the drive train switches.
-
-    Attributes:
-        time: about which it does [s].
-        event: what happens.
-        rise: change of the path there: positive where it rises.
-    """
+    """An event, the time about which it happens [s], and the change of the path there: positive where it rises."""
 
     time: float
     event: MotionEvent
@@ -66,13 +60,7 @@ class _Passing(NamedTuple):
 
 
 class _Piece(NamedTuple):
-    """A part of a motion in which the same forces act.
-
-    Attributes:
-        mode: of the drive train; None: the crank is held.
-        segment: the intervals that act.
-        laws: the same, with contacts as they were struck.
-    """
+    """A part of a motion in which the same intervals act; in ``laws`` contacts are as they were struck. A held crank has no mode."""
 
     mode: TrainMode | None
     segment: Segment

@@ -35,9 +35,9 @@ def resting(task: Task, start: float) -> Array:
     by_crank = v[0] / v[0, -1]  # rates of a free crank's coordinates by its own
     v, a = task.begins * v, task.begins**2 * a
     if equations.train is not None:
-        count, train = equations.own, equations.train
+        start_of_bodies, train = equations.body_start, equations.train
         mode, rates = train.begun(start, float(v[0, -1]))
-        by_crank[:count], v[0, :count] = 0.0, rates
+        by_crank[:start_of_bodies], v[0, :start_of_bodies] = 0.0, rates
         equations = replace(equations, modes=(train.due(mode, 0.0, v[0]),))
     if sprung.closed is None:
         return np.concatenate([_balance(equations, y, v, a, by_crank, task.tolerance)[0], v[0]])
@@ -69,7 +69,7 @@ def _members_touching(equations: ElasticEquations, contacts: Sequence[Generalize
 def _balance(equations: ElasticEquations, y: Array, v: Array, a: Array, by_crank: Array, tolerance: float) -> Array:
     """Coordinates (1, size) near ``y`` at which all forces balance the inertia forces of given accelerations (1, size); those of the drive
     train, which has no springs, and of a frame on its mounts, which stands at its place, are found with them."""
-    still = [*range(equations.own), *equations.unsprung]
+    still = [*range(equations.body_start), *equations.unsprung]
     for _ in range(MOST_STEPS):
         linear = equations.linearised(np.zeros(1), y, v, a, np.zeros(1, dtype=int))
         matrix = linear.stiffness[0]

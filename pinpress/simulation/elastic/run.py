@@ -329,8 +329,8 @@ def solution_states(solution: ElasticSolution, panel: Indices, share: Array, tur
     if passed.any():
         assert solution.gain is not None
         by_crank = () if equations.crank is None else (equations.crank.speed * (mesh.knots[-1] - mesh.knots[0]),)
-        free = free + passed[:, None] * np.concatenate([solution.gain[equations.own : y.shape[1]], by_crank])
-    accelerations = a[:, equations.own :] if equations.crank is None else np.column_stack([a, np.zeros(len(a))])
+        free = free + passed[:, None] * np.concatenate([solution.gain[equations.body_start : y.shape[1]], by_crank])
+    accelerations = a[:, equations.body_start :] if equations.crank is None else np.column_stack([a, np.zeros(len(a))])
     bodies = equations.sprung.state(free, rates)
     return SolutionStates(solution, panel, share, passed, times, segments, y, v, a, bodies, accelerations)
 

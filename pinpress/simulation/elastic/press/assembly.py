@@ -169,15 +169,7 @@ def _angle_row(plane: Plane, joint: int, size: int) -> Array:
 
 
 class _Softer(NamedTuple):
-    """A pin that yields more along a rod that ends there.
-
-    Attributes:
-        name: of the rod.
-        body: its link.
-        along: direction of the rod in the drawn pose, outwards at this pin.
-        stiffness: of the rod [N/m], or a joint.
-        ends: number of pins that share its elongation.
-    """
+    """A pin that yields more along a rod that ends there: outwards in the drawn pose, as one of ``ends`` pins that share its elongation."""
 
     name: str
     body: int

@@ -29,17 +29,10 @@ from .turning import nominal_turns
 
 
 class _Joint(NamedTuple):
-    """A bearing with springs of its own.
+    """A bearing with springs: a "pin", "guide", "ball", "universal" or "weld", of one member, or of the pins of a cross.
 
-    Attributes:
-        kind: "pin", "guide", "ball", "universal" or "weld".
-        members: numbers of the bearings that it consists of: one, or the pins of a cross.
-        first: Pinocchio's joint of body 1, 0 for the frame.
-        second: of body 2.
-        point1: (3,) in the frame of the first joint [m].
-        point2: (3,) in that of the second.
-        axes1: (3, 3) axes of end 1 in the frame of the first joint, as columns; the first is that of a pin or guide.
-        axes2: (3, 3) of end 2 in that of the second; of a universal joint the first is its pin on this side.
+    Points [m] and axes (as columns) of each end are in the frame of its Pinocchio's joint, 0 for the frame. The first axis is that of a pin
+    or guide; of a universal joint it is the pin on this side.
     """
 
     kind: str
