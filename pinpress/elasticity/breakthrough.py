@@ -7,7 +7,7 @@ the linkage is pulled: k |x| is its reverse load, and |x| the overshoot of the s
 slide's weight as balanced, the crank as held, and its travel during the snap as small.
 
 With a clearance g in the bearings the spring is in contact for x > 0 and for x < -g; between them the slide flies freely and without
-damping. Every segment is solved in closed form, and its end is found to rounding.
+damping. Every segment is solved in closed form, and its end is found within rounding error.
 
 Closed forms without clearance: for a sudden break the reverse load is F exp(-zeta pi / sqrt(1 - zeta^2)). For a break within tau and
 without damping it is F |sin(w tau / 2) / (w tau / 2)|, w = sqrt(k / m) (a linear drop of force on a linear oscillator; any textbook of

@@ -36,7 +36,7 @@ from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage, OfPress
 from ..simulation.elastic.preloaded_joint import FAINT, STIFFEST
 
-WIDEST = 2e-3  # clearance of a surface above which it is hardly meant [m]
+WIDEST = 2e-3  # clearance of a surface above which it is probably in mm [m]
 ACROSS = 1e-9  # component along the guide that the normal of a surface may have
 HELD = 1e-9  # share of the springs that holds a slide which floats in its clearances in the middle
 LEFT = 1e-6  # share of the load that these may take, before the guide counts as one that does not hold the slide
@@ -113,7 +113,7 @@ def eight_way_guide(
 
     Args:
         facing_x: half distances along x and y between the middles of the surfaces on which the slide presses along x [m].
-        facing_y: likewise of those on which it presses along y [m].
+        facing_y: half distances between those on which it presses along y [m].
         length: of each surface along the guide [m].
         width: of each across it [m].
         stiffness: of each [N/m].
@@ -248,9 +248,9 @@ def guide_contact(
 
     Args:
         press: a press with a slide whose guide the frame carries.
-        reactions: of `inverse_dynamics` of this press, with all loads; forces beside the slide's axis as `PointForce`.
+        reactions: of `inverse_dynamics` of this press, with all loads; forces off the slide's axis as `PointForce`.
         surfaces: of the slide's guide, such as `eight_way_guide` makes.
-        offset: (3,) how far beside `Linkage.tool` the process loads act, in world axes [m].
+        offset: (3,) how far from `Linkage.tool` the process loads act, in world axes [m].
 
     Raises:
         PinpressError: the press has no slide, a surface does not face across its guide, the reactions are of a press with other joints or
@@ -260,10 +260,10 @@ def guide_contact(
         PinpressWarning: a surface or the offset is so far off that it may be in mm.
     """
     surfaces = tuple(surfaces)
-    across, beside = _checked(press, surfaces), suitable_numbers("offset", offset, "three finite numbers, x, y, z [m]", (3,))
+    across, shift = _checked(press, surfaces), suitable_numbers("offset", offset, "three finite numbers, x, y, z [m]", (3,))
     refuse_motion_of_another(press, reactions.motion)
-    plausibility.point("guide_contact: offset", beside, press.size)
-    force, moment = _on_guide(press, reactions, beside)
+    plausibility.point("guide_contact: offset", shift, press.size)
+    force, moment = _on_guide(press, reactions, shift)
     bed = _Bed.of(surfaces, across, press.slide_direction)
     load = np.column_stack([-force @ across.T, -moment])  # of the slide on its guide
     places = _settled(bed, load, reactions.motion, press.name)
@@ -317,7 +317,7 @@ def _checked(press: Linkage, surfaces: Sequence[GuideSurface]) -> Array:
 
 
 def _on_guide(press: Linkage, reactions: Reactions, offset: Array) -> tuple[Array, Array]:
-    """Force (n, 3) of the guide on the slide, and its moment about the slide link's origin, in world axes, with process loads beside it."""
+    """Force (n, 3) of the guide on the slide and its moment about the slide link's origin, in world axes; process loads have an offset."""
     guide, slide = press.joints[press.slide_guide.joint], str(press.slide)
     if guide in reactions.left_out:
         raise PinpressError(f"the reactions leave out {shown(guide)}: name it in inverse_dynamics(..., bearings=), or give no bearings=")

@@ -1,6 +1,6 @@
 """What a pin with clearance does turn by turn: the journal's orbit, its impacts, their spread, and an estimate of the wear.
 
-A journal that loses contact strikes anew in every turn, and small differences grow from impact to impact. Single peaks then mean little;
+A journal that loses contact strikes again in every turn, and small differences grow from impact to impact. Single peaks then mean little;
 what repeats is their distribution over many turns and many starts.
 """
 
@@ -169,7 +169,7 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
     """Estimate the mean depth that wears off the bearing of a pin in an hour, by Archard's law [m/h].
 
     The worn volume is coefficient x sum of force x sliding way / hardness (Archard 1953), spread over the bearing's surface 2 pi radius
-    width. The coefficient scatters by a factor of ten with lubrication and dirt: the result compares designs, it foretells no life.
+    width. The coefficient scatters by a factor of ten with lubrication and dirt: the result compares designs, it does not predict the life.
 
     Args:
         run: an elastic run, or steady state.

@@ -1,6 +1,6 @@
 """Shapes of natural vibrations of linkages in space, and where their energy is; see `vibration` for what they are.
 
-A shape is a set of rates of all coordinates of the bodies (`press.space`), small displacements beside the rigid pose. The matrix of a
+A shape is a set of rates of all coordinates of the bodies (`press.space`), small displacements from the rigid pose. The matrix of a
 body changes with them by the derivatives of the matrix, which give the vector of its turn and its kinetic energy.
 """
 

@@ -146,7 +146,7 @@ class ElasticSpeedResponse(OfPress, Tabular):
         deepest_angle: (s,) crank angle at which it is so deep [rad].
         peaks: name of a bearing -> (s,) its largest force [N].
         reverse_force: (s,) largest force with which the linkage pulls the slide in its direction, upwards [N].
-        frame_force: (s,) largest force of linkage, crown and loads on the frame, beside its mean [N].
+        frame_force: (s,) largest force of linkage, crown and loads on the frame less its mean [N].
         drive_torque: (s,) largest torque of the drive, forwards or backwards [N m].
         lost: (s,) work lost in the dampers in a period [J].
     """

@@ -1,9 +1,9 @@
 """The springs of a press: the parts that yield, and the internal force in each of them over a motion.
 
-Every part is a spring in series with the rigid linkage, linear but for preloaded joints that open. Its internal force N is found by rigid
-inverse dynamics, so that all results are of first order in the deflections. By virtual work a part with compliance c moves the slide by
-c N . n, where n is its internal force under a unit force on the slide (unit-load method). The sign of N does not matter, because n has this
-sign too, but for joints, whose force is positive in tension.
+Every part is a spring in series with the rigid linkage, linear except for preloaded joints that open. Its internal force N is found by
+rigid inverse dynamics, so that all results are of first order in the deflections. By virtual work a part with compliance c moves the slide
+by c N . n, where n is its internal force under a unit force on the slide (unit-load method). The sign of N does not matter, because n has
+this sign too. Only the force of a joint has a sign, positive in tension.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Spring(NamedTuple):
         kind: "bearing", "moment", "rod", "shaft" or "frame".
         bearings: numbers of the bearings whose forces, times weights, sum to the internal force, each with its weight.
         line: numbers of the two bearings that a rod lies between.
-        joint: the joint with its preload, whose stiffness while closed is that of the spring; None: it is none.
+        joint: the joint with its preload, whose stiffness while closed is that of the spring; None: the part has no joint.
     """
 
     name: str

@@ -14,7 +14,7 @@ from ..simulation.elastic.press.assembly import pins_of, rigid_inertia
 from ..simulation.elastic.press.plane import DrawnBodies
 
 STEEL = 2.1e11  # modulus of elasticity [Pa]
-ASIDE = 1e-3  # share of a beam's length by which its centre of mass may lie beside its line
+ASIDE = 1e-3  # share of a beam's length by which its centre of mass may lie off its line
 
 
 @typed

@@ -185,7 +185,7 @@ class HeldPress:
 
     @cached_property
     def size(self) -> float:
-        """Size of a trial load whose effect is not lost in rounding beside weight and inertia [N]."""
+        """Size of a trial load whose effect is not lost in rounding of weight and inertia [N]."""
         return max([1.0, *(float(np.abs(force).max()) for force in self.unloaded)])
 
     @cached_property

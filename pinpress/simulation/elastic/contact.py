@@ -32,7 +32,7 @@ from ...common.parameters import parameter
 from ...loads.process import ForceInterval
 
 LAWS = ("linear", "hertz")
-WIDEST = 2e-3  # radial clearance above which it is hardly meant [m]
+WIDEST = 2e-3  # radial clearance above which it is probably in mm [m]
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def damping_factor(restitution: float) -> float:
         return (x - math.log1p(x)) + (share + math.log1p(-share))
 
     low, high = 1e-12, 1 - 1e-15
-    if missing(high) > 0:  # almost plastic: X beyond what floating point tells
+    if missing(high) > 0:  # almost plastic: X is beyond floating point
         raise PinpressError(f"restitution is {e:g}: give one of 0.03 or more")
     return sign_change(missing, low, high, 1e-15) / e
 

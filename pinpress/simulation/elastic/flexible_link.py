@@ -2,7 +2,7 @@
 
 A model of finite elements is a mass and a stiffness matrix. Of its motions those are kept that the bearings can cause: what it does where
 one bearing after another is moved slowly, and its lowest vibrations with all bearings held (Craig and Bampton, AIAA Journal 6 (1968) 1313).
-The vibrations of the free link in these motions, but for the three in which it moves as a whole, are its shapes Psi. Points of the link
+The vibrations of the free link in these motions, except for the three in which it moves as a whole, are its shapes Psi. Points of the link
 are then at
 
     r + exp(i phi) (s + Psi q)
@@ -133,8 +133,8 @@ def read_flexible_link(
             perhaps compressed, `.mtx.gz`.
         bearings: names of all bearings of the link -> number of the node at which each is, counted from 0.
         stiffness: the stiffness matrix, `.mtx`, where ``file`` is one.
-        nodes: (k, 2) places of the nodes [m], likewise.
-        degrees: (n, 2) node and direction of each row, likewise.
+        nodes: (k, 2) places of the nodes [m], where ``file`` is a matrix.
+        degrees: (n, 2) node and direction of each row, where ``file`` is a matrix.
         modes: number of vibrations with its bearings held that are kept.
         damping_ratio: of each vibration of the free link [-].
 

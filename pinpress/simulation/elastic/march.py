@@ -239,7 +239,7 @@ class _March:
         return None
 
     def _passing(self, times: Array, values: Array, k: int, border: Event) -> _Passing | None:
-        """The passage of a border by values (n,) at times (n,) between the last one and number k; None where there is none."""
+        """The passage of a border by values (n,) at times (n,) between the last one and number k; None where they do not pass it."""
         before, after = values[k - 1] - border.value, values[k] - border.value
         share = crossing(before, after)
         return None if share is None else _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * share), border, after - before)

@@ -70,7 +70,7 @@ class Mesh:
         knots: (m + 1,) times of the segments' ends [s].
         segment: (p,) segment of each panel, rising.
         low: (p,) start of each panel as a share of its segment.
-        high: (p,) end of each panel likewise.
+        high: (p,) end of each panel as a share of its segment.
     """
 
     knots: Array
@@ -204,7 +204,7 @@ class Ends(NamedTuple):
     """How a motion begins and ends.
 
     Attributes:
-        periodic: whether it ends as it begins, but for ``gain``; else the first state is kept.
+        periodic: whether it ends as it begins, with ``gain`` added; else the first state is kept.
         gain: (2 f,) what the last state has more than the first one.
         free: knots whose times are free, each with an event.
         kept: coordinates that begin where they are even so, as nothing depends on them.

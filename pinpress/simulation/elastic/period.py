@@ -178,7 +178,7 @@ def _divide(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
 
 
 def _split(mesh: Mesh, parts: Indices) -> Mesh:
-    """Each panel in so many equal parts (p,)."""
+    """Each panel divided into a number of equal parts, (p,)."""
     ends = [np.linspace(low, high, part + 1) for low, high, part in zip(mesh.low, mesh.high, parts, strict=True)]
     low, high = (np.concatenate([places[piece] for places in ends]) for piece in (slice(None, -1), slice(1, None)))
     return Mesh(mesh.knots, np.repeat(mesh.segment, parts), low, high)
@@ -186,7 +186,7 @@ def _split(mesh: Mesh, parts: Indices) -> Mesh:
 
 def _observe(task: Task, solution: ElasticSolution, start: float) -> Plan | None:
     """The segments, with the times of their knots, in which forces act by the places that the paths of a motion really reach, and by the
-    speeds of the drive's shaft; None where no border tells why."""
+    speeds of the drive's shaft; None where no border explains a change."""
     equations, mesh, strokes = solution.equations, solution.panels.mesh, task.strokes
     seen, ahead = solution.panels.sample(MIDDLES), strokes.turnings_ahead(start)
     places, _ = equations.places(seen.time, seen.y, seen.v)

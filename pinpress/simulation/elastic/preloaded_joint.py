@@ -1,8 +1,8 @@
 """Two members pressed against each other: tie rods and uprights, a screw and its nut, the two gibs of a guide.
 
-While both touch, a load from outside stretches both together, so that the joint is as stiff as the sum, and the load adds only its share
-to each. The load at which one of them is free is the larger, the stiffer that one is beside the other; from there on the other carries
-alone (any textbook of machine elements, preloaded bolts).
+While both touch, a load from outside stretches both together, so that the joint is as stiff as the sum, and the load adds only its share to
+each. The load at which one of them is free is the larger, the stiffer that member is compared with the other; from there on the other
+carries alone (any textbook of machine elements, preloaded bolts).
 """
 
 from __future__ import annotations

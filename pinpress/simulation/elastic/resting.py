@@ -88,7 +88,7 @@ def _balance(equations: ElasticEquations, y: Array, v: Array, a: Array, by_crank
 
 
 def _press_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: Array) -> Springs:
-    """The springs of the closed press, slack where journals with clearance lie beside their bearings' centres, as the forces press them."""
+    """The springs of the closed press, slack where the forces press journals with clearance aside in their bearings."""
     geometry, springs = closed.sprung.geometry, closed.sprung.springs
     extension, rest = geometry.strains(closed.state(np.zeros(1), y, v)).extension[0], springs.rest.copy()
     for pin in sprung.open_pins:

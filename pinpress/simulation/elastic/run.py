@@ -1,4 +1,4 @@
-"""The result of an elastic simulation: a run whose links stand beside the rigid press's.
+"""The result of an elastic simulation: a run with the displacements of links from the rigid press.
 
 Every state has the rigid press at the same crank angle as its `Motion`, the displacement of all links from it, and the true forces of the
 bearings. Slide position, velocity and acceleration are those of the slide on its springs.
@@ -41,7 +41,7 @@ class ElasticRun(Run):
     the forces of the springs are ``bearing_force``.
 
     Attributes:
-        displacement: (n, links, 3) of each moving link beside the rigid press at the same crank angle: of its centre of mass along the two
+        displacement: (n, links, 3) of each moving link from the rigid press at the same crank angle: of its centre of mass along the two
             axes of the plane [m], and its turn [rad]. Of a linkage in space (n, links, 6): of its centre of mass in world axes [m], and
             the vector of its turn, along its axis and as long as its angle, in world axes [rad].
         bearing_force: (n, 3) by the names of joints and loops: action of parent on child, or of link1 on link2, in the plane [N].
@@ -440,7 +440,7 @@ def _largest(values: Callable[[Indices, Array], Array], panels: int) -> list[tup
     """
     places = np.linspace(0.0, 1.0, FINE + 1)
     coarse = values(np.repeat(np.arange(panels), FINE + 1), np.tile(places, panels))
-    candidates = np.argsort(coarse, axis=1)[:, -3:]  # a peak at a border is on one of two panels, beside a second one
+    candidates = np.argsort(coarse, axis=1)[:, -3:]  # a peak at a border of panels is on two of them
     panel, place = candidates // (FINE + 1), places[candidates % (FINE + 1)]
     low, high = np.maximum(place - 1 / FINE, 0.0), np.minimum(place + 1 / FINE, 1.0)
     shares = low[..., None] + (high - low)[..., None] * places
@@ -449,14 +449,14 @@ def _largest(values: Callable[[Indices, Array], Array], panels: int) -> list[tup
     for row in range(len(coarse)):
         peaks = fine[row, row]
         where, best = np.unravel_index(int(peaks.argmax()), peaks.shape)
-        value, beside = float(peaks[where, best]), 0.0
+        value, offset = float(peaks[where, best]), 0.0
         if 0 < best < FINE:
             before, after = peaks[where, best - 1], peaks[where, best + 1]
             bend = 2 * value - before - after
-            beside = 0.5 * (after - before) / bend if bend > 0 else 0.0
-            value += 0.25 * beside * float(after - before)
+            offset = 0.5 * (after - before) / bend if bend > 0 else 0.0
+            value += 0.25 * offset * float(after - before)
         step = shares[row, where, 1] - shares[row, where, 0]
-        largest.append((value, int(panel[row, where]), float(shares[row, where, best] + beside * step)))
+        largest.append((value, int(panel[row, where]), float(shares[row, where, best] + offset * step)))
     return largest
 
 

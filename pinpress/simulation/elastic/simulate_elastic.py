@@ -29,7 +29,7 @@ from .run import ElasticRun, ElasticSegment, elastic_run, segment_of
 from .strokes import Strokes
 from .task import ElasticSolution, Task, largest_deflection
 
-STABLE = 1.001  # largest factor by which a disturbance may grow in a period: without dampers it is 1, but for rounding
+STABLE = 1.001  # largest factor by which a disturbance may grow in a period: without dampers it is 1 within rounding
 
 
 RigidPeriod = Callable[[float], Trajectory]
@@ -147,7 +147,7 @@ def _task(driven: DrivenPress, sprung: SprungPress, speed: float, angle: float, 
     compared = from_turning if sprung.fixed is None else _task_from(turning, sprung.fixed, strokes, speed)
     deflection = largest_deflection(compared, turning)
     _refuse_soft(driven.press, deflection)
-    # Floating point tells no smaller errors; in space they come through the products of rotation matrices.
+    # Floating point does not resolve smaller errors; in space they come through the products of rotation matrices.
     rounding = 1e-15 if isinstance(sprung.geometry, PlaneGeometry) else 1e-11
     error = max(tolerance * deflection, rounding * driven.press.size)
     task, start = (from_turning, turning) if steady else (_task_from(angle, sprung, strokes, speed), angle)

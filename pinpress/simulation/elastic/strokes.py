@@ -1,6 +1,6 @@
 """Which interval of each load acts, from one event to the next, while the links yield.
 
-A load that acts one way alone, such as blanking, begins anew with every stroke: it waits, acts between its borders, and once the slide has
+A load that acts one way alone, such as blanking, begins again with every stroke: it waits, acts between its borders, and once the slide has
 passed the last of them it is through, even if the slide swings back. Its stroke ends where the rigid press turns. A load that acts both
 ways, such as a cushion, acts wherever the slide is between its borders.
 """

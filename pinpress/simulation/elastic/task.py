@@ -74,7 +74,7 @@ class Task(NamedTuple):
     begins: float = 1.0
 
     def times(self, travelled: Array) -> Array:
-        """Times (n,) at which the rigid press has turned its crank so far (n,) [s]."""
+        """Times (n,) at which the crank of the rigid press has turned through angles (n,) [s]."""
         if self.equations.crank is not None:
             return travelled / abs(self.speed)
         times = np.linspace(0.0, self.period, 241)  # of a guess: interpolated between them

@@ -169,7 +169,7 @@ def _tree_joint(press: Linkage, light: set[int], joint: int) -> _Joint:
         step, along = model.jointPlacements[after].translation, press.axes[before - 1].direction
         carried = [j for j in range(1, model.njoints) if model.parents[j] == before]
         looped = any(before in (loop.joint1, loop.joint2) for loop in press.loops)
-        meets = np.linalg.norm(np.cross(step, along)) <= 1e-9 * press.size  # but for rounding of what the file says
+        meets = np.linalg.norm(np.cross(step, along)) <= 1e-9 * press.size  # more is not rounding of the file's numbers
         if not (meets and carried == [after] and not looped and press.axes[before - 1].turns and press.axes[after - 1].turns):
             raise _massless(press, before)
         place = place * model.jointPlacements[after]

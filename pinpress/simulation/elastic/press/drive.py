@@ -24,7 +24,7 @@ from ...coupling import HOLDING, OPEN, SLIPPING, CouplingMode, Side, coupling_at
 from ...driven_press import DrivenPress
 
 STEP = 1e-6  # share of a speed, angle or state by which slopes of the drive are found
-BESIDE = 1e-12  # share of a speed beside it at which a drive is asked on its own side
+BESIDE = 1e-12  # share of a speed: so far from a jump of its torque a drive is asked, on the side of the mode
 SHARES = (0.0, 0.5, 1.0)  # of a speed, at which it is seen how large the states of a drive become
 SIDES: tuple[Side, ...] = ("clutch", "brake")
 
@@ -154,7 +154,7 @@ class DriveTrain:
         return TrainMode(CouplingMode(HOLDING), CouplingMode(OPEN))
 
     def mass(self, bodies: Array, mode: TrainMode | None = None) -> Array:
-        """(count + f, count + f) mass matrix with that of the bodies (f, f); in a mode that of its equations, else that of the energy."""
+        """(count + f, count + f) mass matrix with that of the bodies (f, f): of the equations in a mode; without a mode that of the energy."""
         n = self.count
         matrix = np.zeros((n + len(bodies),) * 2)
         matrix[n:, n:] = bodies
@@ -296,7 +296,7 @@ class DriveTrain:
         return v[:, self.slip]
 
     def events(self, mode: TrainMode, direction: int, angle: float) -> list[TrainEvent]:
-        """What may end a mode, of a crank at an angle that turns in a direction, but for what happens at a time."""
+        """What may end a mode except for what happens at a given time; the crank is at an angle and turns in a direction."""
         events = [TrainEvent("jumps", number=k) for k in range(len(mode.faster))]
         for side in SIDES:
             state = mode.coupling(side)

@@ -132,7 +132,7 @@ def bearing_friction(sprung: SprungPress, law: FrictionLaw, speed: float) -> Bea
     """Friction of the bearings of a press that runs at about a speed of its crank [rad/s].
 
     Raises:
-        PinpressError: the press moves in space, a pin with friction has clearance, or a guide has a preload beside a `PreloadedJoint`.
+        PinpressError: the press moves in space, a pin with friction has clearance, or a guide has a preload and a `PreloadedJoint`.
     """
     press, rubbing = sprung.press, np.flatnonzero((law.arm > 0) | (law.viscous > 0))
     if not isinstance(sprung.geometry, PlaneGeometry):

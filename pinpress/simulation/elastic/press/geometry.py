@@ -163,7 +163,7 @@ class Geometry(Protocol):
         """A point of a body, by its arm from the centre of mass in the axes of the geometry."""
 
     def varying_inertia(self, state: Any, accelerations: Array) -> VaryingInertia:
-        """Inertia forces on all coordinates at accelerations (n, k), beside those of the constant part."""
+        """Inertia forces on all coordinates at accelerations (n, k), without those of the constant part."""
 
     def kinetic_energy(self, state: Any) -> Array:
         """(n,) of all bodies [J]."""
@@ -178,7 +178,7 @@ class Geometry(Protocol):
         """Angle, speed or acceleration (n,) of the crank's joint, of coordinates, rates or accelerations (n, k)."""
 
     def displacement(self, coordinates: Array, motion: Motion) -> Array:
-        """Of all moving links beside the rigid press in a motion, as in `ElasticRun`."""
+        """Displacements of all moving links from the rigid press in a motion, as in `ElasticRun`."""
 
 
 def in_columns(kind: Any, rows: Sequence[tuple[Any, ...]]) -> Any:

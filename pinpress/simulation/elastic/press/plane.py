@@ -38,7 +38,7 @@ class Lines(NamedTuple):
         first: (S,) bodies of the points 1.
         second: (S,) bodies of the points 2.
         arm1: (S,) points 1 from the centre of mass of their body, in the drawn pose [m].
-        arm2: (S,) points 2 likewise [m].
+        arm2: (S,) points 2 from the centre of mass of theirs [m].
         direction: (S,) directions n in the drawn pose, of length 1.
         turning: (S,) 1 where the direction turns with the first body, else 0.
     """

@@ -1,7 +1,7 @@
 """Bodies in space and the lines between them: inertia, extensions of springs, and their derivatives, at many states at once.
 
-Every body has six coordinates: its centre of mass r in world axes [m], and the small turn w beside its nominal one (`turning`). The last
-coordinate is the crank angle p, which turns the nominal bodies along; the crank has no turn about its own axis beside it. Points and
+Every body has six coordinates: its centre of mass r in world axes [m], and the small turn w from its nominal one (`turning`). The last
+coordinate is the crank angle p, which turns the nominal bodies along; the crank itself has no other turn about its axis. Points and
 directions of a body are linear in its matrix X = (R, r), and all lines have extensions of the same kind,
 
     y = a (X2 s2 - X1 s1),
@@ -41,7 +41,7 @@ class LinesInSpace(NamedTuple):
         direction: (S, 3) directions a, in the axes of body 1, or of the frame.
         turning: (S,) 1 where the direction turns with body 1, else 0.
         arm1: (S, 3) s1 of body 1, from its centre of mass in its axes [m or -].
-        arm2: (S, 3) s2 of body 2 likewise.
+        arm2: (S, 3) s2 of body 2, from its centre of mass in its axes.
         place: (S,) 1 where s1 and s2 are points, 0 where they are directions.
     """
 
@@ -172,7 +172,7 @@ class SpaceGeometry:
         return values[:, -1]
 
     def displacement(self, coordinates: Array, motion: Motion) -> Array:
-        """(n, links, 6) of all moving links beside the rigid press in a motion: of their centres of mass in world axes [m], and vectors of
+        """(n, links, 6) of all moving links from the rigid press in a motion: of their centres of mass in world axes [m], and vectors of
         their turns, along the axis and as long as the angle [rad]. A cross without mass moves with its carrier."""
         rigid, placed = self.rigid(motion)[0], poses(self.press, motion.joint_position)
         matrices = self.state(coordinates, np.zeros_like(coordinates), derivatives=False).turned.matrix.reshape(len(coordinates), -1, 3, 3)

@@ -81,7 +81,7 @@ class SprungPress:
         carry: (k, f) free coordinates, the crank's angle last, to all coordinates.
         drawn: (k,) all coordinates where the free ones are zero.
         reference: the rigid press at its bottom dead centre, else at the crank angle 0; one state.
-        alike: for each bearing the one that has its springs: itself, but for joints of a cross without mass, which carries as much.
+        alike: for each bearing the one that has its springs: itself, except for the joints of a cross without mass, which share one.
         joints: preloaded joints, whose springs in ``springs`` are those of closed joints.
         open_pins: pins with clearance, which have no springs in ``springs``.
         open_joints: preloaded joints that may open, whose members have no springs in ``springs``.
@@ -204,7 +204,7 @@ class SprungPress:
         return np.asarray(self.carry.T @ self.geometry.weight)
 
     def varying_inertia(self, state: BodyState, accelerations: Array) -> VaryingInertia:
-        """Inertia forces on the free coordinates at their accelerations (n, f), beside those of the constant part of the mass matrix."""
+        """Inertia forces on the free coordinates at their accelerations (n, f), without those of the constant part of the mass matrix."""
         force, *matrices = self.geometry.varying_inertia(state, self.all_rates(accelerations))
         return VaryingInertia(self.to_free(force), *(self.to_free_twice(matrix) for matrix in matrices))
 

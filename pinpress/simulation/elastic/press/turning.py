@@ -1,11 +1,11 @@
-"""How bodies are turned: a nominal turn that follows the crank angle, and a small turn beside it, with all their derivatives.
+"""How bodies are turned: a nominal turn that follows the crank angle, and a small turn from there, with all their derivatives.
 
 The rotation matrix of a body is
 
     R = N(p) E(w),   E(w) = I + f (W + W W / 2),   f = 1 / (1 + w w / 4)
 
 where N turns with the crank angle p as the body of the rigid press does, W is the cross product with w, and w is Gibbs's vector of the
-small turn beside it, twice the tangent of half the angle along the axis (Cayley's formula). So a body may turn fully, while w stays small
+small turn from there, twice the tangent of half the angle along the axis (Cayley's formula). So a body may turn fully, while w stays small
 and its formula rational. N is a Fourier series over the period, so that it has derivatives of any order; it need not be the rigid press's
 turn exactly, as w makes up for the rest.
 """
@@ -57,8 +57,8 @@ class NominalTurns:
         cells, width = len(self.table), self.period / len(self.table)
         place = (angle % self.period) / width
         cell = np.minimum(place.astype(np.intp), cells - 1)
-        beside = (place - cell - 0.5) * width
-        powers = beside[:, None] ** np.arange(DEGREE + 1)
+        from_middle = (place - cell - 0.5) * width
+        powers = from_middle[:, None] ** np.arange(DEGREE + 1)
         weights = np.zeros((len(angle), 4, DEGREE + 1))
         for order in range(4):
             weights[:, order, order:] = _FALLING[order, order:] * powers[:, : DEGREE + 1 - order]
@@ -91,7 +91,7 @@ def nominal_turns(press: Linkage, joints: tuple[int, ...], own_axes: Array) -> N
         if left <= RESOLVED or count >= MOST * turns:
             break
         count *= 2
-    if left > 1e-10:  # errors of places would then be seen beside those of a run
+    if left > 1e-10:  # errors of places would then show in a run
         raise PinpressError(
             f"links of {press.name} turn too abruptly for an elastic motion in space: keep the linkage away from where it locks"
         )
@@ -121,7 +121,7 @@ class Turned(NamedTuple):
         by_twice: (n, B, 4, 4, 9) second derivatives; None where they are not asked for.
         rate: (n, B, 9) rate of R.
         rate_by: (n, B, 4, 9) rates of `by`.
-        curve: (n, B, 9) second rate of R, but for accelerations.
+        curve: (n, B, 9) second rate of R where all accelerations are zero.
         curve_by: (n, B, 4, 9) derivatives of `curve`; None where they are not asked for.
     """
 
@@ -139,7 +139,7 @@ def turn_bodies(nominal: NominalTurns, w: Array, angle: Array, w_rate: Array, sp
 
     Args:
         nominal: the nominal turns.
-        w: (n, B, 3) Gibbs's vectors of the turns beside them.
+        w: (n, B, 3) Gibbs's vectors of the small turns from there.
         angle: (n,) of the crank [rad].
         w_rate: (n, B, 3) rates of w [1/s].
         speed: (n,) of the crank [rad/s].
