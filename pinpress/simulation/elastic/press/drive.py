@@ -154,7 +154,7 @@ class DriveTrain:
         return TrainMode(CouplingMode(HOLDING), CouplingMode(OPEN))
 
     def mass(self, bodies: Array, mode: TrainMode | None = None) -> Array:
-        """(count + f, count + f) mass matrix with that of the bodies (f, f): of the equations in a mode; without a mode that of the energy."""
+        """(count + f, count + f) mass matrix, with that of the bodies (f, f): in a mode for its equations, without one for the energy."""
         n = self.count
         matrix = np.zeros((n + len(bodies),) * 2)
         matrix[n:, n:] = bodies
