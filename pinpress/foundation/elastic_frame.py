@@ -33,7 +33,7 @@ from .frame_parts import COORDINATES, axis_index, rows_at
 
 MOST_ROWS = 40_000  # of sparse matrices: the reduction takes up to a minute; larger models are condensed where they were made
 RIGID = 1e-6  # share of the stiffness that a motion of the whole frame may cost by rounding
-AT = 1e-3  # share of the size of a frame by which a place may lie beside a node
+AT = 1e-3  # share of the size of a frame by which a place may be off a node
 WHOLE = "frame"  # name of the mean motion of the frame among its parts
 
 
@@ -127,7 +127,7 @@ class ElasticFrame(Tabular):
         nearest = int(away.argmin())
         if away[nearest] > AT * size_of(self.places):
             raise PinpressError(
-                f"no interface of the frame is at {_listed(point)} m: the nearest, {names[nearest]}, is {1e3 * away[nearest]:.4g} mm away;"
+                f"no interface of the frame is at {_text(point)} m: the nearest, {names[nearest]}, is {1e3 * away[nearest]:.4g} mm away;"
                 " make an interface there"
             )
         return names[nearest]
@@ -142,7 +142,7 @@ class ElasticFrame(Tabular):
         nearest = int(away.argmin())
         if away[nearest] > AT * size_of(self.places):
             raise PinpressError(
-                f"no node of the frame is at {_listed(point)} m: the nearest is at {_listed(self.places[nearest])} m; give that, or"
+                f"no node of the frame is at {_text(point)} m: the nearest is at {_text(self.places[nearest])} m; give that, or"
                 " (interface, place) for a place that moves with an interface"
             )
         return np.asarray(self.shapes[nearest])
@@ -284,8 +284,7 @@ def read_frame(
     )
 
 
-def _listed(place: ArrayLike) -> str:
-    """A place (3,) in words."""
+def _text(place: ArrayLike) -> str:
     return f"({', '.join(f'{value:.4g}' for value in np.asarray(place, dtype=float))})"
 
 

@@ -117,8 +117,8 @@ def read_mounted(press: Linkage, file: str | os.PathLike[str], *, motion: Motion
         parts["attached"] = {name: _attachment(each) for name, each in named.items()}
     if "rotors" in items:
         listed = items["rotors"].list("a list, - {inertia: 136, axis: [0, -1, 0]}")
-        parts["rotors"] = [_made(Rotor, _values(Rotor, each, {}), each) for each in listed]
-    with _placed(top):
+        parts["rotors"] = [_make(Rotor, _values(Rotor, each, {}), each) for each in listed]
+    with _naming(top):
         return mounted(press, **parts, motion=motion)
 
 
@@ -130,54 +130,54 @@ def _frame(entry: Entry, folder: Path) -> Frame | ElasticFrame:
         places = {name: _vector(each, "m") for name, each in items["places"].items("places: {crown: [0, 0, 0.5]}").items()}
         boxes = [beam for each in items["beams"].list("a list, - {between: [[left, crown]], width: ...}") for beam in _beams(each)]
         more = _elastic(items) | ({"elements": _whole(items["elements"])} if "elements" in items else {})
-        with _placed(entry):
+        with _naming(entry):
             return beam_frame(places, boxes, **more)
     if "matrices" in items:
         entry.known(OF_MATRICES, "frame")
         _refuse_missing(entry, items, ("interfaces", "bed", "carrier"), "them: names of nodes, and which of these carry bed and crank")
         named = items["interfaces"].items("interfaces: {bed: 12, crown: 40}").items()
-        given = _matrices(items["matrices"], folder)
+        files_of_matrices = _matrices(items["matrices"], folder)
         more = _elastic(items) | {"interfaces": {name: _whole(each) for name, each in named}}
         if "lines" in items:
             more["lines"] = _rows(items["lines"], folder, ("node", "node"))
-        with _placed(entry):
-            return read_frame(**given, **more)
+        with _naming(entry):
+            return read_frame(**files_of_matrices, **more)
     return _body(entry)
 
 
 def _body(entry: Entry) -> Frame:
-    return _made(Frame, _values(Frame, entry, {}), entry)
+    return _make(Frame, _values(Frame, entry, {}), entry)
 
 
 def _attachment(entry: Entry) -> Attachment:
     values = _values(Frame, entry, {"on": _text, "springs": _mounts})
     aside: dict[str, Any] = {name: values.pop(name) for name in ("on", "springs") if name in values}
-    body = _made(Frame, values, entry)
-    return _made(Attachment, {"body": body, **aside}, entry)
+    body = _make(Frame, values, entry)
+    return _make(Attachment, {"body": body, **aside}, entry)
 
 
 def _mounts(entry: Entry) -> list[Mount]:
     """The mounts of a list: springs, or rubber pads, at several points each."""
-    found: list[Mount] = []
+    mounts: list[Mount] = []
     for each in entry.list("a list, - {points: [[0.5, 0.6, -1.3]], stiffness: [50 MN/m, 50 MN/m, 200 MN/m]}"):
         items = each.items("points: [[0.5, 0.6, -1.3]], and stiffness: or pad:")
         if "pad" in items:
             each.known(("points", "pad"), "mounts")
-            pad = _made(RubberPad, _values(RubberPad, items["pad"], {}), items["pad"])
+            pad = _make(RubberPad, _values(RubberPad, items["pad"], {}), items["pad"])
             _refuse_missing(each, items, ("points",), "where the pads are: points: [[0.5, 0.6, -1.3]]")
-            found += [pad_mount(point, pad) for point in _points(items["points"])]
+            mounts += [pad_mount(point, pad) for point in _points(items["points"])]
         else:
             values = _values(Mount, each, {"points": _points}, without="point")
             _refuse_missing(each, items, ("points",), "where the mounts are: points: [[0.5, 0.6, -1.3]]")
-            found += [_made(Mount, {"point": point, **values}, each) for point in values.pop("points")]
-    return found
+            mounts += [_make(Mount, {"point": point, **values}, each) for point in values.pop("points")]
+    return mounts
 
 
 def _points(entry: Entry) -> list[Vector]:
-    wanted = "a list of points, [[0.5, 0.6, -1.3]]"
-    listed = entry.list(wanted)
+    example = "a list of points, [[0.5, 0.6, -1.3]]"
+    listed = entry.list(example)
     if not listed or not isinstance(listed[0].value, tuple):
-        entry.refuse("it is no list of points", f"write {wanted}")
+        entry.refuse("it is no list of points", f"write {example}")
     return [_vector(each, "m") for each in listed]
 
 
@@ -186,31 +186,31 @@ def _beams(entry: Entry) -> list[FrameBeam]:
     values = _values(FrameBeam, entry, {"between": _pairs}, without=("start", "end"))
     if "between" not in values:
         entry.refuse("between is missing", "write between which places the beams are: between: [[left, crown], [right, crown]]")
-    return [_made(FrameBeam, {"start": start, "end": end, **values}, entry) for start, end in values.pop("between")]
+    return [_make(FrameBeam, {"start": start, "end": end, **values}, entry) for start, end in values.pop("between")]
 
 
 def _pairs(entry: Entry) -> list[tuple[str, str]]:
-    wanted = "pairs of places: [[left, crown], [right, crown]]"
-    found = []
-    for each in entry.list(wanted):
-        ends = each.list(wanted)
+    example = "pairs of places: [[left, crown], [right, crown]]"
+    pairs = []
+    for each in entry.list(example):
+        ends = each.list(example)
         if len(ends) != 2:
-            each.refuse(f"{len(ends)} places", f"write {wanted}")
-        found.append((_text(ends[0]), _text(ends[1])))
-    return found
+            each.refuse(f"{len(ends)} places", f"write {example}")
+        pairs.append((_text(ends[0]), _text(ends[1])))
+    return pairs
 
 
 def _elastic(items: Mapping[str, Entry]) -> dict[str, Any]:
     """Arguments that both kinds of a frame that bends have."""
-    found: dict[str, Any] = {name: _text(items[name]) for name in ("bed", "carrier")}
+    arguments: dict[str, Any] = {name: _text(items[name]) for name in ("bed", "carrier")}
     if "bearings" in items:
         carried = items["bearings"].items("the place that carries a bearing: bearings: {slide_guide: bed}")
-        found["bearings"] = {name: _text(each) for name, each in carried.items()}
+        arguments["bearings"] = {name: _text(each) for name, each in carried.items()}
     if "modes" in items:
-        found["modes"] = _whole(items["modes"])
+        arguments["modes"] = _whole(items["modes"])
     if "loss_factor" in items:
-        found["loss_factor"] = _number(items["loss_factor"], "-")
-    return found
+        arguments["loss_factor"] = _number(items["loss_factor"], "-")
+    return arguments
 
 
 def _matrices(entry: Entry, folder: Path) -> dict[str, Any]:
@@ -255,15 +255,15 @@ def _values(kind: type, entry: Entry, also: Mapping[str, Callable[[Entry], Any]]
 
 
 def _value(field: Field[Any], entry: Entry) -> Any:
-    known = declared(field)
-    if known is None:
+    parameter = declared(field)
+    if parameter is None:
         return _text(entry)
-    if not known.axes:
-        return _number(entry, known.unit)
+    if not parameter.axes:
+        return _number(entry, parameter.unit)
     listed = entry.list(THREE)
     if field.name == "inertia" and any(isinstance(each.value, tuple) for each in listed):
-        return tuple(_vector(each, known.unit) for each in listed)
-    return _vector(entry, known.unit)
+        return tuple(_vector(each, parameter.unit) for each in listed)
+    return _vector(entry, parameter.unit)
 
 
 def _vector(entry: Entry, unit: str) -> Vector:
@@ -298,15 +298,15 @@ def _refuse_missing(entry: Entry, items: Mapping[str, Entry], names: Sequence[st
         entry.refuse(f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing", f"write {remedy}")
 
 
-def _made(kind: Callable[..., T], values: Mapping[str, Any], entry: Entry) -> T:
-    """An object of a class; what it says of its arguments is said of the entry."""
-    with _placed(entry):
+def _make(kind: Callable[..., T], values: Mapping[str, Any], entry: Entry) -> T:
+    """An object of a class; errors about its arguments name the entry."""
+    with _naming(entry):
         return kind(**values)
 
 
 @contextmanager
-def _placed(entry: Entry) -> Iterator[None]:
-    """What is wrong with arguments is said with the place of the entry that they are from; what is wrong with a press, as it is."""
+def _naming(entry: Entry) -> Iterator[None]:
+    """Let errors about arguments name the entry from which these are; errors about a press stay as they are."""
     try:
         yield
     except PinpressError as error:

@@ -1,12 +1,12 @@
-"""A press whose mounts only press: vibration in time with feet that lift off and land.
+"""A press whose mounts press but do not pull: vibration in time with feet that lift off and land.
 
-A foot carries P - k d - c d' beside the loss of its pad, with its static load P and the displacement d of its point, upwards positive. It
-lifts off when this falls to zero, and then nothing acts on it. It lands when it is back where the unloaded pad ends, d = P / k, and presses
-again. A pad that is free springs back at once, and grips the foot where it lands: the force across is zero then, so that a press can walk.
+A foot carries P - k d - c d' and the loss of its pad, with its static load P and the displacement d of its point, upwards positive. It
+lifts off when this force falls to zero, and then no force acts on it. It lands when it is back where the unloaded pad ends, d = P / k. A
+free pad springs back at once, and grips the foot where it lands: the force across is zero then, so that a press can walk.
 
-While the feet stand or hover, the system is linear. Its steps are exact for a force that is linear between two states, as those of
-`time_response`; the instants at which a foot lifts off or lands are found on this exact motion, and the steps go on from there with the
-other matrices. Between two states a foot's force is looked at by a cubic through its values and rates at both ends.
+Between two switches of a foot the system is linear. Its steps are exact for a force that is linear between two states, like those of
+`time_response`. The instants at which a foot lifts off or lands are found on this exact motion, and the steps continue from there with
+other matrices. Whether a foot switches between two states is checked by a cubic through its force and rate at both ends.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,11 +48,9 @@ from .response import (
 )
 
 MOST_SWITCHES = 200  # of feet in one interval between states: more are chatter
-LOOKS = np.linspace(0.0, 1.0, 9)  # parts of a step at which the cubic is looked at
 REACH = 4.0  # product of the fastest rate of the system and a part of an interval with one Taylor polynomial
 TERMS = 34  # of it: the next is 4^34 / 34!, 1e-18
-EXACT = 1e-13  # of a step, to which the instant of a switch is found
-ROUNDING = 1e-12  # share of the static load within which a foot that has just switched carries nothing
+ROUNDING = 1e-12  # share of the static load within which a foot that has just switched carries no load
 FREE_FALL = 2  # z among the directions of a mount
 
 
@@ -148,8 +147,8 @@ def lifting_response(
         begin = _repeating(feet, np.vstack([wrench[:states], wrench[:1]]), interval)
     elif count > 1:
         raise PinpressError("strokes go with one period, of cycle or steady_state: leave strokes= out for another motion")
-    found = _marched(feet, wrench, interval, begin)
-    turned = max(float(np.abs(found.states[:, :n] @ part[3:].T).max()) for part in system.parts.values())
+    course = _march(feet, wrench, interval, begin)
+    turned = max(float(np.abs(course.states[:, :n] @ part[3:].T).max()) for part in system.parts.values())
     # Up to 0.1 rad the sine and the angle differ by 0.2 %.
     if turned > 0.1:
         caution(
@@ -161,14 +160,14 @@ def lifting_response(
         system,
         time=time,
         points=placed,
-        motion=(found.states[:, :n], found.states[:, n:], found.acceleration),
-        mount_force=found.force - system.mount_load,
+        motion=(course.states[:, :n], course.states[:, n:], course.acceleration),
+        mount_force=course.force - system.mount_load,
         wrench=wrench,
         period=None,
     )
-    change, repeats_after = _repeats(system, found.states[:: len(wrench) // count]) if count > 1 else (np.zeros(0), None)
-    lifts = sorted(found.lifts, key=lambda lift: lift.start)
-    height = motion_of_feet(system, found.states[:, :n]) - feet.free
+    change, repeats_after = _repeats(system, course.states[:: len(wrench) // count]) if count > 1 else (np.zeros(0), None)
+    lifts = sorted(course.lifts, key=lambda lift: lift.start)
+    height = motion_of_feet(system, course.states[:, :n]) - feet.free
     inside = [(time >= lift.start) & (time <= lift.end) for lift in lifts]
     gap = [max(0.0, float(height[which, lift.mount].max(initial=0.0))) for lift, which in zip(lifts, inside, strict=True)]
     return LiftingMotion(
@@ -177,7 +176,7 @@ def lifting_response(
         start=read_only(np.array([lift.start for lift in lifts])),
         end=read_only(np.array([lift.end for lift in lifts])),
         gap=read_only(np.array(gap)),
-        walked=read_only(found.walked),
+        walked=read_only(course.walked),
         change=read_only(change),
         repeats_after=repeats_after,
     )
@@ -199,17 +198,15 @@ def _is_period(reactions: Reactions, period: float | None) -> bool:
     return True
 
 
-@dataclass(frozen=True)
-class _Lift:
-    """A mount, from 0, that lifts off at a time and lands at another [s]."""
+class _Lift(NamedTuple):
+    """A mount, counted from 0, and when it lifts off and lands [s]."""
 
     mount: int
     start: float
     end: float
 
 
-@dataclass
-class _Marched:
+class _Course(NamedTuple):
     """States (s, 2 n), accelerations (s, n) and forces of the mounts (s, mounts, 3) of a motion, its lifts, and how far the feet walked."""
 
     states: Array
@@ -245,7 +242,7 @@ class _Feet:
         self._factor, self._walked = factor, dict[bytes, float]()
         self._matrices: dict[bytes, tuple[Array, Array, float]] = {}
         self._steps: dict[tuple[bytes, float], tuple[Array, Array, Array]] = {}
-        self._held: dict[bytes, tuple[Array, Array]] = {}
+        self._conditions: dict[bytes, tuple[Array, Array]] = {}
 
     def matrices(self, standing: NDArray[np.bool_]) -> tuple[Array, Array, float]:
         """a and b of x' = a x + b f with these feet standing, and a bound of the absolute eigenvalues of a [1/s].
@@ -257,7 +254,8 @@ class _Feet:
         if key not in self._matrices:
             system, n = self.system, len(self.system.mass)
             off = ~standing
-            without = [np.einsum("mki,mk,mkj->ij", self.rows[off], each[off], self.rows[off]) for each in self._constants]
+            constants = self.stiffness, self.damping, self.lossy
+            without = [np.einsum("mki,mk,mkj->ij", self.rows[off], each[off], self.rows[off]) for each in constants]
             resisting = system.damping - without[1] + self.speed * system.gyroscopic + (system.loss - without[2]) @ self.later
             rate = -self.inverse @ np.hstack([system.stiffness - without[0], resisting])
             a = np.vstack([np.eye(n, 2 * n, n), rate])
@@ -266,7 +264,7 @@ class _Feet:
         return self._matrices[key]
 
     def step(self, standing: NDArray[np.bool_], interval: float) -> tuple[Array, Array, Array] | None:
-        """`step_matrices` of a whole step; None while it is better to follow the motion itself, as these feet have not stood for long."""
+        """`step_matrices` of a whole step; None while these feet have stood so shortly that a Taylor polynomial is cheaper."""
         key = standing.tobytes()
         if (key, interval) not in self._steps:
             a, b, bound = self.matrices(standing)
@@ -278,7 +276,7 @@ class _Feet:
         return self._steps[key, interval]
 
     def constant(self, standing: NDArray[np.bool_], anchor: Array) -> Array:
-        """Force (n,) on the coordinates beside the linear one: loads that hovering feet lack, and pads that gripped elsewhere."""
+        """Force (n,) on the coordinates besides the linear one: loads that hovering feet lack, and pads that gripped elsewhere."""
         forces = np.where(standing[:, None], self.stiffness * anchor, -self.load)
         return np.asarray(np.einsum("mk,mkj->j", forces, self.rows))
 
@@ -289,25 +287,21 @@ class _Feet:
         return np.asarray(self.load - self.stiffness * (displaced - anchor) - self.damping * moving - self.lossy * later)
 
     def holds(self, standing: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Matrix (2, mounts, 2 n) and constants (2, mounts) of two numbers of which one is positive while a foot goes on as it does [N].
+        """Matrix (2, mounts, 2 n) and constants (2, mounts) of two numbers, of which one is positive while a foot goes on as it does [N].
 
         The first is the force of a standing foot, its negative of a hovering one; the second is the stiffness times the height above the
         unloaded pad, of a hovering one alone.
         """
         key = standing.tobytes()
-        if key not in self._held:
+        if key not in self._conditions:
             up, rows, n = self.stiffness[:, FREE_FALL, None], self.rows[:, FREE_FALL], len(self.system.mass)
             resisting = self.damping[:, FREE_FALL, None] * rows + self.lossy[:, FREE_FALL, None] * (rows @ self.later)
             sign, heavy = np.where(standing, 1.0, -1.0), float(np.abs(self.load[:, FREE_FALL]).max())
             force, height = -np.hstack([up * rows, resisting]), np.hstack([up * rows, np.zeros((len(rows), n))])
             matrix = np.stack([sign[:, None] * force, np.where(standing, 0.0, 1.0)[:, None] * height])
             constant = np.stack([sign * self.load[:, FREE_FALL], np.where(standing, -heavy, -self.load[:, FREE_FALL])])
-            self._held[key] = matrix, constant
-        return self._held[key]
-
-    @property
-    def _constants(self) -> tuple[Array, Array, Array]:
-        return self.stiffness, self.damping, self.lossy
+            self._conditions[key] = matrix, constant
+        return self._conditions[key]
 
 
 class _March:
@@ -327,7 +321,7 @@ class _March:
         self.standing = feet.force(self.anchor, begin)[:, FREE_FALL] >= -ROUNDING * np.abs(feet.load).max()
         self.since, self.lifts = np.zeros(mounts), list[_Lift]()
 
-    def stepped(self, state: Array, early: Array, late: Array, start: float, interval: float) -> Array:
+    def advance(self, state: Array, early: Array, late: Array, start: float, interval: float) -> Array:
         """The state (2 n,) at the end of an interval, over which the force goes from ``early`` to ``late``, through all switches of feet.
 
         Raises:
@@ -365,9 +359,9 @@ class _March:
             return
         self.lifts.append(_Lift(number, float(self.since[number]), instant))
         stiff = self.feet.stiffness[number, :FREE_FALL]
-        there = (self.feet.rows[number] @ state[: len(state) // 2])[:FREE_FALL]
+        landing = (self.feet.rows[number] @ state[: len(state) // 2])[:FREE_FALL]
         slack = np.divide(self.feet.load[number, :FREE_FALL], stiff, out=np.zeros(2), where=stiff > 0)
-        self.anchor[number, :FREE_FALL] = np.where(stiff > 0, there - slack, 0.0)
+        self.anchor[number, :FREE_FALL] = np.where(stiff > 0, landing - slack, 0.0)
 
 
 def _repeating(feet: _Feet, wrench: Array, interval: float) -> Array:
@@ -393,7 +387,7 @@ def _repeating(feet: _Feet, wrench: Array, interval: float) -> Array:
     return np.asarray(begin)
 
 
-def _marched(feet: _Feet, wrench: Array, interval: float, begin: Array) -> _Marched:
+def _march(feet: _Feet, wrench: Array, interval: float, begin: Array) -> _Course:
     """The motion under forces (states, n) that are linear in between, from a state (2 n,) on."""
     n, march = len(begin) // 2, _March(feet, begin)
     states, force = np.zeros((len(wrench), 2 * n)), np.zeros((len(wrench), len(feet.load), 3))
@@ -403,10 +397,10 @@ def _marched(feet: _Feet, wrench: Array, interval: float, begin: Array) -> _Marc
         states[k], acceleration[k] = state, (a @ state + b @ (wrench[k] + feet.constant(march.standing, march.anchor)))[n:]
         force[k] = np.where(march.standing[:, None], feet.force(march.anchor, state), 0.0)
         if k + 1 < len(wrench):
-            state = march.stepped(state, wrench[k], wrench[k + 1], k * interval, interval)
+            state = march.advance(state, wrench[k], wrench[k + 1], k * interval, interval)
     end = (len(wrench) - 1) * interval
     hovering = [_Lift(int(number), float(march.since[number]), end) for number in np.flatnonzero(~march.standing)]
-    return _Marched(states, acceleration, force, march.lifts + hovering, march.anchor[:, :FREE_FALL])
+    return _Course(states, acceleration, force, march.lifts + hovering, march.anchor[:, :FREE_FALL])
 
 
 def _first_switch(
@@ -437,34 +431,35 @@ def _first_switch(
         hull = first[0], last[0], first[0] + length / 3 * first_rate[0], last[0] - length / 3 * last_rate[0]
         if min(float(each.min()) for each in hull) > small:
             return None
-    s = LOOKS[:, None, None]
-    looks = (1 - s) ** 2 * ((1 + 2 * s) * first + s * length * first_rate) + s**2 * ((3 - 2 * s) * last - (1 - s) * length * last_rate)
-    held = looks.max(axis=1)  # (looks, mounts)
-    held[0] = np.where(fresh | (np.abs(held[0]) < small), np.maximum(held[0], small), held[0])
-    gone = np.flatnonzero((held < 0).any(axis=0))
-    if not len(gone):
+    samples = np.linspace(0.0, 1.0, 9)
+    s = samples[:, None, None]
+    cubic = (1 - s) ** 2 * ((1 + 2 * s) * first + s * length * first_rate) + s**2 * ((3 - 2 * s) * last - (1 - s) * length * last_rate)
+    margin = cubic.max(axis=1)  # (samples, mounts): a foot goes on as it does while this is positive
+    margin[0] = np.where(fresh | (np.abs(margin[0]) < small), np.maximum(margin[0], small), margin[0])
+    switching = np.flatnonzero((margin < 0).any(axis=0))
+    if not len(switching):
         return None
-    found, exact = list[tuple[float, int]](), flow()
-    for number in gone:
-        at = int((held[:, number] < 0).argmax())
-        if at == 0:
+    switches, exact = list[tuple[float, int]](), flow()
+    for number in switching:
+        sample = int((margin[:, number] < 0).argmax())
+        if sample == 0:
             return 0.0, int(number), ends[0]
 
-        def holding(share: Array, number: int = int(number)) -> tuple[Array, Array]:
+        def exact_margin(share: Array, number: int = int(number)) -> tuple[Array, Array]:
             values = matrix[:, number] @ exact.state(float(share[0])) + constant[:, number]
             larger = int(values.argmax())
             return values[[larger]], length * (matrix[larger, number] @ exact.rate(float(share[0])))[None]
 
-        low, high = LOOKS[[at - 1]], LOOKS[[at]]
-        if holding(high)[0] >= 0:  # the cubic saw what is not there
+        low, high = samples[[sample - 1]], samples[[sample]]
+        if exact_margin(high)[0] >= 0:  # only the cubic is negative
             continue
-        if at == 1 and holding(low)[0] <= small:  # it holds by its rate alone: begin a little later
+        if sample == 1 and exact_margin(low)[0] <= small:  # the margin grows from zero: begin a little later
             low = 1e-6 * high  # a foot that has just switched may be at its border still
-        root = low if holding(low)[0] <= 0 else bracketed_roots(holding, low, high, absolute=EXACT)
-        found.append((float(root[0]), int(number)))
-    if not found:
+        root = low if exact_margin(low)[0] <= 0 else bracketed_roots(exact_margin, low, high, absolute=1e-13)
+        switches.append((float(root[0]), int(number)))
+    if not switches:
         return None
-    first_share, mount = min(found)
+    first_share, mount = min(switches)
     return first_share, mount, exact.state(first_share)
 
 

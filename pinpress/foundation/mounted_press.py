@@ -1,12 +1,12 @@
 """A press on its mounts as a linear system about its static position, with its natural frequencies, mode shapes and damping.
 
-The system is M u'' + C u' + K u = f, where f is the wrench that the machine exerts on the frame beside its weight.
+The system is M u'' + C u' + K u = f, where f is the wrench that the machine exerts on the frame, weight excluded.
 
 The coordinates u of each rigid part of the frame are the displacement of its point at the world origin and its small turn,
-(x, y, z, rx, ry, rz) in world axes [m, rad]. The bed's come first, then the crown's where the frame has two parts, then those of what
-stands on the frame on springs of its own. A frame that bends has six coordinates of its mean motion, then its free vibrations, see
-`elastic_frame`. Spatial inertias and wrenches are about the world origin too, so that no other point of
-reference is needed; `frame_parts` has the matrices.
+(x, y, z, rx, ry, rz) in world axes [m, rad]. First come the coordinates of the bed, then those of the crown if the frame has two parts,
+then those of attachments on springs. A frame that bends has six coordinates of its mean motion, then its free vibrations, see
+`elastic_frame`. Spatial inertias and wrenches are about the world origin too, so that no other point of reference is needed; `frame_parts`
+has the matrices.
 
 The moving links of the press ride with the frame. For joint motions q(t) relative to the frame the six equations of a floating tree are
 M(q) u'' + (terms in u' of the links' relative velocities) = shaking wrench of a frame at rest + forces of the mounts. M(q) is the spatial
@@ -282,7 +282,7 @@ def mounted(
 
 
 def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:
-    """Stand a press that is on mounts already on other ones, without averaging its inertia again.
+    """Put a press on other mounts, without averaging its inertia again.
 
     Raises:
         PinpressError: as `mounted`.
@@ -416,7 +416,8 @@ def modes(system: MountedPress) -> VibrationModes:
 
 def natural_modes(system: MountedPress) -> tuple[Array, Array]:
     """Squares of the natural frequencies (n,), rising [rad2/s2], and shapes (n, n), a mode a column, of modal mass 1 kg."""
-    # M = A A^T, K = B B^T: the singular values of B^-1 A are the reciprocal frequencies, precise beside those of a frame that hardly bends
+    # M = A A^T, K = B B^T: the singular values of B^-1 A are the reciprocal frequencies. The lowest are precise even if a stiff frame has
+    # frequencies that are very much higher.
     mass_factor = np.linalg.cholesky(system.mass)
     _, reciprocal, vectors = np.linalg.svd(np.linalg.solve(np.linalg.cholesky(system.stiffness), mass_factor))
     return np.asarray(reciprocal**-2), np.linalg.solve(mass_factor.T, vectors.T)

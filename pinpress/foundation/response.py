@@ -1,6 +1,6 @@
 """Vibration of a press on its mounts: motion of points of the frame, and force on the floor, in the steady state or in time.
 
-Shaking force and moment of the machine, less its weight, shake the frame, and so does the moment of a flywheel that changes its speed.
+The frame is shaken by the shaking force and moment of the machine, weight excluded, and by a flywheel that changes its speed.
 
 In the steady state each harmonic of a periodic motion is solved by itself, (K + i K'' + i w C - w^2 M) U = F, which is exact for forces
 that the states resolve. In time the force is taken as linear between two states. Then a step of the linear system is exact for any length
@@ -518,8 +518,8 @@ def mount_constants(system: MountedPress) -> tuple[Array, Array, Array]:
 def vibration_from_rest(system: MountedPress, wrench: Array, interval: float, motion: Motion) -> tuple[Array, Array, Array]:
     """Displacements, velocities and accelerations (states, n) from rest under wrenches (states, n) that are linear in between.
 
-    Where the speed w of the rotors changes about its mean, their moments beside those at the mean, -(w - mean) G u' - w' G u, are linear
-    between two states too; those at the end of a step are solved with it.
+    If the speed w of the rotors changes about its mean, their further moments, -(w - mean) G u' - w' G u, are taken as linear between two
+    states too; those at the end of a step are solved together with the step.
 
     Raises:
         PinpressError: the vibration is not finite.
@@ -529,7 +529,7 @@ def vibration_from_rest(system: MountedPress, wrench: Array, interval: float, mo
     free, early, late = step_matrices(a, b, interval)
     driven = wrench[:-1] @ early.T + wrench[1:] @ late.T
     states, unsteady = np.zeros((len(wrench), 2 * n)), system.gyroscopic.any() and np.ptp(speed) > EVEN * np.abs(speed).max()
-    spun = np.zeros((len(wrench), n))  # moments of the rotors beside those at the mean speed
+    spun = np.zeros((len(wrench), n))  # these further moments
     state = states[0]
     for k in range(len(driven)):
         state = free @ state + driven[k]

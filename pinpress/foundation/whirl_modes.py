@@ -129,10 +129,10 @@ def whirl(system: MountedPress, speeds: ArrayLike) -> WhirlDiagram:
     )
     equations = _Equations.of(system)
     # At standstill modes may have equal frequencies; a millionth of the highest speed separates them.
-    found = [equations.modes(float(speed[0]) or 1e-6 * float(speed[-1]))]
+    followed = [equations.modes(float(speed[0]) or 1e-6 * float(speed[-1]))]
     for low, high in pairwise(speed.tolist()):
-        found.append(equations.followed(found[-1], low, high, 8))  # most halvings of an interval of speeds
-    frequency, vectors = (np.array([each[k] for each in found]) for k in (0, 1))
+        followed.append(equations.follow(followed[-1], low, high, 8))  # most halvings of an interval of speeds
+    frequency, vectors = (np.array([each[k] for each in followed]) for k in (0, 1))
     if speed[0] == 0:
         frequency[0] = equations.modes(0.0)[0]
     n = len(system.mass)
@@ -176,7 +176,7 @@ class _Equations:
         half = len(values) // 2
         return values[half:], vectors[:, half:]
 
-    def followed(self, before: tuple[Array, ComplexArray], low: float, high: float, halvings: int) -> tuple[Array, ComplexArray]:
+    def follow(self, before: tuple[Array, ComplexArray], low: float, high: float, halvings: int) -> tuple[Array, ComplexArray]:
         """The modes at a speed in the order of those at a lower one; halfway too where they change much in between."""
         frequency, vectors = self.modes(high)
         products = np.abs(before[1].conj().T @ vectors)
@@ -184,8 +184,8 @@ class _Equations:
         if not np.all(products[mine, theirs] ** 2 > 0.5):  # squares of a row or column add up to 1 at most: else these are the partners
             mine, theirs = pair_modes(products**2)
         if halvings and products[mine, theirs].min() < SAME_MODE:
-            middle = self.followed(before, low, 0.5 * (low + high), halvings - 1)
-            return self.followed(middle, 0.5 * (low + high), high, halvings - 1)
+            middle = self.follow(before, low, 0.5 * (low + high), halvings - 1)
+            return self.follow(middle, 0.5 * (low + high), high, halvings - 1)
         return frequency[theirs], vectors[:, theirs]
 
 
