@@ -21,7 +21,7 @@ from ..common.arguments import LARGEST, finite_numbers, known_factor, numbers, s
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import Frozen
 from ..common.quantities import GRAVITY, Array, readable
-from ..common.reading.columns import Channels, Wanted, named_columns, read_channels, read_columns
+from ..common.reading.columns import Channels, Wanted, name_columns, read_channels, read_columns
 from .records import UNEVEN, longest_rest, times_of
 
 FEWEST = 256  # samples of a record
@@ -163,7 +163,7 @@ def run_of(
     if isinstance(source, Mapping):
         if not all(isinstance(column, str) for column in source):
             raise PinpressError(f"{name}: names of columns are {shown(list(source))}: give texts, such as 'A [m/s2]'")
-        table = named_columns(name, {column: numbers(f"{name}: {column}", values, (None,)) for column, values in source.items()})
+        table = name_columns(name, {column: numbers(f"{name}: {column}", values, (None,)) for column, values in source.items()})
     else:
         table, name = read_channels(source, wanted), os.path.basename(os.fspath(source))
     times = times_of(table, time)

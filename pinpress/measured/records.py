@@ -18,7 +18,7 @@ from ..common.arguments import LARGEST, SMALLEST, known_factor, number, numbers,
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array, readable
-from ..common.reading.columns import TIMES, Channels, parted, read_channels
+from ..common.reading.columns import TIMES, Channels, read_channels, split_head
 from ..common.results import Tabular
 
 FEWEST = 32  # samples of a record
@@ -406,7 +406,7 @@ def times_of(table: Channels, asked: str | None) -> Array:
 
 
 def _unit_refused(file: str, name: str, unit: str, what: str, wanted: str) -> str:
-    (plain, _), known = parted(name), readable(wanted)
+    (plain, _), known = split_head(name), readable(wanted)
     such = f"write the column as {plain!r} with one of the units {', '.join(known)}: '{plain} [{next(iter(known))}]'"
     if not unit:
         return f"{file}: column {plain!r} has no unit; {such}"

@@ -19,7 +19,7 @@ from ..common import tables
 from ..common.arguments import expect, number, numbers, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import RPM
-from ..common.reading.columns import parted
+from ..common.reading.columns import split_head
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..foundation.free_decay import logarithmic_decrement
@@ -201,7 +201,7 @@ def vibration(
         run_of(each, f"run {k + 1}", sensors, time, (angle, tacho, whole_number("pulses", pulses, 1, 100_000)), given)
         for k, (each, given) in enumerate(zip(sources, speeds, strict=True))
     ]
-    return VibrationRecord({parted(name)[0]: each for name, each in sensors.items()}, tuple(runs))
+    return VibrationRecord({split_head(name)[0]: each for name, each in sensors.items()}, tuple(runs))
 
 
 def _speeds(speed: ArrayLike, runs: int) -> list[float]:

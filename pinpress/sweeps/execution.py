@@ -70,7 +70,7 @@ class Apart(Executor):
             pool.shutdown(wait=False)
 
 
-def done(work: Work[Result], numbers: Sequence[int], executor: Executor | None, in_flight: int) -> Generator[list[Result], None, None]:
+def carry_out(work: Work[Result], numbers: Sequence[int], executor: Executor | None, in_flight: int) -> Generator[list[Result], None, None]:
     """Results of pieces of work as they are finished: one after the other in this process, or as they arrive from an executor.
 
     A task of an executor has as many pieces as take about `TASK`: at first one, then at most twice as many from task to task. A task that
@@ -101,7 +101,7 @@ def done(work: Work[Result], numbers: Sequence[int], executor: Executor | None, 
 
 
 class _Tasks(Generic[Result]):
-    """Pieces of work in the hands of an executor; see `done`."""
+    """Pieces of work in the hands of an executor; see `carry_out`."""
 
     def __init__(self, executor: Executor, work: Work[Result], numbers: Sequence[int], in_flight: int) -> None:
         self._executor, self._work, self._in_flight = executor, work, in_flight
@@ -126,14 +126,14 @@ class _Tasks(Generic[Result]):
                 self._submit(numbers)
             future = self._finished.get()
             numbers, carried_out = self._pending.pop(future), True
-            found, seconds = future.result()
+            results, seconds = future.result()
         except Exception as error:  # a pool that is broken or shut down, a cluster that is gone, a function that cannot be sent
             yield from self._after(error, numbers, carried_out)
             return
         self._judged = None
-        self._waiting.extendleft(reversed(numbers[len(found) :]))
-        self._size = max(1, min(2 * self._size, int(TASK * len(found) / max(seconds, 1e-9))))
-        yield found
+        self._waiting.extendleft(reversed(numbers[len(results) :]))
+        self._size = max(1, min(2 * self._size, int(TASK * len(results) / max(seconds, 1e-9))))
+        yield results
 
     def close(self) -> None:
         """Cancel all tasks that have not begun."""
@@ -158,7 +158,7 @@ class _Tasks(Generic[Result]):
     def _submit(self, numbers: list[int]) -> None:
         # Dask names a call by its arguments, and answers the same call with the error that it had before; so no two calls are the same.
         pieces = [(number, self._work.argument(number)) for number in numbers]
-        future = self._executor.submit(results, self._work.call, pieces, uuid4().hex)
+        future = self._executor.submit(run_task, self._work.call, pieces, uuid4().hex)
         self._pending[future] = numbers
         future.add_done_callback(self._finished.put)
 
@@ -188,23 +188,23 @@ class _Tasks(Generic[Result]):
         wait(self._pending, timeout=LEAVE_TIME)
         for future, others in self._pending.items():
             good = future.done() and not future.cancelled() and future.exception() is None
-            found = future.result()[0] if good else []
-            self._alone.extend(others[len(found) :])
-            yield from [found] if good else []
+            results = future.result()[0] if good else []
+            self._alone.extend(others[len(results) :])
+            yield from [results] if good else []
         self._alone.extend(numbers)
         self._pending, self._finished = {}, SimpleQueue()
         self._executor = apart = Apart(pool)
         self._in_flight = min(self._in_flight, apart.workers)
 
 
-def results(call: Callable[[int, Any], Result], pieces: Sequence[tuple[int, Any]], _submission: str) -> tuple[list[Result], float]:
+def run_task(call: Callable[[int, Any], Result], pieces: Sequence[tuple[int, Any]], _submission: str) -> tuple[list[Result], float]:
     """One task: the results of pieces with their numbers (of the first few where they take long), and the time that they took [s]."""
-    found, start = [], time.perf_counter()
+    results, start = [], time.perf_counter()
     for number, argument in pieces:
-        found.append(call(number, argument))
+        results.append(call(number, argument))
         if (seconds := time.perf_counter() - start) > LONGEST_TASK:
             break
-    return found, seconds
+    return results, seconds
 
 
 def _left(finished: "SimpleQueue[Future[tuple[list[Result], float]]]", count: int) -> Iterator[list[Result]]:

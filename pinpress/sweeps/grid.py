@@ -82,7 +82,7 @@ class Grid:
         return places[::-1]
 
 
-def gridded(grid: object, paired: bool) -> Grid:
+def make_grid(grid: object, paired: bool) -> Grid:
     """A caller's grid; see `pinpress.sweeps.sweep`.
 
     Raises:
@@ -137,7 +137,7 @@ def kind(value: Scalar) -> str:
     return "bool" if isinstance(value, bool) else "word" if isinstance(value, str) else "number"
 
 
-def listed(kinds: Mapping[str, str]) -> str:
+def list_kinds(kinds: Mapping[str, str]) -> str:
     """Names of results and kinds of their values, in words."""
     return ", ".join(f"{name} ({kind})" for name, kind in kinds.items())
 
@@ -168,7 +168,7 @@ def fingerprint(grid: Grid, function: str) -> dict[str, object]:
 
 
 def _axis(name: str, values: object) -> tuple[tuple[Scalar, ...], tuple[object, ...]]:
-    """Labels and objects of one axis. Raises as `gridded`."""
+    """Labels and objects of one axis. Raises as `make_grid`."""
     if isinstance(values, Mapping):
         labels, objects = list(values), tuple(values.values())
     elif isinstance(values, Sequence | np.ndarray) and not isinstance(values, str | bytes) and _flat(values):

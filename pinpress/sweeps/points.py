@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import shown
-from .grid import LARGEST, LONGEST, RESERVED, Grid, Scalar, kind, listed, scalar
+from .grid import LARGEST, LONGEST, RESERVED, Grid, Scalar, kind, list_kinds, scalar
 
 Function = Callable[..., Mapping[str, object]]
 Values = NDArray[Any]
@@ -66,7 +66,7 @@ class Points:
         return {name: values[k] for (name, values), k in zip(self.arguments.items(), places, strict=True)}
 
 
-def many_points(grid: Grid) -> Callable[[Sequence[int]], Points]:
+def points_of(grid: Grid) -> Callable[[Sequence[int]], Points]:
     """A function that makes the points with these numbers."""
     axes = grid.arguments()
 
@@ -79,31 +79,31 @@ def many_points(grid: Grid) -> Callable[[Sequence[int]], Points]:
     return points
 
 
-def at_point(function: Function, number: int, point: Mapping[str, object]) -> Results:
+def call_at_point(function: Function, number: int, point: Mapping[str, object]) -> Results:
     """The function at one point."""
     try:
-        values = _checked(function(**point))
+        values = _check(function(**point))
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # after any error, SystemExit too, the other points go on
-        return failed([number], described(error))
+        return fail([number], describe(error))
     return Results([number], [""], {name: kind(value) for name, value in values.items()}, [[value] for value in values.values()])
 
 
-def at_points(function: Function, _part: int, points: Points) -> Results:
+def call_at_points(function: Function, _part: int, points: Points) -> Results:
     """A function of many points. Where it raises, halves of the points are tried, down to those at which it raises."""
     try:
-        return _halved(function, points.numbers, points.columns())
+        return _call_by_halves(function, points.numbers, points.columns())
     except ClashError as error:
         return Results([], [], {}, [], str(error))
 
 
-def failed(numbers: Sequence[int], error: str) -> Results:
+def fail(numbers: Sequence[int], error: str) -> Results:
     """Points that all failed."""
     return Results(numbers, [error] * len(numbers), {}, [])
 
 
-def described(error: BaseException) -> str:
+def describe(error: BaseException) -> str:
     """Type and text of an exception, as a table takes them."""
     try:
         text = str(error)
@@ -117,7 +117,7 @@ def storable(text: str) -> str:
     return text.encode("utf-8", "backslashreplace").decode().replace("\0", "\\0")[:LONGEST]
 
 
-def _checked(returned: object) -> dict[str, Scalar]:
+def _check(returned: object) -> dict[str, Scalar]:
     """The values that the function returned, as a table takes them.
 
     Raises:
@@ -138,26 +138,26 @@ def _checked(returned: object) -> dict[str, Scalar]:
     return values
 
 
-def _halved(function: Function, numbers: Sequence[int], arguments: Mapping[str, Values]) -> Results:
+def _call_by_halves(function: Function, numbers: Sequence[int], arguments: Mapping[str, Values]) -> Results:
     """The function at all these points at once; where it raises, at both halves of them."""
     try:
         returned = function(**{name: values.copy() for name, values in arguments.items()})  # copies, which it may change
     except KeyboardInterrupt:
         raise
-    except BaseException as error:  # as in `at_point`
+    except BaseException as error:  # as in `call_at_point`
         if len(numbers) == 1:
-            return failed(numbers, described(error))
+            return fail(numbers, describe(error))
         half = len(numbers) // 2
-        return _joined(
+        return _join(
             *(
-                _halved(function, numbers[part], {name: values[part] for name, values in arguments.items()})
+                _call_by_halves(function, numbers[part], {name: values[part] for name, values in arguments.items()})
                 for part in (slice(half), slice(half, None))
             )
         )
     return _columns_of(returned, numbers, arguments)
 
 
-def _joined(first: Results, second: Results) -> Results:
+def _join(first: Results, second: Results) -> Results:
     """Results at two groups of points as one.
 
     Raises:
@@ -168,12 +168,11 @@ def _joined(first: Results, second: Results) -> Results:
     for half in (first, second):
         if half.kinds and half.kinds != kinds:
             raise ClashError(
-                f"the function returned {listed(half.kinds)} at some points, but {listed(kinds)} at others: return the same names with"
-                " values of the same kind at every point"
+                f"the function returned {list_kinds(half.kinds)} at some points, but {list_kinds(kinds)} at others: return the same"
+                " names with values of the same kind at every point"
             )
     halves = [
-        dict(zip(half.kinds, half.columns, strict=True))
-        or {name: _filled([None] * len(half.numbers), each) for name, each in kinds.items()}
+        dict(zip(half.kinds, half.columns, strict=True)) or {name: _fill([None] * len(half.numbers), each) for name, each in kinds.items()}
         for half in (first, second)
     ]
     return Results(numbers, errors, kinds, [np.concatenate([half[name] for half in halves]) for name in kinds])
@@ -216,7 +215,7 @@ def _errors(column: object, count: int) -> list[str]:
         return [""] * count
     if isinstance(column, str) or not isinstance(column, Iterable) or len(errors := list(column)) != count:
         raise ClashError(f"the function returned {_short(column)} under 'error'; return for each of the {count} points None or an error")
-    return [described(error) if isinstance(error, BaseException) else "" if error is None else storable(str(error)) for error in errors]
+    return [describe(error) if isinstance(error, BaseException) else "" if error is None else storable(str(error)) for error in errors]
 
 
 def _column(name: str, column: object, count: int) -> tuple[Values, dict[int, str]]:
@@ -251,7 +250,7 @@ def _listed_column(name: str, column: object, count: int) -> tuple[Values, dict[
     kinds = sorted({kind(value) for value in values if value is not None}) or ["number"]
     if len(kinds) > 1:
         raise ClashError(f"the function returned {'s and '.join(kinds)}s under {shown(name)}; return values of one kind")
-    return _filled(values, kinds[0]), faults
+    return _fill(values, kinds[0]), faults
 
 
 def _refuse_shape(name: str, shape: tuple[int, ...], count: int) -> None:
@@ -259,7 +258,7 @@ def _refuse_shape(name: str, shape: tuple[int, ...], count: int) -> None:
         raise ClashError(f"the function returned values of shape {shape} under {shown(name)}; return one for each of the {count} points")
 
 
-def _filled(values: Sequence[Scalar | None], kind: str) -> Values:
+def _fill(values: Sequence[Scalar | None], kind: str) -> Values:
     """Values of one kind as an array, with fillers for None."""
     filler, dtype = {"number": (0.0, float), "bool": (False, bool), "word": ("", object)}[kind]
     return np.array([filler if value is None else value for value in values], dtype=dtype)

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ..common import files
 from ..common.errors import PinpressError
-from .grid import Grid, differences, fingerprint, listed
+from .grid import Grid, differences, fingerprint, list_kinds
 from .points import Results, Values, axis_name_taken
 
 SUFFIX = ".sqlite"
@@ -40,18 +40,18 @@ class Contents(NamedTuple):
     """The results in a database, of a sweep with n points.
 
     Attributes:
-        known: (n,) whether a point is done.
+        done: (n,) whether a point is done.
         columns: name of a result -> (n,) values: NaN or None at points that failed or are missing.
         errors: number of a point that failed -> its error.
     """
 
-    known: NDArray[np.bool_]
+    done: NDArray[np.bool_]
     columns: dict[str, Values]
     errors: dict[int, str]
 
 
 class Store:
-    """The database of one sweep; `opened` makes it.
+    """The database of one sweep; `open_file` makes it.
 
     Attributes:
         description: description of the sweep, see `grid.fingerprint`.
@@ -89,17 +89,17 @@ class Store:
         """
         axes = [len(labels) for labels in self.description["axes"].values()]
         size = axes[0] if self.description["paired"] else int(np.prod(axes))
-        known, errors = np.zeros(size, dtype=bool), {}
+        done, errors = np.zeros(size, dtype=bool), {}
         values = [np.full(size, np.nan if kind == "number" else None) for kind in self.kinds.values()]
-        names = "".join(f", {_quoted(name)}" for name in self._names)
-        with self._reported():
+        names = "".join(f", {_quote(name)}" for name in self._names)
+        with self._name_in_errors():
             rows = self._connection.execute(f"SELECT point, error{names}, checksum FROM points ORDER BY point")
             while piece := rows.fetchmany(500):  # half as long as with 10 000, which no cache holds
                 self._refuse_changed(piece)
-                known[[row[0] for row in piece]] = True
+                done[[row[0] for row in piece]] = True
                 errors.update({row[0]: row[1] for row in piece if row[1]})
-                if done := [row for row in piece if not row[1]]:
-                    numbers, _, *new, _ = zip(*done, strict=True)
+                if good := [row for row in piece if not row[1]]:
+                    numbers, _, *new, _ = zip(*good, strict=True)
                     places = np.array(numbers)
                     for column, arrived in zip(values, new, strict=True):
                         column[places] = arrived
@@ -107,11 +107,11 @@ class Store:
             name: column if kind != "bool" else np.array([None if value is None else bool(value) for value in column])
             for (name, kind), column in zip(self.kinds.items(), values, strict=True)
         }
-        return Contents(known, columns, errors)
+        return Contents(done, columns, errors)
 
     def begin(self) -> None:
         """Prepare for adding results, which go to a log."""
-        with self._reported():
+        with self._name_in_errors():
             self._connection.execute("PRAGMA journal_mode=WAL")
             self._connection.execute("PRAGMA synchronous=NORMAL")
 
@@ -144,7 +144,7 @@ class Store:
         if kinds:
             first = next(number for number, error in zip(results.numbers, results.errors, strict=True) if not error)
             raise PinpressError(
-                f"the function returned {listed(results.kinds)} at {self._point(first)}, but {listed(kinds)} before:"
+                f"the function returned {list_kinds(results.kinds)} at {self._point(first)}, but {list_kinds(kinds)} before:"
                 " return the same names with values of the same kind at every point"
             )
         for name in results.kinds:
@@ -159,8 +159,8 @@ class Store:
             if kinds != self.kinds:
                 self._name_results(kinds)
                 for name, kind in zip(self._names, kinds.values(), strict=True):
-                    self._connection.execute(f"ALTER TABLE points ADD COLUMN {_quoted(name)} {TYPES[kind]}")
-                self._connection.execute("UPDATE sweep SET description = ?, checksum = ?", _described(self.description, kinds))
+                    self._connection.execute(f"ALTER TABLE points ADD COLUMN {_quote(name)} {TYPES[kind]}")
+                self._connection.execute("UPDATE sweep SET description = ?, checksum = ?", _describe(self.description, kinds))
             marks = ", ?" * len(kinds)
             for results in arrived:
                 self._connection.executemany(f"INSERT OR REPLACE INTO points VALUES (?, ?, ?{marks})", self._rows(results))
@@ -225,22 +225,22 @@ class Store:
     @contextmanager
     def _commit(self) -> Iterator[None]:
         """All that is written in the block, or nothing."""
-        with self._reported(), self._connection:
+        with self._name_in_errors(), self._connection:
             self._connection.execute("BEGIN")
             yield
 
     @contextmanager
-    def _reported(self) -> Iterator[None]:
-        with reported(self._name):
+    def _name_in_errors(self) -> Iterator[None]:
+        with name_in_errors(self._name):
             yield
 
 
 @contextmanager
-def store(grid: Grid, function: str, to: str | os.PathLike[str] | None) -> Iterator[Store]:
+def open_store(grid: Grid, function: str, to: str | os.PathLike[str] | None) -> Iterator[Store]:
     """The store of a sweep: the file ``to``, or None for one in memory.
 
     Raises:
-        PinpressError: as `opened`, or ``to`` is no name for such a file.
+        PinpressError: as `open_file`, or ``to`` is no name for such a file.
     """
     path = None
     if to is not None:
@@ -252,12 +252,12 @@ def store(grid: Grid, function: str, to: str | os.PathLike[str] | None) -> Itera
                 f"to is {os.fspath(to)!r}: a sweep is kept in an SQLite file, so write {os.fspath(name)!r}; a CSV or Parquet file is"
                 " written from the result, by to_csv or to_parquet"
             )
-    with opened(path, fingerprint(grid, function)) as opened_store:
-        yield opened_store
+    with open_file(path, fingerprint(grid, function)) as database:
+        yield database
 
 
 @contextmanager
-def opened(path: Path | None, description: Mapping[str, Any] | None = None) -> Iterator[Store]:
+def open_file(path: Path | None, description: Mapping[str, Any] | None = None) -> Iterator[Store]:
     """Open the database of a sweep, or make it, and lock it until the end of the block.
 
     Args:
@@ -272,10 +272,10 @@ def opened(path: Path | None, description: Mapping[str, Any] | None = None) -> I
         raise PinpressError(f"{path} is a folder, not the file of a sweep: give the file, whose name ends with {SUFFIX}")
     if path is not None and path.exists() and not path.is_file():
         raise PinpressError(f"{path} is no regular file: a sweep is kept in one of its own; give another name")
-    with reported(name):
+    with name_in_errors(name):
         connection = sqlite3.connect(":memory:" if path is None else path, timeout=0.0, isolation_level=None)
     try:
-        with reported(name):
+        with name_in_errors(name):
             connection.text_factory = lambda text: text.decode(errors="replace")  # damaged text is found by its checksum
             connection.execute(f"PRAGMA page_size={PAGE}")
             connection.execute("PRAGMA locking_mode=EXCLUSIVE")
@@ -284,11 +284,11 @@ def opened(path: Path | None, description: Mapping[str, Any] | None = None) -> I
                 if description is not None and not connection.execute("SELECT * FROM sqlite_master").fetchall():
                     connection.execute("CREATE TABLE sweep (description TEXT, checksum INTEGER)")
                     connection.execute("CREATE TABLE points (point INTEGER PRIMARY KEY, error TEXT, checksum INTEGER)")
-                    connection.execute("INSERT INTO sweep VALUES (?, ?)", _described(description, {}))
-                found = Store(name, connection)
-        if description is not None and (differ := "; ".join(differences(found.description, description))):
+                    connection.execute("INSERT INTO sweep VALUES (?, ?)", _describe(description, {}))
+                database = Store(name, connection)
+        if description is not None and (differ := "; ".join(differences(database.description, description))):
             raise PinpressError(f"{path} is of another sweep: {differ}. Give another file, or repeat the sweep that it is of")
-        yield found
+        yield database
     finally:
         with suppress(sqlite3.Error):  # on a full disk the log stays beside the file, and is copied into it when it is opened next
             connection.execute("PRAGMA journal_mode=DELETE")
@@ -296,7 +296,7 @@ def opened(path: Path | None, description: Mapping[str, Any] | None = None) -> I
 
 
 @contextmanager
-def reported(name: str) -> Iterator[None]:
+def name_in_errors(name: str) -> Iterator[None]:
     """Turn errors of SQLite into a PinpressError that names the file."""
     try:
         yield
@@ -310,7 +310,7 @@ def reported(name: str) -> Iterator[None]:
         raise PinpressError(f"{name} is damaged, or no file of a sweep ({error}): give another file, or delete it") from error
 
 
-def _described(description: Mapping[str, Any], kinds: Mapping[str, str]) -> tuple[str, int]:
+def _describe(description: Mapping[str, Any], kinds: Mapping[str, str]) -> tuple[str, int]:
     """Description and kinds as text, and its checksum."""
     text = json.dumps({**description, "results": kinds})
     return text, zlib.crc32(text.encode())
@@ -323,7 +323,7 @@ def _plain(values: Sequence[Any] | Values) -> list[Any]:
     return [value if isinstance(value, str) else value + 0.0 for value in values]
 
 
-def _quoted(name: str) -> str:
+def _quote(name: str) -> str:
     """A name in SQL."""
     doubled = name.replace('"', '""')
     return f'"{doubled}"'

@@ -21,10 +21,10 @@ from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.files import path_of
 from ..common.frozen import FrozenMapping, read_only
 from ..common.results import Record, Records, Tabular
-from .execution import TaskError, Work, done
-from .grid import Grid, Scalar, as_array, gridded
-from .points import KILLS, Function, Results, at_point, at_points, failed, many_points
-from .store import Contents, Store, opened, store
+from .execution import TaskError, Work, carry_out
+from .grid import Grid, Scalar, as_array, make_grid
+from .points import KILLS, Function, Results, call_at_point, call_at_points, fail, points_of
+from .store import Contents, Store, open_file, open_store
 
 Column = NDArray[Any]
 
@@ -78,25 +78,25 @@ def sweep(
     """
     _check_arguments(function, executor, in_flight, progress)
     together = _points_at_once(at_once)
-    points = gridded(grid, paired)
+    points = make_grid(grid, paired)
     _check_call(function, points)
     if together:
         points.refuse_mixed_labels()
     if isinstance(executor, ProcessPoolExecutor):
         _check_sendable(function, points)
     name = name_of(function)
-    with store(points, name, to) as kept:
+    with open_store(points, name, to) as kept:
         if retry_failed:
             kept.forget_failed()
-        known = kept.contents().known
-        if not known.all():
+        finished = kept.contents().done
+        if not finished.all():
             kept.begin()
         try:
             # A part that ends its process is done once more, point by point, so that only the points fail that do so.
             for length in (together, 1) if together else (0,):
-                _run(function, points, length, known, kept, executor, in_flight, progress)
+                _run(function, points, length, finished, kept, executor, in_flight, progress)
         except TaskError as error:
-            raise _executor_is_gone(error, int(known.sum()), len(points), to) from error.__cause__
+            raise _report_lost_executor(error, int(finished.sum()), len(points), to) from error.__cause__
         return _sweep(name, points, kept.contents())
 
 
@@ -113,7 +113,7 @@ def read(path: str | os.PathLike[str]) -> Sweep:
     file = Path(path_of("path", path))
     if not file.exists():
         raise PinpressError(f"there is no file {file}: give the one that sweep has written by to=")
-    with opened(file) as kept:
+    with open_file(file) as kept:
         description = kept.description
         axes = {name: tuple(labels) for name, labels in description["axes"].items()}
         return _sweep(description["function"], Grid(axes, axes, description["paired"]), kept.contents())
@@ -127,7 +127,8 @@ class Sweep(Tabular):
         function: name of the function.
         axes: name -> labels of each axis.
         paired: whether the axes run side by side.
-        results: name -> (n,) values of each result, as masked arrays with a mask at points that failed or are missing. Numbers are floats.
+        results: name -> (n,) values of each result, as masked arrays with a mask at points that failed or are missing. Numbers are
+            floats, 0.0 in place of -0.0.
         errors: number of a point that failed -> type and text of the exception.
         missing: numbers of the points that are not done yet, where `read` reads a sweep that was stopped; else empty.
     """
@@ -151,7 +152,7 @@ class Sweep(Tabular):
         lines += tables.ranges(self.results, 26)
         bad = self._failed(5)
         lines += ["", "Failed"] if bad else []
-        lines += [f"  {', '.join(f'{k}={v}' for k, v in each.point.items())}: {each.error.splitlines()[0]}" for each in bad]
+        lines += [f"  {', '.join(f'{k}={v}' for k, v in point.point.items())}: {point.error.splitlines()[0]}" for point in bad]
         lines += [f"  and {len(self.errors) - 5} more"] if len(self.errors) > 5 else []
         return "\n".join(lines)
 
@@ -246,7 +247,7 @@ class FailedPoint(Record):
 
 
 def _sweep(function: str, grid: Grid, contents: Contents) -> Sweep:
-    failed = ~contents.known
+    failed = ~contents.done
     failed[list(contents.errors)] = True
     return Sweep(
         function=function,
@@ -254,7 +255,7 @@ def _sweep(function: str, grid: Grid, contents: Contents) -> Sweep:
         paired=grid.paired,
         results=read_only({name: np.ma.MaskedArray(values, failed.copy()) for name, values in contents.columns.items()}),
         errors=FrozenMapping(contents.errors),
-        missing=tuple(np.flatnonzero(~contents.known).tolist()),
+        missing=tuple(np.flatnonzero(~contents.done).tolist()),
     )
 
 
@@ -313,10 +314,10 @@ def _check_sendable(function: Function, grid: Grid) -> None:
 def _work(function: Function, grid: Grid, missing: NDArray[np.intp], length: int) -> tuple[Sequence[int], Work[Results]]:
     """Numbers of the pieces of work, and the work: a point each, or with a ``length`` the missing ones of so many consecutive points."""
     if not length:
-        return missing.tolist(), Work(partial(at_point, function), grid.point, lambda number: failed([number], KILLS))
-    parts, points = list(_parts(missing, length)), many_points(grid)
-    killed = (lambda k: failed(parts[k], KILLS)) if length == 1 else (lambda _: failed([], KILLS))
-    return range(len(parts)), Work(partial(at_points, function), lambda k: points(parts[k]), killed)
+        return missing.tolist(), Work(partial(call_at_point, function), grid.point, lambda number: fail([number], KILLS))
+    parts, points = list(_parts(missing, length)), points_of(grid)
+    killed = (lambda k: fail(parts[k], KILLS)) if length == 1 else (lambda _: fail([], KILLS))
+    return range(len(parts)), Work(partial(call_at_points, function), lambda k: points(parts[k]), killed)
 
 
 def _parts(missing: NDArray[np.intp], length: int) -> Iterator[Sequence[int]]:
@@ -330,40 +331,40 @@ def _run(
     function: Function,
     grid: Grid,
     length: int,
-    known: NDArray[np.bool_],
+    finished: NDArray[np.bool_],
     kept: Store,
     executor: Executor | None,
     in_flight: int,
     progress: Callable[[float], None] | None,
 ) -> None:
-    """Call the function at the points that are missing, and mark these as known.
+    """Call the function at the points that are missing, and mark these as finished.
 
     Raises:
         TaskError: the executor is gone.
         PinpressError: as `Store.add`.
     """
-    numbers, work = _work(function, grid, np.flatnonzero(~known), length)
-    count = int(known.sum())
-    arriving = done(work, numbers, executor, in_flight)
+    numbers, work = _work(function, grid, np.flatnonzero(~finished), length)
+    count = int(finished.sum())
+    arriving = carry_out(work, numbers, executor, in_flight)
     try:
         for arrived in arriving:
             kept.add(arrived)
             for results in arrived:
-                known[list(results.numbers)] = True
+                finished[list(results.numbers)] = True
                 count += len(results.numbers)
             if progress is not None:
-                progress(count / len(known))
+                progress(count / len(finished))
     finally:
         arriving.close()  # nothing more is begun
 
 
-def _executor_is_gone(error: TaskError, known: int, points: int, to: str | os.PathLike[str] | None) -> PinpressError:
-    """The error of a sweep whose executor could not do its work, when so many of its points were known."""
+def _report_lost_executor(error: TaskError, finished: int, points: int, to: str | os.PathLike[str] | None) -> PinpressError:
+    """The error of a sweep whose executor could not do its work, when so many of its points were finished."""
     cause = error.__cause__
     where = "which are lost: give to=, a file that keeps them" if to is None else f"which are in {os.fspath(to)}"
     again = "" if to is None else "; call the same sweep again, with a new executor, to do the others"
     said = f"{type(cause).__name__}: {cause}".removesuffix(": ")
-    return PinpressError(f"the executor could not do its work ({said}) after {known} of {points} points, {where}{again}")
+    return PinpressError(f"the executor could not do its work ({said}) after {finished} of {points} points, {where}{again}")
 
 
 def _arrow_type(column: Column) -> Any:

@@ -9,7 +9,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress import measured
-from pinpress.common.reading.columns import Wanted, parted, read_channels, read_columns
+from pinpress.common.reading.columns import Wanted, read_channels, read_columns, split_head
 from pinpress.measured.accelerometers import points_of
 
 POINTS = "channel,x [mm],y [mm],z [mm],direction\ntop,0,100.5,1.5e3,z\nbed,0,0,-900,x\n"
@@ -131,7 +131,7 @@ def test_units_of_heads(tmp_path, head, factor):
     assert found.values["name"] == ["A", "B"]
     assert list(found.lines) == [2, 3]
     assert "gain" not in found.values
-    assert parted("force [kN] ") == ("force", "kN")
+    assert split_head("force [kN] ") == ("force", "kN")
 
 
 def test_units_in_a_line_below_the_names(tmp_path):

@@ -10,7 +10,7 @@ import re
 from ...common.arguments import read_quantity
 from ...common.errors import PinpressError
 from ...common.quantities import DriverCoordinate, readable
-from ...common.reading.columns import Wanted, parted, read_columns
+from ...common.reading.columns import Wanted, read_columns, split_head
 from ...drives.transmission import SwitchPoint
 
 LARGEST_FILE = 10**8  # of a table of two columns [bytes]
@@ -62,7 +62,7 @@ def vector(text: str, unit: str) -> tuple[float, ...]:
 
 def pairs_of_file(path: str, columns: tuple[str, str]) -> list[tuple[float, float]]:
     """The rows of a CSV file of two columns, in their units; a first line without numbers is its header, which may name other units."""
-    heads = [parted(column) for column in columns]
+    heads = [split_head(column) for column in columns]
     try:
         table = read_columns(path, {name: Wanted(unit, bare=unit) for name, unit in heads}, by_order=True)
     except PinpressError as error:

@@ -124,20 +124,20 @@ class Channels(NamedTuple):
     time: Array | None = None
     words: Mapping[str, list[str]] = FrozenMapping({})
 
-    def column(self, asked: str) -> Column:
+    def column(self, head: str) -> Column:
         """The column of a name with its unit.
 
         Raises:
             PinpressError: the file has another unit.
             UnknownNameError: it has no such column.
         """
-        name, unit = parted(asked)
+        name, unit = split_head(head)
         if name not in self.columns:
             raise UnknownNameError(f"column in {self.file} of the name", name, self.columns)
-        there = self.units.get(name, "")
-        if unit and there and not _same_unit(unit, there):
-            raise PinpressError(f"{self.file}: column {name!r} is in {there}, not in {unit}: write {name!r}, or mend the file")
-        return Column(self.columns[name], there or unit)
+        unit_there = self.units.get(name, "")
+        if unit and unit_there and not _same_unit(unit, unit_there):
+            raise PinpressError(f"{self.file}: column {name!r} is in {unit_there}, not in {unit}: write {name!r}, or mend the file")
+        return Column(self.columns[name], unit_there or unit)
 
 
 def read_columns(
@@ -157,12 +157,12 @@ def read_columns(
         PinpressError: the file cannot be read, lacks a column or a unit, or a cell is no number; with the line, the column and the remedy.
     """
     file = files.path_of("path", path)
-    needed, optional = ([each.head(name) for name, each in wanted.items() if each.needed is must] for must in (True, False))
+    needed, optional = ([column.head(name) for name, column in wanted.items() if column.needed is must] for must in (True, False))
     beside = f" and, if wanted, {', '.join(optional)}" if optional else ""
     remedy = f"give a CSV file with the {'columns' if by_order else 'heads'} {', '.join(needed)}{beside}"
     content = _content(file, most, f"; {remedy}")
     if reader := _READERS.get(_ending(file)):
-        channels = reader(file, content, [] if _ending(file) != ".mf4" else [name for name, each in wanted.items() if each.needed])
+        channels = reader(file, content, [] if _ending(file) != ".mf4" else [name for name, column in wanted.items() if column.needed])
         heads = [f"{name} [{unit}]" if (unit := channels.units.get(name, "")) else name for name in (*channels.columns, *channels.words)]
         below: Sequence[Any] = [*channels.columns.values(), *channels.words.values()]
         lines: Sequence[int] = range(1, 1 + len(below[0]) if below else 1)
@@ -171,13 +171,13 @@ def read_columns(
     places = _places(file, heads, wanted, others, remedy)
     values: dict[str, Any] = {}
     for name, place in places.items():
-        each = wanted[name]
-        if each.quantity is None:
+        column = wanted[name]
+        if column.quantity is None:
             values[name] = list(below[place])
         else:
-            numbers = below[place] if isinstance(below[place], np.ndarray) else _numbers(file, name, below[place], lines, each.needed)
-            values[name] = numbers * _factor(file, name, heads[place], each, remedy)
-    units = {name: parted(heads[place])[1] for name, place in places.items() if wanted[name].quantity is not None}
+            numbers = below[place] if isinstance(below[place], np.ndarray) else _numbers(file, name, below[place], lines, column.needed)
+            values[name] = numbers * _factor(file, name, heads[place], column, remedy)
+    units = {name: split_head(heads[place])[1] for name, place in places.items() if wanted[name].quantity is not None}
     return Columns(file, values, lines, units)
 
 
@@ -196,7 +196,7 @@ def read_channels(file: str | os.PathLike[str], wanted: Iterable[str]) -> Channe
     ending = _ending(path)
     if ending not in readers:
         raise PinpressError(f"{path} ends in {ending or 'nothing'}: columns are read from {', '.join(readers)}; export it as one of these")
-    return readers[ending](path, _content(path, LARGEST_FILE), [parted(name)[0] for name in wanted])
+    return readers[ending](path, _content(path, LARGEST_FILE), [split_head(name)[0] for name in wanted])
 
 
 def _ending(path: str) -> str:
@@ -213,10 +213,10 @@ def _content(path: str, most: int, remedy: str = "") -> bytes:
 # ------------------------------------------------------------------------------------------------------------------------------ CSV files
 
 
-def parted(name: str) -> tuple[str, str]:
+def split_head(name: str) -> tuple[str, str]:
     """Name and unit of "crank [deg]" or "crank (deg)"; the unit is empty if there is none."""
-    found = _UNIT.match(name.strip())
-    return (found[1].strip(), (found[2] or found[3] or "").strip()) if found and found[1].strip() else (name.strip(), "")
+    match = _UNIT.match(name.strip())
+    return (match[1].strip(), (match[2] or match[3] or "").strip()) if match and match[1].strip() else (name.strip(), "")
 
 
 def _text(file: str, content: bytes) -> str:
@@ -236,7 +236,7 @@ def _rows(file: str, content: bytes, comments: bool) -> tuple[list[Row], str]:
     kept = [(k, line) for k, line in enumerate(lines, 1) if line.strip()]
     first = next((k for k, (_, line) in enumerate(kept) if not line.lstrip().startswith(("#", "%"))), len(kept))
     kept = [(k, line) for k, line in kept[first:] if not comments or not line.lstrip().startswith(("#", "%"))]
-    separator = next((each for each in SEPARATORS if kept and each in kept[0][1]), ",")
+    separator = next((sign for sign in SEPARATORS if kept and sign in kept[0][1]), ",")
     try:
         cells = csv.reader([line for _, line in kept], delimiter=separator, skipinitialspace=True)
         rows = [Row(kept[cells.line_num - 1][0], [_cell(cell, separator) for cell in row]) for row in cells]
@@ -247,8 +247,8 @@ def _rows(file: str, content: bytes, comments: bool) -> tuple[list[Row], str]:
 
 def _cell(text: str, separator: str) -> str:
     text = text.strip()
-    if separator != "," and (found := _DECIMAL_COMMA.fullmatch(text)):
-        return f"{found[1]}.{found[2]}"
+    if separator != "," and (match := _DECIMAL_COMMA.fullmatch(text)):
+        return f"{match[1]}.{match[2]}"
     return text
 
 
@@ -256,16 +256,16 @@ def _cells(
     file: str, content: bytes, wanted: Mapping[str, Wanted], by_order: bool, remedy: str
 ) -> tuple[list[str], list[list[str]], list[int]]:
     """Heads, cells by column, and the line of every row."""
-    rows, _ = _rows(file, content, comments=all(each.quantity is not None for each in wanted.values()))
+    rows, _ = _rows(file, content, comments=all(column.quantity is not None for column in wanted.values()))
     if not rows:
         raise PinpressError(f"{file} is empty: {remedy}")
     heads, below = rows[0].cells, rows[1:]
     if by_order:
         plain = all(map(_is_number, heads))
-        units = ["" if plain else parted(head)[1] for head in heads]
+        units = ["" if plain else split_head(head)[1] for head in heads]
         below = rows if plain else below
         heads = [f"{name} [{unit}]" if unit else name for name, unit in zip([*wanted, *heads[len(wanted) :]], units, strict=False)]
-    elif below and _are_units(heads, below[0].cells) and any(each.quantity is not None for each in wanted.values()):
+    elif below and _are_units(heads, below[0].cells) and any(column.quantity is not None for column in wanted.values()):
         heads, below = _with_units(heads, below[0].cells), below[1:]
     for line, cells in below:
         if len(cells) > len(heads) or (by_order and len(cells) != len(wanted)):
@@ -293,22 +293,21 @@ def _is_number(cell: str) -> bool:
 
 def _places(file: str, heads: Sequence[str], wanted: Mapping[str, Wanted], others: bool, remedy: str) -> dict[str, int]:
     """Name of a wanted column -> its place in the file. A head of words is taken as it is: a unit in it would be overlooked."""
-    called = {name: each for own, each in wanted.items() for name in (own, *each.names)}
-    names = [head if (short := parted(head)[0]) in called and called[short].quantity is None else short for head in heads]
-    known = list(called)
+    called = {name: column for first, column in wanted.items() for name in (first, *column.names)}
+    names = [head if (short := split_head(head)[0]) in called and called[short].quantity is None else short for head in heads]
     unknown = next((name for name in names if name and name not in called), None)
-    hint = "" if unknown is None else f"column {unknown!r} is unknown{suggestion(unknown, known)}; "
+    hint = "" if unknown is None else f"column {unknown!r} is unknown{suggestion(unknown, called)}; "
     if not others and unknown is not None:
         raise PinpressError(f"{file}: {hint}{remedy}")
     places = {}
-    for name, each in wanted.items():
-        found = [k for k, there in enumerate(names) if there in (name, *each.names)]
-        if len(found) > 1:
-            raise PinpressError(f"{file}: two columns are called {names[found[1]]!r}: rename one")
-        if found:
-            places[name] = found[0]
-        elif each.needed:
-            raise PinpressError(f"{file}: no column {each.head(name)!r}; {hint}{remedy}")
+    for name, column in wanted.items():
+        places_of_name = [k for k, head in enumerate(names) if head in (name, *column.names)]
+        if len(places_of_name) > 1:
+            raise PinpressError(f"{file}: two columns are called {names[places_of_name[1]]!r}: rename one")
+        if places_of_name:
+            places[name] = places_of_name[0]
+        elif column.needed:
+            raise PinpressError(f"{file}: no column {column.head(name)!r}; {hint}{remedy}")
     return places
 
 
@@ -332,7 +331,7 @@ def _no_number(file: str, line: int, name: str, cell: str) -> str:
 
 def _factor(file: str, name: str, head: str, wanted: Wanted, remedy: str) -> float:
     """Size of the unit in a head [SI unit]."""
-    unit = parted(head)[1] or wanted.bare
+    unit = split_head(head)[1] or wanted.bare
     if not unit:
         raise PinpressError(f"{file}: column {name!r} has no unit: write e.g. '{wanted.head(name)}'")
     try:
@@ -344,16 +343,16 @@ def _factor(file: str, name: str, head: str, wanted: Wanted, remedy: str) -> flo
 # ---------------------------------------------------------------------------------------------------------------------- records by format
 
 
-def named_columns(file: str, columns: Mapping[str, Array], time: Array | None = None, units: Mapping[str, str] | None = None) -> Channels:
+def name_columns(file: str, columns: Mapping[str, Array], time: Array | None = None, units: Mapping[str, str] | None = None) -> Channels:
     """Columns whose names may carry units; raises PinpressError where two have one name."""
-    apart = {name: parted(name) for name in columns}
+    apart = {name: split_head(name) for name in columns}
     plain = {apart[name][0]: values for name, values in columns.items()}
     if len(plain) < len(columns):
         names = [short for short, _ in apart.values()]
         double = next(name for name in names if names.count(name) > 1)
         raise PinpressError(f"{file}: two columns are called {double!r}: rename one")
-    known = {short: unit for short, unit in apart.values() if unit} | {name: unit for name, unit in (units or {}).items() if unit}
-    return Channels(file, plain, known, time)
+    with_units = {short: unit for short, unit in apart.values() if unit} | {name: unit for name, unit in (units or {}).items() if unit}
+    return Channels(file, plain, with_units, time)
 
 
 def _csv(file: str, content: bytes, wanted: list[str]) -> Channels:
@@ -374,10 +373,10 @@ def _csv(file: str, content: bytes, wanted: list[str]) -> Channels:
     try:
         table = np.loadtxt(io.StringIO("\n".join(rows)), delimiter=separator, ndmin=2)
     except ValueError:  # cell by cell, which takes longer
-        return named_columns(file, _columns_of_numbers(file, content, names, first, wanted))
+        return name_columns(file, _columns_of_numbers(file, content, names, first, wanted))
     if table.shape[1] != len(names):
         raise PinpressError(f"{file}: {len(names)} names of columns above {table.shape[1]} numbers: write as many names as numbers")
-    return named_columns(file, {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(names)})
+    return name_columns(file, {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(names)})
 
 
 def _columns_of_numbers(file: str, content: bytes, names: Sequence[str], first: int, wanted: Sequence[str]) -> dict[str, Array]:
@@ -388,7 +387,7 @@ def _columns_of_numbers(file: str, content: bytes, names: Sequence[str], first: 
             raise PinpressError(f"{file}, line {line}: {len(cells)} cells, the names are {len(names)}: mend or leave out the row")
     columns = {}
     for k, name in enumerate(names):
-        cells, short = [row.cells[k] for row in rows[first:]], parted(name)[0]
+        cells, short = [row.cells[k] for row in rows[first:]], split_head(name)[0]
         if short in wanted or name in wanted or all(map(_is_number, cells)):
             columns[name] = _numbers(file, short, cells, [row.line for row in rows[first:]], needed=True)
     return columns
@@ -407,27 +406,27 @@ def _parquet(file: str, content: bytes, _: list[str]) -> Channels:
     numbers = [name for name in table.column_names if pyarrow.types.is_integer(table.schema.field(name).type)]
     numbers += [name for name in table.column_names if pyarrow.types.is_floating(table.schema.field(name).type)]
     words = [name for name in table.column_names if pyarrow.types.is_string(table.schema.field(name).type)]
-    found = named_columns(file, {name: np.array(table[name].to_numpy(), dtype=float) for name in numbers})
-    return found._replace(words={name: [word or "" for word in table[name].to_pylist()] for name in words})
+    channels = name_columns(file, {name: np.array(table[name].to_numpy(), dtype=float) for name in numbers})
+    return channels._replace(words={name: [word or "" for word in table[name].to_pylist()] for name in words})
 
 
 def _mat(file: str, content: bytes, _: list[str]) -> Channels:
     from scipy.io import loadmat  # to save start-up time
 
     try:
-        found: dict[str, Any] = loadmat(io.BytesIO(content), squeeze_me=True)
+        variables: dict[str, Any] = loadmat(io.BytesIO(content), squeeze_me=True)
     except NotImplementedError:
         raise PinpressError(f"{file} is a MATLAB file of version 7.3: write it with save(..., '-v7')") from None
     except Exception as error:  # whatever SciPy's reader meets in a damaged file
         raise PinpressError(f"{file} is no MATLAB file that can be read: {said(error)}") from None
     vectors = {
-        name: value for name, value in found.items() if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "iuf"
+        name: value for name, value in variables.items() if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "iuf"
     }
     if not vectors:
         raise PinpressError(
             f"{file} holds no vectors of numbers: save each channel as a vector of its own, save('run.mat', 'time', 'crank')"
         )
-    return named_columns(file, {name: np.array(value, dtype=float) for name, value in vectors.items()})
+    return name_columns(file, {name: np.array(value, dtype=float) for name, value in vectors.items()})
 
 
 def _mdf(file: str, _: bytes, wanted: list[str]) -> Channels:
@@ -438,27 +437,27 @@ def _mdf(file: str, _: bytes, wanted: list[str]) -> Channels:
         raise PinpressError("asammdf is not installed: pip install 'pinpress[records]'") from None
     try:
         with MDF(file) as opened:
-            known = [name for name in opened.channels_db if name not in TIMES]
+            names = [name for name in opened.channels_db if name not in TIMES]
             missing = next((name for name in wanted if name not in opened.channels_db), None)
             signals = [] if missing else opened.select(wanted)
     except (MdfException, OSError, ValueError) as error:
         raise PinpressError(f"{file} is no MDF4 file that can be read: {said(error)}") from None
     if missing is not None:
-        raise UnknownNameError(f"channel in {file} of the name", missing, known)
+        raise UnknownNameError(f"channel in {file} of the name", missing, names)
     time = signals[0].timestamps
-    other = next((each for each in signals if not np.array_equal(each.timestamps, time)), None)
-    if other is not None:
+    late = next((signal for signal in signals if not np.array_equal(signal.timestamps, time)), None)
+    if late is not None:
         raise PinpressError(
-            f"{file}: channels {signals[0].name!r} and {other.name!r} were sampled at different times: resample the file to one raster,"
+            f"{file}: channels {signals[0].name!r} and {late.name!r} were sampled at different times: resample the file to one raster,"
             " MDF(file).resample(raster=0.001).save(...)"
         )
     columns = {signal.name: np.array(signal.samples, dtype=float) for signal in signals}
-    return named_columns(file, columns, np.array(time, dtype=float), {signal.name: signal.unit for signal in signals})
+    return name_columns(file, columns, np.array(time, dtype=float), {signal.name: signal.unit for signal in signals})
 
 
-def _same_unit(one: str, other: str) -> bool:
+def _same_unit(first: str, second: str) -> bool:
     """Whether two texts are one unit, however it is spelt."""
-    plain = [re.sub(r"[\s.·*^]", "", unit).replace("²", "2").lower() for unit in (one, other)]
+    plain = [re.sub(r"[\s.·*^]", "", unit).replace("²", "2").lower() for unit in (first, second)]
     return plain[0] == plain[1]
 
 
