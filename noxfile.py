@@ -4,9 +4,9 @@
 # dependencies = ["nox>=2025.2"]
 # ///
 
-"""What `.ci/run` does, in parts, for contributors who know nox: `nox -l` lists the sessions.
+"""The command of maintainers: `nox -l` lists the sessions. Five are for every day: check, docs, bench, validate, measure.
 
-`.ci/run` stays the whole: it also tests the lowest and the newest versions.
+`.ci/run` is what the continuous integration runs, and needs no nox; it also tests the lowest and the newest versions.
 """
 
 from pathlib import Path
@@ -17,6 +17,12 @@ nox.needs_version = ">=2025.2"
 nox.options.default_venv_backend = "uv|virtualenv"
 CONSTRAINTS = ".ci/constraints.txt"
 PINOCCHIOS = ["3.10", "3.11", "3.12", "3.13", "3.14"]  # the Pythons for which Pinocchio's wheels exist
+PICTURES = {  # scripts that write pages, tables and pictures of the documentation, by their names; some take minutes
+    path.stem: path.as_posix()
+    for pattern in ("viz/*.py", "docs/*.py", "tests/mistakes/*.py", "tests/extremes/extreme_cases.py", "tests/benchmarks/history/table.py")
+    for path in sorted(Path().glob(pattern))
+    if path.stem not in ("light", "manual", "page_licences", "site_files")  # what others call, and what comes last or needs arguments
+}
 
 
 def installed(session: nox.Session, extra: str = "test") -> None:
@@ -25,17 +31,52 @@ def installed(session: nox.Session, extra: str = "test") -> None:
 
 
 @nox.session
-def tests(session: nox.Session) -> None:
-    """Run the tests without the long ones; words behind -- go to pytest."""
+def check(session: nox.Session) -> None:
+    """Run linter, types, import layers and all tests, the long ones too; words behind -- go to pytest in place of both runs of tests."""
     installed(session)
-    session.run("python", "-m", "pytest", *session.posargs)
+    session.run("ruff", "check", ".")
+    session.run("ruff", "format", "--check", ".")
+    session.run("mypy")
+    session.run("lint-imports", "--no-cache")
+    if session.posargs:
+        session.run("python", "-m", "pytest", *session.posargs)
+        return
+    session.run("python", "-m", "pytest")
+    session.run("python", "-m", "pytest", "-m", "exhaustive")
 
 
 @nox.session(default=False)
-def long(session: nox.Session) -> None:
-    """Run the long tests: extremes, rare cases and most cases of tests with many."""
+def docs(session: nox.Session) -> None:
+    """Write pictures and tables of the pages, then the site and the PDF; -- NAME ...: these scripts alone; -- site: the site alone."""
     installed(session)
-    session.run("python", "-m", "pytest", "-m", "exhaustive", *session.posargs)
+    names = session.posargs or list(PICTURES)
+    for name in names:
+        if name != "site":
+            session.run("python", PICTURES[name])
+    if not session.posargs or "site" in names:
+        session.run("mkdocs", "build", "--strict")
+    if not session.posargs:
+        session.run("python", "docs/manual.py")
+
+
+@nox.session(default=False)
+def bench(session: nox.Session) -> None:
+    """Run benchmarks by their names, -- NAME ... [--quick]; without a name list them."""
+    installed(session)
+    session.run("python", "tests/benchmarks/run.py", *session.posargs)
+
+
+@nox.session(default=False)
+def validate(session: nox.Session) -> None:
+    """Print what the documents print next to ours, -- [DOCUMENT ...] [--write]; fails if a number is not reproduced."""
+    installed(session)
+    session.run("python", "tests/validation/validate.py", *session.posargs)
+
+
+@nox.session(default=False)
+def measure(session: nox.Session) -> None:
+    """Print the sizes of the project, by room."""
+    session.run("python", "tests/support/sizes.py")
 
 
 @nox.session(default=False, python=PINOCCHIOS)
@@ -44,23 +85,6 @@ def wheel(session: nox.Session) -> None:
     session.install("-e", ".[report]", "build", "hatchling", "hypothesis", "pytest", "pytest-xdist", "uv", "-c", CONSTRAINTS)
     versions = {"UV_CONSTRAINT": str(Path(CONSTRAINTS).resolve()), "PIP_CONSTRAINT": str(Path(CONSTRAINTS).resolve())}
     session.run("python", "-m", "pytest", "-m", "exhaustive", "tests/project/test_installed_wheel.py", *session.posargs, env=versions)
-
-
-@nox.session
-def lint(session: nox.Session) -> None:
-    """Run the linter, the type checker and the check that imports point down."""
-    installed(session)
-    session.run("ruff", "check", ".")
-    session.run("ruff", "format", "--check", ".")
-    session.run("mypy")
-    session.run("lint-imports", "--no-cache")
-
-
-@nox.session(default=False)
-def docs(session: nox.Session) -> None:
-    """Build the site, into out/site."""
-    installed(session, "docs,report,plots")
-    session.run("mkdocs", "build", "--strict")
 
 
 @nox.session(default=False)

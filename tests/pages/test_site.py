@@ -100,10 +100,8 @@ def test_site_fits_a_phone(site: Path, browser: Any) -> None:
 
 
 EXTERNAL = {  # looked at by hand: tests have no network
-    "https://asv.readthedocs.io",
     "https://distributed.dask.org",
     "https://github.com/clemense/yourdfpy",
-    "https://github.com/jimporter/mike",
     "https://github.com/stack-of-tasks/pinocchio",
     "https://nox.thea.codes",
     "https://pint.readthedocs.io",

@@ -126,7 +126,6 @@ PICTURES = {  # scripts of viz -> what each writes
     "elasticity": ("elasticity.png",),
     "foundation": ("foundation.md", "foundation.png"),
     "ratings": ("ratings.png",),
-    "ratios": ("ratios.png",),
     "record_presses": ("thin_wall.png", *(f"out/{name}_report.html" for name in pp.presses())),
     "servo": ("servo.png",),
     "synthesis": (),

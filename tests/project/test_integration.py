@@ -69,7 +69,12 @@ def test_files_that_commands_name_are_there(page: str) -> None:
     assert [path for path in expanded if not any((ROOT / each).exists() for each in (path, f"{path}.py"))] == []
 
 
-SCRIPTS = re.findall(r"bin/python (\w+/\S+\.py)", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
+SCRIPTS = [
+    path.relative_to(ROOT).as_posix()
+    for pattern in ("docs/*.py", "viz/*.py", "tests/benchmarks/**/*.py", "tests/validation/validate.py", "tests/**/[efsw]*_*.py")
+    for path in sorted(ROOT.glob(pattern))
+    if "__main__" in path.read_text(encoding="utf-8")
+]
 FROM_ELSEWHERE = "import runpy, sys; sys.path[0] = sys.argv[1].rpartition('/')[0]; runpy.run_path(sys.argv[1], run_name='imported')"
 
 

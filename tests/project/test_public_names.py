@@ -3,9 +3,7 @@
 import ast
 import importlib
 import inspect
-import re
 from itertools import combinations
-from operator import attrgetter
 from pathlib import Path
 
 import pytest
@@ -83,22 +81,6 @@ def test_every_name_is_described(space: str) -> None:
             written = value.__dict__.get("__doc__") or ""
             assert written, name
             assert not written.startswith(f"{name}("), f"{name}: only the signature that dataclasses write"
-
-
-def test_the_changelogs_table_of_renamed_names_leads_to_names_of_today() -> None:
-    """From 0.1, which was never released, so that its names need no other help."""
-    rows = re.findall(r"^\| (.*?) \| (.*?) \|$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
-    new = [name for _, today in rows for name in re.findall(r"`pp\.([\w.]+)", today)]
-    assert len(new) > 50
-    assert [name for name in new if not _is_there(name)] == []
-
-
-def _is_there(name: str) -> bool:
-    try:
-        attrgetter(name)(pp)
-    except AttributeError:
-        return False
-    return True
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = runpy.run_path(str(ROOT / "viz" / "ratios.py"))
+PAGES = runpy.run_path(str(ROOT / "tests" / "benchmarks" / "history" / "table.py"))
 
 
 def test_stored_ratios_are_those_that_are_measured() -> None:
@@ -32,7 +32,8 @@ def test_every_ratio_says_what_is_beside_what() -> None:
 
 
 def test_contributors_are_shown_the_stored_ratios() -> None:
-    assert PAGES["table"]() in (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), "python viz/ratios.py"
+    page = (PAGES["HISTORY"] / "README.md").read_text(encoding="utf-8")
+    assert page == PAGES["written"](page), "python tests/benchmarks/history/table.py"
 
 
 @pytest.mark.exhaustive

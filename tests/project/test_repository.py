@@ -179,6 +179,19 @@ def test_sessions_of_nox_run_what_the_continuous_integration_runs() -> None:
         assert command in ci
 
 
+def test_pictures_of_the_documentation_are_scripts_that_there_are() -> None:
+    """`nox -s docs` runs them all; it has none of what the others call."""
+    listed = re.findall(r'"((?:viz|docs|tests)/[^"]*\.py)"', text("noxfile.py"))
+    assert all(list(ROOT.glob(pattern)) for pattern in listed)
+
+
+def test_sizes_count_code_without_comments_and_docstrings() -> None:
+    sizes = runpy.run_path(str(ROOT / "tests" / "support" / "sizes.py"))
+    assert sizes["code_lines"]('"""Words."""\n\n# a remark\nx = [\n    1,\n]\n\n\ndef f():\n    """More."""\n    return x\n') == 5
+    rooms = sizes["counted"]((ROOT / "pinpress" / "accuracy").glob("*.py"), ROOT / "pinpress")
+    assert rooms["accuracy"][0] == 3
+
+
 def test_the_hosts_workflow_runs_the_continuous_integration_with_its_pythons() -> None:
     job = yaml.safe_load(text(".github/workflows/integration.yml"))["jobs"]["run"]
     *_, pythons, last = (step.get("run", "") for step in job["steps"])

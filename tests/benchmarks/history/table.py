@@ -1,9 +1,8 @@
-"""Ratios of run times from commit to commit, as asv has stored them: a table, and `viz/ratios.png`.
+"""Ratios of run times from commit to commit, as asv has stored them: the table and the picture of README.md in this folder.
 
-    python viz/ratios.py
+    python tests/benchmarks/history/table.py
 
-CONTRIBUTING.md says how they are measured. Each line of the picture is pinpress beside a peer that stays, as `tests/benchmarks/history`
-describes.
+Each line of the picture is pinpress against a peer that stays, as `ratios.py` describes.
 """
 
 import ast
@@ -16,8 +15,7 @@ from matplotlib.figure import Figure
 
 import pinpress as pp
 
-ROOT = Path(__file__).resolve().parent.parent
-HISTORY = ROOT / "tests" / "benchmarks" / "history"
+HISTORY = Path(__file__).resolve().parent
 ENTRY = "track_"
 
 
@@ -75,6 +73,15 @@ def _day(found: dict[str, Any]) -> str:
     return datetime.fromtimestamp(found["date"] / 1000, timezone.utc).strftime("%Y-%m-%d")
 
 
+def written(page: str) -> str:
+    """The page with the table of all commits between its marks."""
+    before, _, rest = page.partition("<!-- table -->\n")
+    _, end, after = rest.partition("<!-- end of table -->")
+    return f"{before}<!-- table -->\n{table()}\n{end}{after}"
+
+
 if __name__ == "__main__":
-    pp.plots.save(picture(), ROOT / "viz" / "ratios.png")
+    pp.plots.save(picture(), HISTORY / "ratios.png")
+    page = HISTORY / "README.md"
+    page.write_text(written(page.read_text(encoding="utf-8")), encoding="utf-8")
     print(table())
