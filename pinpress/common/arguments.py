@@ -4,8 +4,8 @@ public function; numbers, whole numbers and arrays are checked by functions that
 Numbers are in SI units, or quantities of pint, which `in_unit` turns into them; pint is not imported here. Texts of
 files and of the command line may have a unit, which `read_quantity` knows.
 
-NumPy accepts as numbers what was hardly meant so: it drops masks and imaginary parts, reads texts, dates and truth values, and turns None
-into nan. Here all these are refused, with the name of the argument.
+NumPy accepts as numbers what is probably a mistake: it drops masks and imaginary parts, reads texts, dates and truth values, and turns
+None into nan. Here all these are refused, with the name of the argument.
 """
 
 import inspect
@@ -67,24 +67,19 @@ _OTHERS["Iterable"] = _OTHERS["Sequence"]
 
 
 class _Kind(NamedTuple):
-    """What a parameter accepts.
-
-    Attributes:
-        classes: names of the library's classes.
-        others: keys of `_OTHERS`.
-    """
+    """What a parameter accepts: objects of the library's classes, by their names, and other kinds, keys of `_OTHERS`."""
 
     classes: tuple[str, ...]
     others: tuple[str, ...]
 
 
 def typed(function: Function) -> Function:
-    """Decorate a function so that it raises PinpressError where an argument does not agree with the annotation of its parameter.
+    """Decorate a function so that it raises PinpressError if an argument does not agree with the annotation of its parameter.
 
     Numbers, texts and users' own laws are not checked here, but where they are used.
     """
     parameters = inspect.signature(function).parameters
-    kinds = {name: kind for name, parameter in parameters.items() if (kind := _kind(_evaluated(parameter.annotation, function)))}
+    kinds = {name: kind for name, parameter in parameters.items() if (kind := _kind(_evaluate(parameter.annotation, function)))}
     accepted: dict[str, set[type]] = {name: set() for name in kinds}  # all checks look at the type of a value alone
     places = [(place, name) for place, name in enumerate(parameters) if name in kinds]
 
@@ -106,12 +101,12 @@ def typed(function: Function) -> Function:
 
 
 def expect(name: str, value: object, kind: type, maker: str) -> None:
-    """Raise PinpressError where an argument is not of this kind; ``maker``: the function that makes one, for the message."""
+    """Raise PinpressError if an argument is not of this kind; ``maker``: the function that makes one, for the message."""
     if not isinstance(value, kind):
         raise PinpressError(f"{name} is a {type(value).__name__}, no {kind.__name__}: give what {maker} returns")
 
 
-def _evaluated(annotation: object, function: Callable[..., Any]) -> object:
+def _evaluate(annotation: object, function: Callable[..., Any]) -> object:
     """The value of an annotation that is kept as text; the text itself where it has a name that only type checkers know."""
     if not isinstance(annotation, str):
         return annotation
@@ -122,7 +117,7 @@ def _evaluated(annotation: object, function: Callable[..., Any]) -> object:
 
 
 def _kind(annotation: object) -> _Kind | None:
-    """What an annotation asks for; None where it names something that is not checked here."""
+    """What an annotation asks for; None if it names something that is not checked here."""
     # In Python 3.10 Sequence[float] is a class.
     text = annotation.__name__ if isinstance(annotation, type) and get_origin(annotation) is None else str(annotation)
     if "Sequence[float]" in text:
@@ -141,15 +136,15 @@ def _check(name: str, value: object, kind: _Kind) -> None:
             return
     if any(_OTHERS[other](value) for other in kind.others):
         return
-    given = "a class" if isinstance(value, type) else f"a {type(value).__name__}"
+    kind_given = "a class" if isinstance(value, type) else f"a {type(value).__name__}"
     if kind.classes:
-        raise PinpressError(f"{name} is {given}, no {kind.classes[0]}: give what {MAKERS[kind.classes[0]]} returns")
+        raise PinpressError(f"{name} is {kind_given}, no {kind.classes[0]}: give what {MAKERS[kind.classes[0]]} returns")
     if "bool" in kind.others:
         raise PinpressError(f"{name} is {shown(value)}: give True or False")
     if "Callable" in kind.others:
         raise PinpressError(f"{name} is {shown(value)}: give a function")
     if "Mapping" in kind.others:
-        raise PinpressError(f"{name} is {given}: give a mapping, {name}={{...}}")
+        raise PinpressError(f"{name} is {kind_given}: give a mapping, {name}={{...}}")
     raise PinpressError(f"{name} is one {type(value).__name__}: give a list, {name}=[...]")
 
 
@@ -191,30 +186,30 @@ def suitable_numbers(
 
 
 def number(name: str, value: object, unit: str | None = None, *, positive: bool = False) -> float:
-    """The argument as a finite number; raises PinpressError where it is none, or not ``positive`` as asked for. Quantities are turned into
-    the unit."""
+    """The argument as a finite number, quantities in the unit; raises PinpressError if it is no number, or must be ``positive`` and is
+    not."""
     if type(value) is float and math.isfinite(value) and (value > 0 or not positive):
         return value
     value = in_unit(name, value, unit)
     if positive:
-        return float(suitable_numbers(name, value, "one finite number, positive", suits=lambda found: found > 0))
+        return float(suitable_numbers(name, value, "one finite number, positive", suits=lambda value: value > 0))
     return float(suitable_numbers(name, value, "one finite number"))
 
 
 def is_number(value: object) -> bool:
     """Whether a value is one finite number."""
-    found = finite_numbers(value)
-    return found is not None and not found.ndim
+    values = finite_numbers(value)
+    return values is not None and not values.ndim
 
 
 def positive(what: str, value: object, unit: str, largest: float = LARGEST) -> float:
-    """A size as a number; raises PinpressError where it is not positive, or outside the range from `SMALLEST` to ``largest``."""
+    """A size as a number; raises PinpressError if it is not positive, or outside the range from `SMALLEST` to ``largest``."""
     wanted = f"a positive number [{unit}], from {SMALLEST:g} to {largest:g}"
     return float(suitable_numbers(what, in_unit(what, value, unit), wanted, suits=lambda size: (size >= SMALLEST) & (size <= largest)))
 
 
 def truth_value(name: str, value: object) -> bool:
-    """True or False; raises PinpressError where the value is neither."""
+    """True or False; raises PinpressError if the value is neither."""
     if not isinstance(value, bool | np.bool_):
         raise PinpressError(f"{name} is {shown(value)}: give True or False")
     return bool(value)
@@ -226,7 +221,7 @@ def is_whole_number(value: object) -> TypeGuard[int]:
 
 
 def whole_number(name: str, value: object, least: int, most: int) -> int:
-    """A count; raises PinpressError where the value is no whole number from ``least`` to ``most``."""
+    """A count; raises PinpressError if the value is no whole number from ``least`` to ``most``."""
     if not is_whole_number(value) or not least <= value <= most:
         raise PinpressError(f"{name} is {shown(value)}: give a whole number from {least} to {most}")
     return int(value)
@@ -238,7 +233,7 @@ def in_unit(name: str, value: Any, unit: str | None) -> Any:
     Args:
         name: of the argument, for the message.
         value: what is given.
-        unit: "m", "kg m2", "N m/rad" and the like; "-" for plain numbers. With None quantities stay what they are, and are refused later.
+        unit: "m", "kg m2", "N m/rad" and similar; "-" for plain numbers. With None quantities stay what they are, and are refused later.
 
     Raises:
         PinpressError: a quantity that is no multiple of the unit; one without an angle for a unit with "rad/s": whether 1/min or Hz count
@@ -250,49 +245,43 @@ def in_unit(name: str, value: Any, unit: str | None) -> Any:
         return type(value)(in_unit(name, each, unit) for each in value)
     if not is_quantity(value):
         return value
-    written = " ".join(str(value).split())
-    given = written if len(written) < 50 else f"in {value.units}"
+    quantity = " ".join(str(value).split())
+    if len(quantity) >= 50:
+        quantity = f"in {value.units}"
     try:
-        converted = _converted(value, unit)
+        converted = _convert(value, unit)
     except Exception as error:  # whatever the registry says
-        wanted = "without a unit" if unit == "-" else f"in {unit}, or in a multiple of it"
-        raise PinpressError(f"{name} is {given}: give it {wanted}") from error
-    if "rad/s" in unit and not any(word in str(value.units) for word in _ANGLES):
-        raise PinpressError(f"{name} is {given}, which says no angle: give it in {unit}, or in revolutions or degrees by time (rpm)")
+        remedy = "without a unit" if unit == "-" else f"in {unit}, or in a multiple of it"
+        raise PinpressError(f"{name} is {quantity}: give it {remedy}") from error
+    angles = "rad", "deg", "rev", "turn", "rpm", "cycle", "gon", "arc"  # in the names of units of an angle
+    if "rad/s" in unit and not any(word in str(value.units) for word in angles):
+        raise PinpressError(f"{name} is {quantity}, which says no angle: give it in {unit}, or in revolutions or degrees by time (rpm)")
     return converted
-
-
-_ANGLES = ("rad", "deg", "rev", "turn", "rpm", "cycle", "gon", "arc")  # in the names of units of an angle
-_QUANTITY = ("to", "to_base_units", "magnitude", "dimensionality", "units")  # what quantities of pint have
 
 
 def is_quantity(value: object) -> bool:
     """Whether a value is a quantity of pint, by what it can do."""
-    return all(hasattr(type(value), name) for name in _QUANTITY)
+    return all(hasattr(type(value), name) for name in ("to", "to_base_units", "magnitude", "dimensionality", "units"))
 
 
 def is_multiple(quantity: Any, unit: str) -> bool:
     """Whether a quantity of pint is one of this unit or of its multiples."""
     try:
-        _converted(quantity, unit)
+        _convert(quantity, unit)
     except Exception:  # whatever the registry says
         return False
     return True
 
 
-def _converted(quantity: Any, unit: str) -> Any:
-    return quantity.to("" if unit == "-" else _power(unit.replace(" ", "*"))).magnitude
+def _convert(quantity: Any, unit: str) -> Any:
+    in_pint = "" if unit == "-" else re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", unit.replace(" ", "*"))  # kg*m**2 for kg m2
+    return quantity.to(in_pint).magnitude
 
 
 def _holds_quantities(values: Iterable[Any], level: int = 1) -> bool:
     return level <= _DEEPEST and any(
         _holds_quantities(value, level + 1) if isinstance(value, list | tuple) else is_quantity(value) for value in values
     )
-
-
-def _power(unit: str) -> str:
-    """A unit in pint's words, kg*m**2 for kg*m2."""
-    return re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", unit)
 
 
 def numbers(name: str, values: object, shape: _Shape | None = None, *, unit: str | None = None) -> Array:
@@ -310,7 +299,7 @@ def numbers(name: str, values: object, shape: _Shape | None = None, *, unit: str
     """
     array = any_numbers(name, in_unit(name, values, unit), shape)
     if shape is not None and not _has_shape(array, shape):
-        raise PinpressError(f"{name} has shape {array.shape}: give {_wanted(shape)}")
+        raise PinpressError(f"{name} has shape {array.shape}: give {_shape_as_text(shape)}")
     if not np.isfinite(array).all():
         where = f" at point {', '.join(map(str, np.argwhere(~np.isfinite(array))[0]))}" if array.ndim else ""
         raise PinpressError(f"{name} is not finite{where}")
@@ -322,12 +311,12 @@ def any_numbers(name: str, values: object, shape: _Shape | None = None) -> Array
     message."""
     array = _array(values)
     if isinstance(array, str):
-        raise PinpressError(f"{name} is not {_wanted(shape)}, but {array}: {shown(values)}")
+        raise PinpressError(f"{name} is not {_shape_as_text(shape)}, but {array}: {shown(values)}")
     return array
 
 
 def finite_numbers(values: object) -> Array | None:
-    """The values as a new array of finite numbers; None where `numbers` would refuse them, for callers with messages of their own."""
+    """The values as a new array of finite numbers; None if `numbers` would refuse them, for callers with messages of their own."""
     array = _array(values)
     return None if isinstance(array, str) or not np.isfinite(array).all() else array
 
@@ -336,7 +325,7 @@ def _has_shape(array: Array, shape: _Shape) -> bool:
     return array.ndim == len(shape) and all(wanted in (None, length) for wanted, length in zip(shape, array.shape, strict=True))
 
 
-def _wanted(shape: _Shape | None) -> str:
+def _shape_as_text(shape: _Shape | None) -> str:
     if shape is None:
         return "a number or an array of numbers"
     if shape == ():

@@ -15,7 +15,6 @@ from .quantities import CRANK
 
 _COLLECTED: ContextVar[list[str] | None] = ContextVar("collected", default=None)  # of one thread, unlike filters of warnings
 _LONGEST_SHOWN = 200  # most characters of a value in a message
-_LONGEST_WHOLE_NUMBER = 200  # most bits of a whole number in a message
 _LONGEST_NAME = 200  # most characters of a name that alternatives are suggested for: comparing longer ones takes long
 
 
@@ -27,11 +26,11 @@ class PinpressError(Exception):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # By default an exception is rebuilt from its message alone, which fails for a class that takes other arguments.
-        return _rebuilt, (type(self), self.args, {name: sendable(value) for name, value in vars(self).items()})
+        return _rebuild, (type(self), self.args, {name: sendable(value) for name, value in vars(self).items()})
 
 
 class PinpressWarning(UserWarning):
-    """A warning of something that is allowed but hardly meant; the message says where it is, and what to do."""
+    """A warning of something that is allowed but probably a mistake; the message says where it is, and what to do."""
 
 
 class UrdfError(PinpressError):
@@ -39,8 +38,8 @@ class UrdfError(PinpressError):
 
     Attributes:
         file: path of the file, or the name by which it was asked for.
-        element: the XML element at fault, e.g. ``<joint name="A">``; None where the file as a whole is at fault.
-        line: line of this element in the file; None where there is none.
+        element: the XML element at fault, e.g. ``<joint name="A">``; None if the file as a whole is at fault.
+        line: line of this element in the file; None if there is none.
         problem: what is wrong.
         remedy: what to write instead.
     """
@@ -57,8 +56,8 @@ class FileEntryError(PinpressError):
 
     Attributes:
         file: path of the file, or how what stands in it was given.
-        line: in the file; None where there is none.
-        element: keys that lead to the entry, such as "links: crank: mass"; empty where the file as a whole is at fault.
+        line: in the file; None if there is none.
+        element: keys that lead to the entry, such as "links: crank: mass"; empty if the file as a whole is at fault.
         problem: what is wrong.
         remedy: what to write instead.
     """
@@ -74,11 +73,11 @@ class PinTableError(FileEntryError):
 
     Attributes:
         file: path of the file, or how the table was given.
-        line: in the file; None where there is none.
-        element: keys that lead to the entry, such as "links: crank: mass"; empty where the table as a whole is at fault.
+        line: in the file; None if there is none.
+        element: keys that lead to the entry, such as "links: crank: mass"; empty if the table as a whole is at fault.
         problem: what is wrong.
         remedy: what to write instead.
-        sketch: the pins placed so far as SVG, with the lengths that do not meet; None where there is nothing to show.
+        sketch: the pins placed so far as SVG, with the lengths that do not meet; None if there is nothing to show.
     """
 
     def __init__(self, file: str, line: int | None, element: str, problem: str, remedy: str, sketch: str | None = None) -> None:
@@ -97,7 +96,7 @@ class AssemblyError(PinpressError):
 
     def __init__(self, problem: str, crank_angle: float, gap: float, iterations: int, place: str = "") -> None:
         self.crank_angle, self.gap, self.iterations = crank_angle, gap, iterations
-        place = place or CRANK.at(crank_angle)  # of a driver that slides, or several, in words
+        place = place or CRANK.at(crank_angle)  # of a driver that slides, or several, as text
         super().__init__(f"{problem} ({place}, {1e3 * gap:.3g} mm open after {iterations} iterations)")
 
 
@@ -118,9 +117,9 @@ class SimulationError(PinpressError):
     """A simulation cannot go on, or has no answer.
 
     Attributes:
-        time: time of the failure [s]; None where it belongs to no instant.
-        crank_angle: crank angle at the failure [rad], of a driver that slides its position [m]; None where it belongs to none.
-        reason: the kind of failure in a word or two, e.g. "stalls"; None where it has no name.
+        time: time of the failure [s]; None if it belongs to no instant.
+        crank_angle: crank angle at the failure [rad], of a driver that slides its position [m]; None if it belongs to none.
+        reason: the kind of failure in a word or two, e.g. "stalls"; None if it has no name.
         coordinate: what the crank angle is.
     """
 
@@ -129,9 +128,9 @@ class SimulationError(PinpressError):
         super().__init__(problem)
 
     def __str__(self) -> str:  # not worked out before: solvers, which raise it, do not know what the driver is
-        at = [] if self.time is None else [f"time {self.time:.6g} s"]
-        at += [] if self.crank_angle is None else [self.coordinate.at(self.crank_angle)]
-        return str(self.args[0]) + (f" ({', '.join(at)})" if at else "")
+        place = [] if self.time is None else [f"time {self.time:.6g} s"]
+        place += [] if self.crank_angle is None else [self.coordinate.at(self.crank_angle)]
+        return str(self.args[0]) + (f" ({', '.join(place)})" if place else "")
 
 
 class UnknownNameError(PinpressError, KeyError):
@@ -167,10 +166,10 @@ class UnknownScenarioError(PinpressError, IndexError):
 @contextmanager
 def cautions_collected() -> Iterator[list[str]]:
     """The messages of warnings that this thread would issue within the block, which are collected instead, each once."""
-    found: list[str] = []
-    token = _COLLECTED.set(found)
+    messages: list[str] = []
+    token = _COLLECTED.set(messages)
     try:
-        yield found
+        yield messages
     finally:
         _COLLECTED.reset(token)
 
@@ -208,7 +207,7 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 def shown(value: object) -> str:
     """A value as messages show it: on one line, and shortened where it is long."""
-    if isinstance(value, int) and value.bit_length() > _LONGEST_WHOLE_NUMBER:  # Python refuses to print one of thousands of digits
+    if isinstance(value, int) and value.bit_length() > 200:  # Python refuses to print a number of thousands of digits
         return f"a whole number of {value.bit_length()} bits"
     try:
         text = " ".join(repr(value).split())
@@ -217,15 +216,15 @@ def shown(value: object) -> str:
     return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
 
 
-_DIRECTIONS = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")  # of Unicode: of characters that turn a line round
-
-
 def odd_character(name: str, with_control: bool = True) -> str | None:
-    """The first character of a name that no line shows as it is, as "U+202E": half of one, one that turns the line round, and, if
-    ``with_control``, one of control or a line's end; None if all can be seen."""
+    """The first character of a name that no line shows as it is, as "U+202E"; None if all can be seen.
+
+    Such characters are half of a character, characters that turn the line round and, if ``with_control``, control characters and line ends.
+    """
+    directions = "LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"  # of Unicode, which turn a line round
     hidden = ("Cs", "Cc", "Zl", "Zp") if with_control else ("Cs",)
     for character in name:
-        turns = unicodedata.bidirectional(character) in _DIRECTIONS or character in "\u200e\u200f\u061c"
+        turns = unicodedata.bidirectional(character) in directions or character in "\u200e\u200f\u061c"
         if turns or unicodedata.category(character) in hidden:
             return f"U+{ord(character):04X}"
     return None
@@ -241,7 +240,7 @@ def said(error: BaseException) -> str:
     return f"{kind}: {text}" if text else kind
 
 
-def _rebuilt(kind: type[PinpressError], arguments: tuple[object, ...], attributes: Mapping[str, object]) -> PinpressError:
+def _rebuild(kind: type[PinpressError], arguments: tuple[object, ...], attributes: Mapping[str, object]) -> PinpressError:
     error = kind.__new__(kind, *arguments)
     vars(error).update(attributes)
     return error

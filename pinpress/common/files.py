@@ -13,8 +13,6 @@ from pathlib import Path
 
 from .errors import PinpressError, shown, suggestion
 
-MOST_NAMES = 1000  # of a folder that are compared with one that is not there
-
 
 def write(path: str | os.PathLike[str], content: bytes) -> Path:
     """Write a file in one step, so that it holds the old content or the new one, never a part of it. Returns the path.
@@ -27,16 +25,16 @@ def write(path: str | os.PathLike[str], content: bytes) -> Path:
         PinpressError: the file cannot be written; its old content is unchanged.
     """
     with refused(path):
-        found = _status(path)
-        if found is None:
+        before = _status(path)
+        if before is None:
             _replace(Path(os.path.realpath(path)), None, content)
-        elif (stream := _stream(path, found)) is not None:
+        elif (stream := _stream(path, before)) is not None:
             with stream:
                 _send(stream, content)
-        elif found.st_nlink > 1:
-            _overwrite(path, found, content)
+        elif before.st_nlink > 1:
+            _overwrite(path, before, content)
         else:
-            _replace(Path(os.path.realpath(path)), found, content)
+            _replace(Path(os.path.realpath(path)), before, content)
     return Path(path)
 
 
@@ -51,7 +49,11 @@ def written(path: str | os.PathLike[str], suffix: str = "") -> Iterator[Path]:
     with ExitStack() as tidying:
         with refused(path):
             if _status(path) is None:
-                _refuse_folder(Path(os.path.realpath(path)).parent)
+                parent = Path(os.path.realpath(path)).parent
+                if not parent.is_dir():
+                    raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
+                if not os.access(parent, os.W_OK):
+                    raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
             # not beside the path, where a kill would leave it
             folder = tidying.enter_context(tempfile.TemporaryDirectory(prefix="pinpress-"))
         part = Path(folder, "part" + suffix)
@@ -74,42 +76,34 @@ def refused(path: object) -> Iterator[None]:
 
 
 def _status(path: str | os.PathLike[str]) -> os.stat_result | None:
-    """Status of the file at a path, None where there is none; raises OSError where it cannot be written."""
+    """Status of the file at a path, None if there is none; raises OSError if it cannot be written."""
     try:
-        found = os.stat(path)
+        status = os.stat(path)
     except FileNotFoundError:
         return None
-    if stat.S_ISDIR(found.st_mode):
+    if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     if not os.access(path, os.W_OK):  # to replace it, write access to its folder would be enough
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-    return found
+    return status
 
 
-def _refuse_folder(folder: Path) -> None:
-    """Raise OSError where a folder does not exist, or no file can be written in it."""
-    if not folder.is_dir():
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
-    if not os.access(folder, os.W_OK):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-
-
-def _stream(path: str | os.PathLike[str], found: os.stat_result) -> FileIO | None:
+def _stream(path: str | os.PathLike[str], before: os.stat_result) -> FileIO | None:
     """The stream of a file that is written to directly; None of a regular file, unless it is this program's own output."""
     for standard in (1, 2):
         with suppress(OSError):  # closed
-            if os.path.samestat(os.fstat(standard), found):
+            if os.path.samestat(os.fstat(standard), before):
                 return FileIO(os.dup(standard), "w")
-    return None if stat.S_ISREG(found.st_mode) else FileIO(os.open(path, os.O_WRONLY), "w")
+    return None if stat.S_ISREG(before.st_mode) else FileIO(os.open(path, os.O_WRONLY), "w")
 
 
-def _replace(target: Path, found: os.stat_result | None, content: bytes) -> None:
+def _replace(target: Path, before: os.stat_result | None, content: bytes) -> None:
     """Write a file beside the target, and give it the target's mode, owner and name."""
     part = target.with_name(f".pinpress-{secrets.token_hex(8)}")
     try:
         descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
         with FileIO(descriptor, "w") as stream:
-            _fill(stream, found, content)
+            _fill(stream, before, content)
         os.replace(part, target)
     except BaseException:
         with suppress(OSError):
@@ -117,27 +111,27 @@ def _replace(target: Path, found: os.stat_result | None, content: bytes) -> None
         raise
 
 
-def _fill(stream: FileIO, found: os.stat_result | None, content: bytes) -> None:
-    """Write a new file with the owner and mode of the one ``found``."""
+def _fill(stream: FileIO, before: os.stat_result | None, content: bytes) -> None:
+    """Write a new file with the owner and mode of the file ``before``."""
     descriptor = stream.fileno()
-    if found is not None:
-        if hasattr(os, "fchown") and (found.st_uid, found.st_gid) != (os.geteuid(), os.getegid()):
+    if before is not None:
+        if hasattr(os, "fchown") and (before.st_uid, before.st_gid) != (os.geteuid(), os.getegid()):
             with suppress(OSError):  # only root may
-                os.fchown(descriptor, found.st_uid, found.st_gid)
+                os.fchown(descriptor, before.st_uid, before.st_gid)
         if hasattr(os, "fchmod"):
-            os.fchmod(descriptor, stat.S_IMODE(found.st_mode))
+            os.fchmod(descriptor, stat.S_IMODE(before.st_mode))
     _send(stream, content)
     os.fsync(descriptor)
 
 
-def _overwrite(path: str | os.PathLike[str], found: os.stat_result, content: bytes) -> None:
+def _overwrite(path: str | os.PathLike[str], before: os.stat_result, content: bytes) -> None:
     """Write a file in place."""
     with open(path, "r+b", buffering=0) as stream:
         if content and hasattr(os, "posix_fallocate"):
             try:
                 os.posix_fallocate(stream.fileno(), 0, len(content))
             except OSError:
-                stream.truncate(found.st_size)
+                stream.truncate(before.st_size)
                 raise
         _send(stream, content)
         stream.truncate(len(content))
@@ -163,7 +157,7 @@ def read(path: str | os.PathLike[str], most: int) -> bytes:
     """The content of a regular file. Pipes and devices are refused because they may have no end.
 
     Raises:
-        OSError: the file cannot be read, is no regular file, or has more than ``most`` bytes; `reason` puts it in words.
+        OSError: the file cannot be read, is no regular file, or has more than ``most`` bytes; `reason` says why.
         ValueError: there is a null character in the path.
     """
     # The file is opened before its status is read, so that it cannot be exchanged in between, and without waiting for a pipe's writer.
@@ -193,25 +187,25 @@ def uncompressed(path: str, content: bytes, most: int) -> bytes:
     unpacked = gzip.GzipFile(fileobj=BytesIO(content)) if ending == "gz" else bz2.BZ2File(BytesIO(content))
     try:
         with unpacked:
-            found = unpacked.read(most + 1)
+            whole = unpacked.read(most + 1)
     except (EOFError, zlib.error) as error:
         raise OSError(errno.EINVAL, f"what is compressed in it is not whole: {error}") from error
-    if len(found) > most:
+    if len(whole) > most:
         raise OSError(errno.EFBIG, f"uncompressed it is larger than {most / 1e6:g} MB")
-    return found
+    return whole
 
 
 def reason(error: OSError | ValueError) -> str:
     """Why a file could not be read; of one that is not there, whether its folder has one of nearly its name."""
-    said = getattr(error, "strerror", None) or str(error)
-    return said + alike(error.filename) if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) else said
+    text = getattr(error, "strerror", None) or str(error)
+    return text + alike(error.filename) if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) else text
 
 
 def alike(path: str) -> str:
     """The words ", did you mean 'x'?" where the folder of a path that is not there has a file of nearly its name, else an empty text."""
     folder, name = os.path.split(path)
     try:
-        return suggestion(name, itertools.islice(os.listdir(folder or os.curdir), MOST_NAMES))
+        return suggestion(name, itertools.islice(os.listdir(folder or os.curdir), 1000))  # more would take long
     except (OSError, ValueError):
         return ""
 

@@ -238,7 +238,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         return True, None
 
     def _stages(self, h: float, jacobian: Array, scale: Array) -> Array | None:
-        """Changes (s, m) of the entries up to the nodes, by Newton's method; None where it does not converge."""
+        """Changes (s, m) of the entries up to the nodes, by Newton's method; None if it does not converge."""
         r, m, t, y = method(), self.count, self.t, self.y
         matrix = np.eye(STAGES * m) - h * np.kron(r.matrix, jacobian)
         factors, pivots, info = lapack.dgetrf(matrix)

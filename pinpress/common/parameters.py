@@ -132,7 +132,7 @@ def set_field(item: object, field: str, value: object) -> None:
 
 
 def declared(field: Field[Any]) -> Parameter | None:
-    """What is declared of a field of a dataclass; None where nothing is."""
+    """What is declared of a field of a dataclass; None if nothing is."""
     found: Parameter | None = field.metadata.get(_KEY)
     return found
 
@@ -190,7 +190,7 @@ def pick_scenarios(item: Any, which: int | NDArray[np.intp]) -> Any:
 
 
 def refuse_scenarios(function: str, speed: object, parts: tuple[Any, ...]) -> None:
-    """Raise PinpressError where a speed, or a parameter of a drive, flywheel or load, has several scenarios: this ``function`` takes
+    """Raise PinpressError if a speed, or a parameter of a drive, flywheel or load, has several scenarios: this ``function`` takes
     one."""
     speeds = finite_numbers(speed)
     found = {} if speeds is None or speeds.ndim != 1 else {"speed": len(speeds)}

@@ -83,11 +83,11 @@ class DriverCoordinate:
         return (self.counted.replace(" ", "_"), unit), (f"{part}_speed", f"{unit}/s"), (f"{part}_acceleration", f"{unit}/s2")
 
     def shown(self, value: float, digits: str = ".6g") -> str:
-        """A coordinate in words: "30 deg", "12 mm"."""
+        """A coordinate as text: "30 deg", "12 mm"."""
         return f"{round(value * self.scale, 9) + 0.0:{digits}} {self.shown_unit}"  # without what is rounding
 
     def at(self, value: float) -> str:
-        """A place in words: "crank angle 30 deg", "driver position 12 mm", "crank angle 30 deg from top dead centre"."""
+        """A place as text: "crank angle 30 deg", "driver position 12 mm", "crank angle 30 deg from top dead centre"."""
         return f"{self.position} {self.shown(value)}" + (f" from {self.zero}" if self.zero else "")
 
 

@@ -106,7 +106,7 @@ class Record(Tabular):
         return tuple(head for name in _shown(cls) for head in cls._heads_of(name))
 
     def row(self) -> dict[str, object]:
-        """Name of a column with its unit -> number or words; None where there is no value."""
+        """Name of a column with its unit -> number or words; None if there is no value."""
         found: dict[str, object] = {}
         for name in _shown(type(self)):
             value = getattr(self, name)

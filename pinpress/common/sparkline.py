@@ -24,7 +24,7 @@ FONT = {"font-family": "sans-serif", "font-size": "11"}
 
 
 def sparkline(columns: Columns, names: Sequence[str]) -> str:
-    """SVG of curves; empty where fewer than two states have numbers, or all stand above each other.
+    """SVG of curves; empty if fewer than two states have numbers, or all stand above each other.
 
     Args:
         columns: names with units -> columns of one length.

@@ -123,7 +123,7 @@ def write_parquet(path: str | os.PathLike[str], columns: Columns) -> None:
 
 
 def needs_pyarrow() -> None:
-    """Raise PinpressError where pyarrow is not installed."""
+    """Raise PinpressError if pyarrow is not installed."""
     if importlib.util.find_spec("pyarrow") is None:
         raise PinpressError("pyarrow is not installed: pip install 'pinpress[sweeps]'")
 
@@ -178,12 +178,12 @@ def _ends(column: Column) -> list[str]:
 
 
 def _value(cell: object) -> object:
-    """A cell as Python's own number or word, None where it is masked."""
+    """A cell as Python's own number or word, None if it is masked."""
     return None if cell is np.ma.masked else cell.item() if isinstance(cell, np.generic) else cell
 
 
 def _values(column: Column) -> Sequence[object]:
-    """A column as a list of Python's own numbers and words, None where there is no value."""
+    """A column as a list of Python's own numbers and words, None if there is no value."""
     found: list[object] = column.tolist() if isinstance(column, np.ndarray) else list(column)
     return found
 
@@ -193,7 +193,7 @@ def _is_of_floats(column: Column) -> bool:
 
 
 def _refuse_not_finite(columns: Columns) -> None:
-    """Raise PinpressError where a column holds numbers that other programs would read as words, or not at all."""
+    """Raise PinpressError if a column holds numbers that other programs would read as words, or not at all."""
     for name, column in columns.items():
         if isinstance(column, np.ndarray) and _is_of_floats(column):
             bad = ~np.isfinite(column)

@@ -294,7 +294,7 @@ def size_of(places: Array) -> float:
 
 
 def _rows_of_degrees(degrees: ArrayLike, count: int, nodes: int) -> dict[tuple[int, int], int]:
-    """Row of each degree of freedom, (node, direction); raises PinpressError where they are not as in `reduced_frame`."""
+    """Row of each degree of freedom, (node, direction); raises PinpressError if they are not as in `reduced_frame`."""
     given = numbers("the frame: degrees", degrees, (count, 2))
     rows: dict[tuple[int, int], int] = {}
     for row, (node, direction) in enumerate(given.tolist()):
@@ -372,7 +372,7 @@ def _free_vibrations(
 
 
 def _massless(mass: Array, interfaces: Sequence[str]) -> str:
-    """The motion of an interface that moves least mass, in words, of the mass matrix (6 interfaces, 6 interfaces)."""
+    """The motion of an interface that moves least mass, as text, of the mass matrix (6 interfaces, 6 interfaces)."""
     own = np.diag(mass)
     scale = np.where(own > 0, own, 1.0) ** -0.5
     name, along = divmod(int(np.abs(np.linalg.eigh(scale[:, None] * mass * scale)[1][:, 0]).argmax()), 6)

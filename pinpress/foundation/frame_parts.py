@@ -202,7 +202,7 @@ def turning_stiffness(forces: Iterable[tuple[Array, Array, Array]], count: int) 
 
 
 def refuse_loose(matrix: Array, problem: str, remedy: str) -> None:
-    """Raise PinpressError where a matrix (n, n) is not positive definite; the message is the problem, a free coordinate and the remedy."""
+    """Raise PinpressError if a matrix (n, n) is not positive definite; the message is the problem, a free coordinate and the remedy."""
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
     values, vectors = np.linalg.eigh(scale[:, None] * matrix * scale)
     smallest = 1e-10  # of the largest: less is rounding
@@ -213,7 +213,7 @@ def refuse_loose(matrix: Array, problem: str, remedy: str) -> None:
 
 
 def refuse_pulled(load: Array, gravity: Array) -> None:
-    """Raise PinpressError where the weight pulls at a mount instead of pressing on it."""
+    """Raise PinpressError if the weight pulls at a mount instead of pressing on it."""
     along = load @ -gravity
     # A load of rounding may pull at a mount.
     if (along < -1e-9 * np.abs(along).sum()).any():

@@ -62,7 +62,7 @@ def logarithmic_decrement(signal: Array, *, rate: float = 1.0, band: tuple[float
 
 
 def _strongest(size: Array, count: int, rate: float, band: tuple[float, float] | None) -> int:
-    """Number of the strongest line of a spectrum, which is its periods in the signal; raises PinpressError where it has none."""
+    """Number of the strongest line of a spectrum, which is its periods in the signal; raises PinpressError if it has none."""
     lines = np.arange(len(size))
     within = lines >= 1
     if band is not None:

@@ -412,7 +412,7 @@ def _first_switch(
     length: float,
     flow: Callable[[], _Flow],
 ) -> tuple[float, int, Array] | None:
-    """Share of an interval after which the first foot lifts off or lands, its number and the state there; None where none does.
+    """Share of an interval after which the first foot lifts off or lands, its number and the state there; None if none does.
 
     Args:
         feet: the feet.

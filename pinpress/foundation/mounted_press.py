@@ -63,7 +63,7 @@ from .frame_parts import (
 )
 from .mounts import Frame, Mount, listed_mounts
 
-MOST_ROWS = 24  # of modes in words
+MOST_ROWS = 24  # of modes in a text
 MOST_ORDERS = 10_000  # most orders of `resonance_speeds`, against lists without end
 MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y", "twisting about z")
 BENDING = "bending"  # the motion in which most of the elastic energy is that of the frame
@@ -80,7 +80,7 @@ class MountedPress(Tabular):
     Attributes:
         press: the press.
         frame: the frame, or its bed.
-        crown: the part that carries crank and guides; None where the frame is one part.
+        crown: the part that carries crank and guides; None if the frame is one part.
         mounts: mounts between floor and frame.
         uprights: columns between bed and crown.
         attached: name of what stands on the frame -> what it is.
@@ -185,7 +185,7 @@ class MountedPress(Tabular):
 
     @property
     def pressure(self) -> tuple[float | None, ...]:
-        """Mean pressure on each mount at rest [Pa]; None where the mount has no area."""
+        """Mean pressure on each mount at rest [Pa]; None if the mount has no area."""
         return tuple(
             None if mount.area is None else float(load / mount.area) for mount, load in zip(self.mounts, self.upward_load, strict=True)
         )
@@ -547,7 +547,7 @@ def _own_parts(frame: Frame | ElasticFrame, crown: Frame | None) -> tuple[dict[s
 
 
 def _foot(frame: Frame | ElasticFrame, bed: str, mount: Mount) -> str:
-    """Name of the part at which a mount stands; raises PinpressError where an elastic frame has no interface there."""
+    """Name of the part at which a mount stands; raises PinpressError if an elastic frame has no interface there."""
     return frame.node_at(mount.point) if isinstance(frame, ElasticFrame) else bed
 
 

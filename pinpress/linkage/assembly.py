@@ -269,7 +269,7 @@ def _counted_as_angle(structure: Structure) -> Array:
 
 
 def _refuse_beyond_limits(structure: Structure, angles: Array) -> None:
-    """Raise PinpressError where one of several drivers slides beyond the limits of its joint; ``angles``: (n, drivers) [rad or m]."""
+    """Raise PinpressError if one of several drivers slides beyond the limits of its joint; ``angles``: (n, drivers) [rad or m]."""
     model = structure.model
     for driver, coordinate, positions in zip(structure.drivers, structure.coordinates, angles.T, strict=True):
         if coordinate.turns:
@@ -285,7 +285,7 @@ def _refuse_beyond_limits(structure: Structure, angles: Array) -> None:
 
 
 def refuse_far(name: str, angles: Array, coordinates: Sequence[DriverCoordinate]) -> None:
-    """Raise PinpressError where one of the crank angles [rad], of any shape, is so large that its rounding would be seen in results, and
+    """Raise PinpressError if one of the crank angles [rad], of any shape, is so large that its rounding would be seen in results, and
     warn of angles that are whole degrees. How far a driver slides is limited in any case."""
     if not coordinates[0].turns:
         return

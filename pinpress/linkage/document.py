@@ -80,7 +80,7 @@ class Document:
 
     @cached_property
     def robot(self) -> Element:
-        """The root element; raises UrdfError where the text is no XML, or too large."""
+        """The root element; raises UrdfError if the text is no XML, or too large."""
         root = tree(self.file, self.text.decode("utf-8-sig").encode())
         if self.origins:
             _name_origins(root, self.origins, root.tag)
@@ -108,7 +108,7 @@ class Document:
 
 
 def read(path: str | os.PathLike[str]) -> bytes:
-    """The text of a file, UTF-8, perhaps with a byte order mark; raises UrdfError where it is not UTF-8, or cannot be read."""
+    """The text of a file, UTF-8, perhaps with a byte order mark; raises UrdfError if it is not UTF-8, or cannot be read."""
     file = files.path_of("path", path)
     try:
         text = files.read(path, MOST_BYTES)

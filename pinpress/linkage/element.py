@@ -50,7 +50,7 @@ class Element:
         self.origin: str | None = None
 
     def get(self, name: str) -> str:
-        """The text of an attribute, empty where it is missing."""
+        """The text of an attribute, empty if it is missing."""
         return self.attributes.get(name, "")
 
     def all(self, *tags: str) -> list[Element]:
@@ -58,7 +58,7 @@ class Element:
         return [child for child in self.children if child.tag in tags]
 
     def numbers(self, name: str) -> tuple[float, ...]:
-        """The numbers of an attribute; none where it is missing or has a `fault`."""
+        """The numbers of an attribute; none if it is missing or has a `fault`."""
         return () if name not in self.attributes or self.fault(name) else tuple(map(float, self.get(name).split()))
 
     def number(self, name: str, default: float) -> float:
@@ -66,7 +66,7 @@ class Element:
         return next(iter(self.numbers(name)), default)
 
     def of_child(self, tag: str, name: str) -> str:
-        """The text of an attribute of the first child with a tag, empty where either is missing."""
+        """The text of an attribute of the first child with a tag, empty if either is missing."""
         return next((child.get(name) for child in self.all(tag)), "")
 
     def fault(self, name: str) -> str | None:

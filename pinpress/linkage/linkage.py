@@ -79,7 +79,7 @@ class Linkage(Frozen):
         loops: the bearings at which loops were cut.
         relations: gear pairs, racks and screws, as equations between the coordinates of their joints. ``couplings`` lists them by pairs.
         drivers: names of the driver joints, as many as degrees of freedom.
-        slide: name of the slide link, None where the linkage has none.
+        slide: name of the slide link, None if the linkage has none.
         held_spins: names of the joints that are held where the file draws them, because a link could spin about the line of its ball
             joints, which neither drivers nor forces determine.
         zero: where the driver's coordinate is 0, as in "top dead centre"; empty for the pose that the file draws. See `drawn_at`.
@@ -413,7 +413,7 @@ class Linkage(Frozen):
     @property
     @per_linkage
     def turns_until_back(self) -> int | None:
-        """Turns of the driver in one period, None where the linkage is not back after many turns, or has several drivers."""
+        """Turns of the driver in one period, None if the linkage is not back after many turns, or has several drivers."""
         if len(self.drivers) > 1:
             return None
         walked = self.branch_through_change_points

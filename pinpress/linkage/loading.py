@@ -102,7 +102,7 @@ def load_document(
 
 
 def locate(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
-    """The path of a URDF file, given itself or the name of a shipped press; raises UrdfError where there is neither."""
+    """The path of a URDF file, given itself or the name of a shipped press; raises UrdfError if there is neither."""
     file = path_of("path", path)
     if file.lstrip().startswith("<"):
         raise UrdfError(
@@ -120,12 +120,12 @@ def locate(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
 
 
 def shipped_table(name: str) -> Path | None:
-    """The pin table of a shipped press; None where none has this name."""
+    """The pin table of a shipped press; None if none has this name."""
     return _library() / f"{name}.yaml" if name in presses() else None
 
 
 def parse(path: str | os.PathLike[str]) -> Document:
-    """The URDF that a file is, or that says the same; raises UrdfError where there is none."""
+    """The URDF that a file is, or that says the same; raises UrdfError if there is none."""
     if path_of("path", path).endswith((".yaml", ".yml")):
         raise UrdfError(path_of("path", path), None, None, "this is a table of pins, not a URDF", "make a press of it by pp.build(path)")
     document = Document(path_of("path", path), read(path))

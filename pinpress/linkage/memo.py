@@ -36,7 +36,7 @@ class Kept(NamedTuple):
 
 
 class Model:
-    """The attribute of a linkage that holds its model; reading it raises PinpressError where the model was changed in place."""
+    """The attribute of a linkage that holds its model; reading it raises PinpressError if the model was changed in place."""
 
     def __get__(self, press: object | None, owner: type | None = None) -> Any:
         if press is None:

@@ -17,7 +17,7 @@ class Planarity(NamedTuple):
     """How a linkage lies in the plane across one of its joints.
 
     Attributes:
-        turning: index in v of that joint: the first driver, or where that slides the first joint that turns; None where no joint turns.
+        turning: index in v of that joint: the first driver, or where that slides the first joint that turns; None if no joint turns.
         normal: (3,) its axis in the drawn pose; without such a joint that of world y, across presses.
         joints_off: for every joint the angle between its axis and the normal, or between its guide and the plane [rad].
         loops_off: for every loop the larger of the angles between its axis at both ends and the normal [rad]; 0 for one without an axis.

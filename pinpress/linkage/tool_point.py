@@ -45,7 +45,7 @@ def tool_point(press: Any) -> ToolPoint:
 
 
 def middle_of_outermost(pins: Mapping[str, Array], along: Array, size: float) -> tuple[Array, str] | None:
-    """The middle (3,) of the two pins that are farthest apart across a guide, and what it is; None where all are in one line along it.
+    """The middle (3,) of the two pins that are farthest apart across a guide, and what it is; None if all are in one line along it.
 
     Args:
         pins: (3,) each, in one frame [m], by their names.

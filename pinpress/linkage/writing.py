@@ -33,7 +33,7 @@ from .element import Element
 from .linkage import Linkage
 from .text import MOMENTS, Text, tag, written
 
-ACCEPTED = 1e-12  # relative difference from the linkage that is accepted of a text: a hundred times the rounding of turned frames
+ACCEPTED = 1e-12  # relative difference from the linkage that is accepted of a text: a hundred times the rounding error of turned frames
 
 BALLAST = "added_ballast"  # name of visuals that stand for counterweights
 STEEL = 7850.0  # density [kg/m3]
@@ -188,7 +188,7 @@ def _raise_first(findings: Iterable[Finding]) -> None:
 
 
 def _check(press: Linkage, before: Linkage) -> None:
-    """Raise PinpressError where a linkage differs from that ``before`` in more than numbers, or has numbers that are not finite."""
+    """Raise PinpressError if a linkage differs from that ``before`` in more than numbers, or has numbers that are not finite."""
     was = _structure(before)
     for what, now in _structure(press).items():
         if now != was[what]:

@@ -49,7 +49,7 @@ class Entry:
     Attributes:
         value: text, a number or a truth value given in a call, several entries, entries by their keys, or None for nothing.
         file: the file, or how what was given is called.
-        line: in the file; None where there is none.
+        line: in the file; None if there is none.
         path: keys that lead to it, from the top.
         kind: what kind of file it stands in.
         file_text: of the whole file, in its topmost entry; empty elsewhere.
@@ -125,7 +125,7 @@ class Entry:
         where.refuse(f"{key!r} is no key here{meant}", f"write some of {', '.join(keys)}")
 
     def described(self) -> str:
-        """What kind of value this is, in words."""
+        """What kind of value this is, as text."""
         if self.value is None:
             return "there is nothing"
         if isinstance(self.value, str):

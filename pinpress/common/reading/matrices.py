@@ -63,9 +63,9 @@ def large_matrix(what: str, given: Any, most: int) -> Any:
 
 
 def refuse_negative_mass(what: str, mass: Any) -> None:
-    """Raise PinpressError where a motion has a negative mass, of a symmetric matrix (n, n), dense or sparse.
+    """Raise PinpressError if a motion has a negative mass, of a symmetric matrix (n, n), dense or sparse.
 
-    Rows may have no mass, as turns and master nodes have none where masses are lumped. Of a sparse matrix the motions of one row, and of
+    Rows may have no mass, as turns and master nodes have none if masses are lumped. Of a sparse matrix the motions of one row, and of
     two against each other, are looked at: to factor it would take as long as to reduce it.
     """
     own = mass.diagonal()

@@ -409,7 +409,7 @@ def _end_problems(element: Element, tag1: str, tag2: str, name1: str, name2: str
 
 
 def principal_moments(inertia: Element) -> tuple[float, ...]:
-    """The three principal moments [kg m2], smallest first; none where the six components are not numbers."""
+    """The three principal moments [kg m2], smallest first; none if the six components are not numbers."""
     moments = [value for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz") for value in inertia.numbers(name)]
     if len(moments) != 6:
         return ()

@@ -137,7 +137,7 @@ def drake_loop(file: str, element: Element, said: Said, place: Callable[[Element
 
 
 def _bushing_axis(file: str, element: Element, said: Said) -> Array | None:
-    """(3,) axis of the pin that a bushing stands for, in its frames; None for a ball joint; raises UrdfError where it is neither.
+    """(3,) axis of the pin that a bushing stands for, in its frames; None for a ball joint; raises UrdfError if it is neither.
 
     Torques are about x, y, z (roll, pitch, yaw), forces along them. A pin holds all three directions and two rotations, a ball joint no
     rotation; a rotation without stiffness and damping is not held.
@@ -234,7 +234,7 @@ def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
 
 
 def _pose_of_origin(file: str, element: Element) -> pin.SE3:
-    """The pose in the ``<origin>`` of an element, identity where it has none."""
+    """The pose in the ``<origin>`` of an element, identity if it has none."""
     origin = optional(file, element, "origin")
     if origin is None:
         return pin.SE3.Identity()

@@ -43,7 +43,7 @@ def origin_of(element: Element | Origin) -> Origin:
 
 
 def numbers(file: str, element: Element, text: str, count: int) -> Array:
-    """(count,) the numbers in a text of an element; raises UrdfError where they are more or fewer, not finite, or out of range."""
+    """(count,) the numbers in a text of an element; raises UrdfError if they are more or fewer, not finite, or out of range."""
     words = text.split()
     for word in words:
         if not NUMBER.fullmatch(word) or not math.isfinite(float(word)):
@@ -56,7 +56,7 @@ def numbers(file: str, element: Element, text: str, count: int) -> Array:
 
 
 def direction(file: str, element: Element, text: str) -> Array:
-    """(3,) the direction in a text of an element, of length 1; raises UrdfError where it is zero."""
+    """(3,) the direction in a text of an element, of length 1; raises UrdfError if it is zero."""
     axis = numbers(file, element, text, 3)
     length = float(np.linalg.norm(axis))
     if length == 0:
@@ -65,7 +65,7 @@ def direction(file: str, element: Element, text: str) -> Array:
 
 
 def optional(file: str, element: Element, tag: str) -> Element | None:
-    """The only child with this tag; None where there is none; raises UrdfError where there are two."""
+    """The only child with this tag; None if there is none; raises UrdfError if there are two."""
     children = element.all(tag)
     if len(children) > 1:
         refuse(file, children[1], f"a second <{tag}> in one <{element.tag}>", "keep one of them")
@@ -73,7 +73,7 @@ def optional(file: str, element: Element, tag: str) -> Element | None:
 
 
 def needed(file: str, element: Element, tag: str) -> Element:
-    """The only child with this tag; raises UrdfError where there is none, or two."""
+    """The only child with this tag; raises UrdfError if there is none, or two."""
     child = optional(file, element, tag)
     if child is None:
         refuse(file, element, f"has no <{tag}>", f"write <{tag}> in this <{element.tag}>")
@@ -108,7 +108,7 @@ def unused(name: str, taken: Collection[str]) -> str:
 
 
 def pose_of(file: str, element: Element) -> pin.SE3:
-    """The pose in an element's ``<pose>``, identity where it has none."""
+    """The pose in an element's ``<pose>``, identity if it has none."""
     pose = optional(file, element, "pose")
     return pin.SE3.Identity() if pose is None else pose_and_rounding(file, pose)[0]
 

@@ -50,7 +50,7 @@ class Shape:
         place: in the link's frame.
         tag: "box", "cylinder", "sphere" or "mesh".
         attributes: of that element of URDF.
-        colour: red, green, blue and opacity from 0 to 1; None where it has none.
+        colour: red, green, blue and opacity from 0 to 1; None if it has none.
     """
 
     place: pin.SE3
@@ -65,7 +65,7 @@ class Link:
 
     Attributes:
         name: of the link.
-        inertia: its mass and inertia, None where it has none.
+        inertia: its mass and inertia, None if it has none.
         shapes: what is drawn of it.
         origin: where it was read.
     """
@@ -104,12 +104,12 @@ class Joint:
         child: name of the link that it carries.
         place: in the parent's frame; the child's frame in the drawn pose.
         axis: (3,) of length 1 in that frame.
-        limits: lowest and highest position from the drawn pose [rad or m]; None where there are none.
-        effort: largest torque [N m] or force [N]; None where there is no such limit.
-        velocity: largest [rad/s or m/s]; None where there is no such limit.
+        limits: lowest and highest position from the drawn pose [rad or m]; None if there are none.
+        effort: largest torque [N m] or force [N]; None if there is no such limit.
+        velocity: largest [rad/s or m/s]; None if there is no such limit.
         damping: [N m s/rad or N s/m].
         friction: [N m or N].
-        follow: the gear pair that moves it, None where there is none.
+        follow: the gear pair that moves it, None if there is none.
         origin: where it was read.
     """
 

@@ -32,7 +32,7 @@ WORLD = "world"
 
 
 def read(document: Document) -> Document:
-    """The URDF that says the same as an MJCF; raises UrdfError where that is no linkage, or MuJoCo refuses the file."""
+    """The URDF that says the same as an MJCF; raises UrdfError if that is no linkage, or MuJoCo refuses the file."""
     try:
         import mujoco  # optional, and slow to import
     except ImportError as error:
@@ -58,7 +58,7 @@ def read(document: Document) -> Document:
 
 
 def _refuse_odd_files(document: Document, root: Element, folder: Path, seen: set[Path]) -> None:
-    """Raise UrdfError where a file that MuJoCo would open is a pipe or a device, which may have no end, or where an included file lies
+    """Raise UrdfError if a file that MuJoCo would open is a pipe or a device, which may have no end, or if an included file lies
     outside of the model's folder: a user who loads somebody else's model does not expect it to read other files."""
     names = "assetdir", "meshdir", "texturedir"  # of folders in which MuJoCo looks for files
     places = [folder, *(folder / each.get(name) for each in _all(root, "compiler") for name in names if each.get(name))]
@@ -149,7 +149,7 @@ class _Reader:
             self.remarks.append(remark("warning", self.root, "plugins are not read", "give what they do as drives and loads"))
 
     def _held_body(self) -> int | None:
-        """The body whose free joint is removed, if it has the only one and the model is joined to the world nowhere else; None where there
+        """The body whose free joint is removed, if it has the only one and the model is joined to the world nowhere else; None if there
         is no free joint."""
         model, free_type = self.model, int(self.mujoco.mjtJoint.mjJNT_FREE)
         free = [k for k in range(model.njnt) if model.jnt_type[k] == free_type]

@@ -88,7 +88,7 @@ _CHAINS = {"ball": 3, "universal": 2, "revolute2": 2}  # numbers of revolute joi
 
 
 def read(document: Document) -> Document:
-    """The URDF that says the same as an SDF; raises UrdfError where that is no linkage."""
+    """The URDF that says the same as an SDF; raises UrdfError if that is no linkage."""
     root = tree(document.file, document.text.decode("utf-8-sig").encode(), with_text=True)
     return as_document(document.file, _Reader(document.file, root).mechanism(), f"SDF {root.get('version')}")
 
@@ -155,7 +155,7 @@ class _Reader:
         return moving[0]
 
     def _refuse_attributes(self, element: Element) -> None:
-        """Raise UrdfError where an element, or one in it, has an attribute that is none of SDF."""
+        """Raise UrdfError if an element, or one in it, has an attribute that is none of SDF."""
         if element.tag in _ATTRIBUTES:
             refuse_unknown_attributes(self.file, element, _ATTRIBUTES[element.tag].split())
         for child in element.children:
