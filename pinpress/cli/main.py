@@ -3,6 +3,7 @@
 import argparse
 import sys
 
+from .. import __version__
 from ..common.command_end import ended
 from . import about, accuracy, analyse, balance, build, check, ratings, record, report, servo, simulate, sweep, tolerances, view
 from .measured import force, identify, vibration
@@ -34,6 +35,9 @@ def _run(arguments: list[str] | None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="pinpress", description="Mechanical press linkages: motion, driving torque, bearing forces.")
+    parser.add_argument(
+        "--version", action="version", version=f"pinpress {__version__}; versions and licences of all it uses: pinpress about"
+    )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in COMMANDS:
         command.add(commands)

@@ -7,6 +7,7 @@ import numpy
 import pinocchio
 import pytest
 
+import pinpress
 from pinpress.cli import about
 from pinpress.cli.main import main
 from pinpress.common.errors import PinpressError
@@ -25,6 +26,12 @@ def test_versions_are_those_that_run(capsys):
     assert found["pin"][0] == pinocchio.__version__
     assert found["pin"][1] == "BSD-3-Clause"
     assert f"pinpress {metadata.version('pinpress')}, MIT" in found
+
+
+def test_the_version_alone(capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main(["--version"])
+    assert capsys.readouterr().out.startswith(f"pinpress {pinpress.__version__};")
 
 
 def test_packages_are_those_that_the_extras_of_users_name(capsys):
