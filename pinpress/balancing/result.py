@@ -13,10 +13,11 @@ from ..common import tables
 from ..common.quantities import RPM, Array
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
-from ..dynamics.extremes import AXES, ROUNDING, Rounding, rounding
+from ..dynamics.extremes import AXES, Rounding, rounding
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
+from ..kinematics.states import ROUNDING
 from ..linkage.linkage import Linkage
 from .counterweights import Counterweight, OperatingCondition, moving_mass
 from .problem import AddedMass, Criterion, Peak, Range, Target, limit_words

@@ -8,11 +8,15 @@ fields; several of them are `Records`.
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
-from typing import Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from . import tables
+from .errors import PinpressError
 from .frozen import Frozen, FrozenMapping
 from .tables import Column, Columns
+
+if TYPE_CHECKING:
+    from .described import Section
 
 
 class Tabular(Frozen):
@@ -26,6 +30,17 @@ class Tabular(Frozen):
     def columns(self) -> Columns:
         """All quantities as columns (n,) under their names with units."""
         raise NotImplementedError
+
+    def described(self, page: Any = None) -> "tuple[Section, ...]":
+        """What pages, plots, texts and notebooks show of the result; empty if there is nothing but its columns.
+
+        Args:
+            page: reactions of the press of the result to the motion that a page shows; None for no page.
+
+        Raises:
+            PinpressError: the result is of another press than these reactions, or a value is not finite.
+        """
+        return ()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a CSV file: the names of the columns, then one line for each row, to full precision. Missing values are left empty.
@@ -63,9 +78,26 @@ class Tabular(Frozen):
         return f"<{self.title}>"
 
     def __str__(self) -> str:
+        if words := self._written():
+            return f"{self.title}\n\n{words}"
         columns = self.columns()
         width = 4 + max(map(len, columns), default=0)
         return "\n".join([self.title, *tables.table([["", "smallest", "largest"]], [width, 14]), *tables.ranges(columns, width)])
+
+    def _written(self) -> str:
+        """The figures and tables of the result as text; empty if it has none."""
+        if not (sections := self._sections()):
+            return ""
+        from .text import written  # to save start-up time
+
+        return written(sections)
+
+    def _sections(self) -> "tuple[Section, ...]":
+        """The sections; empty if a value is not finite or bearings are left out, which the columns show."""
+        try:
+            return self.described()
+        except PinpressError:
+            return ()
 
     @property
     def _pictured(self) -> tuple[str, ...]:
@@ -73,6 +105,10 @@ class Tabular(Frozen):
         return ()
 
     def _repr_html_(self) -> str:
+        if sections := self._sections():
+            from .notebook import notebook  # to save start-up time
+
+            return notebook(self.title, sections, self.columns())
         columns, pictured = self.columns(), self._pictured
         table = tables.html(self.title, columns)
         if not pictured:

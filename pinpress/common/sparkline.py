@@ -18,6 +18,7 @@ from .tables import Columns
 WIDTH, HEIGHT = 300, 80  # of the curves [pixels]
 LEFT, TOP, RIGHT, BOTTOM = 76, 20, 16, 32  # margins
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")  # Okabe and Ito
+MOST_CURVES = len(COLOURS)
 LONGEST = 46  # most letters of a line; more are cut off
 LETTER = 6.2  # mean width of a letter [pixels]
 FONT = {"font-family": "sans-serif", "font-size": "11"}

@@ -239,7 +239,7 @@ def table(rows: Iterable[Sequence[str]], widths: Sequence[int], indent: str = " 
         indent: what each line begins with.
     """
     return [
-        indent + "".join(_padded(k, cell, widths[min(k, len(widths) - 1)]) for k, cell in enumerate(_without_minus(row))) for row in rows
+        indent + "".join(_padded(k, cell, widths[min(k, len(widths) - 1)]) for k, cell in enumerate(without_minus(row))) for row in rows
     ]
 
 
@@ -251,14 +251,14 @@ def fitted(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
 
 def fitted_words(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
     """Lines of a table of words: all columns flush left and as wide as their longest cell, three letters apart."""
-    rows = [_without_minus(row) for row in rows]
+    rows = [without_minus(row) for row in rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [(indent + "   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))).rstrip() for row in rows]
 
 
 def entry(name: str, number: str, unit: str = "", remark: str = "") -> str:
     """A line with one number, its unit and a remark. All such lines have the same columns."""
-    _, number, remark = _without_minus([name, number, remark])
+    _, number, remark = without_minus([name, number, remark])
     return f"  {name:{_NAME}}{number:>{_NUMBER}} {unit:{_UNIT}}{remark}".rstrip()
 
 
@@ -281,7 +281,7 @@ def cell(value: object) -> str:
     return grouped(value, ".6g") if isinstance(value, float) else " ".join(str(value).splitlines())
 
 
-def _without_minus(row: Sequence[str]) -> list[str]:
+def without_minus(row: Sequence[str]) -> list[str]:
     """The cells of a line, those behind its name without the minus sign of a 0."""
     return [*row[:1], *(_MINUS.sub("", _PADDED_MINUS.sub(" ", cell)) for cell in row[1:])]
 

@@ -17,10 +17,10 @@ from ..engines.friction import REST
 from ..engines.wrenches import AppliedForce
 from ..kinematics.poses import point_motion
 from ..kinematics.slide_path import dead_centres
+from ..kinematics.states import is_cycle
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
-from .harmonics import is_cycle
 
 ROUNDING = 1e-9  # of heights [lengths of the linkage]
 

@@ -15,8 +15,8 @@ import numpy as np
 from ..common.arguments import expect, positive, typed
 from ..common.errors import PinpressError
 from ..common.results import Record
-from .extremes import at_peaks, is_constant
-from .harmonics import is_cycle
+from ..kinematics.states import is_constant, is_cycle
+from .extremes import at_peaks
 from .reactions import Reactions
 
 UNITS = {

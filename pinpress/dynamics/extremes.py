@@ -19,12 +19,12 @@ from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..kinematics.motion import Motion
 from ..kinematics.poses import poses
+from ..kinematics.states import ROUNDING, finite, is_constant
 from .peaks import PeakStates, peak_states
 from .reactions import Reactions
 
 ROUNDING_OF_VALUES = 1e-12  # share of a quantity's largest value below which a value is rounding
 AXES = ("x", "y", "z")
-ROUNDING = 1e-9  # share of the largest force below which a force, or of the crank speed below which its variation, is rounding
 
 
 @runtime_checkable
@@ -227,29 +227,10 @@ def finite_forces(reactions: Reactions) -> dict[str, Array]:
     return {name: finite(f"force in {name}", forces[name]) for name in reactions._press.bearings_as_drawn}
 
 
-def finite(quantity: str, values: Array) -> Array:
-    """The values (n, ...), after a check.
-
-    Raises:
-        PinpressError: there is no value, or one is not finite.
-    """
-    if not len(values):
-        raise PinpressError(f"{quantity} has no states: give a motion of at least one")
-    if not np.isfinite(values).all():
-        at = int(np.argwhere(~np.isfinite(values))[0][0])
-        raise PinpressError(f"{quantity} is not finite at index {at}: give what cycle, simulate and inverse_dynamics return")
-    return values
-
-
 def torque_without_rounding(reactions: Reactions) -> Array:
     """Driving torque (n,) or (n, drivers) [N m]; that of a driver is zero if it is rounding in all states."""
     torque = finite("driving torque", reactions.driving_torque)
     return np.where(np.abs(torque).max(axis=0) > rounding(reactions).force * reactions._press.size, torque, 0.0)
-
-
-def is_constant(speed: Array) -> bool:
-    """Whether speeds (n,) or (n, drivers) are constant to rounding."""
-    return bool(np.all(np.ptp(speed, axis=0) <= ROUNDING * np.abs(speed).max(axis=0)))
 
 
 def held_moments(reactions: Reactions) -> dict[str, Array]:

@@ -13,8 +13,8 @@ from ..common.products import product
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..kinematics.motion import Motion
+from ..kinematics.states import EQUAL, is_cycle
 
-EQUAL = 1e-9  # difference up to which steps of the crank angle are equal [rad]
 FINER = 8  # angles for each state at which unequally spaced states are interpolated
 
 
@@ -104,12 +104,3 @@ def last_period(motion: Motion) -> int | None:
     if travel[0] < period - EQUAL and not is_cycle(motion):
         return None
     return int(np.argmax(travel < period - EQUAL))  # a state one period before the last state is not counted twice
-
-
-def is_cycle(motion: Motion) -> bool:
-    """Whether the states are one period of a single crank in equal steps, without the end of the period."""
-    angle = motion.crank_angle
-    if motion.period_turns is None or len(angle) < 3:
-        return False
-    period = float(np.copysign(2 * np.pi * motion.period_turns, angle[-1] - angle[0]))
-    return bool(np.allclose(np.diff(angle, append=angle[0] + period), period / len(angle), rtol=0.0, atol=EQUAL))

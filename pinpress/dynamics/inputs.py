@@ -19,12 +19,11 @@ from ..common.parameters import declared, in_signature
 from ..common.quantities import CRANK, GRAVITY, DriverCoordinate, quantity
 from ..kinematics.main_data import tool_in_words
 from ..kinematics.motion import Motion
+from ..kinematics.states import is_constant, is_cycle
 from ..linkage import loading
 from ..linkage.linkage import Linkage
 from ..linkage.writing import is_as_read
 from ..loads.link import Friction, SpringDamper
-from .extremes import is_constant
-from .harmonics import is_cycle
 from .reactions import Reactions
 
 FEW = 4  # numbers that are written out; of more their count and range

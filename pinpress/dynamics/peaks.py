@@ -19,11 +19,11 @@ from ..common.numerics import bracketed_roots, polynomial_values, quintics
 from ..common.quantities import Array
 from ..kinematics.cycle import moved
 from ..kinematics.motion import Motion
+from ..kinematics.states import is_cycle
 from ..loads import caller_laws
 from ..loads.link import PointForce, SpringDamper
 from ..loads.process import ProcessLoad, TimeForce, datum
 from .applied_loads import intervals_of
-from .harmonics import is_cycle
 from .inverse_dynamics import in_other_states
 from .reactions import Reactions
 

@@ -32,6 +32,7 @@ from .shaking import shaking
 
 if TYPE_CHECKING:
     from .peaks import PeakStates
+    from ..common.described import Section
 
 ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
 
@@ -227,10 +228,11 @@ class Reactions(Tabular):
         efforts = [(f"driving_{each.effort}", each.effort_unit) for each in self.motion.driver_coordinates]
         return tables.by_driver(efforts, self.driving_torque, self.motion.drivers)
 
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        abscissa, *_ = self.motion._pictured
-        return abscissa, next(iter(self._driving))
+    def described(self, page: object = None) -> tuple[Section, ...]:
+        """Slide, process, drive, bearings, foundation and checks, with their charts."""
+        from .described import described  # to save start-up time
+
+        return described(self)
 
     def columns(self) -> dict[str, Array]:
         """The motion's columns, then torques, shaking force and moment, bearing forces and moments, under their names with units."""

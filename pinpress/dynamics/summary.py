@@ -13,9 +13,10 @@ from ..common.quantities import RPM, Array, DriverCoordinate
 from ..kinematics.main_data import directions, forward_share, sense_of_rotation, tool_in_words
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import DeadCentres, DeadCentresOverTravel, dead_centres, turning_points
+from ..kinematics.states import ROUNDING
 from ..linkage.linkage import Linkage
 from .applied_loads import process_work
-from .extremes import ROUNDING, at_peaks
+from .extremes import at_peaks
 from .reactions import Reactions
 
 AXES = "xyz"

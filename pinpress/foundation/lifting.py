@@ -28,8 +28,8 @@ from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
-from ..dynamics.harmonics import is_cycle
 from ..dynamics.reactions import Reactions
+from ..kinematics.states import is_cycle
 from .mounted_press import MountedPress, quadrature
 from .response import (
     RESONANCE,

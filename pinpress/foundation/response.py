@@ -22,10 +22,10 @@ from ..common.frozen import FrozenMapping
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
 from ..drives.transmission import Flywheel
-from ..dynamics.harmonics import is_cycle
 from ..dynamics.reactions import Reactions
 from ..dynamics.shaking import on_frame_at
 from ..kinematics.motion import Motion
+from ..kinematics.states import is_cycle
 from ..linkage.linkage import Linkage, is_same_press, told_apart
 from ..simulation.run import Run
 from .elastic_frame import ElasticFrame

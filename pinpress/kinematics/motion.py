@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from ..engines.engine import LOOSEST, ClosedStates
 from ..engines.structure import Slot, configuration
 from ..linkage.linkage import NAME_A_SLIDE, Linkage, SlideGuide
 from ..linkage.memo import per_linkage
+
+if TYPE_CHECKING:
+    from ..common.described import Section
 
 MOST_IN_TITLE = 3  # drivers whose ranges are written out in a title
 
@@ -160,9 +163,11 @@ class Motion(Tabular):
         """The columns of where the drivers are, for tables beside those of the motion."""
         return self._of_drivers(0)
 
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return next(iter(self._of_drivers(0))), "slide_position [m]" if self._guide is not None else next(iter(self._of_drivers(1)))
+    def described(self, page: object = None) -> tuple[Section, ...]:
+        """Position, velocity and acceleration of the slide, and speeds of drivers that are not constant."""
+        from .described import described  # to save start-up time
+
+        return described(self)
 
     def to_mat(self, path: str | os.PathLike[str]) -> None:
         """Write a MATLAB file with one vector for each column, named without its unit, and the matrices q, v, a.

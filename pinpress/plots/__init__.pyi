@@ -1,4 +1,5 @@
 from .balancing import trade_offs as trade_offs
+from .draw import draw as draw
 from .elasticity import campbell as campbell
 from .elasticity import compliance as compliance
 from .elasticity import dead_centre_shift as dead_centre_shift
@@ -14,12 +15,6 @@ from .measured_vibration import measured_modes as measured_modes
 from .measured_vibration import measured_spectra as measured_spectra
 from .measured_vibration import order_spectra as order_spectra
 from .press_accuracy import tolerances as tolerances
-from .reactions import bearings as bearings
-from .reactions import comparison as comparison
-from .reactions import polar as polar
-from .reactions import shaking as shaking
-from .reactions import slide as slide
-from .reactions import torque as torque
 from .servo_motions import servo as servo
 from .servo_motions import torque_over_speed as torque_over_speed
 from .slide_accuracy import budget as budget

@@ -14,9 +14,8 @@ import numpy as np
 from ..common import files
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
-from ..dynamics.harmonics import is_cycle
+from ..kinematics.described import along_motion
 from ..kinematics.motion import Motion
-from ..visual.charts import Abscissa, ChartCurve, abscissa
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -158,16 +157,18 @@ class Over:
     """The horizontal axis of curves over a motion. One period without its end is closed by its first state.
 
     Attributes:
-        abscissa: the quantity over which the motion is drawn.
+        name: what it is, with its unit.
         x: (k,) its values, those of the closing state included.
     """
 
     def __init__(self, motion: Motion) -> None:
-        self.abscissa: Abscissa = abscissa(motion)
-        self._closes = self.abscissa.unit == "deg" and is_cycle(motion)
-        x = self.abscissa.values
-        self._turns = motion.period_turns or 1
-        self.x: Array = np.append(x, x[0] + np.copysign(360.0 * self._turns, x[-1])) if self._closes else x
+        along = along_motion(motion)
+        assert along.values is not None
+        self._closes, self._turns = along.period is not None, motion.period_turns or 1
+        values = along.values if along.period is None else np.append(along.values, along.values[0] + along.period)
+        self.unit = {"rad": "deg", "m": "mm"}.get(along.quantity, along.quantity)
+        self.name = f"{along.name} [{self.unit}]" if along.quantity != "-" else along.name
+        self.x: Array = values * {"rad": 180 / np.pi, "m": 1e3}.get(along.quantity, 1.0)
 
     def along(self, values: Array) -> Array:
         """Values (k, ...) at `x` from values (n, ...) of the motion's states."""
@@ -177,11 +178,11 @@ class Over:
         """Set label, limits and ticks of the horizontal axis of the lowest chart in a column, which the others share."""
         from matplotlib.ticker import MaxNLocator, MultipleLocator  # optional, and slow to import
 
-        plain(axes.set_xlabel(f"{self.abscissa.quantity} [{self.abscissa.unit}]" if self.abscissa.unit else self.abscissa.quantity))
+        plain(axes.set_xlabel(self.name))
         first, last = float(self.x[0]), float(self.x[-1])
         if first != last:
             axes.set_xlim(first, last)  # also for a falling crank angle, as time runs to the right
-        if self.abscissa.unit == "deg":
+        if self.unit == "deg":
             turned = abs(last - first)
             whole = MultipleLocator((45 if wide else 90) * self._turns)
             axes.xaxis.set_major_locator(whole if turned >= 270 else MaxNLocator(9 if wide else 5, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))
@@ -195,17 +196,6 @@ def grid(axes: Axes, label: str) -> None:
     axes.tick_params(labelsize=SMALL, width=THIN, length=3.0)
     axes.margins(x=0.0)
     plain(axes.set_ylabel(label))
-
-
-def draw(axes: Axes, over: Over, curves: Sequence[ChartCurve]) -> list[Artist]:
-    """Draw curves in colours that the colour-blind can tell apart, then in other kinds of lines; return the lines."""
-    lines: list[Artist] = []
-    for i, curve in enumerate(curves):
-        look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "linestyle": LINES[i // len(COLOURS) % len(LINES)]}
-        if len(over.x) == 1:
-            look |= {"marker": "o", "markersize": 3.0}
-        lines += axes.plot(over.x, over.along(curve.values), **look)
-    return lines
 
 
 def legend(owner: Axes | Figure, handles: Sequence[Artist], names: Sequence[str], **where: Any) -> None:
@@ -228,9 +218,9 @@ def panel_places(places: GridSpec, count: int) -> list[SubplotSpec]:
     return [places[0, :], *pairs] if odd else pairs
 
 
-def brief(name: str) -> str:
+def brief(name: str, most: int = LONGEST) -> str:
     """A name, cut off where it is too long."""
-    return name if len(name) <= LONGEST else name[: LONGEST - 1] + "…"
+    return name if len(name) <= most else name[: most - 1] + "…"
 
 
 def plain(text: Text) -> Text:

@@ -15,7 +15,8 @@ from support.oracles import cassie
 
 import pinpress as pp
 from pinpress.dynamics.extremes import at_peaks, extremes, held_moments
-from pinpress.dynamics.harmonics import harmonics, is_cycle, last_period
+from pinpress.dynamics.harmonics import harmonics, last_period
+from pinpress.kinematics.states import is_cycle
 from pinpress.visual import charts
 from pinpress.visual.recording import key_frames
 

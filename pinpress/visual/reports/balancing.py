@@ -11,10 +11,11 @@ from ...balancing.optimum import TradeOffCurve
 from ...balancing.problem import Target
 from ...balancing.result import BalancedPress, CriterionChange, before_balancing, condition_name, counterweight_rows, price_in_words
 from ...common import tables
-from ...common.quantities import RPM, Array
+from ...common.described import charts_of
+from ...common.quantities import RPM, Array, quantity
+from ...dynamics.described import described as of_reactions
 from ...dynamics.inverse_dynamics import inverse_dynamics
 from ...linkage.linkage import is_same_press
-from .. import charts
 from .blocks import Block, Facts, Figure, Figures, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown, refuse_others
 
@@ -128,14 +129,16 @@ def _shaking(balanced: BalancedPress) -> list[Block]:
     original = balanced.conditions[0].set_up(balanced.original)
     known = (original, balanced.reactions_before[0]), (balanced.presses[0], balanced.reactions_after[0])
     # with all bearings, by which rounding is known; balancing computes only those that are asked for
-    before, after = (charts.shaking(inverse_dynamics(press, each.motion, balanced.conditions[0].loads)) for press, each in known)
+    before, after = (
+        charts_of(of_reactions(inverse_dynamics(press, each.motion, balanced.conditions[0].loads)))["shaking"] for press, each in known
+    )
     motion = balanced.conditions[0].motion
     first = motion.driver_coordinates[0]
     if motion.crank_angle.ndim > 1:
         return []
-    along, lines = first.scale * motion.crank_angle, []
+    lines, scale = [], quantity("N").scale(float(np.abs(curve.y).max()) for chart in (before, after) for curve in chart.curves)
     for words, chart in (("before", before), ("after", after)):
-        factor = charts.factor("force", before.unit) / charts.factor("force", chart.unit)
-        lines += [Line(f"{curve.name}, {words}", factor * curve.values, along) for curve in chart.curves]
+        along = first.scale * chart.along.values
+        lines += [Line(f"{curve.name}, {words}", scale.factor * curve.y, along) for curve in chart.curves]
     across = f"{first.counted} [{first.shown_unit}]"
-    return [LineChart("Shaking force before and after", before.unit, lines, across=across, follows="position")]
+    return [LineChart("Shaking force before and after", scale.unit, lines, across=across, follows="position")]

@@ -63,6 +63,9 @@ class Line:
         at_frames: (k, 2) x and y at the key frames, for a curve that is no function of x; None: the value is read off the curve.
         points: Whether it is drawn as points without a line.
         strong: Whether it is drawn wide, below the others.
+        pale: Whether it is drawn thin and grey, as a help for the eye.
+        limit: Whether it is a limit of others, drawn with dashes.
+        band: (m, 2) ends of a band around it; None for none.
     """
 
     name: str
@@ -72,6 +75,9 @@ class Line:
     at_frames: Array | None = None
     points: bool = False
     strong: bool = False
+    pale: bool = False
+    limit: bool = False
+    band: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +95,7 @@ class LineChart:
         stacked: Whether curves stand on each other as areas.
         square: Whether both axes have one scale, as in a picture of a place.
         note: A remark under the chart; empty for none.
+        marks: Straight lines across it: name, axis "x" or "y", and one value or two in the units of the axes.
     """
 
     title: str
@@ -101,6 +108,7 @@ class LineChart:
     stacked: bool = False
     square: bool = False
     note: str = ""
+    marks: Sequence[tuple[str, str, Sequence[float]]] = ()
 
     def as_json(self) -> dict[str, Any]:
         """The chart as a page is given it, with curves that lie on an earlier one marked."""
@@ -123,18 +131,21 @@ class LineChart:
             "stacked": self.stacked,
             "square": self.square,
             "note": "; ".join([*([self.note] if self.note else []), *words]),
+            "marks": [{"name": name, "axis": axis, "at": list(at)} for name, axis, at in self.marks],
             "curves": [self._curve(k, line, k in under, k in under.values()) for k, line in enumerate(self.lines)],
         }
 
     def _curve(self, k: int, line: Line, dotted: bool, wide: bool) -> dict[str, Any]:
         what = f"{self.title}, {line.name}"
+        looks = {"dotted": dotted, "strong": line.strong, "pale": line.pale, "limit": line.limit, "wide": wide}
         optional = {"x": line.x, "before": line.before, "at_frames": line.at_frames}
         return {
             "name": line.name,
             "y": packed(line.y, what),
             **{name: None if values is None else packed(values, what) for name, values in optional.items()},
             "points": line.points,
-            "look": "dotted" if dotted else "strong" if line.strong else "wide" if wide else "",
+            "band": None if line.band is None else [packed(end, what) for end in line.band.T],
+            "look": next((word for word, so in looks.items() if so), ""),
         }
 
 
@@ -168,6 +179,8 @@ class BarChart:
         before: The same of the press before, drawn pale; None for none.
         across: What the places are; empty for words that speak for themselves.
         note: A remark under the chart; empty for none.
+        stacked: Whether the bars of a place stand on each other.
+        band: (n, 2) ends of the sum of each place; None for none.
     """
 
     title: str
@@ -177,11 +190,15 @@ class BarChart:
     before: Mapping[str, Sequence[float]] | None = None
     across: str = ""
     note: str = ""
+    stacked: bool = False
+    band: Array | None = None
 
     def as_json(self) -> dict[str, Any]:
         """The chart as a page is given it."""
         return {
             "kind": "bars",
+            "stacked": self.stacked,
+            "band": None if self.band is None else self.band.tolist(),
             "title": self.title,
             "unit": self.unit,
             "places": list(self.places),
@@ -190,6 +207,39 @@ class BarChart:
             "across": self.across,
             "note": self.note,
         }
+
+
+@dataclass(frozen=True, eq=False)
+class ColourMap:
+    """Values over two quantities as colours.
+
+    Attributes:
+        title: Title of the chart.
+        unit: Unit of the values.
+        across: Quantity along the horizontal axis with its unit.
+        up: Quantity along the vertical axis with its unit.
+        x: (m,) places along the horizontal axis.
+        y: (n,) places along the vertical axis.
+        values: (n, m), NaN for a gap.
+        written: Whether each value is written in its place.
+        note: A remark under the chart; empty for none.
+    """
+
+    title: str
+    unit: str
+    across: str
+    up: str
+    x: Sequence[float] | Sequence[str]
+    y: Sequence[float] | Sequence[str]
+    values: Array
+    written: bool = False
+    note: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """The map as a page is given it."""
+        values = [[None if np.isnan(value) else float(value) for value in row] for row in self.values]
+        words = {"title": self.title, "unit": self.unit, "across": self.across, "up": self.up, "note": self.note}
+        return {"kind": "map", **words, "x": list(self.x), "y": list(self.y), "values": values, "written": self.written}
 
 
 @dataclass(frozen=True, eq=False)

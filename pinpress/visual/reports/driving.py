@@ -10,14 +10,8 @@ from ...common import tables
 from ...common.quantities import RPM, Array, ShownUnit
 from ...drives.protocol import corners_of
 from ...drives.transmission import Geared
-from ...dynamics.driving_energy import driving_energy
-from ...dynamics.extremes import is_constant
-from ...dynamics.harmonics import is_cycle
 from ...dynamics.inputs import described
-from ...dynamics.reactions import Reactions
-from ...kinematics.slide_path import stroke_turns
 from ...loads.caller_laws import as_given
-from ...loads.link import PointForce, SpringDamper
 from ...simulation.duty import duty_cycle, motor_energy, stroke_duties
 from ...simulation.motor_energy import motor_of
 from ...simulation.run import Run
@@ -42,37 +36,6 @@ ROUNDING = 1e-8  # share of the largest work, or of that which a flywheel takes 
 SAME = 1e-6  # relative difference of angle and speed up to which a run ends as it began
 
 
-def energy(reactions: Reactions) -> list[Block]:
-    """Where the energy of a stroke goes, of a run that of the whole run; nothing where it is not known."""
-    motion = reactions.motion
-    if isinstance(motion, Run):
-        return _energy_of_run(motion)
-    first = motion.driver_coordinates[0]
-    if not first.turns or motion.crank_speed.ndim > 1 or not is_cycle(motion) or not is_constant(motion.crank_speed):
-        return []
-    asked, strokes = driving_energy(reactions), _strokes_in_period(reactions)
-    period = 2 * np.pi * (motion.period_turns or 1) / abs(asked.speed)
-    work = {
-        "drive": asked.work,
-        "process": reactions.process_work,
-        "friction": sum(float(power.mean()) for power in reactions.friction_power.values()) * period,
-    }
-    others = any(isinstance(load, SpringDamper | PointForce) for load in reactions.loads)
-    if others:
-        work["springs, dampers, other forces"] = work["drive"] - work["process"] - work["friction"]
-    least = ROUNDING * max(asked.stored, abs(asked.work))
-    figures = [Figure("taken up and given off", with_prefix(asked.stored, "J"), "by a flywheel at an even torque")]
-    if abs(asked.work) > least:
-        mean = [("mean driving torque", asked.mean_torque, "N m"), ("mean power", asked.mean_power, "W")]
-        figures = [*(Figure(name, with_prefix(value, unit)) for name, value, unit in mean), *figures]
-    return [*_bars("Energy of a stroke", {name: value / strokes for name, value in work.items() if abs(value) > least}), Figures(figures)]
-
-
-def _strokes_in_period(reactions: Reactions) -> float:
-    turns, period = stroke_turns(reactions._press), reactions.motion.period_turns
-    return 1.0 if turns is None or period is None else period / turns
-
-
 def _bars(title: str, work: dict[str, float]) -> list[Block]:
     """Works [J] as bars; those that are rounding beside the largest are left out, and the chart where none is left."""
     largest = max(map(abs, work.values()), default=0.0)
@@ -81,7 +44,7 @@ def _bars(title: str, work: dict[str, float]) -> list[Block]:
     return [BarChart(title, scale.unit, list(work), {"work": [scale.factor * value for value in work.values()]})] if work else []
 
 
-def _energy_of_run(run: Run) -> list[Block]:
+def energy(run: Run) -> list[Block]:
     over = "Energy of the period" if _is_steady(run) else "Energy of the run"
     drive, loads, lost = (float(work[-1]) for work in (run.drive_work, run.load_work, run.lost))
     where = "dampers" if elastic_run_of(run) else "clutch and brake"
@@ -233,7 +196,7 @@ def section(run: Run, shown: Shown) -> Section:
     blocks: list[Block] = [LineChart(title, unit, lines, across=across, follows=follows)]
     parts = {"motor": driven.drive or driven.prescribed, "flywheel": driven.flywheel, "clutch": driven.clutch, "brake": driven.brake}
     inputs = [(name, described(as_given(part))) for name, part in parts.items() if part is not None]
-    blocks += [*motor(run, None, (across, x), follows), *_energy_of_run(run), *strokes(run)]
+    blocks += [*motor(run, None, (across, x), follows), *energy(run), *strokes(run)]
     what = "one period, which repeats itself" if steady else f"{run.time[-1]:.6g} s"
     note = f"Simulated, {what}; the press moves as the top of the page says."
     return Section("Steady state under the motor" if steady else "Run", blocks, inputs, note)

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...common import tables
+from ...common.described import charts_of
 from ...common.quantities import Array
-from ...dynamics.harmonics import is_cycle
+from ...dynamics.described import described as of_reactions
+from ...kinematics.states import is_cycle
 from ...ratings.along_motion import MotionRatings, limits_in_words
 from ...ratings.permissible_force import capacities_in_words
 from ...ratings.rating import PressRatings, conditions_in_words, data_in_words, listed_heights
-from .. import charts
 from .blocks import Block, Facts, Figure, Figures, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown, refuse_others
 
@@ -74,10 +75,9 @@ def _forces(ratings: PressRatings, shown: Shown) -> Sequence[Block]:
     scale, height = tables.scale("N", [ratings.capacities.nominal_force]), 1e3 * ratings.height
     lines = [Line("permissible force", scale.factor * ratings.force, height, strong=True)]
     lines += [Line(name, scale.factor * force, height) for name, force in ratings.limits.items()]
-    process = charts.force_over_height(shown.drawn)
-    if process is not None and process.above_bottom:
-        factor = scale.factor / charts.factor("force", process.unit)
-        pairs = np.column_stack([process.height, factor * process.force])
+    process = charts_of(of_reactions(shown.reactions)).get("force_height")
+    if process is not None and shown.bottom is not None:
+        pairs = np.column_stack([1e3 * process.curves[0].x, scale.factor * process.curves[0].y])
         drawn = pairs[shown.states]
         lines.append(Line("process force", drawn[:, 1], drawn[:, 0], at_frames=pairs[shown.keys]))
     nominal = ratings.capacities.nominal_height

@@ -7,27 +7,36 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...common import described as described_types
 from ...common.arguments import expect, typed
+from ...common.described import charts_of
 from ...common.errors import PinpressError
 from ...common.results import Tabular
 from ...drives.transmission import Flywheel
+from ...dynamics.described import described
 from ...dynamics.inputs import Inputs
 from ...dynamics.inverse_dynamics import inverse_dynamics
 from ...dynamics.reactions import Reactions
+from ...kinematics.described import along_motion
 from ...kinematics.motion import Motion
 from ...linkage.linkage import Linkage
 from ...simulation.run import Run, inputs_of
-from .. import charts, pages
+from .. import pages
 from ..pages import packed
 from ..recording import elastic_run_of, key_frames, scene, shaft_flywheels
+from . import driving
 from .blocks import Block, LineChart, Section
-from .motion import figures, sections, table_of_extremes
+from .drawn import Before, figure_of, section
+from .extremes import table_of_extremes
 from .shown import Shown, as_shown, before_shown, in_words
+
+if TYPE_CHECKING:
+    from ...ratings.rating import PressRatings
 
 SAME = 1e-6  # periods by which an angle may lie beyond its period by rounding
 
@@ -121,8 +130,13 @@ def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> 
 
         ratings = ratings_among(results)
         more = [section for result in results for section in sections_of(result, shown)]
-    abscissa = charts.abscissa(shown.motion)
-    parts = [*sections(shown, before, ratings), *more, table_of_extremes(shown, before)]
+    abscissa = along_motion(shown.motion)
+    own = described(shown.reactions)
+    old = None if before is None else Before(before, charts_of(described(before.reactions)))
+    drawn = [section(_with_limit(part, ratings), shown, old, headlines=False) for part in own]
+    drawn = [_with_run(part, shown) for part in drawn if part.blocks]
+    parts = [*drawn, *more, table_of_extremes(shown, before)]
+    figures = [figure_of(figure) for part in own for figure in part.figures if figure.kind]
     heights, turns, crank = shown.heights, shown.motion.period_turns, shown.frames.crank
     period = 360.0 * turns if turns is not None and shown.motion.driver_coordinates[0].turns else None
     if period is not None and crank[-1] < crank[0]:  # all charts run as time does, where the crank turns negatively from 0 down
@@ -130,13 +144,35 @@ def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> 
     return {
         "subtitle": _subtitle(shown, before),
         "inputs": _inputs(shown, before, more),
-        "figures": [figure.as_json() for figure in figures(shown)],
-        "over": {"quantity": abscissa.quantity, "unit": abscissa.unit},
+        "figures": [figure.as_json() for figure in figures],
+        "over": {"quantity": abscissa.name, "unit": {"rad": "deg", "m": "mm"}.get(abscissa.quantity, abscissa.quantity)},
         "before": None if before is None else packed(before.along, "before"),
         "heights": None if heights is None else packed(heights, "height"),
         "period": period,
         "sections": [part.as_json() for part in parts],
     }
+
+
+def _with_limit(part: described_types.Section, ratings: PressRatings | None) -> described_types.Section:
+    """A section with the permissible force next to the process force."""
+    if ratings is None:
+        return part
+    permissible = described_types.Curve("permissible force", ratings.force, ratings.height)
+    blocks = [
+        replace(block, curves=[*block.curves, permissible])
+        if isinstance(block, described_types.Chart) and block.name == "force_height"
+        else block
+        for block in part.blocks
+    ]
+    return replace(part, blocks=blocks)
+
+
+def _with_run(part: Section, shown: Shown) -> Section:
+    """The section of the drive with what a run says of its motor."""
+    motion = shown.motion
+    if part.title != "Drive" or not isinstance(motion, Run):
+        return part
+    return replace(part, blocks=[*part.blocks, *driving.motor(motion, shown.frames), *driving.strokes(motion), *driving.energy(motion)])
 
 
 def _falling(block: Block, period: float) -> Block:

@@ -13,10 +13,11 @@ from ...common.quantities import RPM, Array
 from ...dynamics.applied_loads import turning_points
 from ...dynamics.extremes import at_peaks, rounding
 from ...dynamics.reactions import Reactions
+from ...kinematics.described import along_motion
 from ...kinematics.motion import Motion
+from ...kinematics.states import is_constant
 from ...linkage.linkage import Linkage, is_same_press, told_apart
 from ...simulation.run import Run
-from .. import charts
 from ..recording import KeyFrames, key_frames
 
 
@@ -82,7 +83,7 @@ def as_shown(reactions: Reactions, frames: KeyFrames) -> Shown:
         time, crank = np.append(time, its[beside] - motion.time[0]), np.append(crank, angle[beside])
         order = np.argsort(time, kind="stable")
         states, time, crank = states[order], time[order], crank[order]
-    along = time if charts.abscissa(motion).quantity == "time" else motion.driver_coordinates[0].scale * crank
+    along = time if along_motion(motion).name == "time" else motion.driver_coordinates[0].scale * crank
     return Shown(press, reactions, frames, bottom if math.isfinite(bottom) else None, drawn, states, time, along)
 
 
@@ -92,7 +93,7 @@ def before_shown(before: Reactions, motion: Motion) -> Shown:
     Raises:
         PinpressError: It is over another quantity than the motion, or turns the other way.
     """
-    its, over = charts.abscissa(before.motion).quantity, charts.abscissa(motion).quantity
+    its, over = along_motion(before.motion).name, along_motion(motion).name
     if its != over:
         raise PinpressError(f"before is over {its}, the motion over {over}: compare a cycle with a cycle, or a run with a run")
     frames = key_frames(before._press, before.motion)
@@ -105,7 +106,7 @@ def in_words(motion: Motion) -> str:
     """What the motion is."""
     if isinstance(motion, Run):
         return f"simulated run of {motion.time[-1]:.6g} s"
-    if motion.crank_speed.ndim == 1 and not charts.driver_speeds(motion):
+    if motion.crank_speed.ndim == 1 and is_constant(motion.crank_speed):
         speed = float(motion.crank_speed[0])
         moving = f"crank at {speed / RPM:.6g} r/min" if motion.driver_coordinates[0].turns else f"driver at {1e3 * speed:.6g} mm/s"
         return moving.replace("-", "\u2212")

@@ -85,7 +85,8 @@ const dashOf = i => ["", "9px,3px,2px,3px", "2px,3px"][Math.floor(i / COLOURS.le
 
 function look(curve, colour, i) {  // of a curve that lies on another, and of that one
   if (curve.look === "dotted") return { color: colour, width: 2.6, dash: "1.5px,5px", simplify: false };
-  return { color: colour, width: { wide: 3.4, strong: 5 }[curve.look] || 1.8, dash: dashOf(i) || "solid", simplify: false };
+  if (curve.look === "pale") return { color: "#b9c3cc", width: 1, simplify: false };
+  return { color: colour, width: { wide: 3.4, strong: 5, limit: 1.4 }[curve.look] || 1.8, dash: curve.look === "limit" ? "6px,3px" : dashOf(i) || "solid", simplify: false };
 }
 
 function lineChart(parent, chart) {
@@ -97,6 +98,11 @@ function lineChart(parent, chart) {
     const line = { mode: curve.points ? "markers" : chart.logarithmic === "xy" ? "lines+markers" : MODE, hovertemplate: `%{y:.5g} ${chart.unit}` };
     if (chart.stacked) Object.assign(line, { stackgroup: "all", fillcolor: colour + "aa" });
     traces.push({ ...line, x: curve.x, y: curve.y, name, line: look(curve, colour, i), marker: { color: colour, size: 6 } });
+    if (curve.band) {  // its lower end, and its upper one with the room between
+      const end = { ...line, mode: "lines", x: curve.x, hoverinfo: "skip", hovertemplate: null, line: { width: 0 }, name };
+      mine.push(traces.length, traces.length + 1);
+      traces.push({ ...end, y: floats(curve.band[0]) }, { ...end, y: floats(curve.band[1]), fill: "tonexty", fillcolor: colour + "33" });
+    }
     if (curve.before) {
       mine.push(traces.length);
       traces.push({ ...line, x: overBefore, y: floats(curve.before), name: name + ", before", opacity: 0.65, line: { color: colour, width: 1.4, dash: "dash", simplify: false } });
@@ -108,7 +114,7 @@ function lineChart(parent, chart) {
   if (chart.logarithmic) logarithmicAxis(yaxis, unpacked.map(({ y }) => y));
   const xaxis = xAxis(chart, unpacked[0].x);
   if (chart.logarithmic === "xy") logarithmicAxis(xaxis, unpacked.map(({ x }) => x));
-  const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: 38 }, hovermode: chart.follows === "height" || chart.square ? "closest" : "x unified", xaxis, yaxis };
+  const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: 38 }, hovermode: chart.follows === "height" || chart.square ? "closest" : "x unified", xaxis, yaxis, ...marksOf(chart) };
   const plot = document.createElement("div"), values = legend(box, plot, curves);
   plot.className = "plot";
   if (chart.square) plot.style.height = "24rem";
@@ -142,6 +148,28 @@ function lineChart(parent, chart) {
   plot.on("plotly_afterplot", follow);
   listeners.push(follow);
   return () => { listeners.splice(listeners.indexOf(follow), 1); Plotly.purge(plot); box.remove(); };
+}
+
+function marksOf({ marks }) {  // straight lines across a chart, or the room between two, with their names
+  const shapes = [], annotations = [];
+  for (const { name, axis, at } of marks || []) {
+    const [low, high] = [at[0], at.at(-1)], whole = { [axis === "x" ? "yref" : "xref"]: "paper" }, two = at.length > 1;
+    const ends = axis === "x" ? { x0: low, x1: high, y0: 0, y1: 1 } : { y0: low, y1: high, x0: 0, x1: 1 };
+    shapes.push({ type: two ? "rect" : "line", layer: "below", ...whole, ...ends, fillcolor: "#eef1f4", line: { color: "#9aa5b0", width: two ? 0 : 1, dash: axis === "x" ? "dot" : "dash" } });
+    if (!name) continue;
+    const place = axis === "x" ? { x: high, y: 1, xanchor: "right", yanchor: "top" } : { x: 1, y: high, xanchor: "right", yanchor: "bottom" };
+    annotations.push({ text: asText(brief(name)), showarrow: false, font: { size: 10, color: "#6a7580" }, ...whole, ...place });
+  }
+  return { shapes, annotations };
+}
+
+function mapChart(parent, { title, unit, across, up, x, y, values, written, note }) {
+  const box = card(parent, title, unit), plot = make("div", box, { className: "plot" }), named = places => places.map(place => typeof place === "string" ? asText(brief(place)) : place);
+  const heat = { type: "heatmap", x: named(x), y: named(y), z: values, colorscale: written ? "Blues" : "Viridis", reversescale: written, colorbar: { thickness: 12 }, hovertemplate: `%{x}, %{y}: %{z:.4g} ${unit}<extra></extra>` };
+  if (written) Object.assign(heat, { texttemplate: "%{z:.2f}" });
+  const axis = title => ({ ...AXIS, title: { text: asText(title), standoff: 6 } });
+  if (note) make("p", box, { className: "remark", textContent: note });
+  plotted(plot, [heat], { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: 38 }, xaxis: axis(across), yaxis: axis(up) });
 }
 
 const pairAt = pairs => [0, 1].map(i => pairs[2 * moment.before + i] + moment.part * (pairs[2 * moment.after + i] - pairs[2 * moment.before + i]));
@@ -239,7 +267,7 @@ function forceDetail(place, { link, axes, unit, frame, own, before, components, 
   return [chart, frames, links, () => box.remove()];
 }
 
-function barChart(parent, { title, unit, places, bars, before, across, note }) {
+function barChart(parent, { title, unit, places, bars, before, across, note, stacked, band }) {
   const box = card(parent, title, unit), traces = [], words = typeof places[0] === "string";
   const x = words ? places.map(place => asText(brief(place, 24))) : places, where = words ? "%{x}" : "order %{x}";
   const curves = Object.keys(bars).map((name, i) => {
@@ -253,7 +281,12 @@ function barChart(parent, { title, unit, places, bars, before, across, note }) {
     return { name, colour: COLOURS[i % COLOURS.length], traces: mine };
   });
   const xaxis = { ...AXIS, title: { text: asText(across), standoff: 6 }, ...(words ? {} : { dtick: 1 }) };
-  const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 12, b: 38 }, bargap: words ? 0.5 : 0.25, xaxis, yaxis: { ...AXIS, rangemode: "tozero" } };
+  if (band) {
+    const sums = places.map((_, k) => Object.values(bars).reduce((sum, values) => sum + values[k], 0));
+    const ends = { type: "data", symmetric: false, array: band.map(([, high], k) => high - sums[k]), arrayminus: band.map(([low], k) => sums[k] - low) };
+    traces.push({ type: "scatter", mode: "markers", x, y: sums, error_y: ends, name: "sum", marker: { color: "#000", size: 6 }, hovertemplate: `sum: %{y:.4g} ${unit}` });
+  }
+  const layout = { ...LAYOUT, barmode: stacked ? "relative" : "group", margin: { l: 58, r: 12, t: 12, b: 38 }, bargap: words ? 0.5 : 0.25, xaxis, yaxis: { ...AXIS, rangemode: "tozero" } };
   const plot = document.createElement("div");
   if (curves.length > 1) legend(box, plot, curves).forEach(value => value.remove());
   plot.className = "plot";
@@ -303,7 +336,7 @@ function facts(parent, { title, rows }) {
   }
 }
 
-const BLOCKS = { lines: lineChart, bars: barChart, bearings: bearingDetail, table, figures, facts };
+const BLOCKS = { lines: lineChart, map: mapChart, bars: barChart, bearings: bearingDetail, table, figures, facts };
 
 function drawReport() {
   const article = element("charts");

@@ -1,0 +1,128 @@
+"""What a motion shows: height, velocity and acceleration of the slide, and speeds of drivers that are not constant.
+
+All functions raise `PinpressError` for values that are not finite.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..common.arguments import expect
+from ..common.described import Along, Chart, Curve, Section
+from ..common.errors import PinpressError
+from ..common.frozen import read_only
+from ..common.quantities import Array, DriverCoordinate
+from ..linkage.linkage import Linkage
+from .motion import Motion
+from .slide_path import DeadCentres, dead_centres
+from .states import ROUNDING, finite, is_constant, is_cycle
+
+
+def described(motion: Motion) -> tuple[Section, ...]:
+    """The sections of a motion alone, which does not know its press: positions of the slide are not counted from bottom dead centre."""
+    along = along_motion(motion)
+    parts = {"Slide": slide_charts(motion, along), "Drive": driver_speeds(motion, along)}
+    return tuple(Section(title, blocks=charts) for title, charts in parts.items() if charts)
+
+
+def along_motion(motion: Motion, press: Linkage | None = None) -> Along:
+    """What the charts of a motion run along.
+
+    A motion of at most one period at constant speed is drawn over the unwrapped crank angle, other motions over time. States that are not
+    in time are drawn over the crank angle if it only rises or only falls, else over their numbers, from 0.
+
+    Args:
+        motion: the motion.
+        press: its press, whose dead centres are marked; None for no marks.
+
+    Raises:
+        PinpressError: a value is not finite.
+    """
+    expect("motion", motion, Motion, "cycle or simulate")
+    angle, speed = finite("crank angle", motion.crank_angle), finite("crank speed", motion.crank_speed)
+    one_way = angle.ndim == 1 and _one_way(angle)
+    turn = 2 * np.pi * (motion.period_turns or 1)
+    if one_way and np.ptp(angle) <= turn * (1 + ROUNDING) and is_constant(speed):
+        return over_angle(motion, press)
+    try:
+        return Along("time", "s", read_only(finite("time", motion.time)), motion)
+    except PinpressError:
+        if motion._time is not None:
+            raise
+    return over_angle(motion, press) if one_way else Along("state", "-", read_only(np.arange(len(angle), dtype=float)), motion)
+
+
+def over_angle(motion: Motion, press: Linkage | None = None) -> Along:
+    """Along the coordinate of the first driver; a period of a crank has marks at the dead centres, and its working stroke is shaded."""
+    first, angle = motion.driver_coordinates[0], motion.crank_angle
+    marks, shaded, period = dict[str, float](), None, None
+    if is_cycle(motion):
+        period = math.copysign(2 * np.pi * (motion.period_turns or 1), angle[-1] - angle[0])
+        ends = None if press is None else known_dead_centres(press)
+        if ends is not None and ends.strokes == 1 and first.turns:
+            low = min(angle[0], angle[0] + period)
+            bottom, top = (low + (place - low) % abs(period) for place in (ends.bottom_angle, ends.top_angle))
+            marks = {"TDC": top, "BDC": bottom}
+            shaded = (top, bottom) if period > 0 and top < bottom else (bottom, top) if period < 0 and bottom < top else None
+    return Along(first.counted, first.unit, read_only(np.array(angle)), motion, marks, shaded, period)
+
+
+def known_dead_centres(press: Linkage) -> DeadCentres | None:
+    """The dead centres of a press; None if it has none, or several drivers."""
+    try:
+        return dead_centres(press) if press.slide is not None and len(press.drivers) == 1 else None
+    except PinpressError:
+        return None
+
+
+def _one_way(angle: Array) -> bool:
+    steps = np.diff(angle)
+    return bool(np.all(steps > 0) or np.all(steps < 0))
+
+
+def slide_charts(motion: Motion, along: Along, bottom: float = -math.inf) -> list[Chart]:
+    """Charts of position, velocity and acceleration of the slide along its guide's axis; none for a linkage without a slide. With the
+    position at bottom dead centre [m] the height above it stands in place of the position."""
+    if motion._guide is None:
+        return []
+    if math.isfinite(bottom):
+        first = chart("height", "Slide height above bottom dead centre", "m", along, {"height": motion.slide_position - bottom})
+    else:
+        first = chart("position", "Slide position", "m", along, {"position": motion.slide_position})
+    series = (("velocity", "m/s", motion.slide_velocity), ("acceleration", "m/s2", motion.slide_acceleration))
+    return [first, *(chart(name, f"Slide {name}", unit, along, {name: values}) for name, unit, values in series)]
+
+
+def driver_speeds(motion: Motion, along: Along) -> list[Chart]:
+    """Charts of the speeds of the drivers that turn and of those that slide, a curve a driver, if one of them is not constant."""
+    found = []
+    for kind in kinds_of_drivers(motion):
+        curves = by_driver(f"{kind.part} speed", motion, motion.crank_speed, kind)
+        if not all(is_constant(finite("crank speed", values)) for values in curves.values()):
+            name = "speed" if kind.turns else "driver_speed"
+            found.append(chart(name, f"{kind.part.capitalize()} speed", f"{kind.unit}/s", along, curves))
+    return found
+
+
+def kinds_of_drivers(motion: Motion) -> list[DriverCoordinate]:
+    """The kinds of drivers that there are, that of the first one first."""
+    return list(dict.fromkeys(motion.driver_coordinates))
+
+
+def by_driver(name: str, motion: Motion, values: Array, kind: DriverCoordinate) -> dict[str, Array]:
+    """A curve (n,) by its name; for several drivers (n, drivers) curves by the names of those of one kind."""
+    if values.ndim == 1:
+        return {name: values}
+    return {driver: values[:, i] for i, driver in enumerate(motion.drivers) if motion.driver_coordinates[i] == kind}
+
+
+def chart(name: str, title: str, unit: str, along: Along, series: Mapping[str, Array], reference: float = 0.0) -> Chart:
+    """A chart of curves (n,) by their names; raises PinpressError if a value is not finite."""
+    for curve, values in series.items():
+        finite(title if len(series) == 1 else f"{title}, {curve},", values)
+    return Chart(
+        name, title, unit, along, [Curve(curve, read_only(np.array(values))) for curve, values in series.items()], reference=reference
+    )

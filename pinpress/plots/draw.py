@@ -1,0 +1,500 @@
+"""Charts of any result, drawn with Matplotlib from what the result describes (`Tabular.described`)."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from ..common.arguments import typed
+from ..common.described import Along, Bars, Chart, Curve, Map, Mark, Polar, Section, charts_of
+from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.quantities import Array, ShownUnit, quantity
+from ..common.results import Tabular
+from .loci import draw_loci
+from .style import COLOURS, GREY, LINES, SMALL, THIN, WIDTH, above, brief, grid, legend, panels, plain
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Drawn: TypeAlias = Chart | Bars | Polar | Map
+SAME = 1e-6  # curves that differ by less than this share of the largest value are drawn as one
+ROW = 0.45  # height of a row of a legend, and of a bar [cm]
+MOST_ABOVE = 4  # most names of curves in a legend of one line above the axes
+HIGH, SQUARE = 4.4, 8.0  # least heights of a chart and of a square one [cm]
+PALE, SHADE = "#b0b0b0", "#f3f3f3"
+DASHED = (0, (4, 1.5))
+LARGEST = 8.0  # longest side of a polar diagram [cm]
+STRONG, LIMIT = 3.0, 1.0  # widths of lines [pt]
+
+
+@typed
+def draw(
+    result: Tabular | Mapping[str, Tabular],
+    *names: str,
+    before: Tabular | None = None,
+    ax: Axes | Iterable[Axes] | None = None,
+) -> Figure:
+    """Draw charts of a result, or the same charts of several results over each other.
+
+        pp.plots.draw(reactions, "torque", "bearings")
+        pp.plots.draw(reactions, "polar A", "polar D")
+        pp.plots.draw({"idle": idle, "pressing": pressing}, "torque")
+
+    Args:
+        result: any result of the library that has charts, or results by their names.
+        *names: names of charts; a first word stands for all that begin with it, "polar" for the polar diagrams of all bearings. By default
+            all charts of the result, except those of one bearing or channel among many.
+        before: a result to compare with, drawn dashed and grey.
+        ax: the caller's axes, one for each chart; by default those of a new figure.
+
+    Raises:
+        PinpressError: the result has no charts, the two cannot be compared, a value is not finite, ``ax`` are not as many axes as charts,
+            or Matplotlib is not installed.
+        UnknownNameError: the result has no such chart.
+    """
+    if isinstance(result, Mapping):
+        if before is not None:
+            raise PinpressError("before goes with one result: give it as one of the results by name instead")
+        charts = _over_each_other(result, names)
+    else:
+        charts = _chosen(result, names)
+    old = {} if before is None else charts_of(before.described())
+    if before is not None and not any(chart.name in old for chart in charts):
+        raise PinpressError(
+            f"{shown(before)} has none of the charts {', '.join(chart.name for chart in charts)}: there is nothing to compare"
+        )
+    for chart in charts:
+        _refuse_incomparable(chart, old.get(chart.name))
+    return _figure(charts, old, ax)
+
+
+def _chosen(result: Tabular, names: Sequence[str]) -> list[Drawn]:
+    """The charts of a result that are named; all if none is."""
+    if not isinstance(result, Tabular):
+        raise PinpressError(f"{shown(result)} is no result: give what a function of pinpress returns, or such results by names")
+    known = charts_of(_sections(result))
+    if not known:
+        raise PinpressError(f"{shown(result)} has no charts")
+    if not names:
+        plain_ones = [chart for chart in known.values() if not isinstance(chart, Polar) and not getattr(chart, "detail", False)]
+        return plain_ones or list(known.values())
+    found: list[Drawn] = []
+    for name in names:
+        some = [known[name]] if name in known else [chart for key, chart in known.items() if key.startswith(f"{name} ")]
+        if not some:
+            raise UnknownNameError("chart", name, known)
+        found += some
+    return found
+
+
+def _sections(result: Tabular) -> Sequence[Section]:
+    return result.described()
+
+
+def _over_each_other(results: Mapping[str, Tabular], names: Sequence[str]) -> list[Drawn]:
+    """The charts of several results with one name as one."""
+    if not results:
+        raise PinpressError("there is nothing to draw: give results, each under a name")
+    by_result = {name: _chosen(result, names) for name, result in results.items()}
+    first = next(iter(by_result.values()))
+    found: list[Drawn] = []
+    for chart in first:
+        same = {name: next((each for each in some if each.name == chart.name), None) for name, some in by_result.items()}
+        found.append(_joined(chart, {name: each for name, each in same.items() if each is not None}))
+    return found
+
+
+def _joined(first: Drawn, same: Mapping[str, Drawn]) -> Drawn:
+    """Charts of one name as one, whose curves have the names of the results."""
+    if len(same) < 2 or isinstance(first, Map | Polar):
+        return first
+
+    def named(name: str, curve: str, count: int) -> str:
+        return name if count == 1 else f"{name}, {curve}"
+
+    if isinstance(first, Bars):
+        bars = {name: each for name, each in same.items() if isinstance(each, Bars) and list(each.places) == list(first.places)}
+        series = {named(name, one, len(each.series)): values for name, each in bars.items() for one, values in each.series.items()}
+        return replace(first, series=series, band=None)
+    curves: list[Curve] = []
+    guides = dict[str, Curve]()
+    for name, each in same.items():
+        if not isinstance(each, Chart) or (each.along.name, each.quantity) != (first.along.name, first.quantity):
+            raise PinpressError(f"{name} has its chart {first.name} over another quantity: draw it alone")
+        own = [curve for curve in each.curves if curve.look not in ("guide", "limit")]
+        x, period = each.along.values, each.along.period
+        for curve in own:
+            places, values = _closed(x if curve.x is None else curve.x, curve.y, period, curve.x is None)
+            band = None if curve.band is None else _closed(places, curve.band, period, curve.x is None)[1]
+            curves.append(replace(curve, name=named(name, curve.name, len(own)), x=places, y=values, band=band))
+        guides |= {curve.name: replace(curve, x=x if curve.x is None else curve.x) for curve in each.curves if curve not in own}
+    return replace(first, curves=[*curves, *guides.values()], along=replace(first.along, period=None))
+
+
+def _refuse_incomparable(chart: Drawn, old: Drawn | None) -> None:
+    if isinstance(chart, Chart) and isinstance(old, Chart):
+        if chart.along.name != old.along.name:
+            raise PinpressError(f"one is drawn over {chart.along.name}, the other over {old.along.name}: compare two cycles, or two runs")
+        ways = [each.along.values[-1] < each.along.values[0] for each in (chart, old) if each.along.values is not None]
+        if chart.along.quantity != "s" and len(set(ways)) > 1:
+            raise PinpressError("one motion turns forwards, the other backwards: compare two that turn the same way")
+
+
+# ------------------------------------------------------------------------------------------------------------------------------- layout
+
+
+def _figure(charts: Sequence[Drawn], old: Mapping[str, Drawn], ax: Axes | Iterable[Axes] | None) -> Figure:
+    """Charts below each other, polar diagrams side by side below them."""
+    loci = [chart for chart in charts if isinstance(chart, Polar)]
+    others = [chart for chart in charts if not isinstance(chart, Polar)]
+    heights = [_height(chart) for chart in others]
+    columns = {1: 1, 2: 2, 4: 2}.get(len(loci), 3 if len(loci) < 10 else 4)
+    rows = math.ceil(len(loci) / columns)
+    side = min(WIDTH / columns, LARGEST)
+
+    def laid_out(figure: Figure) -> list[Axes]:
+        places = figure.add_gridspec(len(others) + rows, columns, height_ratios=[*heights, *[side] * rows])
+        axes = [figure.add_subplot(places[k, :]) for k in range(len(others))]
+        return axes + [figure.add_subplot(places[len(others) + k // columns, k % columns]) for k in range(len(loci))]
+
+    with panels(ax, len(charts), 1.4 + sum(heights) + rows * (side + 0.8), laid_out) as drawn:
+        order = {chart.name: axes for chart, axes in zip([*others, *loci] if drawn.own else charts, drawn.axes, strict=True)}
+        for chart in others:
+            _panel(order[chart.name], chart, old.get(chart.name))
+        if drawn.own:
+            _share_labels([order[chart.name] for chart in others])
+        if loci:
+            draw_loci(
+                drawn, [order[locus.name] for locus in loci], loci, {name: each for name, each in old.items() if isinstance(each, Polar)}
+            )
+        drawn.align_labels()
+    return drawn.figure
+
+
+def _height(chart: Drawn) -> float:
+    """Height of a chart, as its legend or its bars need [cm]."""
+    if isinstance(chart, Map) or (isinstance(chart, Chart) and chart.square):
+        return SQUARE
+    if isinstance(chart, Bars):
+        if not _words(chart):
+            return HIGH
+        series = 1 if chart.stacked else max(len(chart.series), 1)
+        return max(2.4, 1.2 + ROW * len(chart.places) * max(1.0, 0.6 * series))
+    assert isinstance(chart, Chart)
+    names = sum(1 + curve.name.count("\n") for curve in _merged(chart).curves) + sum(bool(mark.name) for mark in chart.marks)
+    return max(HIGH, 0.8 + ROW * names) if names > MOST_ABOVE else HIGH
+
+
+def _share_labels(axes: Sequence[Axes]) -> None:
+    """Of charts below each other along one quantity, the lowest alone names it."""
+    for upper, lower in itertools.pairwise(axes):
+        if upper.get_xlabel() == lower.get_xlabel() and upper.get_xlim() == lower.get_xlim():
+            upper.set_xlabel("")
+
+
+def _panel(axes: Axes, chart: Drawn, old: Drawn | None) -> None:
+    if isinstance(chart, Bars):
+        _bars(axes, chart, old if isinstance(old, Bars) else None)
+    elif isinstance(chart, Map):
+        _map(axes, chart)
+    elif isinstance(chart, Chart):
+        _chart(axes, chart, old if isinstance(old, Chart) else None)
+
+
+# ------------------------------------------------------------------------------------------------------------------------------- curves
+
+
+def _chart(axes: Axes, chart: Chart, old: Chart | None) -> None:
+    chart = _merged(chart)
+    before = {} if old is None else {curve.name: curve for curve in old.curves}
+    across, up = _scales(chart, list(before.values()))
+    grid(axes, _label(quantity(chart.quantity).name, up))
+    _backdrop(axes, chart.along, across)
+    lines: list[Artist] = []
+    names: list[str] = []
+    coloured = 0
+    for curve in chart.curves:
+        x, y = _closed(chart.along.values if curve.x is None else curve.x, curve.y, chart.along.period, curve.x is None)
+        colour, style = _look(curve, coloured)
+        coloured += curve.look != "guide"
+        if curve.band is not None:
+            ends = up.factor * _closed(x, curve.band, chart.along.period, curve.x is None)[1]
+            axes.fill_between(across.factor * x, ends[:, 0], ends[:, 1], color=colour, alpha=0.25, linewidth=0)
+        base = curve.name.split(",\n")[0]
+        if old is not None and base in before:
+            other = before[base]
+            earlier = _closed(old.along.values if other.x is None else other.x, other.y, old.along.period, other.x is None)
+            dashes = {"color": GREY if len(chart.curves) == 1 else colour, "linestyle": DASHED, "alpha": 0.7}
+            axes.plot(across.factor * earlier[0], up.factor * earlier[1], **dashes)
+        drawn = axes.plot(across.factor * x, up.factor * y, **style)
+        if curve.look != "guide":
+            lines += drawn
+            names.append(curve.name)
+    for mark in chart.marks:
+        made = _mark(axes, mark, across if mark.axis == "x" else up)
+        if mark.name:
+            lines.append(made)
+            names.append(mark.name)
+    _limits(axes, chart, across)
+    title = chart.title if old is None or len(chart.curves) > 1 else f"{chart.title}, range {_change_of_range(chart, old)}"
+    crowded = len(names) > 1
+    over = crowded and len(names) <= MOST_ABOVE and sum(map(len, names)) < 80
+    plain(axes.set_title(brief(title, 90), loc="left", pad=17.0 if over else 5.0))
+    if over:
+        above(axes, lines, names)
+    elif crowded:
+        legend(axes, lines, names, loc="upper left", bbox_to_anchor=(1.0, 1.02), borderaxespad=0.3)
+
+
+def _look(curve: Curve, k: int) -> tuple[str, dict[str, Any]]:
+    """Colour and style of the k-th curve, in colours and kinds of lines that the colour-blind can tell apart."""
+    colour = GREY if curve.look == "guide" else COLOURS[k % len(COLOURS)]
+    style: dict[str, Any] = {"color": colour, "linestyle": LINES[k // len(COLOURS) % len(LINES)]}
+    if curve.look == "points" or len(curve.y) == 1:
+        style = {"color": colour, "linestyle": "none", "marker": "o", "markersize": 3.5}
+    elif curve.look == "strong":
+        style |= {"linewidth": STRONG, "alpha": 0.75, "solid_capstyle": "round"}
+    elif curve.look == "limit":
+        style |= {"linewidth": LIMIT, "linestyle": LINES[1 + k // len(COLOURS) % (len(LINES) - 1)]}
+    elif curve.look == "guide":
+        style |= {"linewidth": THIN, "linestyle": "-"}
+    return colour, style
+
+
+def _merged(chart: Chart) -> Chart:
+    """The chart with coinciding curves as one, under both names, as for the two halves of a symmetric press."""
+    if chart.stacked:
+        return _stacked(chart)
+    least = SAME * max((float(np.nanmax(np.abs(curve.y), initial=0.0)) for curve in chart.curves), default=0.0)
+    merged: list[Curve] = []
+    for curve in chart.curves:
+        twin = next((k for k, other in enumerate(merged) if _alike(curve, other, least)), None)
+        if twin is None:
+            merged.append(curve)
+        else:
+            merged[twin] = replace(merged[twin], name=f"{merged[twin].name},\n{curve.name}")
+    return replace(chart, curves=merged)
+
+
+def _alike(one: Curve, other: Curve, least: float) -> bool:
+    if one.look != other.look or one.look == "guide" or one.y.shape != other.y.shape or one.band is not None or other.band is not None:
+        return False
+    along = one.x is other.x or (one.x is not None and other.x is not None and np.array_equal(one.x, other.x))
+    return along and bool(np.abs(one.y - other.y).max(initial=0.0) <= least)
+
+
+def _stacked(chart: Chart) -> Chart:
+    """Curves standing on each other, each as the band from the one below it; positive and negative ones grow apart."""
+    high = low = np.zeros_like(chart.curves[0].y)
+    curves = []
+    for curve in chart.curves:
+        start = np.where(curve.y >= 0, high, low)
+        top = start + curve.y
+        high, low = np.maximum(high, top), np.minimum(low, top)
+        curves.append(replace(curve, y=top, band=np.column_stack([start, top])))
+    return replace(chart, curves=curves, stacked=False)
+
+
+def _closed(x: Array | None, values: Array, period: float | None, own: bool) -> tuple[Array, Array]:
+    """Places and values, of a period closed by its first state; ``own``: whether the places are those of the chart."""
+    assert x is not None
+    if period is None or len(x) != len(values):
+        return x, values
+    first = x[0] + period if own else x[0]
+    return np.append(x, first), np.concatenate([values, values[:1]])
+
+
+def _scales(chart: Chart, others: Sequence[Curve]) -> tuple[ShownUnit, ShownUnit]:
+    """How places and values of a chart are written."""
+    curves = [*chart.curves, *others]
+    places = [chart.along.values] if chart.along.values is not None else []
+    places += [curve.x for curve in curves if curve.x is not None]
+    ends = [end for end in chart.reach if end is not None]
+    widths = ends or [float(value) for x in places for value in (np.nanmin(x), np.nanmax(x)) if len(x)]
+    values = [float(np.nanmax(np.abs(curve.y), initial=0.0)) for curve in curves if np.isfinite(curve.y).any()]
+    return quantity(chart.along.quantity).scale(widths), quantity(chart.quantity).scale(values, chart.reference)
+
+
+def _label(name: str, scale: ShownUnit) -> str:
+    return f"{name} [{scale.unit}]" if scale.unit else name
+
+
+def _backdrop(axes: Axes, along: Along, across: ShownUnit) -> None:
+    """The working stroke shaded, and thin lines at marks with their names."""
+    if along.shaded is not None:
+        axes.axvspan(*(across.factor * end for end in along.shaded), color=SHADE, zorder=0, linewidth=0)
+    for name, place in along.marks.items():
+        axes.vlines(across.factor * place, 0.0, 1.0, transform=axes.get_xaxis_transform(), color=PALE, linewidth=THIN, linestyle=":")
+        look = {"fontsize": SMALL - 2, "color": GREY, "va": "top", "ha": "right"}
+        plain(axes.text(across.factor * place, 0.99, f"{name} ", transform=axes.get_xaxis_transform(), **look))  # type: ignore[arg-type]
+
+
+def _mark(axes: Axes, mark: Mark, scale: ShownUnit) -> Artist:
+    if isinstance(mark.at, tuple):
+        span = axes.axvspan if mark.axis == "x" else axes.axhspan
+        made: Artist = span(scale.factor * mark.at[0], scale.factor * mark.at[1], color=PALE, alpha=0.4, linewidth=0)
+        return made
+    line = axes.axvline if mark.axis == "x" else axes.axhline
+    made = line(scale.factor * mark.at, color=GREY, linewidth=LIMIT, linestyle="--")
+    return made
+
+
+def _limits(axes: Axes, chart: Chart, across: ShownUnit) -> None:
+    """Label, ends and ticks of both axes."""
+    from matplotlib.ticker import MaxNLocator, MultipleLocator  # optional, and slow to import
+
+    plain(axes.set_xlabel(_label(chart.along.name, across)))
+    x, period = chart.along.values, chart.along.period
+    if any(end is not None for end in chart.reach):
+        axes.set_xlim(*(None if end is None else across.factor * end for end in chart.reach))
+        if chart.reach[0] == 0.0 and all(np.nanmin(curve.y) >= 0 for curve in chart.curves):
+            axes.set_ylim(bottom=0.0)
+    elif x is not None and len(x) and all(curve.x is None for curve in chart.curves):
+        first, last = float(x[0]), float(x[-1] if period is None else x[0] + period)
+        if first != last:
+            axes.set_xlim(across.factor * first, across.factor * last)  # also for a falling angle, as time runs to the right
+    if across.unit == "deg":
+        turned = abs(float(np.subtract(*axes.get_xlim())))
+        whole = MultipleLocator(45 * max(1, round(turned / 360)))
+        axes.xaxis.set_major_locator(whole if turned >= 270 else MaxNLocator(9, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))
+    if chart.logarithmic:
+        axes.set_yscale("log")
+    if chart.logarithmic == "xy":
+        axes.set_xscale("log")
+    if chart.square:
+        axes.set_aspect("equal", adjustable="datalim")
+    elif any(curve.look == "points" for curve in chart.curves) and not chart.logarithmic:
+        axes.margins(x=0.04)
+
+
+def _change_of_range(chart: Chart, old: Chart) -> str:
+    (new,), known = chart.curves, {curve.name: curve for curve in old.curves}
+    other = known.get(new.name)
+    return "" if other is None else change(float(np.ptp(other.y)), float(np.ptp(new.y)))
+
+
+def change(before: float, after: float) -> str:
+    """The change of a size in percent, or in words if it was zero before."""
+    if before == 0.0:
+        return "0 as before" if after == 0.0 else "0 before"
+    share = round(100 * (after / before - 1), 1) + 0.0  # no "-0.0"
+    return f"{share:+.1f} %".replace("-", "\u2212") if share else "±0.0 %"
+
+
+# --------------------------------------------------------------------------------------------------------------------------- bars and maps
+
+
+def _words(chart: Bars) -> bool:
+    return bool(len(chart.places)) and isinstance(chart.places[0], str)
+
+
+def _bars(axes: Axes, chart: Bars, old: Bars | None) -> None:
+    """Horizontal bars at words, upright ones at numbers; those before are pale, with the change behind them."""
+    known = {} if old is None else {name: dict(zip(old.places, values, strict=True)) for name, values in old.series.items()}
+    if old is not None:  # at the places that both have
+        kept = [k for k, place in enumerate(chart.places) if place in old.places]
+        if not kept:
+            raise PinpressError(f"the two have no place of {chart.title.lower()} of one name: there is nothing to compare")
+        chart = replace(
+            chart, places=[chart.places[k] for k in kept], series={name: v[kept] for name, v in chart.series.items()}, band=None
+        )  # type: ignore[arg-type]
+    values = [float(value) for series in chart.series.values() for value in series]
+    scale = quantity(chart.quantity).scale([*values, *(float(each) for series in known.values() for each in series.values())])
+    flat = _words(chart)
+    at = np.arange(len(chart.places), dtype=float) if flat else np.asarray(chart.places, dtype=float)
+    apart = float(np.diff(at).min(initial=1.0)) if len(at) > 1 else 1.0
+    rows = 1 if chart.stacked else len(chart.series) * (1 if old is None else 2)
+    width, draw_bar = 0.8 * apart / max(rows, 1), axes.barh if flat else axes.bar
+    grid(axes, "" if flat else _label(quantity(chart.quantity).name, scale))
+    axes.grid(False, axis="y" if flat else "x")
+    handles: list[Artist] = []
+    high = low = np.zeros(len(at))
+    row = 0
+    for k, (name, series) in enumerate(chart.series.items()):
+        colour, sizes = COLOURS[k % len(COLOURS)], scale.factor * np.asarray(series, dtype=float)
+        if name in known:
+            pale = np.array([scale.factor * known[name][place] for place in chart.places])
+            draw_bar(at + (row - 0.5 * (rows - 1)) * width, pale, width, color=PALE, linewidth=0)
+            row += 1
+        start = np.where(sizes >= 0, high, low) if chart.stacked else np.zeros(len(at))
+        place = at if chart.stacked else at + (row - 0.5 * (rows - 1)) * width
+        handles.append(draw_bar(place, sizes, width, start, color=colour, linewidth=0).patches[0])
+        if name in known:
+            for spot, old_size, new_size in zip(place, pale, sizes, strict=True):
+                words = change(float(old_size), float(new_size))
+                where = {"textcoords": "offset points", "va": "center", "fontsize": SMALL}
+                plain(axes.annotate(words, (max(old_size, new_size), spot), (4, 0), **where))
+        high, low = (np.maximum(high, start + sizes), np.minimum(low, start + sizes)) if chart.stacked else (high, low)
+        row += 0 if chart.stacked else 1
+    if chart.band is not None:
+        _sums(axes, chart, at, scale)
+    if flat:
+        axes.set_yticks(at, [brief(str(place)) for place in chart.places])
+        for text in axes.get_yticklabels():
+            plain(text)
+        axes.set_ylim(len(at) - 0.4, -0.6)  # the first at the top
+        plain(axes.set_xlabel(_label(quantity(chart.quantity).name, scale)))
+        axes.margins(x=0.12)
+    else:
+        axes.set_xlim(at[0] - 0.6 * apart, at[-1] + 0.6 * apart)
+        axes.set_xticks(np.arange(1.0, at[-1] + 1.0) if at[-1] >= 1 and len(at) <= 40 else at)
+        plain(axes.set_xlabel(chart.across))
+    names = list(chart.series)
+    several = len(names) > 1
+    plain(axes.set_title(brief(chart.title, 90), loc="left", pad=17.0 if several else 5.0))
+    if several:
+        above(axes, handles, names)
+
+
+def _sums(axes: Axes, chart: Bars, at: Array, scale: ShownUnit) -> None:
+    """A dot at the sum of each place, with its band."""
+    sums = scale.factor * np.sum(list(chart.series.values()), axis=0)
+    assert chart.band is not None
+    ends = np.maximum(np.abs(scale.factor * chart.band.T - sums), 0.0)
+    look: dict[str, Any] = {"fmt": "o", "color": "black", "markersize": 3.5, "capsize": 2.5, "linewidth": 1.0}
+    if _words(chart):
+        axes.errorbar(sums, at, xerr=ends, **look)
+    else:
+        axes.errorbar(at, sums, yerr=ends, **look)
+
+
+def _map(axes: Axes, chart: Map) -> None:
+    """Values as colours; written ones as numbers in squares."""
+    scale = quantity(chart.quantity).scale(np.abs(chart.values[np.isfinite(chart.values)]).tolist())
+    x, y = chart.across.values, chart.up.values
+    assert x is not None
+    assert y is not None
+    across, up = quantity(chart.across.quantity).scale(np.ravel(x).tolist()), quantity(chart.up.quantity).scale(np.ravel(y).tolist())
+    values = scale.factor * chart.values
+    grid(axes, _label(chart.up.name, up))
+    axes.grid(False)
+    if chart.written:
+        axes.imshow(values, cmap="Blues", aspect="auto", vmin=0.0)
+        middle = 0.5 * float(np.nanmax(values))
+        for (i, k), value in np.ndenumerate(values):
+            axes.text(k, i, f"{value:.2f}", ha="center", va="center", fontsize=6, color="white" if value > middle else "black")
+        axes.set_xticks(range(values.shape[1]), [across.shown(float(each)) for each in x], rotation=45, fontsize=7)
+        axes.set_yticks(range(values.shape[0]), [up.shown(float(each)) for each in y], fontsize=7)
+    else:
+        from matplotlib.colors import LogNorm  # optional, and slow to import
+
+        top = float(np.nanmax(values)) or 1.0
+        norm = LogNorm(top * 10**-chart.decades, top, clip=True) if chart.decades else None
+        grid_x, grid_y = np.broadcast_arrays(x if x.ndim == 2 else x[None, :], y if y.ndim == 2 else y[:, None])
+        colours = {"cmap": "viridis", "shading": "gouraud", "rasterized": True, "norm": norm}
+        mesh = axes.pcolormesh(across.factor * grid_x, up.factor * grid_y, values, **colours)  # type: ignore[arg-type]
+        bar = axes.figure.colorbar(mesh, cax=axes.inset_axes((1.02, 0.0, 0.025, 1.0)))  # inside axes that the caller gave
+        plain(bar.ax.set_ylabel(_label(quantity(chart.quantity).name, scale)))
+    for mark in chart.marks:
+        if not isinstance(mark.at, tuple):
+            line, size = (axes.axvline, across) if mark.axis == "x" else (axes.axhline, up)
+            line(size.factor * mark.at, color="white", linewidth=0.8, linestyle=DASHED)
+    plain(axes.set_xlabel(_label(chart.across.name, across)))
+    plain(axes.set_title(brief(chart.title, 90), loc="left"))
