@@ -83,12 +83,12 @@ def slip_clutch() -> Figure:
 
 def slide() -> Figure:
     """docs/motion_and_forces.md: the slide over a turn."""
-    return pp.plots.slide(turn().motion)
+    return pp.plots.draw(turn(), "height", "velocity", "acceleration")
 
 
 def polar() -> Figure:
     """docs/motion_and_forces.md: forces of two bearings over a turn."""
-    return pp.plots.polar(turn(), "A", "D")
+    return pp.plots.draw(turn(), "polar A", "polar D")
 
 
 def process_force() -> Figure:

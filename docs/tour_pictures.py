@@ -39,8 +39,8 @@ def main() -> None:
     press = draft.press()
     motion = pp.cycle(press, speed=SPEED, points=720)
     loaded = pp.inverse_dynamics(press, motion, loads=[COINING])
-    pp.plots.save(pp.plots.slide(motion), HERE / "slide.svg")
-    pp.plots.save(pp.plots.bearings(loaded), HERE / "bearings.svg")
+    pp.plots.save(pp.plots.draw(motion, "position", "velocity", "acceleration"), HERE / "slide.svg")
+    pp.plots.save(pp.plots.draw(loaded, "bearings"), HERE / "bearings.svg")
     with tempfile.TemporaryDirectory() as folder:
         page = pp.record(press, motion, Path(folder) / "knuckle.html", reactions=loaded, traces=[("lower", (0.0, 0.0, 0.0))])
         light(pp.video.image(page, HERE / "knuckle.png", time=NEAR_BOTTOM, size=(900, 720)))

@@ -25,15 +25,15 @@ def main() -> None:
     page = pp.report(balanced, after.motion, out / "before_and_after.html", reactions=after, before=before)
     print(page, light(picture(page, HERE / "report.png")))
     for name, figure in (
-        ("comparison", pp.plots.comparison(before, after)),
-        ("polar", pp.plots.polar(before)),
-        ("slide", pp.plots.slide(before.motion)),
-        ("torque", pp.plots.torque(before)),
-        ("bearings", pp.plots.bearings(before)),
-        ("shaking", pp.plots.shaking(before)),
+        ("comparison", pp.plots.draw(after, "torque", "shaking", "peaks", before=before)),
+        ("polar", pp.plots.draw(before, "polar")),
+        ("slide", pp.plots.draw(before, "height", "velocity", "acceleration")),
+        ("torque", pp.plots.draw(before, "torque")),
+        ("bearings", pp.plots.draw(before, "bearings")),
+        ("shaking", pp.plots.draw(before, "shaking", "harmonics")),
     ):
         print(*(pp.plots.save(figure, out / f"zxn2_3000b_{name}.{suffix}") for suffix in ("svg", "png")))
-    print(light(pp.plots.save(pp.plots.comparison(before, after), HERE / "comparison.png")))
+    print(light(pp.plots.save(pp.plots.draw(after, "torque", "shaking", "peaks", before=before), HERE / "comparison.png")))
 
 
 def picture(page: Path, target: Path) -> Path:

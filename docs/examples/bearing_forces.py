@@ -20,4 +20,4 @@ for name in "ABCDEF":
     before, force = (np.linalg.norm(reactions.bearing_force[name], axis=1) for reactions in (idle, pressing))
     print(f"{name:8} {before.max() / 1e3:10.1f} {force.max() / 1e3:13.1f} {np.degrees(motion.crank_angle[force.argmax()]):9.1f}")
 
-figure = pp.plots.bearings(pressing)
+figure = pp.plots.draw(pressing, "bearings")

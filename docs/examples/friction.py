@@ -17,4 +17,4 @@ print(f"largest torque {smooth.driving_torque.max() / 1e3:.1f} -> {real.driving_
 for name, power in sorted(real.friction_power.items(), key=lambda each: -each[1].mean())[:3]:
     print(f"{name}: {power.mean() / 1e3:.2f} kW on average")
 
-figure = pp.plots.torque(real)
+figure = pp.plots.draw(real, "torque")

@@ -32,4 +32,4 @@ print(f"stroke {1e3 * ends.stroke:.1f} mm, quick return {pp.measures.quick_retur
 print(f"10 mm above the bottom: {1e3 * pp.measures.speed_at(motion, 0.010):.0f} mm/s")
 print(f"there each N m on the crank holds {pp.measures.mechanical_advantage(motion, 0.010):.1f} N on the slide")
 
-figure = pp.plots.slide(motion)
+figure = pp.plots.draw(motion, "position", "velocity", "acceleration")

@@ -24,4 +24,4 @@ before, after = (pp.inverse_dynamics(each, motion) for each in (press, best.pres
 for axis, k in {"horizontal": 0, "vertical": 2}.items():
     print(f"{axis}: {np.ptp(before.shaking_force[:, k]) / 1e3:.1f} -> {np.ptp(after.shaking_force[:, k]) / 1e3:.1f} kN")
 
-figure = pp.plots.comparison(before, after)
+figure = pp.plots.draw(after, "torque", "shaking", "peaks", before=before)

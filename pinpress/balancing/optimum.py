@@ -24,8 +24,7 @@ from ..common.quantities import Array
 from ..common.results import Records, Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
-from ..kinematics.motion import Motion, as_prescribed
-from ..kinematics.states import is_cycle
+from ..kinematics.motion import Motion, as_prescribed, is_cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .counterweights import Counterweight, OperatingCondition, combined, refuse_unphysical

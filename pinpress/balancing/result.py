@@ -17,7 +17,7 @@ from ..dynamics.extremes import AXES, Rounding, rounding
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
-from ..kinematics.states import ROUNDING
+from ..kinematics.motion import ROUNDING
 from ..linkage.linkage import Linkage
 from .counterweights import Counterweight, OperatingCondition, moving_mass
 from .problem import AddedMass, Criterion, Peak, Range, Target, limit_words

@@ -5,32 +5,31 @@ import time
 
 import numpy as np
 
-from ..common import tables
 from ..common.errors import PinpressError, SimulationError
 from ..common.files import make_folder
-from ..common.quantities import RPM
+from ..common.outlets.described import Figure, Section
+from ..common.outlets.text import entries, written
+from ..common.quantities import RPM, quantity
 from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics.driving_energy import driving_energy
-from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import described, inputs
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
-from ..dynamics.summary import summary
 from ..linkage.linkage import Linkage
 from ..ratings.permissible_force import capacities_in_words
+from ..simulation.described import run as sections_of
 from ..simulation.run import Run
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
+from .ratings import permitted
 from .report import POINTS, add_before_option, add_nominal_options, add_points_option, permissible, press_before
-from .run_summary import duty_summary
-from .words import part_specs
+from .words import part_specs, units
 from .words.forces import add_flywheel_option, add_force_options, forces
 from .words.motions import add_motion_options, motion_of, refuse_beside_motion
 from .words.outputs import SIGNS, add_page_options, print_inputs, refuse_pages_without_folder, write_pages
 from .words.press import add_press_options, load_press
-from .words.units import quantity
 
 EXAMPLE = "e.g. pinpress analyse zxn2_3000b --speed 70 --load drawing:force=1500kN,start=40mm --out out --report"
 
@@ -53,7 +52,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     add_nominal_options(parser)
     add_flywheel_option(parser, "its drop of speed at an even motor torque is printed")
     option(
-        "--speed-drop", type=quantity("-"), metavar="D", help="drop of the flywheel's speed, e.g. 0.1; the inertia that it takes is printed"
+        "--speed-drop",
+        type=units.quantity("-"),
+        metavar="D",
+        help="drop of the flywheel's speed, e.g. 0.1; the inertia that it takes is printed",
     )
     option("--motor", metavar="KIND:KEYS", help="motor, see below; the steady state under it, with loads and flywheel, is printed")
     add_page_options(parser, "the files")
@@ -93,9 +95,8 @@ def run(options: argparse.Namespace) -> int:
         steady, words = _of_motor(reactions, motor, flywheel)
         more += words
         results += [] if steady is None else [steady]
-    peaks = at_peaks(reactions).reactions
-    utilisation = None if ratings is None else (peaks, ratings.utilisation(peaks))
-    print(summary(press, reactions.motion, reactions, utilisation, prescribed=options.motion is not None))
+    sections = [*reactions.described(), *([] if ratings is None else [permitted(reactions, ratings)])]
+    print(f"{reactions.title}\n\n{written(sections)}")
     print("\n".join([times, *more]))
     driving = [(name, described(part)) for name, part in (("flywheel", flywheel), ("motor", motor)) if part is not None]
     capacities = [] if ratings is None else capacities_in_words(ratings.capacities, ratings.driver_coordinate)
@@ -135,32 +136,28 @@ def _computed(press: Linkage, options: argparse.Namespace) -> tuple[Reactions, s
     steps = [(following, "following the assembly once")] if len(press.drivers) == 1 else []
     (first, what), *others = [*steps, (moving, "motion"), (forces_after, "torque and forces")]
     further = "".join(f", {took:.1f} ms {step}" for took, step in others)
-    return reactions, tables.entry("time taken", f"{first:.1f}", f"ms {what}{further}")
+    return reactions, entries([Figure("time taken", f"{first:.1f} ms {what}{further}")])[0]
 
 
 def _of_flywheel(reactions: Reactions, flywheel: Flywheel | None, speed_drop: float | None) -> list[str]:
     """What the press asks of its drive at constant speed, and what that means for the flywheel."""
     energy = driving_energy(reactions)
-    works, torque = tables.scale("J", [energy.work, energy.stored]), tables.scale("N m", [energy.mean_torque])
-    power = tables.scale("W", [energy.mean_power])
-    lowest, highest = (f"{np.degrees(angle):.1f} deg" for angle in (energy.lowest_at, energy.highest_at))
-    lines = [
-        "",
-        "Flywheel (at an even motor torque; drop of speed to first order)",
-        tables.entry("work of the drive", works.shown(energy.work), works.unit, "a period"),
-        tables.entry("mean torque", torque.shown(energy.mean_torque), torque.unit),
-        tables.entry("mean power", power.shown(energy.mean_power), power.unit),
-        tables.entry("energy that it stores", works.shown(energy.stored), works.unit, f"slowest at {lowest}, fastest at {highest}"),
+    lowest, highest = (quantity("angle").text(angle) for angle in (energy.lowest_at, energy.highest_at))
+    figures = [
+        Figure("work of the drive", energy.work, "J", "a period"),
+        Figure("mean torque", energy.mean_torque, "N m"),
+        Figure("mean power", energy.mean_power, "W"),
+        Figure("energy that it stores", energy.stored, "J", f"slowest at {lowest}, fastest at {highest}"),
     ]
     if flywheel is not None:
         inertia = float(np.ravel(flywheel.inertia)[0])
         own = 0.5 * inertia * energy.speed**2
-        short = f": it holds only {works.shown(own)} {works.unit} at this speed, and the press stops" if energy.stored >= own else ""
-        lines.append(tables.entry("speed drop", f"{100 * energy.speed_drop(inertia):.4f}", "%", f"with {inertia:g} kg m2{short}"))
+        short = f": it holds only {quantity('J').text(own, 5)} at this speed, and the press stops" if energy.stored >= own else ""
+        figures.append(Figure("speed drop", energy.speed_drop(inertia), "share", f"with {inertia:g} kg m2{short}"))
     if speed_drop is not None:
         inertia = energy.inertia(speed_drop)
-        lines.append(tables.entry("inertia it takes", f"{inertia:.5g}", "kg m2", f"with the drive's, for a drop of {100 * speed_drop:g} %"))
-    return lines
+        figures.append(Figure("inertia it takes", inertia, "kg m2", f"with the drive's, for a drop of {100 * speed_drop:g} %"))
+    return ["", written([Section("Flywheel (at an even motor torque; drop of speed to first order)", figures)])]
 
 
 def _of_motor(reactions: Reactions, motor: Drive | PrescribedSpeed, flywheel: Flywheel | None) -> tuple[Run | None, list[str]]:
@@ -171,4 +168,5 @@ def _of_motor(reactions: Reactions, motor: Drive | PrescribedSpeed, flywheel: Fl
         run = steady_state(reactions._press, speed, drive=motor, flywheel=flywheel, loads=reactions.loads, friction=reactions.friction)
     except SimulationError as error:
         return None, [*lines, f"  none: {error}"]
-    return run, [*lines, *duty_summary(run)]
+    figures = [figure for part in sections_of(run) for figure in part.figures]
+    return run, [*lines, *entries(figures)]

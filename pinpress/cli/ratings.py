@@ -7,15 +7,19 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..common import tables
+import numpy as np
+
 from ..common.errors import PinpressError
 from ..common.files import make_folder
+from ..common.outlets.described import Figure as Number
+from ..common.outlets.described import Section
+from ..common.outlets.text import written
 from ..common.quantities import RPM, DriverCoordinate
+from ..dynamics.described import Places, process_figures
 from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import motion_in_words, of_friction, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
-from ..dynamics.summary import process_summary
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
@@ -105,7 +109,7 @@ def run(options: argparse.Namespace) -> int:
     found = rated(press, options, beside, friction, points=POINTS_OF_STROKE if options.points is None else options.points)
     turns = press.period_turns if coordinate.turns else 1
     process = inverse_dynamics(press, cycle(press, speed, points=POINTS * turns), process_loads, bearings=()) if process_loads else None
-    lines = [] if process is None else _process(press, process, found)
+    lines = [] if process is None else ["", written([Section("Process", process_figures(process)), permitted(process, found)])]
     if options.out is not None:
         make_folder(options.out)
     print("\n".join([str(found), *lines]))
@@ -124,7 +128,7 @@ def _along_motion(press: Linkage, options: argparse.Namespace, beside: Sequence[
     motion, friction = motion_of(press, options, None), part_specs.frictions(options.friction, press)
     found = rated_along(press, motion, options, beside, friction)
     process = inverse_dynamics(press, motion, process_loads, bearings=()) if process_loads else None
-    lines = [] if process is None else process_summary(press, motion, process, (process, found.utilisation(process)), prescribed=True)
+    lines = [] if process is None else ["", written([Section("Process", process_figures(process)), permitted(process, found)])]
     if options.out is not None:
         make_folder(options.out)
     print("\n".join([str(found), *lines]))
@@ -213,14 +217,16 @@ def rated(
     return rate(press, speed, capacities, at_speed=options.at_speed, loads=loads, friction=friction, points=points, **extra)
 
 
-def _process(press: Linkage, process: Reactions, found: PressRatings) -> list[str]:
-    """Lines that compare the process with what is permitted, its force and its work."""
-    peaks = at_peaks(process).reactions
-    lines = process_summary(press, process.motion, process, (peaks, found.utilisation(peaks)))
-    for name, energy in found.energies.items():
-        share = process.process_work * found.turns / press.period_turns / energy
-        lines.append(tables.entry(f"of the {name}", f"{100 * share:.2f}", "%", "by its work in a stroke"))
-    return lines
+def permitted(process: Reactions, found: PressRatings | MotionRatings) -> Section:
+    """What the process takes of what is permitted, its force and its work."""
+    peaks = at_peaks(process).reactions if isinstance(found, PressRatings) else process
+    shares = found.utilisation(peaks)
+    at = int(np.argmax(shares))
+    figures = [Number("of the permissible force", float(shares[at]), "share", Places.of(process._press, peaks.motion).said(at))]
+    for name, energy in found.energies.items() if isinstance(found, PressRatings) else ():
+        work = process.process_work * found.turns / (process.motion.period_turns or 1)
+        figures.append(Number(f"of the {name}", work / energy, "share", "by its work in a stroke"))
+    return Section("Process by what is permitted", figures)
 
 
 def _write(found: PressRatings, process: Reactions | None, folder: Path) -> None:

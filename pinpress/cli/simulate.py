@@ -1,26 +1,33 @@
 """`pinpress simulate`: a press under drive, flywheel and process loads."""
 
+from __future__ import annotations
+
 import argparse
 import time
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
-from ..common import tables
+import numpy as np
+
 from ..common.errors import PinpressError
 from ..common.files import make_folder
+from ..common.outlets.described import Figure, Section
+from ..common.outlets.text import entries, written
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
+from ..simulation.described import numerics
 from ..simulation.duty import stroke_duties
 from ..simulation.elastic.description import Elastic
+from ..simulation.elastic.parts_in_words import elastic_in_words
 from ..simulation.elastic.run import ElasticRun
 from ..simulation.run import Run, inputs_of
 from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
-from ..visual.reports.elastic_motion import elastic_in_words
-from .run_summary import journals, simulation_summary
 from .words import part_specs
 from .words.by_driver import by_driver, named, parted
 from .words.forces import add_flywheel_option, add_force_options, loads
@@ -30,6 +37,9 @@ from .words.progress import progress
 from .words.springs import add_spring_options, springs
 from .words.units import OfDriver, driver_position, driver_speed, quantity
 
+if TYPE_CHECKING:
+    from ..elasticity.impacts import ImpactsByTurn
+
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
 STEADY_POINTS = 720  # states of a turn of the steady state, as of `analyse`: at fewer, peaks of short blows are missed
 EXAMPLE = """\
@@ -37,7 +47,7 @@ e.g. pinpress simulate zxn2_3000b --speed 70 --duration 3 --motor induction:rate
      --flywheel 6000 --load drawing:force=1000kN,start=10mm --out out --report"""
 
 
-def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Put `simulate` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "simulate",
@@ -109,22 +119,31 @@ def run(options: argparse.Namespace) -> int:
     began = time.perf_counter()
     reactions = inverse_dynamics(press, done, acting, friction)
     took = time.perf_counter() - began
-    print(simulation_summary(press, done, reactions, options.steady))
-    if acting and elastic is not None and not options.steady:
-        print(
-            tables.entry("states", f"{len(done.time)}", "", "peaks are those at the states: where a blow falls between two, raise --points")
-        )
-    print(tables.entry("time taken", f"{1e3 * done.stats.wall_time:.1f}", f"ms simulation, {1e3 * took:.1f} ms torque and forces"))
+    print(f"{done.title}\n\n{written(_sections(done, reactions))}")
+    took_words = f"{1e3 * done.stats.wall_time:.1f} ms simulation, {1e3 * took:.1f} ms torque and forces"
+    few = "peaks are those at the states: where a blow falls between two, raise --points"
+    counted = [Figure("states", f"{len(done.time)}", where=few)] if acting and elastic is not None and not options.steady else []
+    print("\n".join(entries([*counted, Figure("time taken", took_words)])))
     print_inputs([*inputs_of(reactions), *(elastic_in_words(elastic) if elastic is not None else [])])
     if options.out is not None:
-        written = reactions if elastic is None else done
-        written.to_csv(options.out / "simulation.csv")
+        states = reactions if elastic is None else done
+        states.to_csv(options.out / "simulation.csv")
         names = ["simulation.csv"]
         if len(press.drivers) == 1:  # several have no strokes of one crank
             stroke_duties(done).to_csv(options.out / "strokes.csv")
             names.append("strokes.csv")
         write_pages(press, reactions, options, names, results=_beside(press, done, options))
     return 0
+
+
+def _sections(run: Run, reactions: Reactions) -> list[Section]:
+    """What is printed of a run: all that it shows, its forces, and how well the equations are fulfilled."""
+    forces = [part for part in reactions.described() if part.title not in ("Motion", "Slide", "Process")]
+    if isinstance(run, ElasticRun):
+        forces = [part for part in forces if part.title == "Checks"]
+        forces[:0] = [part for found in journals(run) for part in found.described()]
+    *forces, checks = forces
+    return [*run.described(), *forces, replace(checks, figures=[*checks.figures, *numerics(run)])]
 
 
 def _beside(press: Linkage, run: Run, options: argparse.Namespace) -> list[Tabular]:
@@ -136,6 +155,15 @@ def _beside(press: Linkage, run: Run, options: argparse.Namespace) -> list[Tabul
     if run.elastic.clearances:
         return list(journals(run))
     return [natural_frequencies(press, run.elastic)]
+
+
+def journals(run: ElasticRun) -> list[ImpactsByTurn]:
+    """What the journals of pins with clearance do, of a run of a whole turn or more."""
+    from ..elasticity.impacts import journal_impacts  # seldom needed
+
+    if abs(run.crank_angle[-1] - run.crank_angle[0]) < 2 * np.pi:
+        return []
+    return [journal_impacts(run, name) for name in run.elastic.clearances]
 
 
 def _run(

@@ -118,7 +118,7 @@ class ShownUnit(NamedTuple):
         unit: with its prefix.
         factor: of these units in one SI unit.
         decimals: digits after the point.
-        least: values up to this size are written as 0 [SI unit].
+        least: values up to this size are written as 0 [SI unit]; negative for places, of which 0 has decimals too.
     """
 
     unit: str
@@ -130,8 +130,8 @@ class ShownUnit(NamedTuple):
         """A value in SI units as a number in this unit; thousands stand apart if there are more than four digits before the point."""
         if math.isnan(value):
             return ""
-        rounded = round(value * self.factor, self.decimals)
-        if abs(value) <= self.least or not rounded:
+        rounded = round(value * self.factor, self.decimals) + 0.0
+        if self.least >= 0 and (abs(value) <= self.least or not rounded):
             return "0"
         return grouped(rounded, f".{self.decimals}f")
 
@@ -176,7 +176,7 @@ class Quantity:
             if largest * (1 + ROUNDING) >= start:
                 unit, factor = name, 1 / size
         if self.decimals is not None:
-            return ShownUnit(unit, factor, self.decimals, least)
+            return ShownUnit(unit, factor, self.decimals, -1.0)
         before_point = math.floor(math.log10(largest * factor * (1 + ROUNDING))) if largest > least else 0
         return ShownUnit(unit, factor, min(max(digits - 1 - before_point, 0), 9), least)
 
@@ -211,9 +211,9 @@ QUANTITIES = (
     Quantity(
         "angle",
         "rad",
-        (("deg", math.pi / 180, 0.0),),
-        {"°": math.pi / 180, "turn": 2 * math.pi, "turns": 2 * math.pi, "rev": 2 * math.pi},
-        2,
+        (("deg", DEGREE, 0.0),),
+        {"°": DEGREE, "turn": TURN, "turns": TURN, "rev": TURN},
+        decimals=3,
     ),
     Quantity("tilt", "rad", (("µrad", 1e-6, 0.0), ("mrad", 1e-3, 1e-2))),
     _rated("force", "N", tf=1e3 * STANDARD_GRAVITY),

@@ -5,8 +5,11 @@ curve names the columns of its small picture in `_pictured`. A result of a singl
 fields; several of them are `Records`.
 """
 
+import importlib
+import importlib.util
 import os
-from collections.abc import Iterable, Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
@@ -16,7 +19,20 @@ from .frozen import Frozen, FrozenMapping
 from .tables import Column, Columns
 
 if TYPE_CHECKING:
-    from .described import Section
+    from .outlets.described import Section
+
+
+_PACKAGE = __name__.partition(".")[0]
+
+
+def _descriptions(room: str) -> "Mapping[type, Callable[[Any, Any], tuple[Section, ...]]]":
+    """How the results of a room are described, by their classes: ``SECTIONS`` of its module ``described``, which is imported on demand;
+    empty if the room has none."""
+    name = f"{_PACKAGE}.{room}.described"
+    if name not in sys.modules and importlib.util.find_spec(name) is None:
+        return {}
+    found: Mapping[type, Callable[[Any, Any], tuple[Section, ...]]] = importlib.import_module(name).SECTIONS
+    return found
 
 
 class Tabular(Frozen):
@@ -40,6 +56,10 @@ class Tabular(Frozen):
         Raises:
             PinpressError: the result is of another press than these reactions, or a value is not finite.
         """
+        for kind in type(self).__mro__:
+            package, _, rest = kind.__module__.partition(".")
+            if package == _PACKAGE and (describe := _descriptions(rest.partition(".")[0]).get(kind)):
+                return describe(self, page)
         return ()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
@@ -88,7 +108,7 @@ class Tabular(Frozen):
         """The figures and tables of the result as text; empty if it has none."""
         if not (sections := self._sections()):
             return ""
-        from .text import written  # to save start-up time
+        from .outlets.text import written  # to save start-up time
 
         return written(sections)
 
@@ -106,14 +126,14 @@ class Tabular(Frozen):
 
     def _repr_html_(self) -> str:
         if sections := self._sections():
-            from .notebook import notebook  # to save start-up time
+            from .outlets.notebook import notebook  # to save start-up time
 
             return notebook(self.title, sections, self.columns())
         columns, pictured = self.columns(), self._pictured
         table = tables.html(self.title, columns)
         if not pictured:
             return table
-        from .sparkline import sparkline  # to save start-up time: the XML library
+        from .outlets.sparkline import sparkline  # to save start-up time: the XML library
 
         return f"<div>{sparkline(columns, pictured)}{table}</div>"
 

@@ -265,7 +265,7 @@ def entry(name: str, number: str, unit: str = "", remark: str = "") -> str:
 def scale(unit: str, values: Iterable[float], least: float = 0.0) -> ShownUnit:
     """How values with five digits of the largest are written under each other; see `Quantity.scale`."""
     shown = quantity("height" if unit == "m" else unit or "-").scale(values, digits=_DIGITS)
-    return shown._replace(least=max(shown.least, least))
+    return shown._replace(least=max(shown.least, least, 0.0))
 
 
 def shortened(items: Sequence[T], most: int) -> list[T | None]:

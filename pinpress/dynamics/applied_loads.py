@@ -15,9 +15,9 @@ from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.quantities import GRAVITY, Array
 from ..engines.friction import REST
 from ..engines.wrenches import AppliedForce
+from ..kinematics.motion import is_cycle
 from ..kinematics.poses import point_motion
 from ..kinematics.slide_path import dead_centres
-from ..kinematics.states import is_cycle
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum

@@ -13,20 +13,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..common.described import Along, Bars, Block, Chart, Column, Curve, Figure, Polar, Section, Table
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import read_only
+from ..common.outlets.described import Along, Bars, Block, Chart, Column, Curve, Figure, Polar, Section, Table
 from ..common.quantities import RPM, Array, quantity
 from ..kinematics.cycle import cycle
 from ..kinematics.described import along_motion, by_driver, chart, driver_speeds, kinds_of_drivers, known_dead_centres, slide_charts
 from ..kinematics.main_data import directions, forward_share, sense_of_rotation, tool_in_words
-from ..kinematics.motion import Motion
+from ..kinematics.motion import ROUNDING, Motion, finite, is_constant, is_cycle
 from ..kinematics.poses import loaded_bodies, poses
 from ..kinematics.slide_path import DeadCentres, DeadCentresOverTravel, stroke_turns
 from ..kinematics.slide_path import turning_points as strokes_of
-from ..kinematics.states import ROUNDING, finite, is_constant, is_cycle
 from ..linkage.linkage import Linkage
-from ..linkage.planarity import UPRIGHT, planarity
+from ..linkage.planarity import UPRIGHT
 from ..loads.link import PointForce, SpringDamper
 from .applied_loads import process_work, turning_points
 from .driving_energy import driving_energy
@@ -125,11 +124,12 @@ class Places:
         return Places(first.part, "rad" if first.turns else "height", np.asarray(motion.shown_position) / first.scale, heights, bottom)
 
     def said(self, at: int) -> str:
-        """Where it is in a state: "at 30.00 deg, 12.000 mm"."""
-        digits = {"digits": 5} if self.quantity == "s" else {}
+        """Where it is in a state: "at 30.000 deg, 12.000 mm"."""
         height = "" if self.heights is None else f", {quantity('height').text(float(self.heights[at]))}"
         remark = f", {self.remarks[at]}" if self.remarks and self.remarks[at] else ""
-        return f"at {quantity(self.quantity).text(float(np.ravel(self.values[at])[0]), **digits)}{height}{remark}"
+        value = float(np.ravel(self.values[at])[0])
+        place = f"{value:.5f} s" if self.quantity == "s" else quantity(self.quantity).text(value)
+        return f"at {place}{height}{remark}"
 
 
 def extreme(
@@ -412,7 +412,7 @@ def works(name: str, title: str, work: Mapping[str, float]) -> list[Bars]:
 
 def _gear_pairs(reactions: Reactions) -> Section:
     press = reactions._press
-    toothless = len(reactions.coupling_torque) > len(press.spatial_model.racks)
+    toothless = len(reactions.coupling_torque) > len(press.structure.racks)
     left_out = "; bearing forces leave out those between the teeth of two shafts" if toothless else ""
     places = replace(Places.at_peaks(reactions), heights=None)
     figures: list[Figure] = []
@@ -549,7 +549,7 @@ def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, 
     """Names and world directions (2, 3) of a polar diagram's axes; forces (n, 3) below ``least`` are rounding."""
     normals = press.engine().turning_axes()  # a planar press has one
     if len(normals) == 1 and np.abs(normals).max() < 1 - UPRIGHT:
-        return ("h", "u"), planarity(press).axes[[0, 2]]
+        return ("h", "u"), press.planarity.axes[[0, 2]]
     across = _least_moved(force, least) if len(normals) > 1 else int(np.abs(normals[0]).argmax())
     first, second = (axis for axis in range(3) if axis != across)
     return (AXES[first], AXES[second]), np.eye(3)[[first, second]]
@@ -643,3 +643,7 @@ def _components(name: str, title: str, unit: str, what: str, vector: Array, leas
 def _clean(vector: Array, least: float) -> Array:
     """The vector (n, 3), with zeros for components that nowhere exceed rounding."""
     return np.where(np.abs(vector).max(axis=0) > least, vector, 0.0)
+
+
+SECTIONS = {Reactions: lambda reactions, page: described(reactions)}
+"""How results of this room are described."""

@@ -15,7 +15,7 @@ import numpy as np
 from ..common.arguments import expect, positive, typed
 from ..common.errors import PinpressError
 from ..common.results import Record
-from ..kinematics.states import is_constant, is_cycle
+from ..kinematics.motion import is_constant, is_cycle
 from .extremes import at_peaks
 from .reactions import Reactions
 

@@ -17,9 +17,8 @@ from ..common.arguments import expect, typed
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
-from ..kinematics.motion import Motion
+from ..kinematics.motion import ROUNDING, Motion, finite, is_constant
 from ..kinematics.poses import poses
-from ..kinematics.states import ROUNDING, finite, is_constant
 from .peaks import PeakStates, peak_states
 from .reactions import Reactions
 

@@ -12,8 +12,7 @@ from ..common.errors import PinpressError, shown
 from ..common.products import product
 from ..common.quantities import Array
 from ..common.results import Tabular
-from ..kinematics.motion import Motion
-from ..kinematics.states import EQUAL, is_cycle
+from ..kinematics.motion import EQUAL, Motion, is_cycle
 
 FINER = 8  # angles for each state at which unequally spaced states are interpolated
 

@@ -18,8 +18,7 @@ from ..common.errors import shown
 from ..common.parameters import declared, in_signature
 from ..common.quantities import CRANK, GRAVITY, DriverCoordinate, quantity
 from ..kinematics.main_data import tool_in_words
-from ..kinematics.motion import Motion
-from ..kinematics.states import is_constant, is_cycle
+from ..kinematics.motion import Motion, is_constant, is_cycle
 from ..linkage import loading
 from ..linkage.linkage import Linkage
 from ..linkage.writing import is_as_read

@@ -18,8 +18,7 @@ import numpy as np
 from ..common.numerics import bracketed_roots, polynomial_values, quintics
 from ..common.quantities import Array
 from ..kinematics.cycle import moved
-from ..kinematics.motion import Motion
-from ..kinematics.states import is_cycle
+from ..kinematics.motion import Motion, is_cycle
 from ..loads import caller_laws
 from ..loads.link import PointForce, SpringDamper
 from ..loads.process import ProcessLoad, TimeForce, datum

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,6 @@ from .shaking import shaking
 
 if TYPE_CHECKING:
     from .peaks import PeakStates
-    from ..common.described import Section
 
 ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
 
@@ -227,12 +226,6 @@ class Reactions(Tabular):
         """The columns of the driving torques."""
         efforts = [(f"driving_{each.effort}", each.effort_unit) for each in self.motion.driver_coordinates]
         return tables.by_driver(efforts, self.driving_torque, self.motion.drivers)
-
-    def described(self, page: object = None) -> tuple[Section, ...]:
-        """Slide, process, drive, bearings, foundation and checks, with their charts."""
-        from .described import described  # to save start-up time
-
-        return described(self)
 
     def columns(self) -> dict[str, Array]:
         """The motion's columns, then torques, shaking force and moment, bearing forces and moments, under their names with units."""

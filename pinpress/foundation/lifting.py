@@ -29,7 +29,7 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..dynamics.reactions import Reactions
-from ..kinematics.states import is_cycle
+from ..kinematics.motion import is_cycle
 from .mounted_press import MountedPress, quadrature
 from .response import (
     RESONANCE,

@@ -24,8 +24,7 @@ from ..common.results import Tabular
 from ..drives.transmission import Flywheel
 from ..dynamics.reactions import Reactions
 from ..dynamics.shaking import on_frame_at
-from ..kinematics.motion import Motion
-from ..kinematics.states import is_cycle
+from ..kinematics.motion import Motion, is_cycle
 from ..linkage.linkage import Linkage, is_same_press, told_apart
 from ..simulation.run import Run
 from .elastic_frame import ElasticFrame

@@ -11,14 +11,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..common.arguments import expect
-from ..common.described import Along, Chart, Curve, Section
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
+from ..common.outlets.described import Along, Chart, Curve, Section
 from ..common.quantities import Array, DriverCoordinate
 from ..linkage.linkage import Linkage
-from .motion import Motion
+from .motion import ROUNDING, Motion, finite, is_constant, is_cycle
 from .slide_path import DeadCentres, dead_centres
-from .states import ROUNDING, finite, is_constant, is_cycle
 
 
 def described(motion: Motion) -> tuple[Section, ...]:
@@ -126,3 +125,7 @@ def chart(name: str, title: str, unit: str, along: Along, series: Mapping[str, A
     return Chart(
         name, title, unit, along, [Curve(curve, read_only(np.array(values))) for curve, values in series.items()], reference=reference
     )
+
+
+SECTIONS = {Motion: lambda motion, page: described(motion)}
+"""How results of this room are described."""

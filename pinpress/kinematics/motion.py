@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,10 +19,9 @@ from ..engines.structure import Slot, configuration
 from ..linkage.linkage import NAME_A_SLIDE, Linkage, SlideGuide
 from ..linkage.memo import per_linkage
 
-if TYPE_CHECKING:
-    from ..common.described import Section
-
 MOST_IN_TITLE = 3  # drivers whose ranges are written out in a title
+EQUAL = 1e-9  # difference up to which steps of the crank angle are equal [rad]
+ROUNDING = 1e-9  # share of the largest force below which a force, or of the crank speed below which its variation, is rounding
 
 
 class ClosedFor(NamedTuple):
@@ -163,11 +162,9 @@ class Motion(Tabular):
         """The columns of where the drivers are, for tables beside those of the motion."""
         return self._of_drivers(0)
 
-    def described(self, page: object = None) -> tuple[Section, ...]:
-        """Position, velocity and acceleration of the slide, and speeds of drivers that are not constant."""
-        from .described import described  # to save start-up time
-
-        return described(self)
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return next(iter(self._of_drivers(0))), "slide_position [m]" if self._guide is not None else next(iter(self._of_drivers(1)))
 
     def to_mat(self, path: str | os.PathLike[str]) -> None:
         """Write a MATLAB file with one vector for each column, named without its unit, and the matrices q, v, a.
@@ -288,3 +285,34 @@ def refuse_motion_of_another(press: Linkage, motion: Motion) -> None:
             f"the motion leaves the loops of {press.name} open by {open_by[worst]:.3g} m at {motion.place(worst)}, so that it is one of"
             " other lengths, or with another zero: make it with cycle(press, ...) or servo_cycle(press, ...)"
         )
+
+
+# ---------------------------------------------------------------------------------------------------------------- what the states are
+
+
+def is_cycle(motion: Motion) -> bool:
+    """Whether the states are one period of a single crank in equal steps, without the end of the period."""
+    angle = motion.crank_angle
+    if motion.period_turns is None or len(angle) < 3:
+        return False
+    period = float(np.copysign(2 * np.pi * motion.period_turns, angle[-1] - angle[0]))
+    return bool(np.allclose(np.diff(angle, append=angle[0] + period), period / len(angle), rtol=0.0, atol=EQUAL))
+
+
+def is_constant(speed: Array) -> bool:
+    """Whether speeds (n,) or (n, drivers) are constant to rounding."""
+    return bool(np.all(np.ptp(speed, axis=0) <= ROUNDING * np.abs(speed).max(axis=0)))
+
+
+def finite(quantity: str, values: Array) -> Array:
+    """The values (n, ...), after a check.
+
+    Raises:
+        PinpressError: there is no value, or one is not finite.
+    """
+    if not len(values):
+        raise PinpressError(f"{quantity} has no states: give a motion of at least one")
+    if not np.isfinite(values).all():
+        at = int(np.argwhere(~np.isfinite(values))[0][0])
+        raise PinpressError(f"{quantity} is not finite at index {at}: give what cycle, simulate and inverse_dynamics return")
+    return values

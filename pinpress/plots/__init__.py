@@ -1,9 +1,10 @@
 """Plots for papers: Matplotlib figures in the width of a text column.
 
-    pp.plots.save(pp.plots.torque(reactions), "torque.svg")
-    pp.plots.save(pp.plots.polar(reactions, "A", "D"), "polar.pdf")
-    pp.plots.slide(motion).axes[0].set_title("slide")  # a figure can be changed before it is saved
-    pp.plots.torque(reactions, ax=pp.plots.slide(motion).axes[0])  # on axes at hand, several where a plot draws several charts
+    pp.plots.save(pp.plots.draw(reactions, "torque", "bearings"), "torque.svg")
+    pp.plots.save(pp.plots.draw(reactions, "polar A", "polar D"), "polar.pdf")
+    pp.plots.draw(after, "torque", "shaking", "peaks", before=before)  # of two presses
+    pp.plots.draw({"idle": idle, "pressing": pressing}, "torque").axes[0].set_title("torque")  # a figure can be changed before it is saved
+    pp.plots.draw(reactions, "torque", ax=axes)  # on axes at hand, one for each chart
 
 Signs and axes are those of `Reactions`; units are chosen by size. Every function raises `PinpressError` where Matplotlib is not installed
 (``pip install 'pinpress[plots]'``) or a value is not finite.

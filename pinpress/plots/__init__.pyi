@@ -3,7 +3,6 @@ from .draw import draw as draw
 from .elasticity import campbell as campbell
 from .elasticity import compliance as compliance
 from .elasticity import dead_centre_shift as dead_centre_shift
-from .elasticity import elastic_slide as elastic_slide
 from .elasticity import guide_contact as guide_contact
 from .elasticity import snap_through as snap_through
 from .force_stroke import ratings as ratings

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from ..common.arguments import typed
-from ..common.described import Along, Bars, Chart, Curve, Map, Mark, Polar, Section, charts_of
 from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.outlets.described import Along, Bars, Chart, Curve, Map, Mark, Polar, Section, charts_of
 from ..common.quantities import Array, ShownUnit, quantity
 from ..common.results import Tabular
 from .loci import draw_loci

@@ -16,7 +16,6 @@ from ..elasticity.slide_under_load import ElasticDeadCentre
 from ..elasticity.speed_range import CampbellDiagram
 from ..elasticity.unit_load import SlideCompliance
 from ..kinematics.slide_path import dead_centres
-from ..simulation.elastic.run import ElasticRun
 from .style import COLOURS, GREY, LINES, Over, grid, legend, panels, plain
 
 if TYPE_CHECKING:
@@ -141,34 +140,6 @@ def guide_contact(found: LoadedGuide, *, ax: Iterable[Axes] | None = None) -> Fi
         turns = [bottom.plot(over.x, over.along(1e6 * turn), color=COLOURS[i])[0] for i, turn in enumerate(found.rotation.T)]
         legend(bottom, turns, [f"about {axis}" for axis in "xyz"], loc="best", ncols=3)
         over.label(bottom)
-        drawn.align_labels()
-    return drawn.figure
-
-
-@typed
-def elastic_slide(run: ElasticRun, *, ax: Iterable[Axes] | None = None) -> Figure:
-    """Draw how far the slide of a press on its springs is from that of the rigid press, and the force of each bearing.
-
-    Args:
-        run: result of `simulate` or `steady_state` with ``elastic=``.
-        ax: the caller's axes, two; by default those of a new figure.
-
-    Raises:
-        PinpressError: Matplotlib is not installed, or ``ax`` are not two axes.
-    """
-    first = run.driver_coordinates[0]
-    with panels(ax, 2, 2 * HIGH, lambda figure: figure.subplots(2, 1)) as drawn:
-        top, bottom = drawn.axes
-        grid(top, "slide beside the rigid press [mm]")
-        angle = first.scale * run.crank_angle
-        top.plot(angle, 1e3 * (run.slide_position - run.rigid_slide_position), color=COLOURS[0])
-        grid(bottom, "bearing force [kN]")
-        lines: list[Artist] = []
-        for i, force in enumerate(run.bearing_force.values()):
-            size = 1e-3 * np.linalg.norm(force, axis=1)
-            lines += bottom.plot(angle, size, color=COLOURS[i % len(COLOURS)], linestyle=_line(i // len(COLOURS)))
-        plain(bottom.set_xlabel(f"{first.position} [{first.shown_unit}]"))
-        legend(bottom, lines, list(run.bearing_force), loc="upper center", ncols=3)
         drawn.align_labels()
     return drawn.figure
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..common.described import Polar
+from ..common.outlets.described import Polar
 from ..common.quantities import Array, ShownUnit, quantity
 from ..dynamics.harmonics import last_period
 from ..kinematics.motion import Motion

@@ -109,10 +109,6 @@ class Run(Motion):
         by = "" if self.constraint_solution is None else f" by {self.constraint_solution.algorithm}"
         return f"Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, method {self.stats.method!r}{by}"
 
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "time [s]", next(iter(self._of_drivers(1)))
-
     def columns(self) -> dict[str, Array]:
         """The motion's columns, followed by torque, speed and work of the drive, work of the loads, and losses."""
         columns = super().columns()

@@ -63,7 +63,7 @@ def test_the_slide_of_a_table_is_named(folder, capsys):
             capsys.readouterr()
             assert main([*words, "--slide", name]) == 0
             printed[name, words[0]] = capsys.readouterr().out
-        assert f"Slide ({name})" in printed[name, "analyse"]
+        assert f"  {name}; heights are above" in printed[name, "analyse"]
         assert main(["build", "press.yaml", "--slide", name]) == 0
         assert capsys.readouterr().out.splitlines()[1:9] == printed[name, "check"].splitlines()[1:9]  # stroke and dead centres
     assert printed["ram", "check"] != printed["holder", "check"]

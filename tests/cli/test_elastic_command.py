@@ -8,6 +8,7 @@ import pytest
 import pinpress as pp
 from pinpress.cli import simulate
 from pinpress.cli.main import main
+from pinpress.common.quantities import quantity
 
 RUN = ["simulate", "crank_slide", "--speed", "60", "--duration", "0.02", "--motor", "prescribed:speed=60"]
 SPRINGS = ["--stiffness", "all=50MN/m", "--stiffness", "P=6e7", "--moment-stiffness", "slide_guide=1e6"]
@@ -33,9 +34,9 @@ def test_every_word_reaches_the_simulation(capsys: pytest.CaptureFixture[str], m
     assert (stiffness.shaft, stiffness.frame, run.elastic.crown_mass, run.elastic.damping_ratio) == (1e5, 1e8, 500.0, 0.03)
     assert run.elastic.clearances["P"].radial == pytest.approx(20e-6)
     lowest = 1e3 * (run.deepest - pp.dead_centres(pp.load("crank_slide")).bottom_position)
-    assert f"{lowest:+.4f} mm" in text
-    assert "20 um radial, contact law 'linear'" in text
-    assert f"{run.peaks['O']:.1f}" in text
+    assert quantity("m").text(1e-3 * lowest, 5) in text
+    assert "20 µm radial, contact law 'linear'" in text
+    assert quantity("N").scale(run.peaks.values(), digits=5).shown(run.peaks["O"]) in text
     header = (tmp_path / "simulation.csv").read_text(encoding="utf-8").partition("\n")[0]
     assert "force_P [N]" in header
 
@@ -60,8 +61,8 @@ def test_preloaded_joints_are_those_of_python(capsys: pytest.CaptureFixture[str]
     assert run.elastic.stiffness.frame == rods
     assert dict(run.elastic.stiffness.bearings) == {"O": 5e7, "P": 6e7, "slide_guide": gibs, "W": 5e7}
     assert set(run.joint_load) == {"frame", "slide_guide"}
-    assert "slide_guide: 3e+07 and 3e+07 N/m, preloaded by 2000 N" in out
-    assert "preloaded by 4e+04 N" in out
+    assert "slide_guide: 30 kN/mm and 30 kN/mm, preloaded by 2000 N" in out
+    assert "preloaded by 40 kN" in out
 
 
 FRAME = ["--frame", "mass=2t,centre=0/0/0.3,inertia=400/500/300"]
@@ -83,10 +84,9 @@ def test_the_frame_on_its_mounts(capsys: pytest.CaptureFixture[str]) -> None:
     assert run.frame_motion is not None
     floor, moved = (np.linalg.norm(each, axis=1).max() for each in (run.floor_force, run.frame_motion[:, :2]))
     out = capsys.readouterr().out
-    rows = {line[:20].strip(): line.split() for line in out.splitlines() if line.startswith("  ")}
-    assert rows["on the floor"][3:5] == f"{floor:,.1f}".replace(",", " ").split()
-    assert rows["frame"][0] == "frame"
-    assert f"{1e3 * moved:.4f}" in out
+    rows = {line[:25].strip(): line.split() for line in out.splitlines() if line.startswith("  ")}
+    assert rows["force on the floor"][4:6] == quantity("N").text(floor, 5).split()
+    assert " ".join(rows["frame on its mounts"][4:6]) == quantity("m").text(moved, 5)
     assert "Frame(mass=2000 kg" in out
     assert "2 at (0.4, 0, -0.8), (-0.4, 0, -0.8) m: 4 / 4 / 9 kN/mm along x, y, z, damping 40 / 40 / 80 kN s/m" in out
 

@@ -14,6 +14,7 @@ from scipy.io import loadmat
 from support import every_result
 
 import pinpress as pp
+from pinpress.common.outlets.described import Chart, charts_of
 from pinpress.common.results import Record, Records, Tabular
 
 RETURNED = every_result.returned()
@@ -135,9 +136,10 @@ def test_shown_in_a_notebook(result):
 
 
 def test_main_curves_are_shown_as_pictures(result):
-    names = result._pictured
+    names, charts = result._pictured, charts_of(result.described())
     assert set(names) <= set(result.columns())
-    assert ("<svg" in result._repr_html_()) == (bool(names) or type(result).__name__ == "DrawnPress")
+    drawn = any(isinstance(chart, Chart) for chart in charts.values()) if charts else bool(names)
+    assert ("<svg" in result._repr_html_()) == (drawn or type(result).__name__ == "DrawnPress")
 
 
 def test_what_is_shown_is_escaped():

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from pinpress.common.sparkline import HEIGHT, LEFT, TOP, WIDTH, sparkline
+from pinpress.common.outlets.sparkline import HEIGHT, LEFT, TOP, WIDTH, sparkline
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -13,10 +13,10 @@ from pinpress.elasticity import Elastic, FlexibleLink, Rod, Stiffness, flexible_
 from pinpress.elasticity.straight_beam import _beam_stiffness
 from pinpress.engines.planar.model import to_complex
 from pinpress.simulation.driven_press import driven_press
+from pinpress.simulation.elastic.parts_in_words import elastic_in_words
 from pinpress.simulation.elastic.press.assembly import pins_of, rigid_inertia, sprung_press
 from pinpress.simulation.elastic.press.paths import load_path
 from pinpress.simulation.elastic.press.plane import DrawnBodies
-from pinpress.visual.reports.elastic_motion import elastic_in_words
 
 JF75G, SIX_BAR = "jf75g_125_plain", "zxn2_3000b"
 STEEL, AREA, BENDING = 2.1e11, 0.033, 4e-5  # [Pa, m2, m4]

@@ -288,7 +288,15 @@ def test_pages_need_all_bearings(six_bar, turn, tmp_path):
 
 
 @pytest.mark.parametrize("bearings", [(), ("A",)], ids=["none", "one"])
-@pytest.mark.parametrize("read", [pp.measures.extremes, pp.plots.bearings, pp.plots.polar, lambda some: pp.plots.comparison(some, some)])
+@pytest.mark.parametrize(
+    "read",
+    [
+        pp.measures.extremes,
+        lambda some: pp.plots.draw(some, "bearings"),
+        lambda some: pp.plots.draw(some, "polar"),
+        lambda some: pp.plots.draw(some, "torque", "shaking", "peaks", before=some),
+    ],
+)
 def test_charts_need_all_bearings(six_bar, turn, read, bearings):
     """They tell what is rounding by the largest force."""
     with pytest.raises(pp.PinpressError, match="left out"):

@@ -216,27 +216,26 @@ def test_a_balanced_shaft_does_not_count_but_is_seen(tmp_path):
 
 
 def test_plots_over_the_period(press, name):
-    from pinpress.plots.reactions import _quarters
-    from pinpress.plots.style import Over
+    from pinpress.kinematics.described import along_motion
+    from pinpress.plots.loci import _quarters
 
     turns = TURNS[name]
     for way in (1.0, -1.0):
         motion = pp.cycle(press, way * SPEED)
-        over = Over(motion)
-        assert over.abscissa.unit == "deg"
-        assert over.x[-1] == pytest.approx(way * 360 * turns)
-        assert over.along(motion.slide_position)[-1] == motion.slide_position[0]
+        over = along_motion(motion)
+        assert over.quantity == "rad"
+        assert over.period == pytest.approx(way * 2 * np.pi * turns)
         marked = _quarters(motion)
         assert [degrees for degrees, _ in marked] == list(range(0, 360 * turns, 90))
         np.testing.assert_allclose([motion.shown_position[state] for _, state in marked], [degrees for degrees, _ in marked], atol=1e-9)
     run = pp.servo_cycle(press, speed=SPEED, angle=np.radians(np.arange(360 * turns + 50.0)))
-    assert Over(run).abscissa.unit == "s"  # more than a period
+    assert along_motion(run).quantity == "s"  # more than a period
     assert {state for _, state in _quarters(run)} <= set(range(50, 360 * turns + 50))  # of the last one
 
 
 @pytest.mark.one_in(2)
 def test_bars_of_fractional_orders(press, name):
-    figure = pp.plots.shaking(pp.inverse_dynamics(press, pp.cycle(press, SPEED)))
+    figure = pp.plots.draw(pp.inverse_dynamics(press, pp.cycle(press, SPEED)), "shaking", "harmonics")
     bars: list[Any] = list(figure.axes[1].patches)
     found = pp.measures.harmonics(pp.cycle(press, SPEED), pp.inverse_dynamics(press, pp.cycle(press, SPEED)).shaking_force)
     assert len(bars) == 2 * (len(found.orders) - 1)

@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 from support import texts
 
 import pinpress as pp
-from pinpress.dynamics.summary import summary
 
 PRESSES = ("crank_slide", "zxn2_3000b")
 
@@ -152,8 +151,8 @@ def test_a_press_is_the_same_however_its_file_lies(both, turned, downwards):
     for name in first.bearing_force:
         same(first.bearing_force[name] @ rotation.T, second.bearing_force[name], 1e-7)
     same(first.shaking_force @ rotation.T, second.shaking_force, 1e-8)
-    text = [summary(press, motion, found) for press, motion, found in zip((upright, turned_press), motions, (first, second), strict=True)]
-    slides = [re.search(r"Slide \(.*?\n\n", each, re.DOTALL)[0] for each in text]
+    text = [str(found) for found in (first, second)]
+    slides = [re.search(r"Slide\n.*?\n\n", each, re.DOTALL)[0] for each in text]
     number = r"-?\d+(?:\.\d+)?"
     assert re.sub(number, "#", slides[0]) == re.sub(number, "#", slides[1])
     ours, theirs = (np.array(re.findall(number, slide), dtype=float) for slide in slides)

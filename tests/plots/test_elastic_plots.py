@@ -72,10 +72,13 @@ def test_elastic_motion_and_resonances():
     elastic = pp.elasticity.Elastic(Stiffness(dict.fromkeys(press.bearings, 2e8), moments={"slide_guide": 2e7}))
     run = pp.steady_state(press, speed, drive=pp.drives.PrescribedSpeed(speed), elastic=elastic, points=25)
     assert isinstance(run, pp.ElasticRun)
-    top, bottom = pp.plots.elastic_slide(run).axes
-    np.testing.assert_allclose(top.lines[0].get_ydata(), 1e3 * (run.slide_position - run.rigid_slide_position))
+    top, bottom = pp.plots.draw(run, "beside_rigid", "forces").axes
+    beside = run.slide_position - run.rigid_slide_position
+    factor = {"length [mm]": 1e3, "length [µm]": 1e6}[top.get_ylabel()]
+    np.testing.assert_allclose(top.lines[0].get_ydata(), factor * beside)
     drawn = {text.get_text(): line for text, line in zip(bottom.get_legend().get_texts(), bottom.lines, strict=True)}
-    np.testing.assert_allclose(drawn["W"].get_ydata(), 1e-3 * np.linalg.norm(run.bearing_force["W"], axis=1))
+    factor = {"force [N]": 1.0, "force [kN]": 1e-3}[bottom.get_ylabel()]
+    np.testing.assert_allclose(drawn["W"].get_ydata(), factor * np.linalg.norm(run.bearing_force["W"], axis=1))
     diagram = pp.elasticity.campbell(press, elastic, speeds=[100.0, 500.0], orders=3)
     *_, dots = pp.plots.campbell(diagram).axes[0].lines
     meeting = [[each.speed / pp.RPM, each.order * each.speed / (2 * np.pi)] for each in diagram.resonances if 100 <= each.speed <= 500]

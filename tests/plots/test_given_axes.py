@@ -14,18 +14,17 @@ from matplotlib.figure import Figure
 from pinpress import plots
 
 PLOTS = {
-    "slide": (3, lambda ax: plots.slide(every_result.motion(), ax=ax)),
-    "torque": (1, lambda ax: plots.torque(every_result.reactions(), ax=ax)),
-    "bearings": (2, lambda ax: plots.bearings(every_result.reactions(), ax=ax)),
-    "polar": (2, lambda ax: plots.polar(every_result.reactions(), "O", "P", ax=ax)),
-    "shaking": (2, lambda ax: plots.shaking(every_result.reactions(), ax=ax)),
-    "comparison": (4, lambda ax: plots.comparison(every_result.reactions(), every_result.reactions(), ax=ax)),
+    "draw": (3, lambda ax: plots.draw(every_result.reactions(), "height", "velocity", "acceleration", ax=ax)),
+    "draw bearings": (2, lambda ax: plots.draw(every_result.reactions(), "bearings", "moments", ax=ax)),
+    "draw polar": (2, lambda ax: plots.draw(every_result.reactions(), "polar O", "polar P", ax=ax)),
+    "draw harmonics": (2, lambda ax: plots.draw(every_result.reactions(), "shaking", "harmonics", ax=ax)),
+    "draw before": (2, lambda ax: plots.draw(every_result.reactions(), "torque", "peaks", before=every_result.reactions(), ax=ax)),
+    "draw elastic": (2, lambda ax: plots.draw(made("ElasticRun"), "beside_rigid", "forces", ax=ax)),
     "ratings": (4, lambda ax: plots.ratings(made("PressRatings"), ax=ax)),
     "compliance": (1, lambda ax: plots.compliance(made("SlideCompliance"), ax=ax)),
     "dead_centre_shift": (1, lambda ax: plots.dead_centre_shift({"press": made("ElasticDeadCentre")}, ax=ax)),
     "snap_through": (1, lambda ax: plots.snap_through({"press": made("SnapThroughResponse")}, ax=ax)),
     "guide_contact": (2, lambda ax: plots.guide_contact(made("LoadedGuide"), ax=ax)),
-    "elastic_slide": (2, lambda ax: plots.elastic_slide(made("ElasticRun"), ax=ax)),
     "campbell": (1, lambda ax: plots.campbell(made("CampbellDiagram"), ax=ax)),
     "vibration": (1, lambda ax: plots.vibration({"press": made("FrameMotion")}, ax=ax)),
     "speed_response": (2, lambda ax: plots.speed_response({"press": made("SpeedResponse")}, "head", ax=ax)),
@@ -54,10 +53,10 @@ def curves(axes):
 
 
 def test_every_plot_takes_axes():
-    assert set(PLOTS) == set(dir(plots)) - {"save"} | {"accuracy"}
+    assert {name.split()[0] for name in PLOTS} == set(dir(plots)) - {"save"} | {"accuracy"}
 
 
-@pytest.mark.parametrize("name", rest_exhaustive(PLOTS, "slide", "polar", "comparison"))
+@pytest.mark.parametrize("name", rest_exhaustive(PLOTS, "draw", "draw polar", "draw before"))
 def test_on_given_axes(name):
     count, plot = PLOTS[name]
     figure = Figure(figsize=(8, 8))
@@ -77,21 +76,21 @@ def test_on_given_axes(name):
 @pytest.mark.parametrize(
     ("ax", "message"),
     [
-        (3, "ax is one int: give a list"),
+        (3, "ax is 3: give axes of Matplotlib"),
         ([3, 4, 5], "give axes of Matplotlib"),
         ([], "ax has 0 axes, but there are 3 charts to draw"),
     ],
 )
 def test_refused(ax, message):
     with pytest.raises(pp.PinpressError, match=message):
-        plots.slide(every_result.motion(), ax=ax)
+        plots.draw(every_result.motion(), "position", "velocity", "acceleration", ax=ax)
     with pytest.raises(pp.PinpressError, match="ax is 3: give axes of Matplotlib"):
-        plots.torque(every_result.reactions(), ax=3)
+        plots.draw(every_result.reactions(), "torque", ax=3)
 
 
 def test_letters_of_a_polar_diagram_suit_its_size():
     reactions = pp.inverse_dynamics(texts.shipped("zxn2_3000b"), pp.cycle(texts.shipped("zxn2_3000b"), 7.0, points=36))
     small = Figure(figsize=(3, 3))
-    plots.polar(reactions, "A", ax=small.subplots())
+    plots.draw(reactions, "polar A", ax=small.subplots())
     small.draw_without_rendering()
     assert len(small.axes[0].texts) > 4

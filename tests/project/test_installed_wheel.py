@@ -79,7 +79,7 @@ def test_commands_find_what_is_shipped_in_the_wheel(stranger: Stranger, tmp_path
 
 def test_an_extra_is_added_by_the_words_of_the_message(stranger: Stranger, tmp_path: Path) -> None:
     """pip and uv take the pinpress that is there, and need none from an index."""
-    draw = "import pinpress as pp; press = pp.load('crank_slide'); pp.plots.slide(pp.cycle(press, 7.0))"
+    draw = "import pinpress as pp; press = pp.load('crank_slide'); pp.plots.draw(pp.cycle(press, 7.0), 'position')"
     with pytest.raises(AssertionError, match=r"pip install 'pinpress\[plots\]'"):
         stranger.run("python", "-c", draw, cwd=tmp_path)
     stranger.install("pinpress[plots]")

@@ -10,7 +10,6 @@ from support.presses import sliding_presses
 
 import pinpress as pp
 from pinpress.drives import Brake, Clutch, ConstantTorque, Flywheel, Geared, InductionMotor, PrescribedSpeed, ServoMotor, SwitchPoint
-from pinpress.dynamics.summary import summary
 from pinpress.engines.energies import energies
 
 LEAD = 0.02  # of the screw [m a turn]
@@ -116,7 +115,7 @@ def test_what_belongs_to_cranks_is_refused_by_name(toggle, bell):
 
 def test_summaries_and_extremes_are_in_millimetres(toggle):
     reactions = pp.inverse_dynamics(toggle, pp.cycle(toggle, 0.1, points=60))
-    text = summary(toggle, reactions.motion, reactions)
+    text = str(reactions)
     assert "deg" not in text
     assert "screw slides there and back, harmonically, at up to 100 mm/s" in text
     found = {each.quantity: each for each in pp.measures.extremes(reactions)}
@@ -130,14 +129,13 @@ def test_pages_and_pictures(toggle, tmp_path):
     reactions = pp.inverse_dynamics(toggle, pp.cycle(toggle, 0.1, points=30))
     data = data_in(pp.report(toggle, reactions.motion, tmp_path / "press.html", reactions=reactions))
     assert data["driver"] == {"name": "driver", "unit": " mm"}
-    assert all(words in json.dumps(data) for words in ("Driving force", "at [mm]", "largest driving force"))
+    assert all(words in json.dumps(data) for words in ("Driving force", "at [mm]", "largest force"))
     assert (len(data["time"]), data["crank"][0], data["crank"][-1]) == (31, -150.0, -150.0)  # closed to a loop
     one_way = pp.servo_cycle(toggle, np.linspace(-0.1, 0.05, 9), speed=0.1)
     data = data_in(pp.report(toggle, one_way, tmp_path / "way.html"))
     assert "driver position" in json.dumps(data)
     assert len(data["time"]) == 9
-    pp.plots.torque(reactions)
-    pp.plots.polar(reactions)
+    pp.plots.draw(reactions, "driving_force", "polar")
 
 
 def test_elastic_press_over_the_travel(toggle):

@@ -1,7 +1,7 @@
 """What charts show, the harmonics and the table of extremes: against closed forms, quadrature and the raw arrays."""
 
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,10 +14,13 @@ from support.generators.spatial_linkages import bennett
 from support.oracles import cassie
 
 import pinpress as pp
+from pinpress.common.outlets.described import charts_of
+from pinpress.common.quantities import quantity as row_of
+from pinpress.dynamics import described as charts
 from pinpress.dynamics.extremes import at_peaks, extremes, held_moments
 from pinpress.dynamics.harmonics import harmonics, last_period
-from pinpress.kinematics.states import is_cycle
-from pinpress.visual import charts
+from pinpress.kinematics.described import along_motion
+from pinpress.kinematics.motion import is_cycle
 from pinpress.visual.recording import key_frames
 
 MASS, RADIUS, SPEED = 3.0, 0.2, 31.0
@@ -37,7 +40,6 @@ SHAFT = """
   <joint name="G" type="continuous"><parent link="frame"/><child link="shaft"/><origin xyz="0.6 0 0"/><axis xyz="0 -1 0"/>
     <mimic joint="O" multiplier="RATIO"/></joint>
 """
-UNITS = {"µm": 1e-6, "mm": 1e-3, "m": 1.0, "N": 1.0, "kN": 1e3, "MN": 1e6, "N m": 1.0, "kN m": 1e3, "MN m": 1e6, "r/min": pp.RPM}
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +81,12 @@ def finer(result, points):
 
 
 def raw(chart):
-    return {curve.name: UNITS[chart.unit] * curve.values for curve in chart.curves}
+    return {curve.name: curve.y for curve in chart.curves}
+
+
+def named(result):
+    """All charts of reactions, or of a motion alone, by their names."""
+    return charts_of(result.described())
 
 
 def series(found, angle):
@@ -254,8 +261,9 @@ def test_harmonics_of_nonsense(force, orders, message):
 
 
 def over(motion):
-    found = charts.abscissa(motion)
-    return found.quantity, found.unit, found.values
+    found = along_motion(motion)
+    scale = row_of(found.quantity).scale([])
+    return found.name, scale.unit, found.values * scale.factor
 
 
 def test_abscissa(legs):
@@ -279,7 +287,7 @@ def test_abscissa(legs):
         found = over(motion)
         assert found[:2] == (quantity, {"crank angle": "deg", "time": "s", "state": ""}[quantity])
         np.testing.assert_allclose(found[2], values, atol=1e-10)
-        assert not found[2].flags.writeable
+        assert not along_motion(motion).values.flags.writeable
 
 
 # Charts
@@ -287,25 +295,25 @@ def test_abscissa(legs):
 
 def test_values_are_those_of_the_arrays():
     result = turn("zxn2_3000b")
-    motion, slide = result.motion, charts.slide(result.motion)
-    assert [(c.title, c.unit) for c in slide] == [("Slide position", "mm"), ("Slide velocity", "m/s"), ("Slide acceleration", "m/s²")]
-    np.testing.assert_allclose(slide[0].curves[0].values, 1e3 * motion.slide_position, rtol=1e-15)
-    np.testing.assert_array_equal(slide[2].curves[0].values, motion.slide_acceleration)
-    np.testing.assert_allclose(raw(charts.driving(result)[0])["driving torque"], result.driving_torque, rtol=1e-15)
-    for name, values in raw(charts.bearing(result)).items():
+    motion, slide, all_charts = result.motion, [*named(result.motion).values()], named(result)
+    assert [(c.title, c.quantity) for c in slide] == [("Slide position", "m"), ("Slide velocity", "m/s"), ("Slide acceleration", "m/s2")]
+    np.testing.assert_array_equal(slide[0].curves[0].y, motion.slide_position)
+    np.testing.assert_array_equal(slide[2].curves[0].y, motion.slide_acceleration)
+    bottom = pp.dead_centres(texts.shipped("zxn2_3000b")).bottom_position
+    np.testing.assert_array_equal(all_charts["height"].curves[0].y, motion.slide_position - bottom)
+    np.testing.assert_allclose(raw(all_charts["torque"])["driving torque"], result.driving_torque, rtol=1e-15)
+    for name, values in raw(all_charts["bearings"]).items():
         np.testing.assert_allclose(values, np.linalg.norm(result.bearing_force[name], axis=1), rtol=1e-12)
-    assert charts.driving(result)[0].unit == "kN m"
-    assert charts.bearing(result).unit == "kN"
     for chart, vector in (
-        (charts.components(result, "D"), result.bearing_force["D"]),
-        (charts.shaking(result), result.shaking_force),
-        (charts.shaking_moment(result), result.shaking_moment),
+        (all_charts["components D"], result.bearing_force["D"]),
+        (all_charts["shaking"], result.shaking_force),
+        (all_charts["shaking_moment"], result.shaking_moment),
     ):
         shown = raw(chart)
         assert list(shown) == (["y"] if "moment" in chart.title else ["x", "z"])  # a planar press; what is left out is zero
         for axis, values in shown.items():
             np.testing.assert_allclose(values, vector[:, "xyz".index(axis)], rtol=1e-14)
-    assert charts.driver_speeds(motion) == ()
+    assert "speed" not in all_charts
 
 
 @pytest.mark.parametrize(("size", "unit"), [(0.0, "N"), (5e4, "kN"), (1e8, "MN")])
@@ -313,20 +321,20 @@ def test_units_by_size(size, unit):
     press = texts.shipped("crank_slide")
     load = pp.loads.PointForce("slide", (0.0, 0.0, 900.0 - size))  # it almost bears the slide of 981 N
     result = pp.inverse_dynamics(press, pp.cycle(press, 0.1, points=12), loads=[load])
-    chart = charts.components(result, "W")
-    assert chart.unit == unit
+    chart = named(result)["components W"]
+    assert row_of(chart.quantity).scale(np.abs(result.bearing_force["W"][:, 2])).unit == unit
     np.testing.assert_allclose(raw(chart)["z"], result.bearing_force["W"][:, 2], rtol=1e-14)
 
 
 @pytest.mark.exhaustive
 def test_a_run_has_its_drive_and_speed():
     result = loaded_run()
-    (chart,) = charts.driving(result)
-    assert [curve.name for curve in chart.curves] == ["driving torque", "drive"]
-    np.testing.assert_allclose(raw(chart)["drive"], result.motion.drive_torque, rtol=1e-14)
-    (speed,) = charts.driver_speeds(result.motion)
-    assert speed.unit == "r/min"
-    np.testing.assert_allclose(raw(speed)["crank speed"], result.motion.crank_speed, rtol=1e-14)
+    found = named(result)
+    assert [curve.name for curve in found["torque"].curves] == ["driving torque", "drive"]
+    drawn = charts.drawn_states(result).motion
+    np.testing.assert_allclose(raw(found["torque"])["drive"], drawn.drive_torque, rtol=1e-14)
+    assert row_of(found["speed"].quantity).scale([1.0]).unit == "r/min"
+    np.testing.assert_allclose(raw(found["speed"])["crank speed"], drawn.crank_speed, rtol=1e-14)
 
 
 def test_drivers_of_two_kinds_have_charts_of_their_own():
@@ -335,11 +343,11 @@ def test_drivers_of_two_kinds_have_charts_of_their_own():
     places = np.column_stack([2 * np.pi * time + 0.2 * np.sin(2 * np.pi * time), 0.04 * np.sin(2 * np.pi * time)])
     press = hybrid()
     result = pp.inverse_dynamics(press, pp.servo_cycle(press, places, time=time, period=1.0))
-    turning, sliding = charts.driving(result)
-    assert [(c.title, c.quantity) for c in (turning, sliding)] == [("Driving torque", "torque"), ("Driving force", "force")]
+    turning, sliding = (named(result)[name] for name in ("torque", "driving_force"))
+    assert [(c.title, c.quantity) for c in (turning, sliding)] == [("Driving torque", "N m"), ("Driving force", "N")]
     np.testing.assert_allclose(raw(turning)["A"], result.driving_torque[:, 0], rtol=1e-14)
     np.testing.assert_allclose(raw(sliding)["ram_guide"], result.driving_torque[:, 1], rtol=1e-14)
-    assert [c.title for c in charts.driver_speeds(result.motion)] == ["Crank speed", "Driver speed"]
+    assert [named(result)[name].title for name in ("speed", "driver_speed")] == ["Crank speed", "Driver speed"]
     table = {row.quantity: row for row in extremes(result)}
     row = table["driving force of ram_guide"]
     assert (row.unit, row.units["largest_at"]) == ("N", "s")
@@ -353,12 +361,12 @@ def test_drivers_of_two_kinds_have_charts_of_their_own():
 def test_several_drivers(legs):
     run = pp.simulate(legs, 0.01, points=5, method="constraint", drive={legs.drivers[3]: pp.drives.ConstantTorque(2.0)})
     result = pp.inverse_dynamics(legs, run)
-    shown = raw(charts.driving(result)[0])
+    shown = raw(named(result)["torque"])
     assert list(shown) == [*legs.drivers, *(f"drive of {name}" for name in legs.drivers)]
     np.testing.assert_array_equal(shown[f"drive of {legs.drivers[3]}"], 2.0)
     np.testing.assert_allclose(shown[legs.drivers[3]], result.driving_torque[:, 3], rtol=1e-15)
-    assert [curve.name for curve in charts.driver_speeds(run)[0].curves] == list(legs.drivers)
-    assert charts.slide(run) == ()
+    assert [curve.name for curve in named(result)["speed"].curves] == list(legs.drivers)
+    assert "velocity" not in named(result)
     table = {row.quantity: row for row in extremes(result)}
     assert table[f"drive torque of {legs.drivers[3]}"].smallest == 2.0
 
@@ -367,25 +375,26 @@ def test_rounding_is_zero():
     """Guides of the symmetric press carry nothing; its floor feels no moment, and no force but the upright one."""
     result = turn("jf75g_125_symmetric", 300)
     assert np.abs(result.bearing_force["slide_guide"]).max() > 0.0  # but for rounding
-    shown = raw(charts.bearing(result))
+    found = named(result)
+    shown = raw(found["bearings"])
     assert not shown["slide_guide"].any()
     assert not shown["counterweight_guide"].any()
     assert shown["O_left"].all()
-    assert list(raw(charts.shaking(result))) == ["z"]
-    moment = raw(charts.shaking_moment(result))
+    assert list(raw(found["shaking"])) == ["z"]
+    moment = raw(found["shaking_moment"])
     assert list(moment) == ["x", "y", "z"]
     assert not np.any(list(moment.values()))
-    assert not charts.locus(result, "slide_guide").own.any()
+    assert not found["polar slide_guide"].own.any()
 
 
 def test_held_moments():
     """A load beside the pin tilts the slide: the guide holds force times lever. The crank's holds none, its torque is the drive's."""
     press = texts.shipped("crank_slide")
     motion = pp.cycle(press, 7.0)
-    assert charts.bearing_moment(pp.inverse_dynamics(press, motion)) is None
+    assert "moments" not in named(pp.inverse_dynamics(press, motion))
     result = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slide", (0.0, 0.0, -5e5), (0.03, 0.0, 0.0))])
     assert np.abs(result.bearing_moment["O"]).max() > 1e4
-    chart = charts.bearing_moment(result)
+    chart = named(result)["moments"]
     assert [curve.name for curve in chart.curves] == ["slide_guide"]
     np.testing.assert_allclose(raw(chart)["slide_guide"], 5e5 * 0.03, rtol=1e-9)
     result = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slide", (0.0, 0.0, -5e5), (0.0, 0.02, 0.0))])
@@ -414,20 +423,20 @@ def test_locus_in_an_inclined_plane(roll, yaw):
     """The press's plane, x-z of its frame, leans: axes are its horizontal, along its larger component, and its slope."""
     press = bolted(texts.shipped("crank_slide"), f"{roll} 0 {yaw}")
     result = pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12))
-    found = charts.locus(result, "P")
+    found = named(result)["polar P"]
     slope = np.array([np.sin(yaw) * np.sin(roll), -np.cos(yaw) * np.sin(roll), np.cos(roll)])  # the frame's z in the world
     slope *= np.sign(np.cos(roll))
     horizontal = np.array([np.cos(yaw), np.sin(yaw), 0.0])
     horizontal *= np.sign(horizontal[np.abs(horizontal).argmax()])
     force = result.bearing_force["P"] @ np.column_stack([horizontal, slope])
     assert found.axes == ("h", "u")
-    np.testing.assert_allclose(UNITS[found.unit] * found.frame, force, rtol=0, atol=1e-9 * np.abs(force).max())
+    np.testing.assert_allclose(found.world, force, rtol=0, atol=1e-9 * np.abs(force).max())
 
 
 @pytest.mark.parametrize(("rpy", "axes"), [("1.5707963267948966 0 0", ("x", "y")), ("0 0 1.5707963267948966", ("y", "z"))])
 def test_locus_in_a_plane_of_world_axes(rpy, axes):
     press = bolted(texts.shipped("crank_slide"), rpy)
-    assert charts.locus(pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12)), "P").axes == axes
+    assert named(pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12)))["polar P"].axes == axes
 
 
 @pytest.mark.parametrize("name", pp.presses())
@@ -438,7 +447,7 @@ def test_locus_in_axes_of_the_link(name):
     spin = press.engine("plane").plane.spin @ motion.joint_position.T  # about the normal
     normal = press.engine("plane").plane.normal[1]  # +-1: of the x-z plane
     for bearing in press.bearings:
-        found = charts.locus(result, bearing)
+        found = named(result)[f"polar {bearing}"]
         assert found.axes == ("x", "z")
         joint = press.model.frames[press.model.getFrameId(found.link)].parentJoint
         angle = -normal * (spin[joint - 1] if joint else np.zeros(36))  # from x towards z
@@ -449,22 +458,21 @@ def test_locus_in_axes_of_the_link(name):
             ],
             axis=1,
         )
-        scale = max(1e-3, np.abs(found.frame).max())
-        np.testing.assert_allclose(back, found.frame, rtol=0, atol=1e-12 * scale)
-        factor = UNITS[found.unit]
-        np.testing.assert_allclose(factor * found.frame, result.bearing_force[bearing][:, [0, 2]], atol=1e-8 * 1e5)
+        scale = max(1e-3, np.abs(found.world).max())
+        np.testing.assert_allclose(back, found.world, rtol=0, atol=1e-12 * scale)
+        np.testing.assert_allclose(found.world, result.bearing_force[bearing][:, [0, 2]], atol=1e-8 * 1e5)
 
 
 def test_locus_of_an_unbalance_stands_still_in_the_link():
     press = rotor()
     motion = pp.cycle(press, 9e3 * pp.RPM, points=60)
-    found = charts.locus(pp.inverse_dynamics(press, motion), "O")
-    assert (found.link, found.unit) == ("disc", "kN")
-    pull = MASS * RADIUS * (9e3 * pp.RPM) ** 2 / 1e3
-    weight = 9.81 * MASS / 1e3
+    found = named(pp.inverse_dynamics(press, motion))["polar O"]
+    assert found.link == "disc"
+    pull = MASS * RADIUS * (9e3 * pp.RPM) ** 2
+    weight = 9.81 * MASS
     np.testing.assert_allclose(found.own, np.broadcast_to([-pull, 0.0], (60, 2)), rtol=0, atol=1.0001 * weight)
     np.testing.assert_allclose(np.hypot(*(found.own - [-pull, 0.0]).T), weight, rtol=1e-6)
-    np.testing.assert_allclose(found.frame[15], [0.0, weight - pull], atol=1e-9 * pull)  # a quarter later the mass is at the top
+    np.testing.assert_allclose(found.world[15], [0.0, weight - pull], atol=1e-9 * pull)  # a quarter later the mass is at the top
 
 
 def test_locus_in_space(legs):
@@ -477,7 +485,7 @@ def test_locus_in_space(legs):
     assert still.max() < 1e-12 * np.abs(result.bearing_force[legs.joints[0]]).max()
     assert np.diff(np.sort(moved)).min() > 0.1 * moved.max()
     for name, axes in zip(ranges, ({"x", "z"}, {"xyz"[i] for i in np.argsort(moved)[1:]}), strict=True):
-        found = charts.locus(result, name)
+        found = named(result)[f"polar {name}"]
         assert set(found.axes) == axes
         assert found.link in legs.links
 
@@ -496,9 +504,8 @@ def test_axes_of_a_locus_do_not_hang_on_rounding(ranges, equal, seed):
 
 def test_unknown_bearing():
     result = turn("crank_slide", points=8)
-    for ask in (charts.locus, charts.components):
-        with pytest.raises(pp.UnknownNameError, match="no bearing 'Q'"):
-            ask(result, "Q")
+    with pytest.raises(pp.UnknownNameError, match="no bearing 'Q'"):
+        charts.loci(result, ["Q"])
 
 
 # Extremes
@@ -563,22 +570,21 @@ def test_not_finite():
     result = turn("crank_slide", points=8)
     motion = result.motion
     cases = [
-        (lambda: charts.slide(replace(motion, v=spoiled(motion.v, 3))), "Slide velocity is not finite at index 3"),
-        (lambda: charts.abscissa(replace(motion, crank_angle=spoiled(motion.crank_angle, 5))), "crank angle is not finite at index 5"),
+        (lambda: replace(motion, v=spoiled(motion.v, 3)).described(), "Slide velocity is not finite at index 3"),
+        (lambda: along_motion(replace(motion, crank_angle=spoiled(motion.crank_angle, 5))), "crank angle is not finite at index 5"),
         (
-            lambda: charts.abscissa(replace(motion, crank_speed=np.arange(8.0), _time=spoiled(motion.time, 5))),
+            lambda: along_motion(replace(motion, crank_speed=np.arange(8.0), _time=spoiled(motion.time, 5))),
             "time is not finite at index 5",
         ),
-        (lambda: charts.driver_speeds(replace(motion, crank_speed=spoiled(motion.crank_speed, 2))), "crank speed is not finite at index 2"),
+        (replace(motion, crank_speed=spoiled(motion.crank_speed, 2)).described, "crank speed is not finite at index 2"),
     ]
     bad = replace(result, driving_torque=spoiled(result.driving_torque, 4))
-    cases += [(lambda: charts.driving(bad), "driving torque is not finite at index 4")]
+    cases += [(lambda: bad.described(), "driving torque is not finite at index 4")]
     cases += [(lambda: extremes(bad), "driving torque is not finite at index 4")]
     force = {name: spoiled(values, 6) if name == "P" else values for name, values in result.bearing_force.items()}
     worse = replace(result, bearing_force=force)
-    for ask in (charts.bearing, charts.bearing_moment, charts.shaking):
-        cases.append((partial(ask, worse), "force in P is not finite at index 6"))
-    cases += [(lambda: charts.locus(worse, "O"), "force in P is not finite at index 6")]
+    cases += [(worse.described, "force in P is not finite at index 6")]
+    cases += [(lambda: charts.loci(worse, ["O"]), "force in P is not finite at index 6")]
     for make, message in cases:
         with pytest.raises(pp.PinpressError, match=message):
             make()

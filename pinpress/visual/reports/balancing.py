@@ -11,7 +11,7 @@ from ...balancing.optimum import TradeOffCurve
 from ...balancing.problem import Target
 from ...balancing.result import BalancedPress, CriterionChange, before_balancing, condition_name, counterweight_rows, price_in_words
 from ...common import tables
-from ...common.described import charts_of
+from ...common.outlets.described import charts_of
 from ...common.quantities import RPM, Array, quantity
 from ...dynamics.described import described as of_reactions
 from ...dynamics.inverse_dynamics import inverse_dynamics

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common import described, text
+from ...common.outlets import described, text
 from ...common.quantities import Array, quantity
 from ...kinematics.motion import Motion
 from ..pages import packed
@@ -20,6 +20,7 @@ HEIGHT = "height above bottom dead centre"
 DIGITS = 5  # of numbers on a page
 MOST_POINTS = 5000  # states of which each is a point of a curve over the height
 SAME = 1e-6  # periods by which an angle may lie beyond its period by rounding
+LOOKS = {"points": "points", "strong": "strong", "pale": "guide", "limit": "limit"}  # of a line of the page, and of a curve
 Charts = Mapping[str, Any]
 
 
@@ -169,12 +170,7 @@ def _line(
     follows: Follows,
     shown: Shown,
 ) -> Line:
-    looks = {
-        "points": curve.look == "points",
-        "strong": curve.look == "strong",
-        "pale": curve.look == "guide",
-        "limit": curve.look == "limit",
-    }
+    looks = {key: curve.look == look for key, look in LOOKS.items()}
     if states is not None and curve.x is None:
         band = None if curve.band is None else up * curve.band[states.drawn]
         return Line(curve.name, up * curve.y[states.drawn], states.x, band=band, **looks)

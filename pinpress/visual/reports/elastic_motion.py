@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from ...common import tables
-from ...common.quantities import RPM, Array
-from ...dynamics.inputs import Inputs, described
+from ...common.quantities import RPM
 from ...elasticity.impacts import ImpactsByTurn
 from ...elasticity.speed_range import CampbellDiagram, ElasticSpeedResponse
 from ...elasticity.vibration import ElasticModes
-from ...simulation.elastic.description import Elastic
-from ...simulation.elastic.run import ElasticRun
-from .blocks import Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
-from .elasticity import stiffness_in_words
-from .foundation import mounts_in_words
+from ...simulation.elastic.parts_in_words import elastic_in_words
+from .blocks import Block, Figure, Figures, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown, refuse_others
 
 MOST_BEARINGS = 6  # bearings with a chart of their own, those of the largest forces
@@ -29,114 +23,6 @@ ROUND = 181  # points of a circle
 LOW = 0.03  # share of the stroke above bottom dead centre that is shown about it at least
 TURN = 1e-6  # share of a turn by which a run of one turn may be longer
 MINUS = "\u2212"
-
-
-def motion(run: ElasticRun, shown: Shown) -> Section:
-    """The section of an elastic run; raises `PinpressError` where it is of another press."""
-    refuse_others("run", run.problem.driven.press, shown)
-    moving, rigid, bottom = shown.motion is run, run.rigid_slide_position, shown.bottom or 0.0
-    states = shown.frames.states if moving else np.arange(len(run.time))
-    first = run.driver_coordinates[0]
-    along = None if moving else first.scale * run.crank_angle
-    across = "" if moving else f"{first.counted} [{first.shown_unit}]"
-    follows: Follows = "frames" if moving else "nothing"
-
-    def chart(title: str, unit: str, lines: list[tuple[str, Array]], note: str = "") -> LineChart:
-        drawn = [Line(name, values[states], along) for name, values in lines]
-        return LineChart(title, unit, drawn, across=across, follows=follows, note=note)
-
-    beside = 1e3 * (run.slide_position - rigid)
-    blocks: list[Block] = [Figures(_figures(run, bottom))]
-    blocks.append(chart("Slide beside the rigid press", "mm", [("slide", beside)], note="at the same crank angle; below 0 it is deeper"))
-    blocks += [*_near_bottom(run, rigid, bottom), *_events(run, bottom)]
-    rigid_forces = shown.reactions.bearing_force if moving else None
-    largest = sorted(run.peaks, key=lambda name: -run.peaks[name])
-    scale = tables.scale("N", list(run.peaks.values()))
-    for name in largest[:MOST_BEARINGS]:
-        lines = [("on its springs", scale.factor * np.linalg.norm(run.bearing_force[name], axis=1))]
-        if rigid_forces is not None:
-            lines.append(("rigid", scale.factor * np.linalg.norm(rigid_forces[name], axis=1)))
-        blocks.append(chart(f"Force in {name}", scale.unit, lines))
-    blocks.append(_peaks(run, largest, rigid_forces))
-    note = "Bearings, guides and what else is named yield; the rigid press is at the same crank angle, under the same loads."
-    return Section("On its springs", blocks, elastic_in_words(run.elastic), note)
-
-
-def _figures(run: ElasticRun, bottom: float) -> list[Figure]:
-    depth = f"{1e3 * (run.deepest - bottom):+.4g} mm".replace("-", MINUS)
-    drive, loads, lost = (float(work[-1]) for work in (run.drive_work, run.load_work, run.lost))
-    found = [
-        Figure("deepest point", depth, f"off the rigid bottom dead centre, at {run.driver_coordinates[0].shown(run.deepest_angle, '.5g')}"),
-        Figure("reverse force", with_prefix(run.reverse_force, "N"), "with which the linkage pulls the slide up"),
-        Figure("force on the frame", with_prefix(float(np.linalg.norm(run.shaking_force, axis=1).max()), "N"), "largest"),
-        Figure("lost in dampers", with_prefix(lost, "J"), f"of {with_prefix(drive, 'J')} of the drive; loads {with_prefix(loads, 'J')}"),
-    ]
-    if run.floor_force is not None and run.frame_motion is not None:
-        found.append(Figure("force on the floor", with_prefix(float(np.linalg.norm(run.floor_force, axis=1).max()), "N"), "largest"))
-        moved = float(np.linalg.norm(run.frame_motion[:, :2], axis=1).max())
-        found.append(Figure("frame on its mounts", with_prefix(moved, "m"), "largest displacement of its centre of mass"))
-    if run.decay_per_stroke is not None:
-        found.append(Figure("decay of vibrations", f"{run.decay_per_stroke:.3g}", "what is left of one after a stroke"))
-    return found
-
-
-def _near_bottom(run: ElasticRun, rigid: Array, bottom: float) -> list[Block]:
-    """The slide about its lowest place, by the crank angle from that of the rigid slide; nothing for a run of several turns."""
-    if abs(run.crank_angle[-1] - run.crank_angle[0]) > 2 * np.pi * (1 + TURN):
-        return []
-    lowest = int(rigid.argmin())
-    beside = np.degrees((run.crank_angle - run.crank_angle[lowest] + np.pi) % (2 * np.pi) - np.pi)
-    highest = max([LOW * float(np.ptp(rigid)), *(1.2 * (place - rigid[lowest]) for _, _, place in run.events)])
-    near = np.flatnonzero(rigid - rigid[lowest] <= highest)
-    order = near[np.argsort(beside[near], kind="stable")]
-    heights = [("on its springs", run.slide_position), ("rigid", rigid)]
-    lines = [Line(name, 1e3 * (place[order] - bottom), beside[order]) for name, place in heights]
-    across = "crank angle from the rigid bottom dead centre [deg]"
-    return [LineChart("Slide near bottom dead centre", "mm", lines, across=across, follows="nothing")]
-
-
-def _events(run: ElasticRun, bottom: float) -> list[Block]:
-    if not run.events:
-        return []
-    first, rows = run.driver_coordinates[0], []
-    for event in tables.shortened(run.events, MOST_EVENTS):
-        if event is None:
-            rows.append([tables.GAP, "", ""])
-            continue
-        time, angle, place = event
-        rows.append([f"{1e3 * time:.4f}", f"{first.scale * angle:.4f}", f"{1e3 * (place - bottom):.4f}"])
-    return [
-        Table("Where loads begin and end", ["time [ms]", f"{first.counted} [{first.shown_unit}]", "slide above BDC [mm]"], rows, words=0)
-    ]
-
-
-def _peaks(run: ElasticRun, names: list[str], rigid: Mapping[str, Array] | None) -> Table:
-    """Peaks of all bearings, beside those of the rigid press where they are known."""
-    scale = tables.scale("N", list(run.peaks.values()))
-    heads, rows = ["bearing", f"on its springs [{scale.unit}]"], [[name, scale.shown(run.peaks[name])] for name in names]
-    if rigid is not None:
-        heads += [f"rigid [{scale.unit}]", "ratio"]
-        for row, name in zip(rows, names, strict=True):
-            peak = float(np.linalg.norm(rigid[name], axis=1).max())
-            row += [scale.shown(peak), f"{run.peaks[name] / peak:.3f}" if peak > 0 else ""]
-    return Table("Largest forces", heads, rows)
-
-
-def elastic_in_words(elastic: Elastic) -> Inputs:
-    """What yields, in words."""
-    words = [("damping", f"ratio {elastic.damping_ratio:g} of the lowest vibration at bottom dead centre")]
-    if elastic.dampers:
-        words.append(("dampers", ", ".join(f"{name} {1e-3 * value:.4g} kN s/m" for name, value in elastic.dampers.items())))
-    if elastic.crown_mass is not None:
-        words.append(("crown", f"{elastic.crown_mass:.6g} kg"))
-    for name, each in elastic.clearances.items():
-        law = each.law if each.law == "linear" else f"{each.law}, restitution {each.restitution:g}"
-        words.append((f"clearance of {name}", f"{1e6 * each.radial:.6g} um radial, contact law {law!r}"))
-    if elastic.flexible_links:
-        words.append(("flexible links", ", ".join(f"{each.link}, {len(each.natural_frequency)} shapes" for each in elastic.flexible_links)))
-    if elastic.mounted_frame is not None:
-        words += [("frame", described(elastic.mounted_frame)), ("mounts", mounts_in_words(elastic.mounts))]
-    return [*stiffness_in_words(elastic.stiffness), *words]
 
 
 def modes(found: ElasticModes, shown: Shown) -> Section:

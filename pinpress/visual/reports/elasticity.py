@@ -8,12 +8,12 @@ import numpy as np
 
 from ...common import tables
 from ...common.quantities import RPM, Array
-from ...dynamics.inputs import Inputs, written
+from ...dynamics.inputs import written
 from ...elasticity.breakthrough import SnapThroughResponse
 from ...elasticity.slide_under_load import DeflectedSlide, ElasticDeadCentre
-from ...elasticity.springs import PreloadedJoint, Stiffness
 from ...elasticity.unit_load import SlideCompliance
 from ...kinematics.motion import refuse_motion_of_another
+from ...simulation.elastic.parts_in_words import stiffness_in_words
 from .blocks import BarChart, Block, Figure, Figures, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown, refuse_others
 
@@ -122,21 +122,3 @@ def breakthrough(found: SnapThroughResponse, shown: Shown) -> Section:  # it is 
     given |= {"break time": (found.break_time, "s"), "clearance": (found.clearance, "m")}
     words = ", ".join(f"{name} {written(value, unit)}" for name, (value, unit) in given.items())
     return Section("Break-through", blocks, [("break-through", words)])
-
-
-def stiffness_in_words(given: Stiffness) -> Inputs:
-    """The stiffnesses of a press's parts in words."""
-    rows: list[tuple[str, float | PreloadedJoint, str]] = [(name, value, "N/m") for name, value in given.bearings.items()]
-    rows += [(f"{name}, turning", value, "N m/rad") for name, value in given.moments.items()] if given.moments else []
-    rows += [(rod.name, rod.stiffness, "N/m") for rod in given.rods]
-    rows += [] if given.shaft is None else [("shaft", given.shaft, "N m/rad")]
-    rows += [] if given.frame is None else [("frame", given.frame, "N/m")]
-    alike: dict[str, list[str]] = {}
-    for name, value, unit in rows:
-        words = (
-            f"{value.loaded:.4g} and {value.relieved:.4g} {unit}, preloaded by {value.preload:.4g} N"
-            if isinstance(value, PreloadedJoint)
-            else f"{value:.4g} {unit}"
-        )
-        alike.setdefault(words, []).append(name)
-    return [("elastic parts", "; ".join(f"{', '.join(names)}: {words}" for words, names in alike.items()))]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,10 +12,11 @@ from ...dynamics.extremes import AXES
 from ...dynamics.inputs import Inputs, described
 from ...foundation.lifting import LiftingMotion
 from ...foundation.mounted_press import MountedPress, VibrationModes
-from ...foundation.mounts import Frame, Mount
+from ...foundation.mounts import Frame
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
 from ...foundation.whirl_modes import WhirlDiagram
+from ...simulation.elastic.parts_in_words import mounts_in_words
 from ..swinging_frame import frame_lines
 from .blocks import Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown, refuse_others
@@ -111,27 +111,6 @@ def _inputs(system: MountedPress) -> Inputs:
     spinning = [(f"rotor {k + 1}", described(rotor)) for k, rotor in enumerate(system.rotors)]
     own = [(name, described(part) if isinstance(part, Frame) else part.title) for name, part in parts]
     return [*own, *((name, mounts_in_words(some)) for name, some in springs), *aside, *spinning]
-
-
-def mounts_in_words(mounts: Sequence[Mount]) -> str:
-    """Springs with their places; those that differ in nothing else stand together."""
-    places: dict[Mount, list[str]] = {}
-    for mount in mounts:
-        place = ", ".join(f"{value:.4g}" for value in mount.point)
-        places.setdefault(replace(mount, point=(0.0, 0.0, 0.0)), []).append(f"({place})")
-    return "; ".join(f"{len(some)} at {', '.join(some)} m: {_spring(mount)}" for mount, some in places.items())
-
-
-def _spring(mount: Mount) -> str:
-    words = [f"{_along_axes(1e-6, mount.stiffness)} kN/mm along x, y, z"]
-    words += [f"{_along_axes(1e-6, mount.static)} kN/mm at rest"] if mount.static != mount.stiffness else []
-    words += [f"damping {_along_axes(1e-3, mount.damping)} kN s/m"] if any(mount.damping) else []
-    words += [f"loss factor {mount.loss_factor:.4g}"] if mount.loss_factor else []
-    return ", ".join(words + ([] if mount.area is None else [f"area {mount.area:.4g} m²"]))
-
-
-def _along_axes(factor: float, values: Sequence[float]) -> str:
-    return " / ".join(f"{factor * value:.4g}" for value in values)
 
 
 def modes(found: VibrationModes, shown: Shown) -> Section:

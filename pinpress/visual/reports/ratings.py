@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...common import tables
-from ...common.described import charts_of
+from ...common.outlets.described import charts_of
 from ...common.quantities import Array
 from ...dynamics.described import described as of_reactions
-from ...kinematics.states import is_cycle
+from ...kinematics.motion import is_cycle
 from ...ratings.along_motion import MotionRatings, limits_in_words
 from ...ratings.permissible_force import capacities_in_words
 from ...ratings.rating import PressRatings, conditions_in_words, data_in_words, listed_heights

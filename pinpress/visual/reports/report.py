@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...common import described as described_types
 from ...common.arguments import expect, typed
-from ...common.described import charts_of
 from ...common.errors import PinpressError
+from ...common.outlets import described as described_types
+from ...common.outlets.described import charts_of
 from ...common.results import Tabular
 from ...drives.transmission import Flywheel
 from ...dynamics.described import described
@@ -28,8 +28,7 @@ from ...linkage.linkage import Linkage
 from ...simulation.run import Run, inputs_of
 from .. import pages
 from ..pages import packed
-from ..recording import elastic_run_of, key_frames, scene, shaft_flywheels
-from . import driving
+from ..recording import key_frames, scene, shaft_flywheels
 from .blocks import Block, LineChart, Section
 from .drawn import Before, figure_of, section
 from .extremes import table_of_extremes
@@ -122,9 +121,8 @@ def article(title: str, subtitle: str, inputs: Inputs, parts: Sequence[Section],
 def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> dict[str, Any]:
     """What the charts' part of the page is given."""
     ratings, more = None, list[Section]()
-    elastic = elastic_run_of(shown.motion)
-    if elastic is not None and not any(result is elastic for result in results):
-        results = [elastic, *results]
+    if isinstance(shown.motion, Run) and not any(result is shown.motion for result in results):
+        results = [shown.motion, *results]
     if results:
         from .results import ratings_among, sections_of  # with the rooms of all features, which most reports do without
 
@@ -134,7 +132,7 @@ def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> 
     own = described(shown.reactions)
     old = None if before is None else Before(before, charts_of(described(before.reactions)))
     drawn = [section(_with_limit(part, ratings), shown, old, headlines=False) for part in own]
-    drawn = [_with_run(part, shown) for part in drawn if part.blocks]
+    drawn = [part for part in drawn if part.blocks]
     parts = [*drawn, *more, table_of_extremes(shown, before)]
     figures = [figure_of(figure) for part in own for figure in part.figures if figure.kind]
     heights, turns, crank = shown.heights, shown.motion.period_turns, shown.frames.crank
@@ -158,21 +156,12 @@ def _with_limit(part: described_types.Section, ratings: PressRatings | None) -> 
     if ratings is None:
         return part
     permissible = described_types.Curve("permissible force", ratings.force, ratings.height)
-    blocks = [
-        replace(block, curves=[*block.curves, permissible])
-        if isinstance(block, described_types.Chart) and block.name == "force_height"
-        else block
-        for block in part.blocks
-    ]
+    blocks: list[described_types.Block] = []
+    for block in part.blocks:
+        if isinstance(block, described_types.Chart) and block.name == "force_height":
+            block = replace(block, curves=[*block.curves, permissible])
+        blocks.append(block)
     return replace(part, blocks=blocks)
-
-
-def _with_run(part: Section, shown: Shown) -> Section:
-    """The section of the drive with what a run says of its motor."""
-    motion = shown.motion
-    if part.title != "Drive" or not isinstance(motion, Run):
-        return part
-    return replace(part, blocks=[*part.blocks, *driving.motor(motion, shown.frames), *driving.strokes(motion), *driving.energy(motion)])
 
 
 def _falling(block: Block, period: float) -> Block:
@@ -199,7 +188,7 @@ def _subtitle(shown: Shown, before: Shown | None) -> str:
 def _inputs(shown: Shown, before: Shown | None, more: Sequence[Section]) -> list[dict[str, Any]]:
     """What the page was computed from, its other results, and the dashed curves."""
     *rows, computed_by = inputs_of(shown.reactions)
-    for section in more:
-        rows += [row for row in section.inputs if row not in rows]
+    for part in more:
+        rows += [row for row in part.inputs if row not in rows]
     given = [("", [*rows, computed_by])] + ([] if before is None else [("Dashed curves", [*inputs_of(before.reactions)])])
     return [{"title": title, "rows": [list(row) for row in rows]} for title, rows in given]

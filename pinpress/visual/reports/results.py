@@ -25,8 +25,6 @@ from ...ratings.rating import PressRatings
 from ...servo.comparison import MotionComparison
 from ...servo.motion_optimum import MotionOptimum
 from ...servo.sizing import EnergyStore, MotorChoice
-from ...simulation.elastic.run import ElasticRun
-from ...simulation.run import Run
 from ...tolerances.accuracy_budget import AccuracyBudget
 from ...tolerances.allocation import AllocatedTolerances
 from ...tolerances.clearances import SlidePlay
@@ -34,15 +32,14 @@ from ...tolerances.clearances_over_speed import DeadCentresInClearances
 from ...tolerances.dead_centre_scatter import DeadCentreScatter
 from ...tolerances.points import SlideParallelism
 from ...tolerances.temperatures import HeatShift
-from . import balancing, driving, elastic_motion, elasticity, foundation, ratings, servo, tolerances
+from . import balancing, elastic_motion, elasticity, foundation, ratings, servo, tolerances
 from .blocks import Section
+from .drawn import section
 from .shown import Shown
 
 MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     PressRatings: ratings.section,
     MotionRatings: ratings.along_motion,
-    ElasticRun: elastic_motion.motion,
-    Run: driving.section,
     BalancedPress: balancing.section,
     TradeOffCurve: balancing.trade_off,
     SlideCompliance: elasticity.compliance,
@@ -85,6 +82,8 @@ def sections_of(result: Tabular, page: Shown) -> list[Section]:
     Raises:
         PinpressError: It has none, or is of another press.
     """
+    if described := result.described(page.reactions):
+        return [section(part, page) for part in described]
     make = next((make for kind, make in MAKERS.items() if isinstance(result, kind)), None)
     if make is None:
         known = ", ".join(kind.__name__ for kind in MAKERS)

@@ -14,8 +14,7 @@ from ...dynamics.applied_loads import turning_points
 from ...dynamics.extremes import at_peaks, rounding
 from ...dynamics.reactions import Reactions
 from ...kinematics.described import along_motion
-from ...kinematics.motion import Motion
-from ...kinematics.states import is_constant
+from ...kinematics.motion import Motion, is_constant
 from ...linkage.linkage import Linkage, is_same_press, told_apart
 from ...simulation.run import Run
 from ..recording import KeyFrames, key_frames

@@ -9,8 +9,7 @@ from ...common import tables
 from ...common.conic_program import PROVED
 from ...common.quantities import Array
 from ...dynamics.inputs import Inputs, of_friction
-from ...kinematics.motion import Motion
-from ...kinematics.states import is_cycle
+from ...kinematics.motion import Motion, is_cycle
 from ...tolerances.accuracy_budget import NEGLIGIBLE, PARTS, AccuracyBudget
 from ...tolerances.allocation import AllocatedTolerances
 from ...tolerances.clearances import GuideClearance, SlidePlay

@@ -250,7 +250,7 @@ INTERPRETERS = {
     "`load`, `simulate`": f"{LOAD}; pp.simulate(press, 2.0, speed=7.33, flywheel=pp.drives.Flywheel(500.0))",
     "`load` to `inverse_dynamics`, `record`": f'{SOLVE}; pp.record(press, motion, folder + "/press.html", reactions=result)',
     "`load` to `inverse_dynamics`, `report`": f'{SOLVE}; pp.report(press, motion, folder + "/report.html", reactions=result)',
-    "`load` to `inverse_dynamics`, `plots.torque`": f"{SOLVE}; pp.plots.torque(result)",
+    "`load` to `inverse_dynamics`, `plots.draw`": f"{SOLVE}; pp.plots.draw(result, 'torque')",
 }
 SEEN = """
 import sys

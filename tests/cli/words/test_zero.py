@@ -24,8 +24,8 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
 def test_analyse(capsys: pytest.CaptureFixture[str], tmp_path: Path, zero: str, words: str) -> None:
     """Dead centre at 0; peaks as much later as the dead centre is; the column's name says where it counts from."""
     text = printed(capsys, "analyse", PRESS, "--speed", SPEED, "--zero", zero, "--out", tmp_path)
-    assert re.search(rf"^  {words} +0\.000 deg    at 0\.000000 s$", text, flags=re.MULTILINE)
-    assert f"  720 crank angles from {words}, engine 'plane'" in text
+    assert re.search(rf"^  {words} +0\.000 deg +at 0\.000000 s$", text, flags=re.MULTILINE)
+    assert f"; 720 crank angles from {words}, engine 'plane'" in text
     assert "as drawn" not in text
     assert f"counted from {words}" in text
     assert "was changed" not in text
@@ -61,7 +61,7 @@ def test_simulate(capsys: pytest.CaptureFixture[str]) -> None:
 
     drawn, counted = ran(10 + shift, 60 + shift), ran(10, 60, "--zero", "tdc")
     assert "crank angle 10 deg from top dead centre" in counted
-    ends = [float(re.search(r"^  crank angle +(\S+) deg", text, flags=re.MULTILINE)[1]) for text in (drawn, counted)]
+    ends = [float(re.search(r"^  crank angle at the end +(\S+) deg", text, flags=re.MULTILINE)[1]) for text in (drawn, counted)]
     assert ends[0] - ends[1] == pytest.approx(shift, abs=2e-3)
     peaks = [re.findall(r"^  D +(\S+)", text[text.index("Bearings") :], flags=re.MULTILINE) for text in (drawn, counted)]
     assert peaks[0] == peaks[1]

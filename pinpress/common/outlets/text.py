@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from . import tables
+from .. import tables
+from ..quantities import quantity
 from .described import Column, Figure, Section, Table
-from .quantities import quantity
 
 DIGITS = 5  # of numbers in texts; pictures have three
 NAME, NUMBER, UNIT = 26, 12, 7  # least widths of the columns of figures
@@ -22,16 +22,16 @@ def _section(section: Section, digits: int) -> list[str]:
     body = entries(section.figures, digits)
     body += [f"  {section.note}"] if section.note else []
     for table in section.blocks:
-        if isinstance(table, Table) and table.columns:
+        if isinstance(table, Table):
             title = table.title.removeprefix(section.title).strip()
-            body += [*([""] if body else []), *([f"  {table.title}"] if title else []), *lines(table, digits)]
+            body += [*([""] if body else []), *([f"  {table.title}"] if title else []), *(lines(table, digits) if table.columns else [])]
     return [section.title, *body] if body else []
 
 
 def entries(figures: Sequence[Figure], digits: int = DIGITS) -> list[str]:
     """Lines with a figure each: name, number, unit and place in columns."""
     rows = [(figure.name, *value(figure, digits), remark(figure, digits)) for figure in figures]
-    wide = max([NAME, *(len(name) + 2 for name, *_ in rows)])
+    wide = max([NAME, *(len(name) + 1 for name, *_ in rows)])
     found = []
     for name, number, unit, words in rows:
         name, number, words = tables.without_minus([name, number, words])

@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from .quantities import Array
+from ..quantities import Array
 
 Look = Literal["line", "strong", "points", "limit", "guide"]
 """How a curve is drawn: thin, wide below the others, as points, as a limit of other curves, or pale as a help for the eye."""

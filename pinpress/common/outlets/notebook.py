@@ -5,11 +5,11 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 
-from . import tables
+from .. import tables
+from ..quantities import quantity
+from ..tables import Columns
 from .described import Chart, Section, charts_of
-from .quantities import quantity
 from .sparkline import MOST_CURVES, sparkline
-from .tables import Columns
 from .text import remark, value
 
 DIGITS = 3
@@ -19,10 +19,10 @@ MOST_FIGURES = 8
 def notebook(title: str, sections: Sequence[Section], columns: Columns) -> str:
     """HTML of a result: its first figures, a picture of its first chart, and its columns."""
     figures = [figure for section in sections for figure in section.figures][:MOST_FIGURES]
-    cells = [(figure.name, " ".join(value(figure, DIGITS)), remark(figure, DIGITS)) for figure in figures]
-    rows = "".join(f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in cells)
+    lines = [f"{figure.name}: {' '.join(value(figure, DIGITS))} {remark(figure, DIGITS)}".strip() for figure in figures]
+    listed = f"<ul>{''.join(f'<li>{html.escape(line)}</li>' for line in lines)}</ul>" if lines else ""
     drawn = next((picture(chart) for chart in charts_of(sections).values() if isinstance(chart, Chart)), "")
-    return f"<div>{drawn}{f'<table>{rows}</table>' if rows else ''}{tables.html(title, columns)}</div>"
+    return f"<div>{drawn}{listed}{tables.html(title, columns)}</div>"
 
 
 def picture(chart: Chart) -> str:

@@ -12,8 +12,8 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 import numpy as np
 from numpy.typing import NDArray
 
-from .quantities import Array
-from .tables import Columns
+from ..quantities import Array
+from ..tables import Columns
 
 WIDTH, HEIGHT = 300, 80  # of the curves [pixels]
 LEFT, TOP, RIGHT, BOTTOM = 76, 20, 16, 32  # margins

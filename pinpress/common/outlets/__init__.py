@@ -1,0 +1,1 @@
+"""What results show, and how texts and notebooks show it."""
