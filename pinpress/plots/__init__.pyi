@@ -1,5 +1,5 @@
 from .balancing import trade_offs as trade_offs
-from .draw import draw as draw
+from .charts import draw as draw
 from .elasticity import campbell as campbell
 from .elasticity import compliance as compliance
 from .elasticity import dead_centre_shift as dead_centre_shift
