@@ -261,7 +261,9 @@ class ElasticEquations:
         if isinstance(event, Release):
             return self._contact_force(event.force, knot, time, y, v)
         if isinstance(event, TrainEvent):
-            return self._train_event(event, knot, time, y, v)
+            times = time + INSTANT * np.arange(-1.0, 2.0)
+            margin, gradient = self.train_margin(event, self.mode(knot - 1), times, np.tile(y, (3, 1)), np.tile(v, (3, 1)))
+            return float(margin[1]), gradient[1], float(margin[2] - margin[0]) / (2 * INSTANT)
         path, value = event
         if path == CRANK_ANGLE:
             gradient = np.zeros(2 * self.size)
@@ -296,19 +298,16 @@ class ElasticEquations:
 
     # ---------------------------------------------------------------------------------------------------------------------- drive train
 
-    def _train_event(self, event: TrainEvent, knot: int, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
-        """Margin of an event of the drive train, its gradient (2 size,) by state and rate, and its derivative by time."""
-        train, mode = self.train, self.mode(knot - 1)
-        assert train is not None
-        times = time + INSTANT * np.arange(-1.0, 2.0)
-        states, rates = np.tile(y, (3, 1)), np.tile(v, (3, 1))
+    def train_margin(self, event: TrainEvent, mode: TrainMode, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
+        """How far (n,) an event of the drive train is away, positive in the mode, and its gradient (n, 2 size) by state and rate."""
+        assert self.train is not None
         if event.kind != "slips":
-            value = train.margin(event, mode, self.direction, times, states, rates, np.zeros(3))
-            return float(value[1]), train.gradient(event, mode, self.direction, self.size), float(value[2] - value[0]) / (2 * INSTANT)
-        torque, by_place, by_rate = self.held_torque(event, times, states, rates)
-        value = train.margin(event, mode, self.direction, times, states, rates, torque)
-        gradient = -np.sign(torque[1]) * np.concatenate([by_place[1], by_rate[1]])
-        return float(value[1]), gradient, float(value[2] - value[0]) / (2 * INSTANT)
+            slopes, constant = self.train.margin(event, mode, self.direction, self.size)
+            return np.concatenate([y, v], axis=1) @ slopes + constant, np.tile(slopes, (len(y), 1))
+        coupling, (torque, by_place, by_rate) = self.train.coupling(event.side), self.held_torque(event, time, y, v)
+        assert coupling is not None
+        gradient = -np.sign(torque)[:, None] * np.concatenate([by_place, by_rate], axis=1)
+        return np.asarray(mode.coupling(event.side).capacity(coupling, time) - np.abs(torque)), gradient
 
     def held_torque(self, event: TrainEvent, time: Array, y: Array, v: Array) -> tuple[Array, Array, Array]:
         """Torque (n,) on the crank of the coupling that holds and may slip [N m], in the mode of the only segment, and its derivatives

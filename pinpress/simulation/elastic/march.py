@@ -263,11 +263,9 @@ class _March:
         return [(event, self._margin(event, *states)) for event in events]
 
     def _margin(self, event: TrainEvent, times: Array, y: Array, v: Array) -> Array:
-        """Margin (n,) of an event in the present mode; see `DriveTrain.margin`."""
-        assert self.train is not None
+        """Margin (n,) of an event in the present mode."""
         assert self.mode is not None
-        torque = self._equations().held_torque(event, times, y, v)[0] if event.kind == "slips" else np.zeros(len(times))
-        return self.train.margin(event, self.mode, self.direction, times, y, v, torque)
+        return self._equations().train_margin(event, self.mode, times, y, v)[0]
 
     def _slip_at_once(self) -> bool:
         """Whether a coupling that holds begins to slip, because it can hold no more after an event."""

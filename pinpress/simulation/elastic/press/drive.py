@@ -307,38 +307,27 @@ class DriveTrain:
                 events.append(TrainEvent("slips" if state.grip is HOLDING else "grips", side))
         return events
 
-    def margin(self, event: TrainEvent, mode: TrainMode, direction: int, time: Array, y: Array, v: Array, held: Array) -> Array:
-        """(n,) how far an event is away: positive in the mode; ``held``: (n,) torque on the crank of a coupling that holds [N m]."""
+    def margin(self, event: TrainEvent, mode: TrainMode, direction: int, size: int) -> tuple[Array, float]:
+        """How far an event is away that needs no accelerations, positive in the mode: its derivative (2 size,) by coordinates and rates, in
+        which it is linear, and what it is where these are zero."""
+        slopes = np.zeros(2 * size)
         if event.kind == "jumps":
-            beyond = self.shaft_speed(v) - self.jumps[event.number]
-            return beyond if mode.faster[event.number] else -beyond
-        state = mode.coupling(event.side)
+            sign = 1.0 if mode.faster[event.number] else -1.0
+            slopes[[-1] if self.slip is None else [-1, size + self.slip]] = sign
+            return slopes, -sign * self.jumps[event.number]
+        coupling = mode.coupling(event.side)
         if event.kind == "switches":
-            point = state.next_switch(self.coupling(event.side))
+            point = coupling.next_switch(self.coupling(event.side))
             assert point is not None
             assert point.angle is not None
-            return np.asarray(direction * (point.angle - y[:, -1]))
-        if event.kind == "grips":
-            return np.asarray(state.sign * self._relative(event.side, v))
-        coupling = self.coupling(event.side)
-        assert coupling is not None
-        return np.asarray(state.capacity(coupling, time) - np.abs(held))
-
-    def gradient(self, event: TrainEvent, mode: TrainMode, direction: int, size: int) -> Array:
-        """(2 size,) derivative of a margin by coordinates and rates, of an event that needs no accelerations."""
-        slopes = np.zeros(2 * size)
-        if event.kind == "switches":
             slopes[size - 1] = -direction
-        elif event.kind == "jumps":
-            slopes[-1] = 1.0 if mode.faster[event.number] else -1.0
-            if self.slip is not None:
-                slopes[size + self.slip] = slopes[-1]
-        elif event.side == "brake":
-            slopes[-1] = -mode.brake.sign
+            return slopes, direction * point.angle
+        if event.side == "brake":
+            slopes[-1] = -coupling.sign
         else:
             assert self.slip is not None
-            slopes[size + self.slip] = mode.clutch.sign
-        return slopes
+            slopes[size + self.slip] = coupling.sign
+        return slopes, 0.0
 
     def after(self, event: TrainEvent, mode: TrainMode, time: float, v: Array, held: float) -> tuple[TrainMode, Array]:
         """Mode and rates (size,) after an event; ``held``: torque on the crank of a coupling that has held [N m]."""
