@@ -21,8 +21,6 @@ from ..common.parameters import parameter
 from ..common.quantities import Values
 from .protocol import SpeedTorqueDrive
 
-MINUTES = 1.0, 100.0  # motors warm up in so many minutes, none in so many seconds
-
 
 class MotorPower(NamedTuple):
     """Where the power of a motor goes [W], in the shape of its speed; what is left out is 0.
@@ -104,7 +102,7 @@ class ElectricMotor(SpeedTorqueDrive):
 
 def check_thermal_time(motor: object, time: float | None) -> None:
     """Warn of a time constant of a motor's temperature [s] that may be in minutes."""
-    if time is not None and MINUTES[0] <= time <= MINUTES[1]:
+    if time is not None and 1.0 <= time <= 100.0:  # motors warm up in so many minutes, none in so many seconds
         caution(
             f"{type(motor).__name__}: thermal_time is {time:g} s: if minutes are meant, write {time:g} * 60; the whole motor is looked at,"
             " not its windings alone"

@@ -218,18 +218,18 @@ class InverterMotor(ElectricMotor):
         Raises:
             PinpressError: a frequency is not positive, or off the curve.
         """
-        given = suitable_numbers("InverterMotor: frequency", frequency, "a positive number [Hz]", None, lambda values: values > 0)
+        hertz = suitable_numbers("InverterMotor: frequency", frequency, "a positive number [Hz]", None, lambda values: values > 0)
         if self.curve is not None:
             frequencies, torques = np.array(self.curve).T
-            if not np.all((given >= frequencies[0]) & (given <= frequencies[-1])):
+            if not np.all((hertz >= frequencies[0]) & (hertz <= frequencies[-1])):
                 raise PinpressError(
                     f"InverterMotor: frequency is {shown(frequency)}, off its curve, which spans {frequencies[0]:g} to"
                     f" {frequencies[-1]:g} Hz;"
                     " give one on it, or a longer curve"
                 )
-            torque = np.interp(given, frequencies, torques)
+            torque = np.interp(hertz, frequencies, torques)
         else:
-            flux = np.minimum(1.0, self.rated_frequency / given)
+            flux = np.minimum(1.0, self.rated_frequency / hertz)
             torque = self.rated_torque * np.minimum(self.overload * flux, self.breakdown_ratio * flux**2)
         return float(torque) if np.ndim(torque) == 0 else torque
 
@@ -260,11 +260,13 @@ class InverterMotor(ElectricMotor):
         slip = torque * torque / self._slope
         load = self._load_by_slip * slip
         into = torque * speed + slip + load + self.constant_loss  # at the motor's terminals
-        taken, given = np.maximum(into, 0.0), np.maximum(-into, 0.0)
-        lost = taken * (1.0 / self.inverter_efficiency - 1.0)
+        driving, braking = np.maximum(into, 0.0), np.maximum(-into, 0.0)
+        lost = driving * (1.0 / self.inverter_efficiency - 1.0)
         if self.feeds_back:
-            return MotorPower(torque * speed, slip, load, zero + self.constant_loss, lost + given * (1.0 - self.inverter_efficiency), zero)
-        return MotorPower(torque * speed, slip, load, zero + self.constant_loss, lost, given)
+            return MotorPower(
+                torque * speed, slip, load, zero + self.constant_loss, lost + braking * (1.0 - self.inverter_efficiency), zero
+            )
+        return MotorPower(torque * speed, slip, load, zero + self.constant_loss, lost, braking)
 
 
 def _synchronous(frequency: float, poles: int) -> float:
@@ -358,8 +360,8 @@ class ServoMotor(SpeedTorqueDrive):
         if len(self.times) != len(self.angles):
             raise PinpressError(f"ServoMotor: {len(self.times)} times and {len(self.angles)} angles; give an angle at each time")
         if not np.all(np.diff(self.times) > 0):
-            at = int(np.argmin(np.diff(self.times) > 0))
-            raise PinpressError(f"ServoMotor: times go from {self.times[at]:g} to {self.times[at + 1]:g} s; give them rising")
+            k = int(np.argmin(np.diff(self.times) > 0))
+            raise PinpressError(f"ServoMotor: times go from {self.times[k]:g} to {self.times[k + 1]:g} s; give them rising")
 
     @property
     def timed(self) -> bool:
@@ -403,8 +405,8 @@ class ServoMotor(SpeedTorqueDrive):
         """Where the power of motor and controller goes, by the losses of `pinpress.servo.ServoDrive`; arguments as for ``torque``."""
         torque = self.torque(speed, angle, time)
         shaft, copper, iron = torque * speed, self.copper * torque * torque, self.constant_loss + self.iron * speed * speed
-        given = np.maximum(-(shaft + copper + iron), 0.0)
-        return MotorPower(shaft, load=copper, constant=iron, resistor=(1.0 - self.regeneration) * given)
+        braking = np.maximum(-(shaft + copper + iron), 0.0)
+        return MotorPower(shaft, load=copper, constant=iron, resistor=(1.0 - self.regeneration) * braking)
 
     @property
     def thermal_resistance(self) -> float | None:

@@ -147,15 +147,12 @@ class SlipClutchMotor(ElectricMotor):
         share = suitable_numbers(
             "speed_under: current", current, "shares of the largest current, above 0", None, lambda each: np.all((each > 0) & (each <= 1))
         )
-        found = self.primary_speed - (self.primary_speed - self.top_speed) * (load / (self.rated_torque * share**2)) ** 2
-        return float(found) if np.ndim(found) == 0 else found
+        speed = self.primary_speed - (self.primary_speed - self.top_speed) * (load / (self.rated_torque * share**2)) ** 2
+        return float(speed) if np.ndim(speed) == 0 else speed
 
     def excitation(self, speed: Values, integral: Values = 0.0) -> Values:
         """Excitation current that the amplifier demands, residual_current to 1; ``integral``: of the control."""
-        return limited(self.residual_current, self._amplify(speed) + integral, 1.0)
-
-    def _amplify(self, speed: Values) -> Values:
-        return self.gain * (self.set_speed - self.feedback * speed)
+        return limited(self.residual_current, self.gain * (self.set_speed - self.feedback * speed) + integral, 1.0)
 
     def _current(self, speed: Values, state: tuple[Values, ...]) -> Values:
         """The excitation current."""
@@ -175,8 +172,8 @@ class SlipClutchMotor(ElectricMotor):
     def rates(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> tuple[Values, ...]:
         integral = state[-1] if self.integral_time is not None else 0.0
         demanded = self.excitation(speed, integral)
-        found = ((demanded - state[0]) / self.lag,) if self.lag else ()
-        return found if self.integral_time is None else (*found, (demanded - integral) / self.integral_time)
+        rates = ((demanded - state[0]) / self.lag,) if self.lag else ()
+        return rates if self.integral_time is None else (*rates, (demanded - integral) / self.integral_time)
 
     def slip_power(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
         """Power lost in the clutch, T (n0 - n) [W]; arguments as for ``torque``."""

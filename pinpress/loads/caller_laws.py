@@ -8,6 +8,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from numbers import Real
 from typing import Any
 
@@ -135,50 +136,40 @@ class Law:
         if numbers.dtype.kind not in "iuf":
             what = f"holds {value.dtype} values" if isinstance(value, np.ndarray) else f"is {shown(value)}"
             raise LawError(f"{self._in_words(at)} {what}; give finite numbers")
-        shape = np.broadcast_shapes(*(np.shape(one) for one in at if not isinstance(one, tuple)))
-        wanted = shape or (() if self.scenarios is None or not numbers.ndim else (self.scenarios,))
-        if not _is_broadcast_to(numbers.shape, wanted):
-            raise LawError(f"{self._in_words(at)} has shape {numbers.shape}; give {wanted}, as many as it is asked for")
-        if not np.isfinite(numbers).all() and all(np.isfinite(one).all() for one in at if not isinstance(one, tuple)):
-            raise LawError(f"{self._in_words(at, np.isfinite(numbers))} is {_first_not_finite(numbers)}; give finite numbers")
+        values = [argument for argument in at if not isinstance(argument, tuple)]  # without the states of a drive
+        shape = np.broadcast_shapes(*map(np.shape, values)) or (() if self.scenarios is None or not numbers.ndim else (self.scenarios,))
+        lengths = zip(numbers.shape[::-1], shape[::-1], strict=False)
+        if numbers.ndim > len(shape) or any(length not in (1, wanted) for length, wanted in lengths):
+            raise LawError(f"{self._in_words(at)} has shape {numbers.shape}; give {shape}, as many as it is asked for")
+        finite = np.isfinite(numbers)
+        if not finite.all() and all(np.isfinite(argument).all() for argument in values):
+            raise LawError(f"{self._in_words(at, finite)} is {float(numbers[~finite].flat[0])}; give finite numbers")
         return value
 
     def _in_words(self, at: tuple[Any, ...], good: Any = None) -> str:
         """The law with its arguments; of arrays those of the first answer that is not ``good``."""
         parts = []
-        for (label, unit), one in zip(self.names, at, strict=False):
-            if isinstance(one, tuple) or (np.ndim(one) and good is None):
+        for (label, unit), value in zip(self.names, at, strict=False):
+            if isinstance(value, tuple) or (np.ndim(value) and good is None):
                 continue
-            value = one
-            if np.ndim(one):
-                shape = np.broadcast_shapes(np.shape(one), good.shape)
-                value = np.broadcast_to(one, shape)[~np.broadcast_to(good, shape)][0]
+            if np.ndim(value):
+                shape = np.broadcast_shapes(np.shape(value), good.shape)
+                value = np.broadcast_to(value, shape)[~np.broadcast_to(good, shape)][0]
             parts.append(f"{label} {float(value):.6g} {unit}")
         return f"{self.what}{' at ' if parts else ''}{', '.join(parts)}"
 
 
-def _is_broadcast_to(shape: tuple[int, ...], wanted: tuple[int, ...]) -> bool:
-    try:
-        return np.broadcast_shapes(shape, wanted) == wanted
-    except ValueError:
-        return False
-
-
-def _first_not_finite(numbers: Any) -> float:
-    return float(numbers[~np.isfinite(numbers)].flat[0])
-
-
-def refuse_intervals(name: str, downwards: bool, found: Any) -> None:
+def refuse_intervals(name: str, downwards: bool, intervals: Any) -> None:
     """Raise PinpressError where the answer of a load's ``intervals`` is not as `ProcessLoad` says; ``name``: of the load."""
-    if not isinstance(found, tuple | list) or not all(isinstance(s, ForceInterval) for s in found):
-        raise PinpressError(f"{name}: intervals({downwards}) is {shown(found)}; give a tuple of ForceInterval, () for none")
-    for interval in found:
+    if not isinstance(intervals, tuple | list) or not all(isinstance(interval, ForceInterval) for interval in intervals):
+        raise PinpressError(f"{name}: intervals({downwards}) is {shown(intervals)}; give a tuple of ForceInterval, () for none")
+    for interval in intervals:
         if not all(isinstance(end, Real) for end in (interval.lower, interval.upper)) or not interval.lower < interval.upper:
             raise PinpressError(
                 f"{name}: an interval from {shown(interval.lower)} to {shown(interval.upper)} m; give lower < upper: ForceInterval takes"
                 " the upper height first"
             )
-    for below, above in itertools.pairwise(sorted(found, key=lambda s: s.lower)):
+    for below, above in itertools.pairwise(sorted(intervals, key=lambda interval: interval.lower)):
         if below.upper > above.lower:
             raise PinpressError(f"{name}: its intervals overlap at {above.lower:g} m; write two loads, or intervals that do not")
 
@@ -194,9 +185,10 @@ class AskedLoad(Asked):
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         try:
             with np.errstate(**self.errors):
-                found = self.part.intervals(downwards)
+                intervals = self.part.intervals(downwards)
         except Exception as error:
             raise PinpressError(f"{name(self)}: intervals({downwards}) cannot be worked out: {said(error)}") from error
-        refuse_intervals(name(self), downwards, found)
+        refuse_intervals(name(self), downwards, intervals)
         scenarios = next(iter(scenario_lengths(self.part).values()), None)
-        return tuple(replace(s, force=Law(f"{name(self)}: force", OF_LOAD, s.force, self.errors, scenarios)) for s in found)
+        law = partial(Law, f"{name(self)}: force", OF_LOAD, errors=self.errors, scenarios=scenarios)
+        return tuple(replace(interval, force=law(call=interval.force)) for interval in intervals)

@@ -24,8 +24,6 @@ from ..common.parameters import Checked, parameter
 from ..common.quantities import Values
 from .process import ForceInterval
 
-MOST_EXPONENT = 10.0
-
 
 @dataclass(frozen=True, eq=False)
 class Impact(Checked):
@@ -59,7 +57,7 @@ class Impact(Checked):
 
     @cached_property
     def _both_ways(self) -> tuple[ForceInterval, ...]:
-        return _below(self, self.height)
+        return _stop(self, self.height, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +96,7 @@ class TwoSidedStop(Checked):
 
     @cached_property
     def _both_ways(self) -> tuple[ForceInterval, ...]:
-        return (*_below(self, self.lower), *_above(self, self.upper))
+        return (*_stop(self, self.lower, 1), *_stop(self, self.upper, -1))
 
 
 def pick_up_force(mass: float, speed: float, stiffness: float, *, preload: float = 0.0) -> float:
@@ -127,36 +125,27 @@ def pick_up_force(mass: float, speed: float, stiffness: float, *, preload: float
 
 def _check_contact(load: Impact | TwoSidedStop) -> None:
     name = type(load).__name__
-    if not 1.0 <= load.exponent <= MOST_EXPONENT:
+    if not 1.0 <= load.exponent <= 10.0:
         raise PinpressError(
-            f"{name}: exponent is {load.exponent:g}; give 1 (a spring) to {MOST_EXPONENT:g}: below 1 the stiffness is infinite where the"
+            f"{name}: exponent is {load.exponent:g}; give 1 (a spring) to 10: below 1 the stiffness is infinite where the"
             " slide touches the stop"
         )
     if np.any(load.damping) and load.depth is None:
         raise PinpressError(f"{name}: depth is missing; give the depth [m] over which the damper grows from zero, or use ElasticDie")
 
 
-def _below(load: Impact | TwoSidedStop, touching: float) -> tuple[ForceInterval, ...]:
-    """The intervals of a stop below the slide: where the damper grows, and below that."""
-    spring = partial(_power, load.stiffness, load.exponent)
-    if not np.any(load.damping) or load.depth is None:
-        return (ForceInterval(touching, -math.inf, partial(_push, touching, 1, spring), one_sided=True, heeds_velocity=False),)
-    full = touching - load.depth
-    growing = partial(_spring_and_damper, touching, 1, spring, load.damping, load.depth)
-    grown = partial(_spring_and_damper, touching, 1, spring, load.damping, None)
-    return ForceInterval(touching, full, growing, one_sided=True), ForceInterval(full, -math.inf, grown, one_sided=True)
+def _stop(load: Impact | TwoSidedStop, touching: float, sense: int) -> tuple[ForceInterval, ...]:
+    """The intervals of a stop below the slide (``sense`` 1) or above it (-1): where the damper grows, and beyond that."""
+    spring, beyond = partial(_power, load.stiffness, load.exponent), -sense * math.inf
 
+    def interval(begin: float, end: float, law: Any, heeds_velocity: bool = True) -> ForceInterval:
+        return ForceInterval(max(begin, end), min(begin, end), law, one_sided=True, heeds_velocity=heeds_velocity, sense=sense)
 
-def _above(load: TwoSidedStop, touching: float) -> tuple[ForceInterval, ...]:
-    """Likewise of a stop above the slide."""
-    spring = partial(_power, load.stiffness, load.exponent)
     if not np.any(load.damping) or load.depth is None:
-        law = partial(_push, touching, -1, spring)
-        return (ForceInterval(math.inf, touching, law, one_sided=True, heeds_velocity=False, sense=-1),)
-    full = touching + load.depth
-    growing = partial(_spring_and_damper, touching, -1, spring, load.damping, load.depth)
-    grown = partial(_spring_and_damper, touching, -1, spring, load.damping, None)
-    return ForceInterval(full, touching, growing, one_sided=True, sense=-1), ForceInterval(math.inf, full, grown, one_sided=True, sense=-1)
+        return (interval(touching, beyond, partial(_push, touching, sense, spring), heeds_velocity=False),)
+    full = touching - sense * load.depth
+    growing, grown = (partial(_spring_and_damper, touching, sense, spring, load.damping, growth) for growth in (load.depth, None))
+    return interval(touching, full, growing), interval(full, beyond, grown)
 
 
 # Module functions that `partial` binds, not closures: loads can then be sent to other processes.

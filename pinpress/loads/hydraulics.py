@@ -24,8 +24,6 @@ from ..common.parameters import Checked, parameter, set_field
 from ..common.quantities import Values
 from .process import ForceInterval, constant_law
 
-MOST_EXPONENT = 3.0
-
 
 @dataclass(frozen=True, eq=False)
 class ImpactDamper(Checked):
@@ -62,8 +60,8 @@ class ImpactDamper(Checked):
             slopes = np.diff(coefficients, axis=0).T / np.diff(heights)
         if not (np.diff(heights) > 0).all() or not np.isfinite(slopes).all():
             raise PinpressError("ImpactDamper: heights neither rises nor falls throughout, or two are too close; sort them, each once")
-        if not 1.0 <= self.exponent <= MOST_EXPONENT:
-            raise PinpressError(f"ImpactDamper: exponent is {self.exponent:g}; give 1 (a gap) to 2 (an orifice), at most {MOST_EXPONENT:g}")
+        if not 1.0 <= self.exponent <= 3.0:
+            raise PinpressError(f"ImpactDamper: exponent is {self.exponent:g}; give 1 (a gap) to 2 (an orifice), at most 3")
         set_field(self, "heights", read_only(heights))
         set_field(self, "coefficients", read_only(coefficients))
 
@@ -106,7 +104,7 @@ class HydraulicCushion(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.rise and not math.isfinite(1.0 / self.rise):
-            raise PinpressError(f"HydraulicCushion: rise is {self.rise:g}; give 0, or a travel [m] long enough to be told")
+            raise PinpressError(f"HydraulicCushion: rise is {self.rise:g}; give 0, or a longer travel [m]")
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         if not downwards:

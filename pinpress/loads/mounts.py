@@ -54,8 +54,8 @@ class Frame(Frozen):
     def tensor(self) -> Array:
         """Inertia tensor (3, 3) about the centre of mass in world axes [kg m2]."""
         wanted = "(3, 3), or (3,) along x, y and z [kg m2]"
-        given = suitable_numbers("Frame: inertia", self.inertia, wanted, None, lambda inertia: inertia.shape in ((3,), (3, 3)))
-        return np.diag(given) if given.ndim == 1 else given
+        inertia = suitable_numbers("Frame: inertia", self.inertia, wanted, None, lambda inertia: inertia.shape in ((3,), (3, 3)))
+        return np.diag(inertia) if inertia.ndim == 1 else inertia
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,6 @@ from ..common.quantities import ATMOSPHERE, Array, Values
 from .caller_laws import LawError
 from .process import ForceInterval
 
-MOST_CYLINDERS = 1000
-
 
 @dataclass(frozen=True, eq=False)
 class BalanceCylinder(Checked):
@@ -145,8 +143,8 @@ Air = BalanceCylinder | PneumaticCushion
 
 def _check_air(load: Air) -> None:
     name = type(load).__name__
-    if not is_whole_number(load.count) or not 1 <= load.count <= MOST_CYLINDERS:
-        raise PinpressError(f"{name}: count is {shown(load.count)}; give the number of cylinders, 1 to {MOST_CYLINDERS}")
+    if not is_whole_number(load.count) or not 1 <= load.count <= 1000:
+        raise PinpressError(f"{name}: count is {shown(load.count)}; give the number of cylinders, 1 to 1000")
     if not load.rod < load.bore:
         raise PinpressError(f"{name}: rod is {load.rod:g} m, not thinner than the bore, {load.bore:g} m; give both diameters in m")
     # The largest adiabatic exponent is that of a gas of single atoms.
@@ -167,8 +165,9 @@ def _law(load: Air) -> Any:
 
 
 def _pressures(load: Air, heights: Array) -> Array:
-    at = heights[..., None] if np.ndim(load.pressure) or np.ndim(load.volume) else heights
-    return np.asarray(_law(load)(at, 0.0)) / _area(load)
+    if np.ndim(load.pressure) or np.ndim(load.volume):
+        heights = heights[..., None]
+    return np.asarray(_law(load)(heights, 0.0)) / _area(load)
 
 
 # A module function that `partial` binds, not a closure: loads can then be sent to other processes.

@@ -251,15 +251,15 @@ def step(x: ArrayLike, x0: float, h0: float, x1: float, h1: float) -> Array:
     Raises:
         PinpressError: x1 is not above x0, or a value is no number.
     """
-    at = any_numbers("step: x", x)
-    if np.isnan(at).any():
+    places = any_numbers("step: x", x)
+    if np.isnan(places).any():
         raise PinpressError("step: x is not finite")
     begin, before, end, after = (number(f"step: {name}", value) for name, value in (("x0", x0), ("h0", h0), ("x1", x1), ("h1", h1)))
     if end > begin and not math.isfinite(1 / (end - begin)):
         raise PinpressError("step: x0 and x1 are too near to each other: move them apart")
     if not end > begin:
         raise PinpressError(f"step: x1 is {end:g}, not above x0, {begin:g}; write step(x, x0, h0, x1, h1) with x0 < x1")
-    share = np.clip((at - begin) / (end - begin), 0.0, 1.0)
+    share = np.clip((places - begin) / (end - begin), 0.0, 1.0)
     share = share * share * (3.0 - 2.0 * share)
     return np.asarray(before * (1.0 - share) + after * share)
 

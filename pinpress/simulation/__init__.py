@@ -12,4 +12,5 @@ What must hold of every run, whatever its solver (tests/simulation/test_invarian
 8. Scenarios. A batch is its single runs. A call that is repeated gives equal bits.
 9. Order. What follows a panel does not change the panel.
 10. States. No kinetic energy is negative, time rises strictly, and every torque is finite.
+11. Rest. At rest the torque needed lies within what brake, friction, loads and gears can hold.
 """
