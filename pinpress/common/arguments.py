@@ -185,6 +185,12 @@ def suitable_numbers(
     return values
 
 
+def rising_speeds(name: str, given: object) -> Array:
+    """The argument as an array (s,) of positive, rising numbers [rad/s], at least one; raises PinpressError if it is anything else."""
+    wanted = "an array of positive numbers, rising [rad/s]"
+    return suitable_numbers(name, given, wanted, (None,), lambda values: len(values) and values[0] > 0 and np.all(np.diff(values) > 0))
+
+
 def number(name: str, value: object, unit: str | None = None, *, positive: bool = False) -> float:
     """The argument as a finite number, quantities in the unit; raises PinpressError if it is no number, or must be ``positive`` and is
     not."""

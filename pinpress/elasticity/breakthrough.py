@@ -200,16 +200,7 @@ def permissible_breakthrough(
 
 
 class Release(NamedTuple):
-    """A break-through, with the arguments of `snap_through`.
-
-    Attributes:
-        force: force F at break-through [N].
-        stiffness: stiffness k of the press [N/m].
-        mass: mass m of the slide and the parts that move with it [kg].
-        damping_ratio: damping ratio zeta [-].
-        break_time: time tau in which the force falls to zero [s].
-        clearance: clearance g of the bearings together [m].
-    """
+    """A break-through: the arguments of `snap_through`, checked."""
 
     force: float
     stiffness: float

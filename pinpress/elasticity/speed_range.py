@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common import tables
-from ..common.arguments import suitable_numbers, typed, whole_number
+from ..common.arguments import rising_speeds, typed, whole_number
 from ..common.errors import SimulationError
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import RPM, Array
@@ -121,7 +121,7 @@ def campbell(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, orders: int
     Raises:
         PinpressError: as `natural_frequencies`, or the speeds or orders are not as described.
     """
-    speed = _rising_speeds(speeds)
+    speed = rising_speeds("speeds", speeds)
     count = whole_number("orders", orders, 1, MOST_ORDERS)
     modes = natural_frequencies(press, elastic, flywheel=flywheel)
     turns, frequency = press.period_turns or 1, modes.natural_frequency
@@ -211,7 +211,7 @@ def over_speeds(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, loads: S
         PinpressError: an argument makes no sense; as `steady_state`.
         SimulationError: the press does not repeat its stroke at one of the speeds, which is named.
     """
-    speed = _rising_speeds(speeds)
+    speed = rising_speeds("speeds", speeds)
     runs: list[ElasticRun] = []
     for rate in speed[::-1].tolist():  # the faster, the fewer vibrations in a stroke: panels are only divided on the way
         runs.insert(0, _stroke(press, elastic, rate, loads, runs[0] if runs else None))
@@ -245,8 +245,3 @@ def _stroke(press: Linkage, elastic: Elastic, speed: float, loads: Sequence[Load
         raise SimulationError(f"at {speed / RPM:.5g} r/min: {error.args[0]}", error.time, error.crank_angle, error.reason) from error
     assert isinstance(run, ElasticRun)
     return run
-
-
-def _rising_speeds(given: ArrayLike) -> Array:
-    wanted = "an array of positive numbers, rising [rad/s]"
-    return suitable_numbers("speeds", given, wanted, (None,), lambda w: len(w) and w[0] > 0 and np.all(np.diff(w) > 0))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common import tables
-from ..common.arguments import suitable_numbers, typed
+from ..common.arguments import rising_speeds, suitable_numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import RPM, Array, ComplexArray
@@ -118,7 +118,7 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> S
         PinpressError: the speeds are not positive and rising, a point is not as described, or a harmonic meets a natural frequency without
             damping.
     """
-    speed, rows = rising_positive("speeds", speeds), named_points(system, points)
+    speed, rows = rising_speeds("speeds", speeds), named_points(system, points)
     frequency, harmonics = wrench_spectra(system, speed)
     amplitude = displacement_amplitudes(system, frequency, harmonics, speed[:, None])
     amplitude[:, 0] = 0.0  # the mean is no vibration, but rounding of the weight
@@ -155,7 +155,7 @@ def transmissibility(system: MountedPress, frequency: ArrayLike, *, axis: str = 
             damping.
     """
     along = axis_index(axis)
-    w = rising_positive("frequency", frequency)
+    w = rising_speeds("frequency", frequency)
     force = rows_at(system.parts[system.carrier], system.centre)[along]
     amplitude = displacement_amplitudes(system, w, np.broadcast_to(force.astype(complex), (len(w), len(force))))
     return np.asarray(np.abs(mount_forces(system, w, amplitude).sum(axis=1)[:, along]))
@@ -243,7 +243,7 @@ def isolate(
         PinpressError: an argument is not as described, nothing shakes the frame, or no mounts meet the demands; the message says
             which conflict.
     """
-    speed, mounts = rising_positive("speeds", speeds), listed_mounts(mounts, "mounts")
+    speed, mounts = rising_speeds("speeds", speeds), listed_mounts(mounts, "mounts")
     wanted = "a share, more than 0 and less than 1"
     limit = float(suitable_numbers("transmitted", transmitted, wanted, suits=lambda share: 0 < share < 1))
     most_sag = None if sag is None else float(suitable_numbers("sag", sag, "a positive length [m]", suits=lambda length: length > 0))
@@ -342,16 +342,6 @@ def shaking_rms(system: MountedPress, harmonics: ComplexArray) -> Array:
 def floor_rms(system: MountedPress, frequency: Array, amplitude: ComplexArray) -> Array:
     """Root mean square (s,) of the force on the floor, all components together [N]."""
     return np.asarray(np.linalg.norm(_rms(mount_forces(system, frequency, amplitude).sum(axis=-2), _states(system)), axis=1))
-
-
-def rising_positive(name: str, given: ArrayLike) -> Array:
-    """A caller's array (s,) of positive, rising numbers, at least one.
-
-    Raises:
-        PinpressError: it is anything else.
-    """
-    wanted = "an array of positive numbers, rising [rad/s]"
-    return suitable_numbers(name, given, wanted, (None,), lambda values: len(values) and values[0] > 0 and np.all(np.diff(values) > 0))
 
 
 def _states(system: MountedPress) -> int:
