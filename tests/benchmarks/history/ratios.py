@@ -42,7 +42,7 @@ def _ratio(ours: Callable[[], object], peer: Callable[[], object]) -> float:
 
 def _turn(ours: str, peer: str) -> float:
     """The ratio of two contestants of inverse dynamics at 360 crank angles."""
-    from benchmarks.mechanics.inverse_dynamics import contestants
+    from benchmarks.speed.inverse_dynamics import contestants
 
     work = {name[1]: call for name, _, call, _ in contestants(360)}
     return _ratio(work[ours], work[peer])
@@ -65,7 +65,7 @@ def track_forces_by_pinocchio() -> float:
 
 def track_free_run() -> float:
     """A free run of the six-bar over 2 s / a plain loop of 200 Runge-Kutta steps with Pinocchio."""
-    from benchmarks.mechanics import simulation
+    from benchmarks.speed import simulation
     from support.oracles.pinocchio_run import free_run
 
     press = pp.load("zxn2_3000b")
@@ -75,7 +75,7 @@ def track_free_run() -> float:
 
 def track_operating_point() -> float:
     """A thousand operating points of a map, torque and all bearings / one by inverse dynamics."""
-    from benchmarks.features import sweep
+    from benchmarks.speed import sweep
 
     press, load = pp.load("zxn2_3000b"), pp.loads.DeepDrawing(force=1.0, start=sweep.START)
     speeds = sweep.SPEEDS[::100]  # 10, by 1000 forces
@@ -87,7 +87,7 @@ def track_operating_point() -> float:
 
 def track_balancing() -> float:
     """The proved optimum of two masses on the JF75G-125 / HiGHS on the same linear program."""
-    from benchmarks.features import balancing
+    from benchmarks.speed import balancing
 
     from pinpress.balancing.program import solve
 
