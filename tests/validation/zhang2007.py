@@ -14,7 +14,7 @@ from validation import zhang2007_arrangements as arrangements
 from validation import zhang2007_balancing as balancing
 from validation import zhang2007_parts, zhang2007_runs, zhang2007_vibration
 from validation.pictures import Panel, draw
-from validation.rows import BEYOND, CONFIRMED, DATA, FINDINGS, NOT, UNPRINTED, Part, Row
+from validation.rows import BEYOND, CONFIRMED, DATA, FINDINGS, NOT, UNPRINTED, Part, Row, computed
 from validation.zhang2007_search import searches_rows
 
 if TYPE_CHECKING:
@@ -29,12 +29,10 @@ def frame() -> zhang2007_vibration.Vibration:
 def vibration_rows() -> Iterator[Row]:
     """Chapter 2: what accelerometers on the frame showed, on 10 mm of rubber, at 200 to 400 r/min."""
 
-    @cache
-    def findings() -> dict[str, str]:
-        return {f"{finding.place}: {finding.says}": f"{finding.gives}. Agrees: {finding.agrees}" for finding in frame().findings()}
-
-    for says in zhang2007_vibration.SAID:
-        yield Row(says, "in words", lambda says=says: findings()[says])
+    return computed(
+        lambda: [f"{finding.gives}. Agrees: {finding.agrees}" for finding in frame().findings()],
+        *((says, "in words") for says in zhang2007_vibration.SAID),
+    )
 
 
 PARTS = (

@@ -56,7 +56,7 @@ DURATION = 1.2  # of a run under piling [s]
 STEP = 1e-4  # step of a run under piling, a sixtieth of the stretching's period [s]
 
 
-SAID = (  # places and findings, as `Vibration.findings` has them
+SAID = (  # places and findings of the thesis, in the order of our answers
     "Fig. 2-7: flywheel alone, 350 per min: vibration very small",
     "Figs. 2-8 to 2-15: idle, to 300 per min: not yet marked; 350: strong",
     "Figs. 2-12 to 2-15: idle: signals like a sine, the machine sways",
@@ -117,69 +117,54 @@ class Vibration:
         return np.asarray(np.linalg.norm(self.over[name].rms["top beam"], axis=1))
 
     def findings(self) -> tuple[VibrationFinding, ...]:
-        """The findings of chapter 2, beside ours."""
-        return (*self._idle_findings(), self._piling(), *self._advice())
+        """The findings of chapter 2, next to ours."""
+        answers = (*self._idle_findings(), self._piling(), *self._advice())
+        return tuple(VibrationFinding(*said.split(": ", 1), *answer) for said, answer in zip(SAID, answers, strict=True))
 
-    def _idle_findings(self) -> Iterator[VibrationFinding]:
+    def _idle_findings(self) -> Iterator[tuple[str, str]]:
         alone, moving = _size(flywheel_alone(self.machines[REAL])), _size(self.idle.rms("top beam"))
-        yield VibrationFinding(
-            "Fig. 2-7",
-            "flywheel alone, 350 per min: vibration very small",
+        yield (
             f"{alone:.2g} m/s² rms on the top beam, {moving / alone:.0f} times less than with the slide",
             "yes",
         )
         two, three, most = np.interp((200, 300, 350), SPEEDS / RPM, self.top_beam(REAL))
-        yield VibrationFinding(
-            "Figs. 2-8 to 2-15",
-            "idle, to 300 per min: not yet marked; 350: strong",
+        yield (
             f"{three / two:.1f} times from 200 to 300 (square of the speed: 2.25), {most / three:.1f} times from 300 to 350 (1.36)",
             "yes, with these pads",
         )
         across = self.idle.rms("top beam")[0] / moving
-        yield VibrationFinding(
-            "Figs. 2-12 to 2-15",
-            "idle: signals like a sine, the machine sways",
+        yield (
             f"higher harmonics {100 * _distortion(self.idle):.2g} % of the first on the top beam; {across:.3f} of it along x, across"
             " the machine",
             "yes",
         )
         places = ", ".join(f"{point} {_size(self.idle.rms(point)):.3f}" for point in POINTS)
-        yield VibrationFinding(
-            "Figs. 2-12 to 2-15", "the top beam moves more than columns and lower beam", f"{places} m/s²", "yes, a little"
-        )
+        yield (f"{places} m/s²", "yes, a little")
         both = foundation.over_speeds(self.machines[REAL], np.array([300, 350]) * RPM, points=SIDES).rms
         more = 100 * (np.divide(*(np.linalg.norm(both[side], axis=1) for side in SIDES)) - 1)
-        yield VibrationFinding(
-            "Figs. 2-8 to 2-15",
-            "the columns on the motor's side move more",
-            f"{more[0]:+.1f} % at 300 per min, {more[1]:+.1f} % at 350: motor and flywheel shift the centre of mass to their side, and near"
-            " the resonance of the sway its inertia twists the frame",
+        yield (
+            f"{more[0]:+.1f} % at 300 per min, {more[1]:+.1f} % at 350: motor and flywheel shift the centre of mass to their side, and"
+            " near the resonance of the sway its inertia twists the frame",
             "at 350 a little, at 300 no: forces of the drive, which the thesis suspects, are not in the model",
         )
 
-    def _piling(self) -> VibrationFinding:
+    def _piling(self) -> tuple[str, str]:
         seen, damped = _decay(self.machines[REAL], self.struck)
-        return VibrationFinding(
-            "Figs. 2-17, 2-18",
-            "piling: dies away after every stroke",
+        return (
             f"logarithmic decrement of the stretching {seen:.3f}, of the mode's damping {damped:.3f}",
             "yes",
         )
 
-    def _advice(self) -> Iterator[VibrationFinding]:
+    def _advice(self) -> Iterator[tuple[str, str]]:
         modes = foundation.modes(self.machines[REAL])
         lowest, stretching = (modes.natural_frequency[k] / (2 * np.pi) for k in (0, modes.motion.index("stretching")))
-        yield VibrationFinding(
-            "2.3.4",
-            "so the speed is far from the natural frequencies",
+        yield (
             f"lowest {lowest:.2f} Hz, {60 * lowest:.0f} per min",
             f"no: what rings is the stretching, at {stretching:.0f} Hz",
         )
         soft = foundation.isolate(self.machines["plain"].press, WHOLE, SPRINGS, speeds=SPEEDS[WORKING], transmitted=0.6)
         through = self.over["plain"].transmitted[: WORKING.stop].max()
-        yield VibrationFinding(
-            "2.3.4",
-            "rubber or springs below keep it from the floor",
+        yield (
             f"rubber of 10 mm: {through:.2f} of the shaking force of the plain press comes through at most; for 0.6 between 200 and 400"
             f" per min: {soft.stiffness[2] / 1e6:.2f} MN/m together, {1e3 * soft.sag:.0f} mm of sag",
             "springs yes, this rubber no",
