@@ -103,30 +103,32 @@ def acceleration_derivatives(
 
     refuse_motion_of_another(press, motion)
     count, joints = len(motion.crank_angle), press.model.nv
-    own = np.zeros(joints) if armature is None else suitable_numbers("armature", armature, f"{joints} finite inertias [kg m2]", (joints,))
+    added_inertia = (
+        np.zeros(joints) if armature is None else suitable_numbers("armature", armature, f"{joints} finite inertias [kg m2]", (joints,))
+    )
     if efforts is None:
-        given = np.zeros((count, joints))
-        given[:, list(press.driver_indices)] = np.reshape(inverse_dynamics(press, motion).driving_torque, (count, -1))
-        given += own * motion.a
+        effort_rows = np.zeros((count, joints))
+        effort_rows[:, list(press.driver_indices)] = np.reshape(inverse_dynamics(press, motion).driving_torque, (count, -1))
+        effort_rows += added_inertia * motion.a
     else:
         wanted = f"({joints},) or ({count}, {joints}) finite efforts of the joints [N m, N]"
         numbers = suitable_numbers("efforts", efforts, wanted, None, lambda values: values.shape in ((joints,), (count, joints)))
-        given = np.broadcast_to(numbers, (count, joints)).copy()
+        effort_rows = np.broadcast_to(numbers, (count, joints)).copy()
     rows = press.structure.relation_coefficients[: len(press.relations)]
     with np.errstate(all="ignore"):  # what is not finite is refused
-        derivatives = ForwardDerivatives(press.forward_dynamics(own), rows)
-        states = zip(np.array(motion.joint_position), np.array(motion.v), given, strict=True)
-        found = [derivatives.at(*state) for state in states]
-    by_position, by_rate, by_effort = (np.array([state[k] for state in found]).reshape(count, -1, joints) for k in (2, 3, 4))
+        derivatives = ForwardDerivatives(press.forward_dynamics(added_inertia), rows)
+        states = zip(np.array(motion.joint_position), np.array(motion.v), effort_rows, strict=True)
+        derivatives_by_state = [derivatives.at(*state) for state in states]
+    by_position, by_rate, by_effort = (np.array([state[k] for state in derivatives_by_state]).reshape(count, -1, joints) for k in (2, 3, 4))
     return AccelerationSensitivity(
         motion=motion,
-        efforts=given,
-        acceleration=np.array([state.acceleration for state in found]).reshape(count, joints),
+        efforts=effort_rows,
+        acceleration=np.array([state.acceleration for state in derivatives_by_state]).reshape(count, joints),
         by_position=by_position[:, :joints],
         by_rate=by_rate[:, :joints],
         by_effort=by_effort[:, :joints],
         multiplier_names=_multiplier_names(press),
-        multipliers=np.array([state.multipliers for state in found]).reshape(count, -1),
+        multipliers=np.array([state.multipliers for state in derivatives_by_state]).reshape(count, -1),
         multipliers_by_position=by_position[:, joints:],
         multipliers_by_rate=by_rate[:, joints:],
         multipliers_by_effort=by_effort[:, joints:],

@@ -187,27 +187,27 @@ class ReactionTangent(NamedTuple):
     shaking_moment: Array
 
 
-def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) -> ReactionTangent:
+def tangent(balanced: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) -> ReactionTangent:
     """Derivatives of reactions.
 
     Args:
-        known: states whose reactions are known.
+        balanced: states whose reactions are known.
         moved: derivatives of the states in the direction.
         by: what the direction adds to the rows of the plane.
         pushes: the loads on moving links.
     """
-    plane, basis, bodies = known.states.plane, known.states.basis, known.statics.bodies
+    plane, basis, bodies = balanced.states.plane, balanced.states.basis, balanced.statics.bodies
     origins, centers = product(plane.origins, basis), product(plane.centers, basis)
     origins_slope = product(plane.origins, moved.basis) + product(by.origins, basis)
     centers_slope = product(plane.centers, moved.basis)
-    second = known.rates.second.copy()
+    second = balanced.rates.second.copy()
     second[0] = 1.0  # so that the first column of the rows is the weight
     own = product(bodies.forces, second)
-    own_slope = product(bodies.forces, moved.second) + known.mass[:, None] * product(by.origins, known.rates.second)
+    own_slope = product(bodies.forces, moved.second) + balanced.mass[:, None] * product(by.origins, balanced.rates.second)
     spin = bodies.inertia @ moved.a
 
     moment = _moment(centers_slope, own) + _moment(centers, own_slope) + spin
-    _add_bearings(known, moved, by, origins_slope, moment)
+    _add_bearings(balanced, moved, by, origins_slope, moment)
     subtree = plane.subtree @ own_slope
     shaking_force = -own_slope.sum(axis=0)
     shaking_moment = -(_moment(origins_slope + centers_slope, own) + _moment(origins + centers, own_slope) + spin).sum(axis=0)
@@ -219,39 +219,39 @@ def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) 
             shaking_force += push.slope
             shaking_moment += _moment(origins_slope[push.body] + arm_slope, push.force)
             shaking_moment += _moment(origins[push.body] + arm, push.slope)
-    torque, forces, moments = _balance(known, moved, origins, subtree, moment)
+    torque, forces, moments = _balance(balanced, moved, origins, subtree, moment)
     return ReactionTangent(torque, forces, moments, shaking_force, shaking_moment)
 
 
-def _add_bearings(known: Balanced, moved: Tangent, by: Shift, origins_slope: ComplexArray, moment: Array) -> None:
+def _add_bearings(balanced: Balanced, moved: Tangent, by: Shift, origins_slope: ComplexArray, moment: Array) -> None:
     """Add to the moment of every body what the known forces of its bearings do because their arms change; its own joint has no arm."""
-    plane, basis = known.states.plane, known.states.basis
+    plane, basis = balanced.states.plane, balanced.states.basis
     count = len(plane.parents)
     for joint, parent in enumerate(plane.parents):
         if parent >= 0:
-            moment[parent] += _moment(origins_slope[joint] - origins_slope[parent], known.forces[joint])
+            moment[parent] += _moment(origins_slope[joint] - origins_slope[parent], balanced.forces[joint])
     first = product(plane.loop_points, moved.basis) + product(by.loop_points, basis)
     second = first + product(plane.gap_rows, moved.basis) + product(by.gap_rows, basis)
-    for k, (body1, body2) in enumerate(known.sides):
+    for k, (body1, body2) in enumerate(balanced.sides):
         if body1 >= 0:
-            moment[body1] += _moment(first[k] - origins_slope[body1], known.forces[count + k])
+            moment[body1] += _moment(first[k] - origins_slope[body1], balanced.forces[count + k])
         if body2 >= 0:
-            moment[body2] -= _moment(second[k] - origins_slope[body2], known.forces[count + k])
+            moment[body2] -= _moment(second[k] - origins_slope[body2], balanced.forces[count + k])
 
 
 def _balance(
-    known: Balanced, moved: Tangent, origins: ComplexArray, subtree: ComplexArray, moment: Array
+    balanced: Balanced, moved: Tangent, origins: ComplexArray, subtree: ComplexArray, moment: Array
 ) -> tuple[Array, ComplexArray | None, Array | None]:
     """Torque, forces and moments of the bearings, from the tips of the tree to the frame as in `engines.planar.inverse_dynamics`.
 
     Args:
-        known: states whose reactions are known.
+        balanced: states whose reactions are known.
         moved: derivatives of the states.
         origins: (nv, n) complex positions of the joint origins [m].
         subtree: (nv, n) complex forces, summed over all bodies that a joint carries.
         moment: (nv, n) moments on the bodies; overwritten.
     """
-    plane, basis, bodies = known.states.plane, known.states.basis, known.statics.bodies
+    plane, basis, bodies = balanced.states.plane, balanced.states.basis, balanced.statics.bodies
     count = len(plane.parents)
     inner = [joint for joint in reversed(range(count)) if plane.parents[joint] >= 0]
     for joint in inner:
@@ -260,11 +260,15 @@ def _balance(
     joint_efforts = plane.sense[:, None] * moment
     slides, slides_slope = product(plane.directions, basis), product(plane.directions, moved.basis)
     for joint, slide, slide_slope in zip(plane.prismatic, slides, slides_slope, strict=True):
-        joint_efforts[joint] = (slide.conj() * subtree[joint]).real + (slide_slope.conj() * known.forces[joint]).real
+        joint_efforts[joint] = (slide.conj() * subtree[joint]).real + (slide_slope.conj() * balanced.forces[joint]).real
     relation_multipliers = np.zeros((len(plane.offsets), basis.shape[1]))
-    tree = tree_without_work(known.statics, subtree.conj())
+    tree = tree_without_work(balanced.statics, subtree.conj())
     torque = balance(
-        known.statics, known.states.slopes.configurations, tree, relation_multipliers, efforts_by_rows(known.statics, joint_efforts)
+        balanced.statics,
+        balanced.states.slopes.configurations,
+        tree,
+        relation_multipliers,
+        efforts_by_rows(balanced.statics, joint_efforts),
     )
     if plane.redundant:
         return torque, None, None

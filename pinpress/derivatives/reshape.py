@@ -198,11 +198,11 @@ def _belongs(plane: Plane, closure: Closure, before: Closure, predicted: Array) 
         return np.asarray((closure.gap <= ACCEPTED * plane.tolerance) & near & kept)
 
 
-def _lost(there: Plane, target: Plane, closure: Closure, before: Closure, predicted: Array) -> AssemblyError | SingularityError:
+def _lost(ahead: Plane, target: Plane, closure: Closure, before: Closure, predicted: Array) -> AssemblyError | SingularityError:
     """The error that says why the assembly cannot be followed."""
     assert before.margins is not None
-    at = int(np.argmin(_belongs(there, closure, before, predicted)))
-    angle, margin = float(before.position[there.driver, at]), float(np.abs(before.margins[:, at]).min(initial=1.0))
+    at = int(np.argmin(_belongs(ahead, closure, before, predicted)))
+    angle, margin = float(before.position[ahead.driver, at]), float(np.abs(before.margins[:, at]).min(initial=1.0))
     end = close(Equations.of(target), np.array([angle]), before.position[:, at : at + 1])
     if end.gap[0] <= ACCEPTED * target.tolerance:
         return SingularityError("on the way to the new lengths two assemblies of the linkage meet; go there in other steps", angle, margin)

@@ -65,31 +65,31 @@ def inverse_dynamics(
     """
     refuse_other_joints(press, motion)
     chosen = press.engine(engine)
-    wanted = _wanted(press, bearings)
+    indices = _select_bearings(press, bearings)
     _refuse_change_points(press, motion)
     law, compliance = friction_law(friction, press), compliances(stiffness, press.bearings)
     checked_loads = applied_loads.wrap_laws(loads)
     with np.errstate(all="ignore"):  # what overflows is refused
         conditions = AppliedConditions(applied_loads.apply(checked_loads, press, motion), law, compliance)
-        wrenches = find_wrenches(press, chosen, motion, conditions, bearings=bool(wanted))
-    given = (tuple(loads), _frozen(friction), _frozen(stiffness))
-    return _reactions(press, motion, chosen.name, conditions, wanted, wrenches, given)
+        wrenches = find_wrenches(press, chosen, motion, conditions, bearings=bool(indices))
+    inputs = (tuple(loads), _freeze(friction), _freeze(stiffness))
+    return _reactions(press, motion, chosen.name, conditions, indices, wrenches, inputs)
 
 
 def in_other_states(reactions: Reactions, motion: Motion) -> Reactions:
     """Reactions under the same loads, friction and stiffness in other states of the same press, of which nobody is warned."""
     press, conditions = reactions._press, reactions._conditions
-    wanted = [k for k, name in enumerate(press.bearings) if name in reactions.bearing_force]
+    indices = [k for k, name in enumerate(press.bearings) if name in reactions.bearing_force]
     with np.errstate(all="ignore"):  # what overflows is refused
         loads = applied_loads.apply(applied_loads.wrap_laws(reactions.loads), press, motion, warned=True)
         conditions = conditions._replace(loads=loads)
-        wrenches = find_wrenches(press, press.engine(reactions.engine), motion, conditions, bearings=bool(wanted))
-    given = (reactions.loads, reactions.friction, reactions.stiffness)
-    return _reactions(press, motion, reactions.engine, conditions, wanted, wrenches, given)
+        wrenches = find_wrenches(press, press.engine(reactions.engine), motion, conditions, bearings=bool(indices))
+    inputs = (reactions.loads, reactions.friction, reactions.stiffness)
+    return _reactions(press, motion, reactions.engine, conditions, indices, wrenches, inputs)
 
 
-def _frozen(given: Mapping[str, T]) -> Mapping[str, T]:
-    return given if isinstance(given, FrozenMapping) else FrozenMapping(given)
+def _freeze(mapping: Mapping[str, T]) -> Mapping[str, T]:
+    return mapping if isinstance(mapping, FrozenMapping) else FrozenMapping(mapping)
 
 
 def _reactions(
@@ -97,24 +97,24 @@ def _reactions(
     motion: Motion,
     engine: str,
     conditions: AppliedConditions,
-    wanted: Sequence[int],
+    indices: Sequence[int],
     wrenches: Wrenches,
-    given: tuple[tuple[Load, ...], Mapping[str, Friction], Mapping[str, float]],
+    inputs: tuple[tuple[Load, ...], Mapping[str, Friction], Mapping[str, float]],
 ) -> Reactions:
     """The wrenches that an engine has found, by the names of the wanted bearings; ``given``: loads, friction and stiffness."""
     names, several = press.bearings, len(press.drivers) > 1
-    kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
+    kept = names if len(indices) == len(names) else tuple(names[k] for k in indices)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
     forces, moments = _between_teeth(press, press.engine(engine), motion, wrenches)
     if 0 < len(kept) < len(names):
-        forces, moments = forces[list(wanted)], moments[list(wanted)]
+        forces, moments = forces[list(indices)], moments[list(indices)]
     wrenches.torque.setflags(write=False)  # before there are views of it
     return Reactions(
         motion=motion,
         engine=engine,
-        loads=given[0],
-        friction=given[1],
-        stiffness=given[2],
+        loads=inputs[0],
+        friction=inputs[1],
+        stiffness=inputs[2],
         driving_torque=wrenches.torque.T if several else wrenches.torque[0],
         bearing_force=NamedArrays(kept, forces, left_out),
         bearing_moment=NamedArrays(kept, moments, left_out),
@@ -152,7 +152,7 @@ def _between_locks(branch: Branch, motion: Motion) -> bool:
     return bool(angles[0] + CLEAR < crank.min() and crank.max() < angles[-1] - CLEAR)
 
 
-def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
+def _select_bearings(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
     """Rising indices of the wanted bearings in `Linkage.bearings`; raises as `inverse_dynamics`."""
     if bearings is None:
         return range(len(press.bearings))

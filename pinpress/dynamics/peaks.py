@@ -217,7 +217,7 @@ def _roots(path: _Path, function: AlongMotion, states: Array, motion: Motion) ->
 
 def _states_between(path: _Path, jumps: Array) -> Array:
     """Times (m,) of 32 more states between any two jumps less than 32 steps apart, because a load may act over less than a step."""
-    near = [(one, other) for one, other in itertools.pairwise(jumps) if other - one < 32 * path.step]
+    near = [(before, after) for before, after in itertools.pairwise(jumps) if after - before < 32 * path.step]
     return np.concatenate([np.zeros(0), *(np.linspace(*pair, 34)[1:-1] for pair in near)])
 
 
@@ -236,13 +236,13 @@ def _remarks(reactions: Reactions, times: Array, jumps: Array, distance: Array) 
 # ----------------------------------------------------------------------------------------------------------------------------- smooth peaks
 
 
-def _smooth_peaks(path: _Path, known: Array, quantities: Callable[[Reactions], Iterable[Array]]) -> Array:
+def _smooth_peaks(path: _Path, state_times: Array, quantities: Callable[[Reactions], Iterable[Array]]) -> Array:
     """Times (m,) at which quantities are largest or smallest, by three parabolas each, from states at ``known`` times [s]."""
 
     def values(times: Array) -> Array:
         return np.array(list(quantities(in_other_states(path.reactions, path.at(times)))))
 
-    times, at_times = known, values(known)
+    times, at_times = state_times, values(state_times)
     for share in (1 / 8, 1 / 64):  # of a step, on both sides of the last vertex: there the next parabola's states are
         vertex = _vertices(path, times, at_times)
         place = np.searchsorted(times, vertex).clip(1, len(times) - 1)

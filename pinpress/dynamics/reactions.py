@@ -207,9 +207,9 @@ class Reactions(Tabular):
 
     @cached_property
     def _shaking(self) -> tuple[Array, Array]:
-        press, found = self._press, self._complete
+        press, wrenches = self._press, self._complete
         with np.errstate(all="ignore"):  # what overflows is refused below
-            force, moment = shaking(press, self.motion, found.force, found.moment, self._conditions.loads)
+            force, moment = shaking(press, self.motion, wrenches.force, wrenches.moment, self._conditions.loads)
             if not math.isfinite(force.sum() + moment.sum()):
                 raise PinpressError(f"the shaking moment of {self._press.name} is not finite: a load is too large for floating point")
         return read_only((force, moment))
@@ -244,9 +244,9 @@ class Reactions(Tabular):
 
 def find_wrenches(press: Linkage, engine: Engine, motion: Motion, conditions: AppliedConditions, bearings: bool) -> Wrenches:
     """Torques and, with ``bearings``, the wrenches of all bearings; raises as `inverse_dynamics`."""
-    found = engine.inverse_dynamics(motion.states(press), conditions, bearings)
-    _refuse_not_finite(motion, found)
-    return found
+    wrenches = engine.inverse_dynamics(motion.states(press), conditions, bearings)
+    _refuse_not_finite(motion, wrenches)
+    return wrenches
 
 
 def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:

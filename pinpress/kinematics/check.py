@@ -152,8 +152,8 @@ class CheckResult(Tabular):
         if self.facts is not None:
             lines += ["", *_describe(self.facts)]
         for severity in SEVERITIES:
-            found = self._of(severity)
-            lines += [""] * bool(found) + [line for finding in found for line in _lines_of(self.file, finding)]
+            listed = self._of(severity)
+            lines += [""] * bool(listed) + [line for finding in listed for line in _lines_of(self.file, finding)]
         return "\n".join(lines)
 
 
@@ -203,8 +203,8 @@ def check_document(
     facts = None
     if all(finding.error is None for finding in findings):
         try:
-            found, facts = _put_together(document, driver, slide, allow_open, gravity)
-            findings += found
+            more, facts = _put_together(document, driver, slide, allow_open, gravity)
+            findings += more
         except UrdfError as error:
             findings.append(Finding.of(error))
     ordered = sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))
@@ -276,16 +276,16 @@ def _turned_back(press: Linkage, data: MainData) -> Iterator[Finding]:
     ends = data.dead_centres
     if ends is None or not data.coordinate.turns or (period := press.branch_through_change_points.period) is None:
         return
-    found, turns = turning_points(press), round(period / (2 * np.pi))
-    if len(found.places) * found.turns <= 2 * turns:
+    points, turns = turning_points(press), round(period / (2 * np.pi))
+    if len(points.places) * points.turns <= 2 * turns:
         return
     further = sorted(
         (angle, position - ends.bottom_position)
-        for angle, position in zip(found.places, found.positions, strict=True)
+        for angle, position in zip(points.places, points.positions, strict=True)
         if angle not in (ends.top_angle, ends.bottom_angle)
     )
     also = ", ".join(f"at {np.degrees(angle):.2f} deg {abs(1e3 * height):.3f} mm" for angle, height in further[:TURNED_BACK])
-    often = f"{len(found.places)} times in {'a turn' if turns == 1 else f'{turns} turns'} of {press.driver}"
+    often = f"{len(points.places)} times in {'a turn' if turns == 1 else f'{turns} turns'} of {press.driver}"
     problem = f"the slide turns back {often}, besides its dead centres {also} above the bottom"
     remedy = "as under a toggle that passes its straight position; if that is not meant, make the crank shorter or move its shaft"
     yield Finding("note", press.document.called("robot", press.name), None, problem, remedy)
@@ -319,13 +319,13 @@ def _count_elements(document: Document) -> str:
     """Links, joints and loops of a file that cannot be put together, and its masses as far as they are numbers."""
     counts = [(len(document.robot.all(tag)), word) for tag, word in (("link", "link"), ("joint", "joint"), ("loop_joint", "loop"))]
     masses = [mass.get("value") for link in document.robot.all("link") for part in link.all("inertial") for mass in part.all("mass")]
-    known = 0.0
+    total = 0.0
     for value in masses:
         with contextlib.suppress(ValueError, TypeError):
-            known += max(float(value), 0.0) if math.isfinite(float(value)) else 0.0
+            total += max(float(value), 0.0) if math.isfinite(float(value)) else 0.0
     named = ", ".join(f"{count} {word}{'' if count == 1 else 's'}" for count, word in counts)
-    scale = tables.scale("kg", [known])
-    return f"as far as it can be read: {named}, {scale.shown(known)} {scale.unit}"
+    scale = tables.scale("kg", [total])
+    return f"as far as it can be read: {named}, {scale.shown(total)} {scale.unit}"
 
 
 def _describe(facts: Facts) -> list[str]:

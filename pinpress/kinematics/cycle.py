@@ -73,11 +73,13 @@ def _over_period(press: Linkage, speed: float | None, points: int | None, engine
     if speed is None:
         unit, such = ("rad/s", "7.0") if press.driver_coordinates[0].turns else ("m/s", "0.1")
         raise PinpressError(f"cycle needs the speed of the driver [{unit}]: give one number for a period, cycle(press, {such})")
-    known = _known(press)
-    angles, speeds, accelerations, times = _period(press, known, speed, points)
-    turning = known.branch.period is not None
-    motion = _along_branch(press, known, known.branch, angles, speeds, accelerations, times, chosen or known.engine, one_period=turning)
-    return motion, known.slide_rates
+    constants = _constants(press)
+    angles, speeds, accelerations, times = _period(press, constants, speed, points)
+    turning = constants.branch.period is not None
+    motion = _along_branch(
+        press, constants, constants.branch, angles, speeds, accelerations, times, chosen or constants.engine, one_period=turning
+    )
+    return motion, constants.slide_rates
 
 
 def motion_through_change_points(
@@ -126,13 +128,8 @@ def _at_speed(rates: _SlideRates, speed: float) -> tuple[float, float]:
 
 
 class _SlideRates(NamedTuple):
-    """How fast the slide is where the crank turns at 1 rad/s; 0 of a linkage without a slide, or without a crank that turns fully.
-
-    Attributes:
-        speed: its largest speed [m/s].
-        acceleration: its largest acceleration [m/s2].
-        coordinate: of the first driver.
-    """
+    """Largest speed [m/s] and acceleration [m/s2] of the slide where the crank turns at 1 rad/s, 0 of a linkage without a slide or without
+    a crank that turns fully; and the coordinate of the first driver."""
 
     speed: float
     acceleration: float
@@ -161,7 +158,7 @@ def moved(
     have the accelerations 0.0; (n, drivers) where there is no branch."""
     chosen = engine if isinstance(engine, ENGINES) else press.engine(cast(str, engine))  # which refuses what is none
     if branch is not None:
-        return _along_branch(press, _known(press), branch, angles, speeds, accelerations, times, chosen)
+        return _along_branch(press, _constants(press), branch, angles, speeds, accelerations, times, chosen)
     with np.errstate(all="ignore"):  # what overflows is refused
         position = follow_drivers(press.engine(), press.structure, press.closed, angles, press.name)
         v, a, gap, solved = chosen.rates(position, np.transpose(speeds), np.transpose(accelerations))
@@ -169,17 +166,10 @@ def moved(
     return closed_motion(press, shared_by_motions(press), ClosedStates(position, v, a, solved=solved), gap, times, None)
 
 
-class _Known(NamedTuple):
-    """What motions along a branch take of a linkage with one driver, in one place, because each look at a linkage compares its model.
+class _Constants(NamedTuple):
+    """What motions along a branch need of a linkage with one driver, together because every access to a linkage compares its model.
 
-    Attributes:
-        fixed: what all motions have in common.
-        branch: its branch.
-        structure: constants for Pinocchio's engine.
-        engine: the fastest engine.
-        slide_rates: how fast the slide is.
-        turns: `Linkage.turns_until_back` where the branch has a period, else None.
-        chain: the chain of dyads that the linkage is; None where it is none.
+    ``turns`` is `Linkage.turns_until_back` where the branch has a period; ``chain`` is None where the linkage is no chain of dyads.
     """
 
     fixed: SharedByMotions
@@ -192,10 +182,10 @@ class _Known(NamedTuple):
 
 
 @per_linkage
-def _known(press: Linkage) -> _Known:
+def _constants(press: Linkage) -> _Constants:
     branch = press.branch
     turns = None if branch.period is None else press.turns_until_back
-    return _Known(
+    return _Constants(
         fixed=shared_by_motions(press),
         branch=branch,
         structure=press.structure,
@@ -214,7 +204,7 @@ def _chain(press: Linkage) -> Chain | None:
 
 def _along_branch(
     press: Linkage,
-    known: _Known,
+    constants: _Constants,
     branch: Branch,
     angles: Array,
     speeds: Array | float,
@@ -227,19 +217,19 @@ def _along_branch(
     one period."""
     if isinstance(speeds, np.ndarray) and not np.any(accelerations) and np.all(speeds == speeds[0]):
         speeds, accelerations = float(speeds[0]), 0.0
-    turns = None if branch.period is None else press.turns_until_back if known.turns is None else known.turns
-    chain = known.chain if branch is known.branch and engine is known.engine else None
-    if chain is not None and (one_period or _reaches(chain, known.branch, angles)):
+    turns = None if branch.period is None else press.turns_until_back if constants.turns is None else constants.turns
+    chain = constants.chain if branch is constants.branch and engine is constants.engine else None
+    if chain is not None and (one_period or _reaches(chain, constants.branch, angles)):
         with np.errstate(all="ignore"):  # what overflows is refused
             states, gap = states_along(chain, branch, angles, speeds, accelerations)
             _refuse_too_fast(press, states.a)
-        return closed_motion(press, known.fixed, states, gap, times, turns)
-    closure = close_on_branch(engine, known.structure, branch, angles, known.fixed.linkage)
+        return closed_motion(press, constants.fixed, states, gap, times, turns)
+    closure = close_on_branch(engine, constants.structure, branch, angles, constants.fixed.linkage)
     with np.errstate(all="ignore"):
         v, a = _rates(closure, speeds, accelerations)
         _refuse_too_fast(press, a)
     states = ClosedStates(closure.position, v, a, closure.basis, closure.solved)
-    return closed_motion(press, known.fixed, states, closure.gap, times, turns)
+    return closed_motion(press, constants.fixed, states, closure.gap, times, turns)
 
 
 def _reaches(chain: Chain, branch: Branch, angles: Array) -> bool:
@@ -264,15 +254,15 @@ def _rates(closure: Closure, speed: Array | float, acceleration: Array | float) 
 
 
 def _period(
-    press: Linkage, known: _Known, speed: float | ArrayLike, points: int | None
+    press: Linkage, constants: _Constants, speed: float | ArrayLike, points: int | None
 ) -> tuple[Array, Array | float, Array | float, Array]:
     """Angles, speeds, accelerations and times (n,) of `cycle`; constant speeds and accelerations are one number."""
-    branch, rate = known.branch, float(speed) if isinstance(speed, float) and math.isfinite(speed) else _one_speed(press, speed)
+    branch, rate = constants.branch, float(speed) if isinstance(speed, float) and math.isfinite(speed) else _one_speed(press, speed)
     if not branch.coordinate.turns:
         return _there_and_back(branch, rate, points)
     if branch.period is None:  # a prescribed turn does not go through change points
         raise out_of_branch(branch, rate > 0, press.branch_through_change_points)
-    turns = press.period_turns if known.turns is None else known.turns
+    turns = press.period_turns if constants.turns is None else constants.turns
     period = 2 * np.pi * turns
     if not (rate and math.isfinite(period / rate)):
         raise PinpressError(f"speed is {abs(rate):g}: a turn never ends; give another, 70 r/min are 70 * pinpress.RPM [rad/s]")

@@ -105,7 +105,7 @@ def _stationary_ratio(stroke: Stroke, length: complex, grid: Array) -> ComplexAr
 
 def _extreme_at_one_end(stroke: Stroke, length: complex) -> ComplexArray:
     """Starts of the windows at one of whose ends the speed equals one of its extremes on the stroke."""
-    found = [np.empty(0, complex)]
+    starts = [np.empty(0, complex)]
     extremes, nodes = stroke.speed_extremes, stroke.nodes
     speeds = stroke.speed(nodes).real
     for place, level in zip(extremes, stroke.speed(extremes), strict=True):
@@ -117,9 +117,9 @@ def _extreme_at_one_end(stroke: Stroke, length: complex) -> ComplexArray:
         touching = (low == place.real) | (high == place.real)  # at the extreme itself
         ends = zeros(above, low[~touching], high[~touching])
         travel = stroke.travel(ends)
-        found += [ends[(travel + length).real < stroke.length.real]]
-        found += [stroke.place_at(travel[travel.real > length.real] - length)]
-    return np.concatenate(found)
+        starts += [ends[(travel + length).real < stroke.length.real]]
+        starts += [stroke.place_at(travel[travel.real > length.real] - length)]
+    return np.concatenate(starts)
 
 
 def _sign_changes(values: Array, places: Array) -> tuple[Array, Array]:

@@ -144,12 +144,12 @@ def directions(press: Linkage) -> tuple[str, str]:
 def tool_in_words(press: Linkage) -> str:
     """Where process forces act on the slide, as "at x = 0.0 mm, the middle of SL and SR": coordinates that the guide lets change are
     left out, or those of the drawn pose where the guide is along no world axis."""
-    found, along = press.tool, press.slide_direction
-    place = press.model.jointPlacements[press.slide_guide.joint + 1].act(found.in_body)
+    tool, along = press.tool, press.slide_direction
+    place = press.model.jointPlacements[press.slide_guide.joint + 1].act(tool.in_body)
     upright = np.abs(along) > ALONG
     kept = [axis for axis in range(3) if not upright[axis] and (axis != 1 or abs(place[1]) > ALIKE * press.size)]
     words = ", ".join(f"{'xyz'[axis]} = {1e3 * place[axis] + 0.0:.1f} mm" for axis in kept)
-    return f"at {words}{'' if upright.any() else ' as drawn'}, {found.name}"
+    return f"at {words}{'' if upright.any() else ' as drawn'}, {tool.name}"
 
 
 def main_lines(data: MainData, drivers: Sequence[str]) -> list[str]:

@@ -66,15 +66,15 @@ def read_motion(press: Linkage, path: str | os.PathLike[str], *, period: float |
 
 def _names(press: Linkage, order: int) -> list[tuple[str, ...]]:
     """For every driver the names that a column of its coordinate (order 0), speed (1) or acceleration (2) may have."""
-    found = []
+    names_by_driver = []
     for driver, coordinate in zip(press.drivers, press.driver_coordinates, strict=True):
         head = coordinate.heads[order][0]
         if len(press.drivers) > 1:
-            own: tuple[str, ...] = (f"{head}_{driver}",)
+            names: tuple[str, ...] = (f"{head}_{driver}",)
         else:
-            own = (head,) if order else (head, coordinate.position.split()[-1])
-        found.append(own if order else (driver, *own))
-    return found
+            names = (head,) if order else (head, coordinate.position.split()[-1])
+        names_by_driver.append(names if order else (driver, *names))
+    return names_by_driver
 
 
 def _rates(press: Linkage, table: Channels, order: int) -> Array | None:

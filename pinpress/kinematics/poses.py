@@ -43,14 +43,14 @@ def poses(press: Linkage, joint_position: Array) -> Poses:
 
 def rotation_of(press: Linkage, joint_position: Array, joint: int) -> Array:
     """Rotations (n, 3, 3) of the body of a Pinocchio joint at joint coordinates (n, nv)."""
-    model, axes, found = press.model, press.axes, np.broadcast_to(np.eye(3), (len(joint_position), 3, 3))
+    model, axes, rotation = press.model, press.axes, np.broadcast_to(np.eye(3), (len(joint_position), 3, 3))
     while joint:
         turned = model.jointPlacements[joint].rotation
         axis = axes[joint - 1]
         if axis.turns:
             turned = turned @ _turned(axis.direction, joint_position[:, joint - 1])
-        found, joint = turned @ found, model.parents[joint]
-    return found
+        rotation, joint = turned @ rotation, model.parents[joint]
+    return rotation
 
 
 def carried(place: pin.SE3, axis: Axis, moved: Array, rotation: Array, position: Array) -> tuple[Array, Array]:

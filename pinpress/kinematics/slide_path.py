@@ -78,12 +78,12 @@ def dead_centres(press: Linkage) -> DeadCentres:
         PinpressError: the linkage has no slide or several drivers, its slide never turns back, or it is not back after many turns.
         SingularityError: the linkage locks within the period.
     """
-    found = turning_points(press)
-    top, bottom = (found.first_of_the_farthest(upwards) for upwards in (True, False))
-    places, positions = found.places, found.positions
+    points = turning_points(press)
+    top, bottom = (points.first_of_the_farthest(upwards) for upwards in (True, False))
+    places, positions = points.places, points.positions
     kind = DeadCentres if press.driver_coordinates[0].turns else DeadCentresOverTravel
     ends = float(places[top]), float(positions[top]), float(places[bottom]), float(positions[bottom])
-    return kind(*ends, found.turns, len(found.strokes))
+    return kind(*ends, points.turns, len(points.strokes))
 
 
 class TurningPoints(NamedTuple):
@@ -139,9 +139,9 @@ def turning_points(press: Linkage) -> TurningPoints:
             repeats = parts
             break
     turns = Fraction(round(period / (2 * np.pi)), repeats)
-    found = TurningPoints(angles, positions, 0, near, turns.numerator if turns.denominator == 1 else float(turns), ())
+    points = TurningPoints(angles, positions, 0, near, turns.numerator if turns.denominator == 1 else float(turns), ())
     order = np.argsort(angles)[: len(angles) // repeats]
-    return _with_strokes(found, order.tolist())
+    return _with_strokes(points, order.tolist())
 
 
 def _within_travel(press: Linkage) -> TurningPoints:

@@ -157,12 +157,7 @@ class DyadAngles(Tabular):
 
 
 class _Bearings(NamedTuple):
-    """The bearings of a dyad.
-
-    Attributes:
-        middle: name of the bearing that joins the two links.
-        ends: names of the bearings that join them to the rest.
-    """
+    """The bearings of a dyad: names of the one that joins the two links, and of those that join the links to the rest."""
 
     middle: str
     ends: tuple[str, str]
@@ -181,12 +176,8 @@ def _bearings(press: Linkage, plane: Plane, block: Block) -> _Bearings:
 
 
 class _Placed(NamedTuple):
-    """Bearings in n states, by their names.
-
-    Attributes:
-        points: (n, 3) where their forces act, world axes [m].
-        slides: (n, 3) world directions along which those bearings slide that are no pins.
-    """
+    """Bearings in n states, by their names: points (n, 3) where their forces act [m], and directions (n, 3) in which guides and slots
+    slide, in world axes."""
 
     points: Mapping[str, Array]
     slides: Mapping[str, Array]

@@ -23,7 +23,7 @@ from pinpress.kinematics import cycle as cycles
 
 
 def find_chain(press):
-    return cycles._known(press).chain
+    return cycles._constants(press).chain
 
 
 def crank(drawing, length=0.2, at=0j):

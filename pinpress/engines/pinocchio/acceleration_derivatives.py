@@ -144,11 +144,11 @@ class ForwardDerivatives:
         if not len(jacobian):
             return 0, 1.0
         sizes = np.linalg.svd(np.linalg.solve(root, dynamics.column * jacobian.T), compute_uv=False) ** 2
-        held = int(np.count_nonzero(sizes > CLEAR * sizes[0]))
-        if not dynamics.rank - len(self.gears) <= held <= dynamics.rank:
+        count = int(np.count_nonzero(sizes > CLEAR * sizes[0]))
+        if not dynamics.rank - len(self.gears) <= count <= dynamics.rank:
             problem = f"the loops of {dynamics.name} nearly lose an equation: derivatives would be lost in rounding"
-            raise SingularityError(problem, float(x[dynamics.driver]), float(sizes[held - 1] / sizes[0]), dynamics.structure.place(x))
-        return held, 0.5 * float(sizes[held - 1])
+            raise SingularityError(problem, float(x[dynamics.driver]), float(sizes[count - 1] / sizes[0]), dynamics.structure.place(x))
+        return count, 0.5 * float(sizes[count - 1])
 
     def _gears_needed(self, jacobian: Array, held: int) -> NDArray[np.int64]:
         """Which gear pairs keep ratios that the points, holding so many equations, do not: as many as the rank asks for."""
@@ -164,13 +164,13 @@ class ForwardDerivatives:
 
     def _without_gears(self, x: Array, v: Array, efforts: Array) -> tuple[Array, Array, list[Array]]:
         """Acceleration (nv,), multipliers (rows,), and the derivatives of both (nv + rows, nv) by position, rate and effort."""
-        own = np.zeros(1)
+        zero = np.zeros(1)
         model, data, points, data_of_points, settings = self.model, self.data, self.points, self.data_of_points, self.settings
-        state = [np.concatenate([own, values]) for values in (x, v, efforts)]
+        state = [np.concatenate([zero, values]) for values in (x, v, efforts)]
         acceleration = np.array(pin.constraintDynamics(model, data, *state, points, data_of_points, settings))[1:]
         multipliers = self.signs * np.array([each.contact_force.linear for each in data_of_points]).reshape(-1)
-        found = pin.computeConstraintDynamicsDerivatives(model, data, points, data_of_points, settings)
-        of_acceleration, of_multipliers = ([np.array(each) for each in found[k : k + 3]] for k in (0, 3))
+        derivatives_of_both = pin.computeConstraintDynamicsDerivatives(model, data, points, data_of_points, settings)
+        of_acceleration, of_multipliers = ([np.array(each) for each in derivatives_of_both[k : k + 3]] for k in (0, 3))
         derivatives = [
             np.concatenate([a[1:, 1:], self.signs[:, None] * m.reshape(-1, model.nv)[:, 1:]])
             for a, m in zip(of_acceleration, of_multipliers, strict=True)

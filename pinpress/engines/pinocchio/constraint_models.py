@@ -27,7 +27,7 @@ def constraint_models(structure: Structure, closed: Array) -> tuple[pin.PointAnc
         data = data_of(model)
         pin.forwardKinematics(model, data, configuration(structure.slots, closed))
         rotations = [placement.rotation for placement in data.oMi]
-    found = []
+    models = []
     for loop in structure.loops:
         if loop.type == "fixed":
             ends = pin.SE3(loop.rotation1, loop.point1), pin.SE3(loop.rotation2, loop.point2)
@@ -41,8 +41,8 @@ def constraint_models(structure: Structure, closed: Array) -> tuple[pin.PointAnc
             ]
         for anchor in anchors:
             anchor.name = loop.name
-        found += anchors
-    return tuple(found)
+        models += anchors
+    return tuple(models)
 
 
 def held_points(loop: LoopJoint, rotations: Sequence[Array], size: float) -> list[PointPair]:

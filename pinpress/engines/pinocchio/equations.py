@@ -132,9 +132,9 @@ class OneConfiguration:
         return rotation @ self.data.v[joint].angular, rotation @ self.data.a[joint].angular
 
 
-def cross(one: Array, other: Array) -> Array:
+def cross(a3: Array, b3: Array) -> Array:
     """The vector product of two vectors (3,); `numpy.cross` takes ten times as long for so few numbers."""
-    (a, b, c), (x, y, z) = one.tolist(), other.tolist()
+    (a, b, c), (x, y, z) = a3.tolist(), b3.tolist()
     return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
@@ -164,13 +164,13 @@ def _equations(one: OneConfiguration, loops: Loops, x: Array) -> Equations:
     return Equations(loops, x, placed, ends, gaps, entries, held)
 
 
-def _drift(one: OneConfiguration, loops: Loops, found: Equations, v: Array) -> Array:
+def _drift(one: OneConfiguration, loops: Loops, equations: Equations, v: Array) -> Array:
     """Second derivative (rows, n) of the gaps at joint rates (nv, n) and no joint acceleration."""
-    result, nothing = np.empty_like(found.gaps), np.empty(0)
-    q = configuration(loops.structure.slots, found.x)
+    result, nothing = np.empty_like(equations.gaps), np.empty(0)
+    q = configuration(loops.structure.slots, equations.x)
     for i in range(v.shape[1]):
-        rows = Rows(np.ascontiguousarray(q[:, i]), nothing, nothing, [np.ascontiguousarray(held[..., i]) for held in found.held])
+        rows = Rows(np.ascontiguousarray(q[:, i]), nothing, nothing, [np.ascontiguousarray(held[..., i]) for held in equations.held])
         result[:, i] = one.drift(rows, np.ascontiguousarray(v[:, i]))
     if loops.structure.curves:
-        result[-len(loops.structure.relations) :] = loops.structure.relation_drift(found.x, v)
+        result[-len(loops.structure.relations) :] = loops.structure.relation_drift(equations.x, v)
     return result

@@ -25,9 +25,9 @@ def by_pinocchio(structure: Structure) -> Method:
     return Method(one_by_one(structure), _open_tree)
 
 
-def _open_tree(loops: Loops, found: Equations, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
+def _open_tree(loops: Loops, equations: Equations, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
     """Forces of the open tree."""
-    structure, rotation, (count, n) = loops.structure, found.placed.rotation, states.v.shape
+    structure, rotation, (count, n) = loops.structure, equations.placed.rotation, states.v.shape
     data, q = data_of(structure.model), configuration(structure.slots, states.position)
     pushed = np.zeros((n, count + 1, 6))  # forces and moments of the loads in the frames of the joints
     for load in loads:

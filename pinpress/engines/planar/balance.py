@@ -138,15 +138,15 @@ def build_statics(bodies: Bodies, equations: Equations) -> Statics:
     count, joints = functions.count, len(functions.rows)
     together: ComplexArray = np.zeros((count + joints, count), complex)
     trees = []
-    for one, end in zip(functions.ones, (*functions.ones[1:], count), strict=True):
-        carried = [j for j, row in enumerate(functions.rows) if one < row < end]
-        columns = [functions.places[row] for row in range(one, end)]
-        rows, of_joints = slice(one, end), slice(carried[0], carried[-1] + 1)
+    for first_row, end in zip(functions.ones, (*functions.ones[1:], count), strict=True):
+        carried = [j for j, row in enumerate(functions.rows) if first_row < row < end]
+        columns = [functions.places[row] for row in range(first_row, end)]
+        rows, of_joints = slice(first_row, end), slice(carried[0], carried[-1] + 1)
         to_work = bodies.reduced[[place - 1 for place in columns[1:]]][:, columns].conj()
         to_forces = bodies.subtree_forces[carried][:, columns].conj()
         single = tuple(np.array(entry) for entry in (*to_work[0], *to_forces[0])) if len(carried) == 1 else ()
         trees.append(Tree(of_joints, rows, to_work, to_forces, single))
-        together[one + 1 : end, rows] = to_work
+        together[first_row + 1 : end, rows] = to_work
         together[count + carried[0] : count + carried[-1] + 1, rows] = to_forces
     return Statics(bodies, equations, together, tuple(trees), guided_bodies(functions, bodies))
 

@@ -77,8 +77,8 @@ class PlanarEngine:
 
     def closing_function(self) -> CloseDrivers:
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
-            found, rate = closing.close(self.equations, drivers[0], guess, with_margins=True), along[0]
-            return found if np.all(rate == 1.0) else replace(found, first=rate * found.first, second=rate**2 * found.second)
+            closure, rate = closing.close(self.equations, drivers[0], guess, with_margins=True), along[0]
+            return closure if np.all(rate == 1.0) else replace(closure, first=rate * closure.first, second=rate**2 * closure.second)
 
         return close
 

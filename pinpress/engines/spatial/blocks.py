@@ -118,12 +118,8 @@ def _rank(columns: Array) -> int:
 
 
 class _Factors(NamedTuple):
-    """Blocks of one shape, factorised.
-
-    Attributes:
-        inverse: (k, m, b, n) from gaps to the joints that close them, in the least-squares sense.
-        idle: (m - k, m, b, n) orthonormal multipliers that balance each other on the joints of the block.
-    """
+    """Blocks of one shape: (k, m, b, n) from gaps to the joints that close them, in the least-squares sense, and (m - k, m, b, n)
+    orthonormal multipliers that balance each other on the joints of the block."""
 
     inverse: Array
     idle: Array

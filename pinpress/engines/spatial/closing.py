@@ -45,13 +45,13 @@ class PassiveColumns:
     @cached_property
     def parts(self) -> list[Part]:
         """The idle multipliers, in parts of equal rank."""
-        found = []
+        parts = []
         if self._blocks is not None and self._blocks.regular.any() and self.loops.rows > len(self.loops.passive):
             states = slice(None) if self.regular else np.flatnonzero(self._blocks.regular)
-            found.append(Part(states, self._blocks.idle()[states]))
+            parts.append(Part(states, self._blocks.idle()[states]))
         if not self.regular:
-            found += [Part(self._others[part.states], part.left[:, :, part.rank :]) for part in self._decomposed.parts]
-        return found
+            parts += [Part(self._others[part.states], part.left[:, :, part.rank :]) for part in self._decomposed.parts]
+        return parts
 
     def rates(self, target: Array) -> Array:
         """Joint rates (nv, n), those of drivers zero, that change the gaps by ``target`` (rows, n) in the least-squares sense."""
@@ -119,7 +119,7 @@ def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins
         if n <= step:
             return _close(loops, drivers, along, guess, with_margins, by)
         parts = (slice(k, k + step) for k in range(0, n, step))
-        pieces = (_close(loops, drivers[:, some], along[:, some], guess[:, some], with_margins, by) for some in parts)
+        pieces = (_close(loops, drivers[:, piece], along[:, piece], guess[:, piece], with_margins, by) for piece in parts)
         return joined(pieces, n)
 
 
@@ -127,37 +127,37 @@ def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margin
     moving = list(loops.structure.drivers)
     x = guess.copy()
     x[moving] = drivers
-    found, gap, steps = _solved(loops, x, by)
+    equations, gap, steps = _solve_gaps(loops, x, by)
     failed = ~np.isfinite(gap)
     if failed.any():
-        found.entries[:, failed] = 0.0
-    passive = PassiveColumns(loops, found.entries, by.in_blocks)
-    first = passive.rates(-np.einsum("rdn,dn->rn", found.driving, along))
+        equations.entries[:, failed] = 0.0
+    passive = PassiveColumns(loops, equations.entries, by.in_blocks)
+    first = passive.rates(-np.einsum("rdn,dn->rn", equations.driving, along))
     first[moving] = along
-    second = passive.rates(-by.drift(loops, found, first))
+    second = passive.rates(-by.drift(loops, equations, first))
     first[:, failed] = second[:, failed] = np.nan
     margins = np.where(failed, 0.0, passive.margins()) if with_margins else None
     return Closure(
-        x, first, second, gap, float(gap.max(initial=0.0)), steps, margins, solved=Solved(found, passive) if by.in_blocks else None
+        x, first, second, gap, float(gap.max(initial=0.0)), steps, margins, solved=Solved(equations, passive) if by.in_blocks else None
     )
 
 
-def _solved(loops: Loops, x: Array, by: Kinematics) -> tuple[Equations, Array, int]:
+def _solve_gaps(loops: Loops, x: Array, by: Kinematics) -> tuple[Equations, Array, int]:
     """The equations where Newton's method ends, from joint coordinates (nv, n), which it changes; their largest gaps (n,) [m], not finite
     where it failed; and the number of steps."""
     tolerance = loops.structure.tolerance
     before, steps = np.full(x.shape[1], np.inf), 0
     while True:
-        found = by.equations(loops, x)
-        gap = found.widest()
-        gap[~np.isfinite(found.entries).all(axis=0)] = np.inf
+        equations = by.equations(loops, x)
+        gap = equations.widest()
+        gap[~np.isfinite(equations.entries).all(axis=0)] = np.inf
         stalled = (gap > 0.5 * before) & (gap < ACCEPTED * tolerance)
         open_states = np.flatnonzero(~((gap <= tolerance) | stalled) & np.isfinite(gap))
         if not len(open_states) or steps == MOST_NEWTON_STEPS:
-            return found, gap, steps
-        some = slice(None) if len(open_states) == len(gap) else open_states  # without copies where all are open
-        before[some] = gap[some]
-        x[:, some] -= PassiveColumns(loops, found.entries[:, some], by.in_blocks).rates(found.gaps[:, some])
+            return equations, gap, steps
+        piece = slice(None) if len(open_states) == len(gap) else open_states  # without copies where all are open
+        before[piece] = gap[piece]
+        x[:, piece] -= PassiveColumns(loops, equations.entries[:, piece], by.in_blocks).rates(equations.gaps[:, piece])
         steps += 1
 
 
@@ -168,10 +168,10 @@ def rates(loops: Loops, position: Array, speed: Array, acceleration: Array, by: 
         pieces = (slice(k, k + step) for k in range(0, n, step))
         parts = [rates(loops, position[:, piece], speed[:, piece], acceleration[:, piece], by) for piece in pieces]
         return JointRates(*(np.concatenate([part[k] for part in parts], axis=-1) for k in range(3)))
-    moving, found = list(loops.structure.drivers), by.equations(loops, position)
-    passive, columns = PassiveColumns(loops, found.entries, by.in_blocks), found.driving
+    moving, equations = list(loops.structure.drivers), by.equations(loops, position)
+    passive, columns = PassiveColumns(loops, equations.entries, by.in_blocks), equations.driving
     v = passive.rates(-np.einsum("rdn,dn->rn", columns, speed))
     v[moving] = speed
-    a = passive.rates(-np.einsum("rdn,dn->rn", columns, acceleration) - by.drift(loops, found, v))
+    a = passive.rates(-np.einsum("rdn,dn->rn", columns, acceleration) - by.drift(loops, equations, v))
     a[moving] = acceleration
-    return JointRates(v, a, found.widest(), Solved(found, passive) if by.in_blocks else None)
+    return JointRates(v, a, equations.widest(), Solved(equations, passive) if by.in_blocks else None)

@@ -284,21 +284,21 @@ def _logarithm(rotations: Array) -> Array:
 def gaps(loops: Loops, position: Array) -> Array:
     """See `Engine.gaps`."""
     pieces = (position[:, k : k + loops.piece] for k in range(0, position.shape[1], loops.piece))
-    return np.concatenate([np.zeros(0), *(equations(loops, some).widest() for some in pieces)])
+    return np.concatenate([np.zeros(0), *(equations(loops, piece).widest() for piece in pieces)])
 
 
-def drift(loops: Loops, found: Equations, axes: Array, v: Array) -> Array:
+def drift(loops: Loops, state: Equations, axes: Array, v: Array) -> Array:
     """Second derivative (rows, n) of the gaps at joint rates (nv, n) and no joint acceleration; ``axes``: of `motion_axes`."""
     structure, count = loops.structure, len(loops.structure.loops)
     moved = velocities(loops.bodies, axes, v)
     changed = accelerations(loops.bodies, axes, moved, v, None)
     spin, linear = moved.spin[loops.joint], moved.linear[loops.joint]
-    of_ends = changed.linear[loops.joint] + cross(changed.turning[loops.joint], found.ends)
-    of_ends += cross(spin, linear + cross(spin, found.ends))
-    result = np.zeros_like(found.gaps)
+    of_ends = changed.linear[loops.joint] + cross(changed.turning[loops.joint], state.ends)
+    of_ends += cross(spin, linear + cross(spin, state.ends))
+    result = np.zeros_like(state.gaps)
     result[: 3 * count] = (of_ends[1] - of_ends[0]).reshape(3 * count, v.shape[1])
     row = 3 * count
-    for k, (loop, held) in enumerate(zip(structure.loops, found.held, strict=True)):
+    for k, (loop, held) in enumerate(zip(structure.loops, state.held, strict=True)):
         if loop.held_rotations:
             (spin1, spin2), (turned1, turned2) = spin[:, k], changed.turning[loops.joint[:, k]]
             # of t . (spin2 - spin1), where the direction t turns with body 1
@@ -306,7 +306,7 @@ def drift(loops: Loops, found: Equations, axes: Array, v: Array) -> Array:
             result[row : row + loop.held_rotations] = structure.size * np.einsum("ihn,in->hn", held, relative)
             row += loop.held_rotations
     if structure.curves:
-        result[row:] = structure.relation_drift(found.x, v)
+        result[row:] = structure.relation_drift(state.x, v)
     return result
 
 
@@ -345,8 +345,8 @@ class Kinematics(NamedTuple):
     in_blocks: bool
 
 
-def _drift(loops: Loops, found: Equations, v: Array) -> Array:
-    return drift(loops, found, motion_axes(loops.bodies, found.placed), v)
+def _drift(loops: Loops, state: Equations, v: Array) -> Array:
+    return drift(loops, state, motion_axes(loops.bodies, state.placed), v)
 
 
 AT_ONCE = Kinematics(equations, _drift, in_blocks=True)

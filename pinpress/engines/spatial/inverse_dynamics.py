@@ -58,17 +58,17 @@ def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedCond
     result = Wrenches.zeros(len(structure.drivers), len(structure.relations), structure.model.nv + len(structure.loops), n, bearings)
     pieces = [slice(start, start + loops.piece) for start in range(0, n, loops.piece)]
     fastest = None if law is None or len(pieces) == 1 else law.moving(_speeds(loops, states, pieces, by))
-    for some in pieces:
-        part = states if len(pieces) == 1 else states.part(some)
-        balance = _Balance(loops, part, [load.part(some) for load in conditions.loads], conditions.compliance, by)
+    for piece in pieces:
+        part = states if len(pieces) == 1 else states.part(piece)
+        balance = _Balance(loops, part, [load.part(piece) for load in conditions.loads], conditions.compliance, by)
         if law is None:
-            friction = balance.no_friction()
+            friction = _Friction(np.zeros_like(part.v), np.zeros((len(structure.loops), 3, part.v.shape[1])))
             multipliers = balance.multipliers(friction, shared=bearings)
         else:
-            speeds = law.moving(balance.speeds()) if fastest is None else fastest[:, some]
+            speeds = law.moving(balance.speeds()) if fastest is None else fastest[:, piece]
             multipliers, friction, lost = balance.with_friction(law, speeds)
-            result.friction[:, some] = lost
-        balance.fill(result.part(some), multipliers, friction, bearings)
+            result.friction[:, piece] = lost
+        balance.fill(result.part(piece), multipliers, friction, bearings)
     return result
 
 
@@ -79,11 +79,11 @@ def bearing_loads(
     n = states.v.shape[1]
     speed, radial = np.empty_like(efforts), np.empty((*efforts.shape, 3))
     for start in range(0, n, loops.piece):
-        some = slice(start, start + loops.piece)
-        balance = _Balance(loops, states.part(some), [load.part(some) for load in loads], None, by)
-        speed[:, some], directions = balance.ways(rates[:, some])
-        multipliers = balance.multipliers(balance.friction(efforts[:, some], directions))
-        radial[:, some] = balance.radial(multipliers, directions).transpose(0, 2, 1)
+        piece = slice(start, start + loops.piece)
+        balance = _Balance(loops, states.part(piece), [load.part(piece) for load in loads], None, by)
+        speed[:, piece], directions = balance.ways(rates[:, piece])
+        multipliers = balance.multipliers(balance.friction(efforts[:, piece], directions))
+        radial[:, piece] = balance.radial(multipliers, directions).transpose(0, 2, 1)
     return BearingLoads(speed, radial)
 
 
@@ -93,24 +93,24 @@ def indeterminate(loops: Loops, position: Array, axes: Array, by: Method) -> tup
     structure = loops.structure
     marks, relations = np.zeros((structure.model.nv + len(structure.loops), 6), dtype=bool), np.zeros(len(structure.relations), dtype=bool)
     for start in range(0, position.shape[1], loops.piece):
-        found = by.kinematics.equations(loops, position[:, start : start + loops.piece])
-        for part in PassiveColumns(loops, found.entries, by.kinematics.in_blocks).parts:
+        equations = by.kinematics.equations(loops, position[:, start : start + loops.piece])
+        for part in PassiveColumns(loops, equations.entries, by.kinematics.in_blocks).parts:
             if not part.idle.shape[2] or not len(part.idle):
                 continue
             idle = _configurations_last(part.idle)
-            forces, moments = _loop_wrenches(loops, found, part.states, idle)
+            forces, moments = _loop_wrenches(loops, equations, part.states, idle)
             for place, vectors, unit in (
                 (0, _forces_of_bearings(loops, forces), 1.0),
-                (3, _moments_of_bearings(loops, found, part.states, forces, moments), structure.size),
+                (3, _moments_of_bearings(loops, equations, part.states, forces, moments), structure.size),
             ):
                 marks[:, place : place + 3] |= np.abs(np.einsum("ai,kbim->bakm", axes, vectors)).max(axis=(2, 3)) > RANK * unit
             relations |= np.abs(idle[:, loops.rows - len(relations) :]).max(axis=(0, 2)) > RANK
     return marks, relations
 
 
-def _open_tree(loops: Loops, found: Equations, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
+def _open_tree(loops: Loops, equations: Equations, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
     """Forces of the open tree as sums over the bodies that each joint carries."""
-    bodies, placed = loops.bodies, found.placed
+    bodies, placed = loops.bodies, equations.placed
     axes = motion_axes(bodies, placed)
     moved = velocities(bodies, axes, states.v)
     needed = inertia_forces(bodies, placed, moved, accelerations(bodies, axes, moved, states.v, states.a))
@@ -133,12 +133,7 @@ IN_SPACE = Method(AT_ONCE, _open_tree)
 
 
 class _Friction(NamedTuple):
-    """Friction of the bearings.
-
-    Attributes:
-        efforts: (nv, n) of the joints [N m or N].
-        couples: (nl, 3, n) moments of the loops, world axes [N m].
-    """
+    """Friction of the bearings: efforts (nv, n) of the joints [N m or N] and moments (nl, 3, n) of the loops in world axes [N m]."""
 
     efforts: Array
     couples: Array
@@ -164,26 +159,23 @@ class _Balance:
         self.sharing: list[Shared] | None = None
         self.count, self.n = states.v.shape
         if states.solved is None or not by.kinematics.in_blocks:
-            self.found = by.kinematics.equations(loops, states.position)
-            self._refuse_open(self.found)
-            self.passive = PassiveColumns(loops, self.found.entries, by.kinematics.in_blocks)
+            self.equations = by.kinematics.equations(loops, states.position)
+            self._refuse_open(self.equations)
+            self.passive = PassiveColumns(loops, self.equations.entries, by.kinematics.in_blocks)
         else:
-            self.found, self.passive = states.solved
-        self.effort, self.force, self.moment = by.open_tree(loops, self.found, states, loads)
+            self.equations, self.passive = states.solved
+        self.effort, self.force, self.moment = by.open_tree(loops, self.equations, states, loads)
         self.size = loops.structure.size
 
-    def _refuse_open(self, found: Equations) -> None:
+    def _refuse_open(self, equations: Equations) -> None:
         structure = self.loops.structure
-        wrong = ~(np.abs(found.gaps).max(axis=0, initial=0.0) <= LOOSEST * structure.size)
+        wrong = ~(np.abs(equations.gaps).max(axis=0, initial=0.0) <= LOOSEST * structure.size)
         if wrong.any():
             i = int(np.argmax(wrong))
-            gap = float(found.widest()[i])
+            gap = float(equations.widest()[i])
             raise other_linkage(float(self.states.position[structure.drivers[0], i]), gap, structure.place(self.states.position[:, i]))
 
     # -------------------------------------------------------------------------------------------------------------------- friction
-
-    def no_friction(self) -> _Friction:
-        return _Friction(np.zeros((self.count, self.n)), np.zeros((len(self.loops.structure.loops), 3, self.n)))
 
     def friction(self, efforts: Array, directions: Array) -> _Friction:
         """Friction of efforts (bearings, n) about directions (bearings, 3, n)."""
@@ -191,14 +183,14 @@ class _Balance:
 
     def speeds(self) -> Array:
         """Speeds (bearings, n) of all bearings, those of loops as of `loop_turning`."""
-        return _all_speeds(self.loops, self.found.placed, self.states.v)
+        return _all_speeds(self.loops, self.equations.placed, self.states.v)
 
     def ways(self, rates: Array) -> tuple[Array, Array]:
         """Speeds (bearings, n) at joint rates (nv, n), and the axes (bearings, 3, n) about or along which the bearings move, world axes;
         those of loops as of `loop_turning`."""
-        speeds, axes = loop_turning(self.loops, self.found.placed, rates)
+        speeds, axes = loop_turning(self.loops, self.equations.placed, rates)
         directions = components_first(self.count + len(speeds), self.n)
-        directions[: self.count], directions[self.count :] = self.found.placed.axis, axes
+        directions[: self.count], directions[self.count :] = self.equations.placed.axis, axes
         return np.concatenate([rates, speeds]), directions
 
     def with_friction(self, law: FrictionLaw, speeds: Array) -> tuple[Array, _Friction, Array]:
@@ -225,7 +217,7 @@ class _Balance:
 
     def radial(self, multipliers: Array, directions: Array) -> Array:
         """Vectors (bearings, 3, n) across the axes of the bearings, whose lengths are the radial forces [N]."""
-        forces, placed, structure = self._forces(multipliers), self.found.placed, self.loops.structure
+        forces, placed, structure = self._forces(multipliers), self.equations.placed, self.loops.structure
         for rack in structure.racks:
             row = self.loops.rows - len(structure.relations) + rack.relation
             efforts = structure.relation_units[rack.relation] * multipliers[row]
@@ -240,9 +232,9 @@ class _Balance:
 
     def _moments(self, multipliers: Array, friction: _Friction) -> Array:
         """Moments (bearings, 3, n) of all bearings [N m], from multipliers (rows, n)."""
-        forces, moments = _loop_wrenches(self.loops, self.found, slice(None), multipliers[None])
+        forces, moments = _loop_wrenches(self.loops, self.equations, slice(None), multipliers[None])
         moments += friction.couples
-        result: Array = _moments_of_bearings(self.loops, self.found, slice(None), forces, moments)[0]
+        result: Array = _moments_of_bearings(self.loops, self.equations, slice(None), forces, moments)[0]
         result[: self.count] += self.moment
         return result
 
@@ -256,15 +248,15 @@ class _Balance:
             shared: whether to share idle forces as `engines.sharing` says; else they are those of least norm, which give the same
                 driving torque.
         """
-        found = self.passive.multipliers(self._needed(friction))
+        result = self.passive.multipliers(self._needed(friction))
         if not shared:
-            return found
+            return result
         if self.sharing is None:
             self.sharing = list(self._share())
-        starts = list(islice(self._starts(found, friction), max((each.objectives for each in self.sharing), default=0)))
+        starts = list(islice(self._starts(result, friction), max((shared.objectives for shared in self.sharing), default=0)))
         for sharing in self.sharing:
-            found[:, sharing.states] += sharing.added(starts)
-        return found
+            result[:, sharing.states] += sharing.added(starts)
+        return result
 
     def _share(self) -> Iterator[Shared]:
         for part in self.passive.parts:
@@ -275,13 +267,13 @@ class _Balance:
     def _objectives(self, idle: Array, states: NDArray[np.intp] | slice) -> Iterator[tuple[Array, float]]:
         """The objectives (k, bearings, 3, m) by which multiples of idle multipliers (k, rows, m) of some states are chosen, and their
         scales, see `Objective`. The generator works out the next one only where the ones before leave something open."""
-        loop_forces, loop_moments = _loop_wrenches(self.loops, self.found, states, idle)
+        loop_forces, loop_moments = _loop_wrenches(self.loops, self.equations, states, idle)
         forces = self._across(_forces_of_bearings(self.loops, loop_forces), states, turning=False)
         if self.compliance is not None:
             weights = np.sqrt(self.compliance)
             yield weights[:, None, None] * forces, float(weights.max())
         yield forces, 1.0
-        moments = _moments_of_bearings(self.loops, self.found, states, loop_forces, loop_moments)
+        moments = _moments_of_bearings(self.loops, self.equations, states, loop_forces, loop_moments)
         yield self._across(moments, states, turning=True), self.size
 
     def _starts(self, multipliers: Array, friction: _Friction) -> Iterator[Array]:
@@ -295,10 +287,10 @@ class _Balance:
 
     def _across(self, vectors: Array, states: NDArray[np.intp] | slice, turning: bool) -> Array:
         """Vectors (k, bearings, 3, m) without their components along the axes of the joints that turn, or of those that slide."""
-        some = np.flatnonzero(self.loops.bodies.turns == turning)
-        if len(some):
-            axis, own = self.found.placed.axis[some][..., states], vectors[:, some]
-            vectors[:, some] = own - axis * np.einsum("jim,kjim->kjm", axis, own)[:, :, None]
+        joints = np.flatnonzero(self.loops.bodies.turns == turning)
+        if len(joints):
+            axis, vectors_of_joints = self.equations.placed.axis[joints][..., states], vectors[:, joints]
+            vectors[:, joints] = vectors_of_joints - axis * np.einsum("jim,kjim->kjm", axis, vectors_of_joints)[:, :, None]
         return vectors
 
     def _needed(self, friction: _Friction) -> Array:
@@ -306,7 +298,7 @@ class _Balance:
         needed: Array = self.effort - friction.efforts
         if friction.couples.any():
             loops = self.loops
-            shares = np.einsum("pin,pin->pn", self.found.placed.axis[loops.pair_joint], friction.couples[loops.pair_loop])
+            shares = np.einsum("pin,pin->pn", self.equations.placed.axis[loops.pair_joint], friction.couples[loops.pair_loop])
             for pair, (_, joint, change) in enumerate(loops.pairs):
                 if loops.bodies.turns[joint]:
                     change(needed[joint], shares[pair], out=needed[joint])
@@ -318,7 +310,7 @@ class _Balance:
         """Write the wrenches of these states into the result."""
         loops, structure = self.loops, self.loops.structure
         driving = list(structure.drivers)
-        result.torque[:] = self._needed(friction)[driving] - np.einsum("rdn,rn->dn", self.found.driving, multipliers)
+        result.torque[:] = self._needed(friction)[driving] - np.einsum("rdn,rn->dn", self.equations.driving, multipliers)
         units = structure.relation_units
         result.relations[:] = units[:, None] * multipliers[loops.rows - len(units) :]
         if bearings:
@@ -328,7 +320,7 @@ class _Balance:
 
 def _speeds(loops: Loops, states: ClosedStates, pieces: Sequence[slice], by: Method) -> Array:
     """Speeds (bearings, n) of all bearings, those of loops as of `loop_turning`."""
-    parts = ((by.kinematics.equations(loops, states.position[:, some]).placed, states.v[:, some]) for some in pieces)
+    parts = ((by.kinematics.equations(loops, states.position[:, piece]).placed, states.v[:, piece]) for piece in pieces)
     return np.concatenate([_all_speeds(loops, *part) for part in parts], axis=1)
 
 
@@ -350,14 +342,14 @@ def _loop_forces(loops: Loops, multipliers: Array) -> Array:
     return multipliers[:, : 3 * count].reshape(len(multipliers), count, 3, multipliers.shape[2])
 
 
-def _loop_wrenches(loops: Loops, found: Equations, states: NDArray[np.intp] | slice, multipliers: Array) -> tuple[Array, Array]:
+def _loop_wrenches(loops: Loops, equations: Equations, states: NDArray[np.intp] | slice, multipliers: Array) -> tuple[Array, Array]:
     """Forces and moments (k, nl, 3, m) of the loops from multipliers (k, rows, m)."""
     forces = _loop_forces(loops, multipliers)
     moments, row = np.zeros_like(forces), 3 * forces.shape[1]
     for index, loop in enumerate(loops.structure.loops):
         if loop.held_rotations:
             own = multipliers[:, row : row + loop.held_rotations]
-            moments[:, index] = loops.structure.size * np.einsum("ihm,khm->kim", found.held[index][:, :, states], own)
+            moments[:, index] = loops.structure.size * np.einsum("ihm,khm->kim", equations.held[index][:, :, states], own)
             row += loop.held_rotations
     return forces, moments
 
@@ -370,11 +362,11 @@ def _forces_of_bearings(loops: Loops, forces: Array) -> Array:
     return result
 
 
-def _moments_of_bearings(loops: Loops, found: Equations, states: NDArray[np.intp] | slice, forces: Array, moments: Array) -> Array:
+def _moments_of_bearings(loops: Loops, equations: Equations, states: NDArray[np.intp] | slice, forces: Array, moments: Array) -> Array:
     """What forces and moments (k, nl, 3, m) of the loops add to the moments (k, bearings, 3, m) of joints, about their origins, and
     loops."""
     result = _at_bearings(loops, moments)
-    arms = found.ends[0][loops.pair_loop] - found.placed.origin[loops.pair_joint + 1]
+    arms = equations.ends[0][loops.pair_loop] - equations.placed.origin[loops.pair_joint + 1]
     turning = cross(arms[..., states], forces[:, loops.pair_loop])
     turning += moments[:, loops.pair_loop]
     for pair, (_, joint, change) in enumerate(loops.pairs):
