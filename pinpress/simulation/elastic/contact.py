@@ -32,7 +32,6 @@ from ...common.parameters import parameter
 from ...loads.process import ForceInterval
 
 LAWS = ("linear", "hertz")
-WIDEST = 2e-3  # radial clearance above which it is probably in mm [m]
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ class Clearance:
         radial = number("Clearance: radial", self.radial, "m", positive=True)
         if not radial < 0.1:
             raise PinpressError(f"Clearance: radial is {radial:g} m: give the radial clearance in m, such as 5e-5")
-        if radial > WIDEST:
+        if radial > 2e-3:  # no bearing of a press is so loose
             caution(f"Clearance: radial is {radial:g} m, {1e3 * radial:g} mm: give it in m, {1e-3 * radial:g} if mm are meant")
         if not isinstance(self.law, str) or self.law not in LAWS:
             raise PinpressError(f"Clearance: law is {shown(self.law)}: give one of {', '.join(map(repr, LAWS))}")

@@ -19,8 +19,6 @@ from .contact import Clearance
 from .flexible_link import FlexibleLink
 from .preloaded_joint import PreloadedJoint
 
-MOST_DAMPING = 2.0  # largest damping ratio
-
 
 @dataclass(frozen=True)
 class Rod:
@@ -105,10 +103,8 @@ class Elastic(Frozen):
         if not isinstance(self.flexible_links, Sequence):
             raise PinpressError(f"Elastic: flexible_links is {shown(self.flexible_links)}: give a list of FlexibleLink")
         ratio = number("Elastic: damping_ratio", self.damping_ratio)
-        if not 0.0 <= ratio <= MOST_DAMPING:
-            raise PinpressError(
-                f"Elastic: damping_ratio is {ratio:g}: give a number from 0 to {MOST_DAMPING:g}; steel structures have 0.01 to 0.05"
-            )
+        if not 0.0 <= ratio <= 2.0:
+            raise PinpressError(f"Elastic: damping_ratio is {ratio:g}: give a number from 0 to 2; steel structures have 0.01 to 0.05")
         if ratio >= 1.0:
             caution(
                 f"Elastic: damping_ratio is {ratio:g}, with which the lowest vibration does not swing: give {ratio / 100:g} if per cent are"

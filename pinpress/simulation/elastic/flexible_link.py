@@ -35,9 +35,6 @@ from ...common.numerics import undamped_modes
 from ...common.quantities import Array, ComplexArray
 from ...common.reading.matrices import craig_bampton, read_model, refuse_negative_mass, symmetric_matrix
 
-MOST_ROWS = 2000  # of matrices: larger ones are reduced in seconds by programs that keep them sparse
-MOST_MODES = 50
-RIGID = 1e-6  # share of the stiffness that a motion of the whole link may cost by rounding
 TURN = 2  # direction of a degree of freedom that turns
 
 
@@ -71,8 +68,8 @@ class FlexibleLink(Frozen):
 
     def __post_init__(self) -> None:
         what, values = f"FlexibleLink of {shown(self.link)}", vars(self)
-        for name in ("mass", "stiffness"):
-            values[name] = symmetric_matrix(f"{what}: {name}", values[name], MOST_ROWS)
+        for name in ("mass", "stiffness"):  # of more rows programs that keep matrices sparse reduce them in seconds
+            values[name] = symmetric_matrix(f"{what}: {name}", values[name], 2000)
         refuse_negative_mass(f"{what}: mass", self.mass)
         count = len(self.mass)
         if self.stiffness.shape != self.mass.shape:
@@ -96,7 +93,7 @@ class FlexibleLink(Frozen):
             whole_number(f"{what}: node of bearing {shown(name)}", place, 0, len(self.nodes) - 1)
             if not all(((degrees == (place, along)).all(axis=1)).any() for along in (0, 1)):
                 raise PinpressError(f"{what}: node {place} of bearing {shown(name)} has no rows for its displacement along both axes")
-        whole_number(f"{what}: modes", self.modes, 0, MOST_MODES)
+        whole_number(f"{what}: modes", self.modes, 0, 50)
         ratio = number(f"{what}: damping_ratio", self.damping_ratio)
         if not 0.0 <= ratio <= 2.0:
             raise PinpressError(f"{what}: damping_ratio is {ratio:g}: give a number from 0 to 2; steel has 0.001 to 0.02")
@@ -170,7 +167,8 @@ def _reduced(link: FlexibleLink) -> _Reduced:
     x, z = link.nodes[node].T  # of rows without a node they do not count
     along, across, turning = (np.where(direction == k, 1.0, 0.0) for k in (0, 1, TURN))
     whole = np.stack([along, across, across * x - along * z + turning], axis=1)
-    if np.abs(stiffness @ whole).max() > RIGID * np.abs(stiffness).max() * max(1.0, float(np.abs(link.nodes).max())):
+    # A motion of the whole link costs a millionth of the stiffness at most, by rounding of the file.
+    if np.abs(stiffness @ whole).max() > 1e-6 * np.abs(stiffness).max() * max(1.0, float(np.abs(link.nodes).max())):
         raise PinpressError(
             f"{what}: its stiffness matrix resists when the link moves as a whole: give that of a link that nothing holds, with nodes in m"
         )

@@ -20,7 +20,7 @@ from .equations import ElasticEquations
 from .panels import Ends, Mesh, PanelSolution, PanelStates, solve
 from .press.drive import TrainEvent, TrainMode
 from .strokes import CRANK_ANGLE, INSTANT, Event, MotionEvent, Phase, Release, Segment, crossing
-from .task import FIRST_PANELS, LOOKS, MOST_STEPS, PAST_BORDER, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
+from .task import FIRST_PANELS, LOOKS, MOST_STEPS, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 
 WINDOW = 6  # panels that are solved at a time on the way from a known state
 
@@ -319,7 +319,8 @@ class _March:
                 self._turn(event.value)
             return
         else:
-            places[event.path] = event.value + np.copysign(PAST_BORDER * self.task.equations.sprung.press.size, passing.rise)
+            # A billionth of the linkage's size past the border: rounding must not decide what acts there.
+            places[event.path] = event.value + np.copysign(1e-9 * self.task.equations.sprung.press.size, passing.rise)
             self.phase = self.task.strokes.advance(self.phase, places)
         self._begin(event, places)
 

@@ -29,11 +29,6 @@ from ...common.quantities import Array
 Indices = NDArray[np.intp]
 
 
-DOUBT = 3.0  # by how much the next change of Newton's method may be larger than the changes so far tell
-SEEN = 0.02  # share of the largest error of a panel below which a change does not matter to how panels are divided
-AT_A_TIME = 16  # panels whose equations are built and solved together: they stay in the cache
-
-
 class Linearised(NamedTuple):
     """Equations of motion at n states, and their derivatives.
 
@@ -244,12 +239,12 @@ def solve(
             return replace(panels, curvature=curvature)
         if np.isfinite(before):
             curvature = max(curvature, change / before**2)
-        # the next change: Newton's method squares what is left
-        ahead = DOUBT * curvature * change**2 if curvature and np.isfinite(divided_above) else np.inf
+        # The next change: Newton's method squares what is left; the changes before show it within a factor of 3.
+        ahead = 3.0 * curvature * change**2 if curvature and np.isfinite(divided_above) else np.inf
         if ahead <= 0.1 * tolerance:
             return replace(panels, curvature=curvature)
         error = float(panels.errors().max()) if np.isfinite(ahead) else 0.0
-        if error > divided_above and ahead <= SEEN * error:
+        if error > divided_above and ahead <= 0.02 * error:  # it does not matter to how panels are divided
             return replace(panels, curvature=curvature)
         if count > 3 and change > 2.0 * before:
             return None
@@ -356,8 +351,8 @@ class _Step:
         rows = self.stages * size
         right = right.reshape(self.panels, rows, columns)
         changes = np.empty_like(right)
-        for first in range(0, self.panels, AT_A_TIME):
-            part = slice(first, first + AT_A_TIME)
+        for first in range(0, self.panels, 16):  # the equations of 16 panels stay in the cache
+            part = slice(first, first + 16)
             changes[part] = np.linalg.solve(self._matrix(part).reshape(-1, rows, rows), right[part])
         return changes[..., 0], changes[..., 1 : 1 + 2 * size], changes[..., 1 + 2 * size :]
 

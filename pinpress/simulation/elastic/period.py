@@ -23,7 +23,7 @@ from .strokes import CRANK_ANGLE, Event, MotionEvent, Plan, Release, crossing
 from .task import FEWEST, FIRST_PANELS, LOOKS, MOST_STEPS, PAST_TURNING, SETTLED, STAGES, ElasticSolution, Task, even_mesh
 
 MIDDLES = (np.arange(LOOKS) + 0.5) / LOOKS  # shares of a panel at which its forces are looked at
-MOST_PARTS = 4096  # panels on which vibrations are followed through a period
+MOST_PARTS = 4096  # panels on which vibrations are followed through a period: on more it takes longer than the motion itself
 STROKES = 6  # that are followed before a press counts as one that does not repeat its stroke
 
 

@@ -30,8 +30,6 @@ from .panels import Indices
 from .press.geometry import BodyState
 from .task import ElasticSolution
 
-FINE = 24  # parts of a panel at whose ends extremes are looked for, and of the two parts about one of them
-
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class ElasticRun(Run):
@@ -438,19 +436,20 @@ def _largest(values: Callable[[Indices, Array], Array], panels: int) -> list[tup
         values: of panels (n,) and shares of them (n,) to values (k, n).
         panels: their number.
     """
-    places = np.linspace(0.0, 1.0, FINE + 1)
-    coarse = values(np.repeat(np.arange(panels), FINE + 1), np.tile(places, panels))
+    parts = 24  # of a panel, and of the two parts about the largest values at their ends
+    places = np.linspace(0.0, 1.0, parts + 1)
+    coarse = values(np.repeat(np.arange(panels), parts + 1), np.tile(places, panels))
     candidates = np.argsort(coarse, axis=1)[:, -3:]  # a peak at a border of panels is on two of them
-    panel, place = candidates // (FINE + 1), places[candidates % (FINE + 1)]
-    low, high = np.maximum(place - 1 / FINE, 0.0), np.minimum(place + 1 / FINE, 1.0)
+    panel, place = candidates // (parts + 1), places[candidates % (parts + 1)]
+    low, high = np.maximum(place - 1 / parts, 0.0), np.minimum(place + 1 / parts, 1.0)
     shares = low[..., None] + (high - low)[..., None] * places
-    fine = values(np.repeat(panel, FINE + 1), shares.ravel()).reshape(len(coarse), *shares.shape)
+    fine = values(np.repeat(panel, parts + 1), shares.ravel()).reshape(len(coarse), *shares.shape)
     largest = []
     for row in range(len(coarse)):
         peaks = fine[row, row]
         where, best = np.unravel_index(int(peaks.argmax()), peaks.shape)
         value, offset = float(peaks[where, best]), 0.0
-        if 0 < best < FINE:
+        if 0 < best < parts:
             before, after = peaks[where, best - 1], peaks[where, best + 1]
             bend = 2 * value - before - after
             offset = 0.5 * (after - before) / bend if bend > 0 else 0.0

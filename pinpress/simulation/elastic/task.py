@@ -18,7 +18,6 @@ MOST_STEPS = 16  # of Newton's method
 SETTLED = 1e-3  # Newton's method ends where it changes coordinates by less than this share of the tolerance
 FIRST_PANELS, FEWEST = 24, 6  # panels of a period at first, and of each segment
 LOOKS = 12  # places on a panel at which events are looked for
-PAST_BORDER = 1e-9  # lengths of the linkage past a border at which it is seen what acts there
 PAST_TURNING = 1e-6  # angle past a turning at which it is seen which way the rigid press goes [rad]
 
 RigidMotion = Callable[[Array], tuple[Array, Array, Array]]

@@ -25,7 +25,6 @@ from ...driven_press import DrivenPress
 
 STEP = 1e-6  # share of a speed, angle or state by which slopes of the drive are found
 BESIDE = 1e-12  # share of a speed: so far from a jump of its torque a drive is asked, on the side of the mode
-SHARES = (0.0, 0.5, 1.0)  # of a speed, at which it is seen how large the states of a drive become
 SIDES: tuple[Side, ...] = ("clutch", "brake")
 
 
@@ -367,7 +366,7 @@ def drive_train(driven: DrivenPress, speed: float, period: float, displacement: 
 def _state_sizes(drive: Drive, speed: float, period: float) -> list[float]:
     """About how large the states of a drive become: as at its start, or where they settle at some speeds, or in a period."""
     state, sizes = tuple(map(float, drive.state)), [abs(value) for value in drive.state]
-    for share in SHARES:
+    for share in (0.0, 0.5, 1.0):
         rates = drive.rates(share * speed, 0.0, 0.0, state)
         for k in range(len(sizes)):
             step = STEP * (abs(state[k]) or 1.0)

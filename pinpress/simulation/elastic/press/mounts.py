@@ -23,8 +23,6 @@ from .geometry import Springs
 from .plane import Lines, PlaneGeometry
 from .sprung_press import SprungPress
 
-POSES = 180  # of a turn over which the weights' places are averaged
-
 
 def on_mounts(sprung: SprungPress, frame: Frame, mounts: Sequence[Mount]) -> SprungPress:
     """A press on a fixed frame, put on mounts.
@@ -83,7 +81,8 @@ def _carried(sprung: SprungPress, place: int) -> Array:
 def _static_load(sprung: SprungPress, center: complex, mass: float) -> Array:
     """Weight (3,) of frame and links on the frame about its centre of mass, the mean over a period [N, N m]."""
     geometry = sprung.geometry
-    motion, bodies = cycle(sprung.press, 1.0, points=POSES * (sprung.press.period_turns or 1)), slice(0, geometry.rigid_size, 3)
+    # The places of the weights are averaged over 180 poses of a turn: the mean of so smooth a curve is exact within rounding.
+    motion, bodies = cycle(sprung.press, 1.0, points=180 * (sprung.press.period_turns or 1)), slice(0, geometry.rigid_size, 3)
     moved = geometry.rigid(motion)[0].mean(axis=0)
     places = geometry.centers + moved[bodies] + 1j * moved[1 : geometry.rigid_size : 3]
     weights = geometry.weight[bodies] + 1j * geometry.weight[1 : geometry.rigid_size : 3]

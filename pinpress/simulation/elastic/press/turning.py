@@ -23,7 +23,6 @@ from ....kinematics.cycle import motion_through_change_points
 from ....kinematics.poses import poses
 from ....linkage.linkage import Linkage
 
-FEWEST, MOST = 64, 8192  # places of a turn from which a series is found
 RESOLVED = 1e-15  # size of the last harmonics of a series that is fine enough
 DEGREE = 12  # of Taylor polynomials
 
@@ -33,7 +32,6 @@ for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
 _UNIT = np.eye(3)
 _OUTER = np.einsum("di,ej->deij", _UNIT, _UNIT)
 SQUARE = 0.5 * (_OUTER + _OUTER.swapaxes(2, 3)) - np.einsum("de,ij->deij", _UNIT, _UNIT)  # (CROSS[d] CROSS[e] + CROSS[e] CROSS[d]) / 2
-AT_A_TIME = 48  # states that are worked out together: they stay in the cache
 _FALLING = np.array(
     [[np.prod(np.arange(power, power - order, -1.0)) for power in range(DEGREE + 1)] for order in range(4)]
 )  # by derivatives
@@ -78,7 +76,7 @@ def nominal_turns(press: Linkage, joints: tuple[int, ...], own_axes: Array) -> N
         PinpressError: a body turns too abruptly for a series.
     """
     turns = press.period_turns or 1
-    count = FEWEST * turns
+    count, most = 64 * turns, 8192 * turns
     while True:
         angle = np.linspace(0.0, 2 * np.pi * turns, count, endpoint=False)
         placed = poses(press, motion_through_change_points(press, angle, 1.0).joint_position)
@@ -88,7 +86,7 @@ def nominal_turns(press: Linkage, joints: tuple[int, ...], own_axes: Array) -> N
         series = np.fft.rfft(turned, axis=0)[: count // 2] / count
         size = np.abs(series).max(axis=1)
         left = float(size[-count // 8 :].max())
-        if left <= RESOLVED or count >= MOST * turns:
+        if left <= RESOLVED or count >= most:
             break
         count *= 2
     if left > 1e-10:  # errors of places would then show in a run
@@ -149,8 +147,8 @@ def turn_bodies(nominal: NominalTurns, w: Array, angle: Array, w_rate: Array, sp
     shapes = {"matrix": (), "by": (4,), "by_twice": (4, 4), "rate": (), "rate_by": (4,), "curve": (), "curve_by": (4,)}
     left_out = () if derivatives else ("by_twice", "curve_by")
     arrays = {name: None if name in left_out else np.empty((n, b, *shape, 9)) for name, shape in shapes.items()}
-    for first in range(0, n, AT_A_TIME):
-        part = slice(first, first + AT_A_TIME)
+    for first in range(0, n, 48):  # 48 states stay in the cache
+        part = slice(first, first + 48)
         parts = {name: None if array is None else array[part].reshape(*array[part].shape[:-1], 3, 3) for name, array in arrays.items()}
         small = _small_turn(w[part], w_rate[part], derivatives)
         _fill(parts, nominal.at(angle[part]), small, speed[part, None, None, None])
