@@ -24,4 +24,4 @@ if __name__ == "__main__":
     from light import light  # type: ignore[import-not-found]  # beside this script
 
     rated = pp.ratings.rate(pp.load("zxn2_3000b"), SPEED, CAPACITIES, points=1081)
-    print(light(pp.plots.save(pp.plots.ratings(rated), PICTURE)))
+    print(light(pp.plots.save(pp.plots.draw(rated, "force", "near_bottom", "work"), PICTURE)))

@@ -20,4 +20,4 @@ k = abs(found.height - 0.030).argmin()
 for name, limit in found.limits.items():
     print(f"{name}: {limit[k] / 1e3:.0f} kN")
 
-figure = pp.plots.ratings(found)
+figure = pp.plots.draw(found, "force", "near_bottom", "work")

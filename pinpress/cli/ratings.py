@@ -234,8 +234,8 @@ def _write(found: PressRatings, process: Reactions | None, folder: Path) -> None
     found.to_csv(folder / "ratings.csv")
 
     def draw() -> dict[str, Figure]:
-        from ..plots import force_stroke  # slow to import
+        from ..plots.charts import draw as charts  # slow to import
 
-        return {"ratings.png": force_stroke.ratings(found, process)}
+        return {"ratings.png": charts(found, "force", "work", page=process)}
 
     write_pictures(folder, ["ratings.csv"], draw)

@@ -5,7 +5,6 @@ from .elasticity import compliance as compliance
 from .elasticity import dead_centre_shift as dead_centre_shift
 from .elasticity import guide_contact as guide_contact
 from .elasticity import snap_through as snap_through
-from .force_stroke import ratings as ratings
 from .foundation import speed_response as speed_response
 from .foundation import vibration as vibration
 from .foundation import whirl as whirl

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ..common.arguments import typed
+from ..common.arguments import expect
 from ..common.errors import PinpressError, UnknownNameError, shown
-from ..common.outlets.described import Along, Bars, Chart, Curve, Map, Mark, Polar, Section, charts_of
+from ..common.outlets.described import Along, Bars, Chart, Curve, Map, Mark, Polar, charts_of
 from ..common.quantities import Array, ShownUnit, quantity
 from ..common.results import Tabular
+from ..dynamics.reactions import Reactions
 from .loci import draw_loci
 from .style import COLOURS, GREY, LINES, SMALL, THIN, WIDTH, above, brief, grid, legend, panels, plain
 
@@ -34,11 +35,11 @@ LARGEST = 8.0  # longest side of a polar diagram [cm]
 STRONG, LIMIT = 3.0, 1.0  # widths of lines [pt]
 
 
-@typed
 def draw(
     result: Tabular | Mapping[str, Tabular],
     *names: str,
     before: Tabular | None = None,
+    page: Reactions | None = None,
     ax: Axes | Iterable[Axes] | None = None,
 ) -> Figure:
     """Draw charts of a result, or the same charts of several results over each other.
@@ -52,6 +53,7 @@ def draw(
         *names: names of charts; a first word stands for all that begin with it, "polar" for the polar diagrams of all bearings. By default
             all charts of the result, except those of one bearing or channel among many.
         before: a result to compare with, drawn dashed and grey.
+        page: reactions of the press, whose process ratings are compared with; None for none.
         ax: the caller's axes, one for each chart; by default those of a new figure.
 
     Raises:
@@ -59,12 +61,16 @@ def draw(
             or Matplotlib is not installed.
         UnknownNameError: the result has no such chart.
     """
+    if page is not None:
+        expect("page", page, Reactions, "inverse_dynamics")
+    if before is not None:
+        expect("before", before, Tabular, "a function of pinpress")
     if isinstance(result, Mapping):
         if before is not None:
             raise PinpressError("before goes with one result: give it as one of the results by name instead")
-        charts = _over_each_other(result, names)
+        charts = _over_each_other(result, names, page)
     else:
-        charts = _chosen(result, names)
+        charts = _chosen(result, names, page)
     old = {} if before is None else charts_of(before.described())
     if before is not None and not any(chart.name in old for chart in charts):
         raise PinpressError(
@@ -75,11 +81,11 @@ def draw(
     return _figure(charts, old, ax)
 
 
-def _chosen(result: Tabular, names: Sequence[str]) -> list[Drawn]:
+def _chosen(result: Tabular, names: Sequence[str], page: Reactions | None) -> list[Drawn]:
     """The charts of a result that are named; all if none is."""
-    if not isinstance(result, Tabular):
+    if not isinstance(result, Tabular) or not all(isinstance(name, str) for name in names):
         raise PinpressError(f"{shown(result)} is no result: give what a function of pinpress returns, or such results by names")
-    known = charts_of(_sections(result))
+    known = charts_of(result.described(page))
     if not known:
         raise PinpressError(f"{shown(result)} has no charts")
     if not names:
@@ -94,15 +100,11 @@ def _chosen(result: Tabular, names: Sequence[str]) -> list[Drawn]:
     return found
 
 
-def _sections(result: Tabular) -> Sequence[Section]:
-    return result.described()
-
-
-def _over_each_other(results: Mapping[str, Tabular], names: Sequence[str]) -> list[Drawn]:
+def _over_each_other(results: Mapping[str, Tabular], names: Sequence[str], page: Reactions | None) -> list[Drawn]:
     """The charts of several results with one name as one."""
     if not results:
         raise PinpressError("there is nothing to draw: give results, each under a name")
-    by_result = {name: _chosen(result, names) for name, result in results.items()}
+    by_result = {name: _chosen(result, names, page) for name, result in results.items()}
     first = next(iter(by_result.values()))
     found: list[Drawn] = []
     for chart in first:

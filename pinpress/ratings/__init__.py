@@ -3,7 +3,7 @@
     capacities = pp.ratings.Capacities(3e6, nominal_height=0.013, bearings={"A": 2e6}, flywheel_inertia=2000.0, speed_drop=0.2)
     rated = pp.ratings.rate(press, 70 * pp.RPM, capacities)
     print(rated)  # which limit governs at which height
-    pp.plots.ratings(rated)
+    pp.plots.draw(rated, "force", "near_bottom", "work")
 
 Capacities are what the parts stand: nominal force, crank torque, bearings, flywheel, motor. Heights are slide positions above bottom dead
 centre [m].

@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common import tables
 from ..common.arguments import expect, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping, read_only
@@ -44,7 +43,6 @@ from .permissible_force import (
     without_masses,
 )
 
-ROWS = 16  # rows of the table of states, beside that of the least force
 INSTEAD = {
     "nominal_height": "there is no one bottom dead centre; give torques, drivers={...}",
     "flywheel_inertia": "there is no one stroke that takes energy; see driving_torque * crank_speed of inverse_dynamics",
@@ -84,30 +82,6 @@ class MotionRatings(OfPress, Tabular):
     @property
     def title(self) -> str:
         return f"MotionRatings of {self.press_name}: {len(self.force)} states, at least {self.force.min():.6g} N"
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "slide_position [m]", "force [N]"
-
-    def __str__(self) -> str:
-        """The least permissible force, and some states with what limits it there."""
-        least = int(self.force.argmin())
-        some = sorted({least, *np.linspace(0, len(self.force) - 1, ROWS).round().astype(int).tolist()})
-        rows = [["state", "slide position [mm]", "velocity [m/s]", "force [kN]", "limited by"]]
-        for k in some:
-            position, velocity = 1e3 * self.motion.slide_position[k], self.motion.slide_velocity[k]
-            rows.append(
-                [self.motion.place(k), f"{position:.3f}", f"{velocity:.4f}", f"{self.force[k] / 1e3:.2f}", self.limited_by[k]],
-            )
-        beside = "weights and inertia forces" + ", with friction" * bool(self.friction)
-        return "\n".join(
-            [
-                f"{self.press_name}, permissible process force in this motion, beside {beside}",
-                tables.entry("least of all states", f"{self.force[least] / 1e3:.6g}", "kN", f"at {self.motion.place(least)}"),
-                "",
-                *tables.fitted(rows),
-            ]
-        )
 
     def utilisation(self, reactions: Reactions) -> Array:
         """(n,) process force of reactions divided by the permissible force in the same state [-], read-only: 1 where the press is used up,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common import plausibility, tables
+from ..common import plausibility
 from ..common.arguments import expect, in_unit, positive, suitable_numbers, truth_value, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
@@ -42,7 +42,6 @@ from .speed_limits import PermissibleSpeed, limiting_speed
 
 DWELL = 0.01  # distance from bottom dead centre that counts as dwell, as a share of the stroke
 MOST_POINTS = 10**5  # crank angles; more would be a mistake
-ROWS = 16  # rows of the table of forces, besides the heights at which another limit begins to govern
 SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose squares and whose time for a turn have meaning in floating point
 
 
@@ -122,25 +121,6 @@ class PressRatings(OfPress, Tabular):
     def title(self) -> str:
         return f"PressRatings of {self.press_name}: {len(self.height)} heights, nominal force {self.capacities.nominal_force:.6g} N"
 
-    def __str__(self) -> str:
-        """Main data, energies, and permissible force at some heights, with units."""
-        coordinate = self.driver_coordinate
-        ideal = "frictionless " if self.friction else ""
-        per_force = f"{ideal}{'torque per force [mm]' if coordinate.turns else 'driving force per force [-]'}"
-        position = f"{coordinate.position} [{coordinate.shown_unit}]"
-        widths = [14, 20 if coordinate.turns else 24, (24 if coordinate.turns else 31) + len(ideal), 14, 13, 0]
-        heads = [f"{'height [mm]':>14}", position, per_force, "force [kN]", "work [kJ]", "  limited by"]
-        return "\n".join(
-            [
-                f"{self.press_name}, ratings at {conditions_in_words(self)}",
-                *tables.table(data_in_words(self), [38, 0]),
-                "",
-                "Permissible force, by the capacities given; strength, fatigue and overload protection are left out",
-                *tables.table([heads, *(_row(self, k) for k in listed_heights(self))], widths),
-                *(["  work: of the force that all limits but energy permit, from there to bottom dead centre"] if self.energies else []),
-            ]
-        )
-
     def utilisation(self, reactions: Reactions) -> Array:
         """(n,) process force of reactions divided by the permissible force at the slide's height [-], read-only: 1 where the press is used
         up, above 1 where it is overloaded. Between the ratings' heights the permissible force is interpolated linearly.
@@ -158,10 +138,6 @@ class PressRatings(OfPress, Tabular):
         refuse_motion_of_another(self._press, reactions.motion)
         height = reactions.motion.slide_position - dead_centres(press).bottom_position
         return read_only(reactions.process_force / np.interp(height, self.height[::-1], self.force[::-1]))
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "height [m]", "force [N]"
 
     def columns(self) -> dict[str, Array | list[str]]:
         """A row for each height from top to bottom dead centre, with all quantities. Of a driver that slides they include driver_position
@@ -371,62 +347,3 @@ def conditions_in_words(ratings: PressRatings) -> str:
     else:
         pace = f"up to {1e3 * abs(ratings.speed):g} mm/s of the driver"
     return f"{pace}; forces: {what}"
-
-
-def data_in_words(ratings: PressRatings) -> list[tuple[str, str]]:
-    """Names and values of the main data, as far as they are known."""
-    given, limit, turning = ratings.capacities, ratings.speed_limit, ratings.driver_coordinate.turns
-    capacity, unit = ("torque", "N m") if turning else ("driving force", "N")
-    rows: list[tuple[str, str | None]] = [
-        ("nominal force", f"{given.nominal_force / 1e3:.6g} kN"),
-        ("nominal height", None if given.nominal_height is None else f"{1e3 * given.nominal_height:.6g} mm above bottom dead centre"),
-        (f"{capacity} capacity", None if ratings.torque_capacity is None else f"{ratings.torque_capacity / 1e3:.6g} k{unit}"),
-        ("stroke", f"{1e3 * ratings.stroke:.6g} mm"),
-        ("quick return ratio", None if ratings.quick_return_ratio is None else f"{ratings.quick_return_ratio:.6g}"),
-        ("highest speed in the working stroke", f"{np.abs(ratings.slide_velocity).max():.6g} m/s"),
-        (
-            "speed at contact",
-            None
-            if ratings.contact_speed is None or ratings.contact_height is None
-            else f"{ratings.contact_speed:.6g} m/s, {1e3 * ratings.contact_height:.6g} mm above bottom dead centre",
-        ),
-        (
-            "mechanical advantage there",
-            None
-            if ratings.contact_advantage is None
-            else f"{ratings.contact_advantage:.6g} N for each {unit} {'on the crank' if turning else 'of the driver'}",
-        ),
-        (
-            "dwell",
-            None
-            if ratings.dwell_time is None or ratings.dwell_tolerance is None
-            else f"{1e3 * ratings.dwell_time:.6g} ms within {1e3 * ratings.dwell_tolerance:.6g} mm of bottom dead centre",
-        ),
-        *((name, f"{energy / 1e3:.6g} kJ a stroke") for name, energy in ratings.energies.items()),
-        (
-            "highest speed, idle",
-            None
-            if limit is None
-            else f"{limit.strokes_per_minute:.6g} strokes/min, by {limit.limited_by} at {np.degrees(limit.crank_angle):.4g} deg",
-        ),
-    ]
-    return [(name, value) for name, value in rows if value is not None]
-
-
-def listed_heights(ratings: PressRatings) -> list[int]:
-    """Indices of the heights in the table: even steps of the crank angle, the nominal height, and changes of the governing limit."""
-    even = np.linspace(0, len(ratings.height) - 1, ROWS).round().astype(int)
-    marks = [*ratings.changes, *([] if ratings.capacities.nominal_height is None else [ratings.capacities.nominal_height])]
-    return sorted({*even.tolist(), *(int(np.abs(ratings.height - mark).argmin()) for mark in marks)})
-
-
-def _row(ratings: PressRatings, k: int) -> list[str]:
-    turning, position = ratings.driver_coordinate.turns, float(ratings.crank_angle[k])
-    return [
-        f"{1e3 * ratings.height[k]:14.3f}",
-        f"{np.degrees(position) % (360 * ratings.turns) if turning else 1e3 * position:.2f}",
-        f"{(1e3 if turning else 1.0) * abs(ratings.travel_per_angle[k]):.4f}",
-        f"{ratings.force[k] / 1e3:.2f}",
-        f"{ratings.work[k] / 1e3:.4f}",
-        f"  {ratings.limited_by[k]}",
-    ]

@@ -20,7 +20,7 @@ PLOTS = {
     "draw harmonics": (2, lambda ax: plots.draw(every_result.reactions(), "shaking", "harmonics", ax=ax)),
     "draw before": (2, lambda ax: plots.draw(every_result.reactions(), "torque", "peaks", before=every_result.reactions(), ax=ax)),
     "draw elastic": (2, lambda ax: plots.draw(made("ElasticRun"), "beside_rigid", "forces", ax=ax)),
-    "ratings": (4, lambda ax: plots.ratings(made("PressRatings"), ax=ax)),
+    "draw ratings": (3, lambda ax: plots.draw(made("PressRatings"), "force", "near_bottom", "work", ax=ax)),
     "compliance": (1, lambda ax: plots.compliance(made("SlideCompliance"), ax=ax)),
     "dead_centre_shift": (1, lambda ax: plots.dead_centre_shift({"press": made("ElasticDeadCentre")}, ax=ax)),
     "snap_through": (1, lambda ax: plots.snap_through({"press": made("SnapThroughResponse")}, ax=ax)),

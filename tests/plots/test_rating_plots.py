@@ -1,15 +1,14 @@
 """What the force-stroke-energy diagram shows."""
 
-import sys
-
 import numpy as np
 import pytest
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.plots.force_stroke import GOVERNING
 from pinpress.ratings.permissible_force import Capacities
 from pinpress.ratings.rating import rate
+
+pytest.importorskip("matplotlib")
 
 
 @pytest.fixture(scope="module")
@@ -20,60 +19,58 @@ def rated():
 
 @pytest.fixture(scope="module")
 def figure(rated):
-    return pp.plots.ratings(rated)
+    return pp.plots.draw(rated, "force", "near_bottom", "work")
 
 
-def test_the_curves_are_the_limits_and_the_thick_ones_those_that_govern(rated, figure):
-    axes = figure.axes[1]  # the whole stroke
-    thick = [line for line in axes.get_lines() if line.get_linewidth() == GOVERNING]
-    assert len(thick) == len(rated.limits)
-    drawn = np.array([line.get_ydata() for line in thick])
-    covered = np.nanmin(drawn, axis=0)  # at every height at least one is drawn
-    np.testing.assert_allclose(covered, rated.force / 1e3, rtol=1e-9)
-    np.testing.assert_allclose(np.nanmax(drawn, axis=0), rated.force / 1e3, rtol=1e-9)
-    for line, name in zip(thick, rated.limits, strict=True):
-        assert np.isfinite(line.get_ydata()).any() == (name in rated.limited_by)
-        np.testing.assert_array_equal(line.get_xdata(), 1e3 * rated.height)
+def named(axes):
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    return dict(zip(names, [line for line in axes.get_lines() if line.get_linewidth() > 0.7], strict=True))
 
 
-def test_hyperbolas_are_of_the_energy_they_name(figure):
-    axes = figure.axes[0]
-    curves = {f"{np.mean(line.get_xdata() * line.get_ydata()) / 1e3:.6g} kJ" for line in axes.get_lines() if line.get_linewidth() == 0.5}
-    assert curves == {text.get_text() for text in axes.texts}
-    assert len(curves) == 4
+def test_the_curves_are_the_limits_and_the_thick_one_is_what_they_permit(rated, figure):
+    for axes in figure.axes[:2]:
+        drawn = named(axes)
+        assert set(drawn) == {"permissible force", *rated.limits}
+        for name, force in {"permissible force": rated.force, **rated.limits}.items():
+            np.testing.assert_allclose(drawn[name].get_ydata(), force / 1e3, rtol=1e-12)
+            np.testing.assert_allclose(drawn[name].get_xdata(), 1e3 * rated.height, rtol=1e-12)
+        assert drawn["permissible force"].get_linewidth() > 2 * max(drawn[name].get_linewidth() for name in rated.limits)
+    assert figure.axes[0].get_xlim() == (0.0, pytest.approx(1e3 * rated.stroke))
 
 
-def test_names_and_units(rated, figure):
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == list(rated.limits)
-    assert figure.axes[0].get_ylabel() == "process force [kN]"
-    assert figure.axes[3].get_xlabel() == "height above bottom dead centre [mm]"
-    np.testing.assert_allclose(figure.axes[3].get_lines()[0].get_ydata(), rated.work / 1e3)
+def test_hyperbolas_are_of_one_energy(figure):
+    for axes in figure.axes[:2]:
+        guides = [line for line in axes.get_lines() if line.get_linewidth() < 0.7]
+        assert len(guides) == 4
+        for line in guides:
+            energy = line.get_xdata() * line.get_ydata()
+            np.testing.assert_allclose(energy, energy[0], rtol=1e-12)
+
+
+def test_work(rated, figure):
+    axes = figure.axes[2]
+    assert axes.get_xlabel() == "height above bottom dead centre [mm]"
+    work, *energies = axes.get_lines()
+    factor = {"energy [J]": 1.0, "energy [kJ]": 1e-3}[axes.get_ylabel()]
+    np.testing.assert_allclose(work.get_ydata(), factor * rated.work)
+    for line, energy in zip(energies, rated.energies.values(), strict=True):
+        np.testing.assert_allclose(line.get_ydata(), factor * energy)
 
 
 @pytest.mark.exhaustive
 def test_the_process_is_drawn_beside_what_is_permitted(rated):
     press = shipped("zxn2_3000b")
     reactions = pp.inverse_dynamics(press, pp.cycle(press, 70 * pp.RPM, points=90), [pp.loads.DeepDrawing(1e6, 0.04)])
-    figure = pp.plots.ratings(rated, reactions)
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == [*rated.limits, "process force"]
-    for axes in figure.axes[:2]:
-        line = axes.get_lines()[-1]
-        np.testing.assert_allclose(line.get_ydata(), reactions.process_force / 1e3)
-        np.testing.assert_allclose(line.get_xdata(), 1e3 * (reactions.motion.slide_position - pp.dead_centres(press).bottom_position))
+    figure = pp.plots.draw(rated, "force", page=reactions)
+    line = named(figure.axes[0])["process force"]
+    np.testing.assert_allclose(line.get_ydata()[:-1], reactions.process_force / 1e3)
+    np.testing.assert_allclose(line.get_xdata()[:-1], 1e3 * (reactions.motion.slide_position - pp.dead_centres(press).bottom_position))
     other = pp.inverse_dynamics(shipped("crank_slide"), pp.cycle(shipped("crank_slide"), 7.0, points=12))
     with pytest.raises(pp.PinpressError, match="the reactions are of crank_slide"):
-        pp.plots.ratings(rated, other)
+        pp.plots.draw(rated, page=other)
 
 
 @pytest.mark.exhaustive
 def test_a_press_that_only_its_nominal_force_limits():
     rated = rate(shipped("crank_slide"), 9.0, Capacities(1e5), points=11)
-    assert pp.plots.ratings(rated).axes[1].get_xlim() == (0.0, pytest.approx(200.0))
-
-
-def test_errors(rated, monkeypatch):
-    with pytest.raises(pp.PinpressError, match="ratings is a dict"):
-        pp.plots.ratings({})
-    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(pp.PinpressError, match="pip install"):
-        pp.plots.ratings(rated)
+    assert pp.plots.draw(rated, "force").axes[0].get_xlim() == (0.0, pytest.approx(200.0))

@@ -100,7 +100,7 @@ def test_utilisation_is_that_of_the_process_in_the_same_states(press, motion):
 def test_the_table_names_states_and_limits(press, motion):
     found = rate_motion(press, motion, Capacities(4e5, drivers={"A": 9e3}))
     text, least = str(found), int(found.force.argmin())
-    assert f"{found.force[least] / 1e3:.6g}" in text
+    assert f"{found.force[least] / 1e3:.5g} kN" in text
     assert f"time {TIME[least]:.6g} s" in text
     assert [*found.columns()][:3] == ["time [s]", "crank_angle_A [rad]", "crank_angle_B [rad]"]
     assert found.columns()["torque A [N]"] is found.limits["torque A"]

@@ -114,9 +114,9 @@ def test_permissible_force_and_its_limits(written: Path, loaded: Any, ratings: A
     (process,) = [numbers(curve["at_frames"]).reshape(-1, 2) for curve in found["curves"] if curve["name"] == "process force"]
     assert_allclose(UNITS[found["unit"]] * process[:-1, 1], loaded.process_force, rtol=1e-6)
     most = float(ratings.utilisation(loaded).max())
-    assert figures(section)["of the permissible force"] == f"{100 * most:.4g} %"
+    assert figures(section)["of the permissible force"] == f"{100 * most:.5g} %"
     share = loaded.process_work / ratings.energies["flywheel energy"]
-    assert figures(section)["of the flywheel energy"] == f"{100 * share:.4g} %"
+    assert figures(section)["of the flywheel energy"] == f"{100 * share:.5g} %"
 
 
 def test_motor_beside_its_curve(written: Path, steady: Any) -> None:
@@ -314,7 +314,7 @@ def test_results_of_another_press_are_refused(name: str, ratings: Any, steady: A
 
 def test_what_has_no_section_is_refused_by_name(press: Any, loaded: Any, tmp_path: Path) -> None:
     harmonics = pp.measures.harmonics(loaded.motion, loaded.shaking_force)
-    with pytest.raises(pp.PinpressError, match=r"a report has no section for .*; give any of PressRatings, MotionRatings"):
+    with pytest.raises(pp.PinpressError, match=r"a report has no section for .*; give any of BalancedPress, TradeOffCurve"):
         pp.report(press, loaded.motion, tmp_path / "out.html", reactions=loaded, results=[harmonics])
 
 
@@ -650,7 +650,7 @@ def test_journal_in_its_bearing(press: Any, loaded: Any, tmp_path: Path) -> None
     table = next(block for block in section["blocks"] if block.get("title") == "Turn by turn")
     assert [row[0:2] for row in table["rows"]] == [["1", "1"], ["1", "2"]]
     other = replace(found, _press=texts.shipped("crank_slide"))
-    with pytest.raises(pp.PinpressError, match="the pin is of crank_slide"):
+    with pytest.raises(pp.PinpressError, match="the ImpactsByTurn is of crank_slide"):
         pp.report(press, loaded.motion, tmp_path / "journal.html", reactions=loaded, results=[other])
 
 

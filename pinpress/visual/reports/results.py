@@ -20,7 +20,7 @@ from ...foundation.mounted_press import MountedPress, VibrationModes
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
 from ...foundation.whirl_modes import WhirlDiagram
-from ...ratings.along_motion import MotionRatings
+from ...linkage.linkage import OfPress
 from ...ratings.rating import PressRatings
 from ...servo.comparison import MotionComparison
 from ...servo.motion_optimum import MotionOptimum
@@ -32,14 +32,12 @@ from ...tolerances.clearances_over_speed import DeadCentresInClearances
 from ...tolerances.dead_centre_scatter import DeadCentreScatter
 from ...tolerances.points import SlideParallelism
 from ...tolerances.temperatures import HeatShift
-from . import balancing, elastic_motion, elasticity, foundation, ratings, servo, tolerances
+from . import balancing, elastic_motion, elasticity, foundation, servo, tolerances
 from .blocks import Section
 from .drawn import section
-from .shown import Shown
+from .shown import Shown, refuse_others
 
 MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
-    PressRatings: ratings.section,
-    MotionRatings: ratings.along_motion,
     BalancedPress: balancing.section,
     TradeOffCurve: balancing.trade_off,
     SlideCompliance: elasticity.compliance,
@@ -82,6 +80,8 @@ def sections_of(result: Tabular, page: Shown) -> list[Section]:
     Raises:
         PinpressError: It has none, or is of another press.
     """
+    if isinstance(result, OfPress):
+        refuse_others(type(result).__name__, result._press, page)
     if described := result.described(page.reactions):
         return [section(part, page) for part in described]
     make = next((make for kind, make in MAKERS.items() if isinstance(result, kind)), None)

@@ -184,7 +184,6 @@ SEARCHES = {
 PLOTS = {
     "plots.compliance": "pp.plots.compliance(elastic)",
     "plots.dead_centre_shift": "pp.plots.dead_centre_shift({'press': shift})",
-    "plots.ratings": "pp.plots.ratings(rated)",
     "plots.draw": "pp.plots.draw(reactions, 'bearings')",
     "plots.save": "pp.plots.save(pp.plots.draw(motion, 'position'), folder / 'plot.svg')",
     "plots.snap_through": "pp.plots.snap_through({'one': pp.elasticity.snap_through(1e5, 1e9, mass=500.0)})",

@@ -128,7 +128,7 @@ def test_ratings(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert printed(capsys, "report", *MOTION, *words, "--load", "drawing:force=100kN,start=20mm,datum=-975mm", "--out", "r.html")
     data = data_in(Path("r.html"))
     (section,) = [each for each in data["report"]["sections"] if each["title"] == "Ratings"]
-    assert section["blocks"][0]["figures"][1]["value"] == f"{100 * found.utilisation(process).max():.4g} %"
+    assert section["blocks"][0]["figures"][1]["value"] == f"{100 * found.utilisation(process).max():.5g} %"
     assert ["bearing S", "290 kN"] in data["report"]["inputs"][0]["rows"]
     limit = ["ratings", *MOTION, "--nominal-force", "300kN"]
     assert "write e.g. --torque A=5e3" in refused(capsys, *limit, "--torque", "9e3")

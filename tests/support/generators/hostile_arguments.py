@@ -1387,7 +1387,6 @@ def calls() -> dict[str, Call]:
         ("plots.campbell", pp.plots.campbell, lambda: {"diagram": diagram()}),
         ("plots.compliance", pp.plots.compliance, lambda: {"elasticity": elastic()}),
         ("plots.draw", lambda result, name: pp.plots.draw(result, name), lambda: {"result": reactions(), "name": "torque"}),
-        ("plots.ratings", pp.plots.ratings, lambda: {"ratings": rated(), "reactions": reactions()}),
         ("plots.snap_through", pp.plots.snap_through, lambda: {"responses": {"one": pp.elasticity.snap_through(1e5, 1e9, mass=500.0)}}),
         ("plots.tolerances", pp.plots.tolerances, lambda: {"scatter": scattered(), "limit": 5e-5}),
         ("plots.trade_offs", pp.plots.trade_offs, lambda: {"curves": {"one": curve()}}),
