@@ -19,7 +19,7 @@ from ..common.errors import PinpressError, caution, shown
 from ..common.parameters import parameter, set_field
 from ..common.quantities import RPM, Array, Values
 from .electric import ElectricMotor, MotorPower, check_load_loss, check_thermal_time
-from .protocol import SpeedTorqueDrive, limited
+from .protocol import SpeedTorqueDrive, limit
 
 MOST_SLIP = 0.5  # no motor has more at its rated point
 
@@ -244,7 +244,7 @@ class InverterMotor(ElectricMotor):
         return flux**2 * self.rated_torque / (_synchronous(self.rated_frequency, self.poles) - self.rated_speed)
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        return limited(-self._limit, self._slope * (self.synchronous_speed - speed), self._limit)
+        return limit(-self._limit, self._slope * (self.synchronous_speed - speed), self._limit)
 
     @property
     def rated_slip_loss(self) -> Values:
@@ -399,7 +399,7 @@ class ServoMotor(SpeedTorqueDrive):
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
         wanted_angle, wanted_speed = self.program(time)
         torque = self.stiffness * (wanted_angle - angle) + self.damping * (wanted_speed - speed)
-        return limited(-self.peak_torque, torque, self.peak_torque)
+        return limit(-self.peak_torque, torque, self.peak_torque)
 
     def power(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> MotorPower:
         """Where the power of motor and controller goes, by the losses of `pinpress.servo.ServoDrive`; arguments as for ``torque``."""

@@ -13,7 +13,7 @@ from ..common.errors import PinpressError, caution, shown
 from ..common.parameters import parameter
 from ..common.quantities import RPM, Values
 from .electric import ElectricMotor, MotorPower
-from .protocol import limited
+from .protocol import limit
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ class SlipClutchMotor(ElectricMotor):
 
     def excitation(self, speed: Values, integral: Values = 0.0) -> Values:
         """Excitation current that the amplifier demands, residual_current to 1; ``integral``: of the control."""
-        return limited(self.residual_current, self.gain * (self.set_speed - self.feedback * speed) + integral, 1.0)
+        return limit(self.residual_current, self.gain * (self.set_speed - self.feedback * speed) + integral, 1.0)
 
     def _current(self, speed: Values, state: tuple[Values, ...]) -> Values:
         """The excitation current."""
@@ -161,7 +161,7 @@ class SlipClutchMotor(ElectricMotor):
         return self.excitation(speed, state[-1] if state else 0.0)
 
     def _of_current(self, current: Values, speed: Values) -> Values:
-        share = limited(0.0, (self.primary_speed - speed) / (self.primary_speed - self.top_speed), math.inf)
+        share = limit(0.0, (self.primary_speed - speed) / (self.primary_speed - self.top_speed), math.inf)
         return self.rated_torque * (current * current) * share**0.5
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:

@@ -93,7 +93,7 @@ def failure(reason: str, time: float | None = None, crank_angle: float | None = 
 
 
 @contextmanager
-def told_of(press: Linkage) -> Iterator[None]:
+def name_driver_in_errors(press: Linkage) -> Iterator[None]:
     """A context whose failures say where the driver of this press is in its own unit."""
     try:
         yield

@@ -85,7 +85,7 @@ class ReducedModel(Panels):
             return np.asarray(angle - np.floor((angle - first) / self.period) * self.period)
         outside = (angle < first - 1e-9) | (angle > self.borders[-1] + 1e-9)  # less is rounding [rad]
         if outside.any():
-            raise lock_reached(self, float(np.ravel(angle)[int(np.argmax(outside))]))
+            raise lock_failure(self, float(np.ravel(angle)[int(np.argmax(outside))]))
         return np.clip(angle, first, self.borders[-1])
 
     def at(self, angle: Array, derivative: bool = True) -> tuple[Array, Array]:
@@ -98,7 +98,7 @@ class ReducedModel(Panels):
         return values, slopes
 
 
-def lock_reached(model: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
+def lock_failure(model: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
     """The error of a motion that leaves the range of a model without a period: the linkage locks there, or its driver is at an end."""
     coordinate = model.coordinate
     reason = "runs against a lock" if coordinate.turns else "runs against an end"

@@ -94,7 +94,7 @@ def _beside_rest(model: ReducedModel, segment: Any, span: float) -> bool:
         accelerations = []
         for by in (-1e-6, 0.0, 1e-6):  # so near that a rest is stable or unstable by them [rad]
             moved = y.copy()
-            moved[:n] = system.dynamics.moved(y[:n], by)[0] if by else y[:n]
+            moved[:n] = system.dynamics.move_crank(y[:n], by)[0] if by else y[:n]
             accelerations.append(system.dynamics.of_crank(system.rates(mode, time, moved)[n : 2 * n]))
         below, here, above = accelerations
         inertia = float(model.at(y[[system.dynamics.crank]])[0][INERTIA, 0]) + added

@@ -41,7 +41,7 @@ from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
 from .driven_press import DrivenPress, driven_press, motor_against
 from .elastic.description import Elastic
-from .failures import told_of
+from .failures import name_driver_in_errors
 from .law_trials import tried
 from .over_angle.segment import AngleSegment
 from .run import Run, as_run, state_count
@@ -174,7 +174,7 @@ def simulate(
     drive, loads = tried(drive, loads, float(np.abs(speeds).max()))
     refuse_far("angle", angles, press.driver_coordinates)
     refuse_many_turns(speeds, until, float(angles[0]))
-    with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
+    with name_driver_in_errors(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
         driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction)
         if by_caller == "auto" and not is_reducible(driven):
             method = "constraint"

@@ -24,7 +24,7 @@ from .over_angle.collocation import LEAST
 from .over_angle.segment import AngleSegment
 from .over_time.equations_of_motion import FullDynamics, ReducedDynamics
 from .over_time.hybrid_system import HybridSystem, Mode
-from .reduced_model import INERTIA, ReducedModel, lock_reached
+from .reduced_model import INERTIA, ReducedModel, lock_failure
 from .trajectory import INTEGRALS, RepetitionSegment, Segment, StandstillSegment, State, Trajectory
 
 if TYPE_CHECKING:
@@ -176,7 +176,7 @@ class OverTime:
             reached = error.crank_angle
             end = None if reached is None else _end_at(driven.model, reached)
             if end is not None:
-                raise lock_reached(driven.model, end, error.time) from error
+                raise lock_failure(driven.model, end, error.time) from error
             if least > 0 or isinstance(error, LawError):
                 raise
             angle = where if error.crank_angle is None else error.crank_angle

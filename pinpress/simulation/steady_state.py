@@ -28,7 +28,7 @@ from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
 from .driven_press import DrivenPress, driven_press, motor_against
 from .elastic.description import Elastic
-from .failures import failure, told_of
+from .failures import failure, name_driver_in_errors
 from .law_trials import tried
 from .over_angle import collocation
 from .over_angle.collocation import CollocationSolution
@@ -148,7 +148,7 @@ def steady_state_near(
         from .elastic.simulate_elastic import elastic_steady_state
 
         rigid_period = partial(_rigid_period, driven, near, TOLERANCE)
-        with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
+        with name_driver_in_errors(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
             sprung = opening_press(press, elastic) if neighbour is None else segment_of(neighbour).solution.equations.sprung
             return elastic_steady_state(driven, sprung, near, start, points, tolerance, began, rigid_period, neighbour)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises

@@ -205,7 +205,7 @@ def test_each_round_of_newtons_method_squares_the_error(press, name, periodic, m
             np.testing.assert_allclose(np.exp(solution.exponent), few[-1] / few[0], rtol=2e-3)
         if name != "stiff motor":
             for share, other in others.items():
-                about = solution.started_with(other.ends[0])
+                about = solution.start_with(other.ends[0])
                 assert np.abs(about - other.energy).max() < 1e-2 * abs(share) * start[0]
         with monkeypatch.context() as context:
             context.setattr(collocation, "SETTLED", np.inf)  # one round

@@ -12,7 +12,7 @@ from ...common.quantities import Array
 from ...loads.caller_laws import LawError
 from ..driven_press import DrivenPress
 from ..failures import failure
-from ..reduced_model import INERTIA, WEIGHT, lock_reached
+from ..reduced_model import INERTIA, WEIGHT, lock_failure
 from ..trajectory import RepetitionSegment, Segment, State, Trajectory
 from . import collocation
 from .collocation import CollocationSolution
@@ -120,7 +120,7 @@ class AngleSolver:
         elif count < len(kinds) and self.state.time < self.until:
             return False
         elif self.model.period is None and self.state.time < self.until:
-            raise lock_reached(self.model, self.state.angle, self.state.time)
+            raise lock_failure(self.model, self.state.angle, self.state.time)
         elif self.model.repeats and kinds[0] == STEADY and len(kinds) < solution.mesh.periods * len(self.model.borders) + 150:
             self.before = solution  # a mesh with more panels, cut for this period alone, would cost every later one
         return True
@@ -133,7 +133,7 @@ class AngleSolver:
         driven, model, anchor = self.driven, self.model, self.anchor
         extent = range_ahead(model, anchor, direction)
         if extent <= 2 * SAME:
-            raise lock_reached(model, self.state.angle, self.state.time)
+            raise lock_failure(model, self.state.angle, self.state.time)
         energy = self._energy()
         # A start with hardly any kinetic energy may come to rest at once: it is followed over time.
         if 0 < energy[0] < 1e-7 * model.potential_range:

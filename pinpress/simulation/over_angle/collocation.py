@@ -86,9 +86,9 @@ class CollocationSolution:
     @cached_property
     def durations(self) -> Array:
         """(p, S) of the panels [s]."""
-        return _summed(self.slowness)
+        return _sums(self.slowness)
 
-    def started_with(self, energy: Array) -> Array:
+    def start_with(self, energy: Array) -> Array:
         """About the kinetic energy (q, p, S) over the same mesh from other energies (S,) at the start."""
         change: Array = energy - self.ends[0]
         growth = self.growth
@@ -123,11 +123,11 @@ def solve(
     """
     inertia = _inertia(driven, mesh)
     if driven.prescribed is not None:
-        return _prescribed(driven, mesh, inertia, driven.prescribed)
+        return _at_constant_speed(driven, mesh, inertia, driven.prescribed)
     if driven.speed_free:
-        return _Newton(driven, mesh, inertia, energy, energy[None, None], periodic).integrated()
+        return _Newton(driven, mesh, inertia, energy, energy[None, None], periodic).integrate()
     if beside is not None:
-        guess = beside.started_with(energy)
+        guess = beside.start_with(energy)
     if guess is None:
         guess = 0.5 * inertia if mesh.kinds[0] == FROM_REST else np.broadcast_to(energy, (*mesh.angle.shape, len(energy)))
     return _Newton(driven, mesh, inertia, energy, guess, periodic).solve(guess, 1e-4 if roughly else SETTLED)
@@ -204,7 +204,7 @@ class _Newton:
             self.forces.at(np.sqrt(np.maximum(work, self.floor) * self.twice))
         return self._solution(work, False, settled, growth, None if force is None else ends, force)
 
-    def integrated(self) -> CollocationSolution:
+    def integrate(self) -> CollocationSolution:
         """Where no force depends on the speed, W is an integral."""
         self.forces.at(np.broadcast_to(np.sqrt(np.maximum(self.energy, self.floor) * self.twice[0, 0]), self.shape))
         return self._solution(None, True, self.everywhere)
@@ -256,7 +256,7 @@ class _Newton:
             forces.driving = force - others - weight
         exponent = np.zeros(len(self.energy))
         if growth is not None and self.periodic:
-            exponent = _summed(growth.slopes * self.mesh.measure[:, :, None]).sum(axis=0)
+            exponent = _sums(growth.slopes * self.mesh.measure[:, :, None]).sum(axis=0)
         speed = np.maximum(work, TINY) * self.twice  # never from the floor, so that the energy balance tells what is wrong
         return CollocationSolution(
             mesh=self.mesh,
@@ -289,7 +289,7 @@ def _growth(mesh: AngleMesh, change: Array, above: Array) -> Growth:
     return Growth(slopes, 0.0 * stiffness, growth[:-1], growth[-1])
 
 
-def _prescribed(driven: DrivenPress, mesh: AngleMesh, inertia: Array, drive: PrescribedSpeed) -> CollocationSolution:
+def _at_constant_speed(driven: DrivenPress, mesh: AngleMesh, inertia: Array, drive: PrescribedSpeed) -> CollocationSolution:
     """The solution at a constant speed, with the torque that this takes."""
     speed = np.full(inertia.shape, abs(drive.speed))
     work = 0.5 * inertia * speed**2
@@ -406,7 +406,7 @@ def panel_integrals(solution: CollocationSolution, rate: Array) -> Array:
     return np.asarray(np.einsum("qp,qps->ps", rule.weights[:, None] * mesh.measure, rate))
 
 
-def _summed(rate: Array) -> Array:
+def _sums(rate: Array) -> Array:
     """Integrals (p, S) of a rate (q, p, S) by x over each panel."""
     q, p, count = rate.shape
     return product(gauss_rule().weights, rate.reshape(q, -1)).reshape(p, count)

@@ -49,13 +49,13 @@ class Dynamics(Protocol):
     def stands(self, instant: Any) -> bool:
         """Whether the links are at rest in a state in which the crank is."""
 
-    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
+    def move_crank(self, position: Array, angle: float) -> tuple[Array, Array]:
         """Positions at a crank angle that is a small ``angle`` away, and speeds that lead there."""
 
     def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
         """The nearest state with closed loops; None where no loop can be open."""
 
-    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
+    def close_loops(self, position: Array, speed: Array) -> tuple[Array, Array]:
         """States (size, n) with their loops closed."""
 
 
@@ -115,13 +115,13 @@ class ReducedDynamics:
     def stands(self, instant: CrankState) -> bool:
         return True
 
-    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
+    def move_crank(self, position: Array, angle: float) -> tuple[Array, Array]:
         return position + angle, np.array([1.0 if angle > 0 else -1.0])
 
     def project(self, position: Array, speed: Array) -> None:
         return None
 
-    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
+    def close_loops(self, position: Array, speed: Array) -> tuple[Array, Array]:
         return position, speed
 
 
@@ -227,7 +227,7 @@ class FullDynamics:
         # A joint that is a thousand times as fast as the crank moves though the crank stands; one below 1e-6 m/s stands in any case.
         return bool(np.abs(self.units * instant.v).max() <= max(1e3 * crank, 1e-6))
 
-    def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
+    def move_crank(self, position: Array, angle: float) -> tuple[Array, Array]:
         closure = self.press.engine("pinocchio").close(np.array([position[self.crank] + angle]), position[:, None])
         return closure.position[:, 0], closure.first[:, 0] * np.sign(angle)
 
@@ -257,7 +257,7 @@ class FullDynamics:
                 return at, first, second
         return None
 
-    def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
+    def close_loops(self, position: Array, speed: Array) -> tuple[Array, Array]:
         if self.turns:
             motion = motion_through_change_points(self.press, position[self.crank], speed[self.crank])
             return motion.joint_position.T, motion.v.T

@@ -301,10 +301,10 @@ class EventFinder:
         """
 
         def margins(t: float) -> list[float]:  # with the loops closed, as the run goes on from there: a stiff force needs all digits
-            return self._margins(t, self.system.projected(t, piece(t)))
+            return self._margins(t, self.system.project(t, piece(t)))
 
         def margin(k: int, t: float) -> float:
-            y = self.system.projected(t, piece(t))
+            y = self.system.project(t, piece(t))
             size = self.events[k].margin(self.system, self.mode, t, y, self.system.at(y))
             if math.isnan(size):
                 raise self.system.cannot_go_on(t, y)

@@ -147,7 +147,7 @@ class HybridSystem:
         y = np.concatenate([position, speed, states, integrals])
         forces = tuple(None if force.time is not None else ForceMode(-math.inf, math.inf, True, None) for force in driven.forces)
         mode = Mode(clutch, CouplingMode(OPEN), forces).with_coupling("brake", brake)
-        return self.going_on(self.placed(self.past_corner(mode, y), time, y), time, y), y
+        return self.going_on(self.place_forces(self.past_corner(mode, y), time, y), time, y), y
 
     def at(self, y: Array) -> Snapshot:
         """The state of a vector."""
@@ -156,7 +156,7 @@ class HybridSystem:
         states = tuple(y[2 * n : -len(INTEGRALS)].tolist())
         return Snapshot(linkage, linkage.speed, states) if self.driven.clutch is None else Snapshot(linkage, states[-1], states[:-1])
 
-    def projected(self, time: float, y: Array) -> Array:
+    def project(self, time: float, y: Array) -> Array:
         """The vector with closed loops; the same vector where no loop can be open."""
         n = self.dynamics.size
         try:
@@ -318,7 +318,7 @@ class HybridSystem:
 
     # Standstill
 
-    def placed(self, mode: Mode, time: float, y: Array) -> Mode:
+    def place_forces(self, mode: Mode, time: float, y: Array) -> Mode:
         """The mode with every force in its interval; at rest that of the direction in which the crank starts, or in which it rests.
 
         Raises:
@@ -328,10 +328,10 @@ class HybridSystem:
         position, speed = y[:n], y[n : 2 * n]
         linkage = self.dynamics.at(position, speed)
         if not self.dynamics.alone:  # the first crank's rest is not the linkage's
-            return self._placed_at(mode, position + AHEAD * speed, speed, moving=True)
+            return self._place_forces_at(mode, position + AHEAD * speed, speed, moving=True)
         if linkage.speed:
             mode = self.turning(mode, sign_of(linkage.speed))
-            return self._placed_at(mode, position + LITTLE / abs(linkage.speed) * speed, speed, moving=True)
+            return self._place_forces_at(mode, position + LITTLE / abs(linkage.speed) * speed, speed, moving=True)
         forward, back = tried = self.starting(mode, y, 1), self.starting(mode, y, -1)
         if forward == back:  # neither a force nor a direction matters
             return forward
@@ -370,9 +370,9 @@ class HybridSystem:
         return 100 * float(np.finfo(float).eps * np.linalg.norm(press.model.gravity.linear)) / arm
 
     def going_on(self, mode: Mode, time: float, y: Array) -> Mode:
-        """The mode after a stop of the crank or a change of a coupling. Raises as `placed`."""
+        """The mode after a stop of the crank or a change of a coupling. Raises as `place_forces`."""
         snapshot = self.at(y)
-        mode = self.turning(mode, sign_of(snapshot.linkage.speed)) if snapshot.linkage.speed else self.placed(mode, time, y)
+        mode = self.turning(mode, sign_of(snapshot.linkage.speed)) if snapshot.linkage.speed else self.place_forces(mode, time, y)
         if mode.clutch.grip is HOLDING and self.clutch_reserve(mode, *self._rising(mode, time, y)) < 0:
             return self.clutch_slips(mode, time, y)
         if 0 in mode.sides and mode.clutch.grip is not HOLDING:  # the shaft leaves its rest without the crank
@@ -381,7 +381,7 @@ class HybridSystem:
         return mode
 
     def clutch_slips(self, mode: Mode, time: float, y: Array) -> Mode:
-        """The mode after a clutch that holds has let go. Raises as `placed`."""
+        """The mode after a clutch that holds has let go. Raises as `place_forces`."""
         clutch = mode.clutch.slipping(self._clutch_torque(mode, *self._rising(mode, time, y)))
         return self.going_on(mode._replace(clutch=clutch), time, y)
 
@@ -402,15 +402,19 @@ class HybridSystem:
     def starting(self, mode: Mode, y: Array, way: int) -> Mode:
         """The mode in which the crank of a vector starts from rest; ``way``: +1 or -1, the direction."""
         mode = self.turning(mode, way)
-        return self._placed_at(mode, *self.dynamics.moved(y[: self.dynamics.size], way * LITTLE), moving=False) if mode.forces else mode
+        return (
+            self._place_forces_at(mode, *self.dynamics.move_crank(y[: self.dynamics.size], way * LITTLE), moving=False)
+            if mode.forces
+            else mode
+        )
 
     def turning(self, mode: Mode, way: int) -> Mode:
         """The mode of a crank that turns in a direction, +1 or -1; forces stay in their intervals."""
-        directed = self._directed or mode.brake.grip is not OPEN
+        directed = self._has_direction or mode.brake.grip is not OPEN
         return mode._replace(way=way, sides=self._sides_of_crank(mode, way)) if directed else mode._replace(way=None)
 
     @cached_property
-    def _directed(self) -> bool:
+    def _has_direction(self) -> bool:
         """Whether a load, friction or the drive depends on the direction in which the crank turns."""
         driven = self.driven
         one_way = any(force.rising is not force.falling for force in driven.forces)
@@ -422,7 +426,7 @@ class HybridSystem:
             return mode.sides
         return tuple(side if corner else way for corner, side in zip(self.driven.corners, mode.sides, strict=True))
 
-    def _placed_at(self, mode: Mode, position: Array, speed: Array, moving: bool) -> Mode:
+    def _place_forces_at(self, mode: Mode, position: Array, speed: Array, moving: bool) -> Mode:
         """The mode in which every force is in its interval at a state a little ahead."""
         linkage = self.dynamics.at(position, speed)
         places = []

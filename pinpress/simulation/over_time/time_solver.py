@@ -119,7 +119,7 @@ class TimeSegment:
         owner, columns = self._vectors(times)
         accelerations = np.empty((0, len(times)))
         if complete:
-            columns[: 2 * size] = np.concatenate(system.dynamics.closed(columns[:size], columns[size : 2 * size]))
+            columns[: 2 * size] = np.concatenate(system.dynamics.close_loops(columns[:size], columns[size : 2 * size]))
             rates = [system.rates(self.modes[k], float(times[i]), columns[:, i].copy()) for i, k in enumerate(owner.tolist())]
             accelerations = np.array(rates).T[size : 2 * size]
         driving = system.driving(times, columns, [self.modes[k] for k in owner.tolist()])
@@ -266,7 +266,7 @@ class Integration:
             self.time, self.y = stepper.t, _close_loops(self.system, stepper)
         else:
             self.at_once = self.at_once + 1 if end <= self.time + self.shortest else 0
-            self.time, self.y = end, self.system.projected(end, piece(end))
+            self.time, self.y = end, self.system.project(end, piece(end))
         linkage = self.system.at(self.y).linkage
         segment.travelled += abs(linkage.angle - self.angle)
         segment.speeds.append(float(linkage.speed))
@@ -428,7 +428,7 @@ def _step_by_time_constant(integrator: OdeSolver, time: float, y: Array, sizes: 
 
 def _close_loops(system: HybridSystem, solver: OdeSolver) -> Array:
     """Close the loops of the integrator's vector, from which it goes on, and return the vector."""
-    y = system.projected(solver.t, solver.y)
+    y = system.project(solver.t, solver.y)
     if y is not solver.y:
         solver.y = y
         solver.f = solver.fun(solver.t, y)
