@@ -20,13 +20,7 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class LoopEnd:
-    """One side of a loop: a frame on a link.
-
-    Attributes:
-        link: name of the link.
-        xyz: position in the link's frame [m].
-        rpy: roll, pitch and yaw in the link's frame [rad].
-    """
+    """One side of a loop: a frame on a link, by its position [m] and its roll, pitch and yaw [rad]."""
 
     link: str
     xyz: Point
@@ -35,35 +29,19 @@ class LoopEnd:
 
 @dataclass(frozen=True)
 class Loop:
-    """A ``<loop_joint>``: the bearing that closes a loop of the linkage.
-
-    Attributes:
-        name: of the loop.
-        type: "spherical", "revolute" or "fixed".
-        link1: its first side.
-        link2: its second side.
-        axis: axis of a revolute loop in the frames of both sides.
-        line: line of the element.
-    """
+    """A ``<loop_joint>``, "spherical", "revolute" or "fixed": the bearing that closes a loop of the linkage."""
 
     name: str
     type: str
     link1: LoopEnd
     link2: LoopEnd
-    axis: Point
+    axis: Point  # of a revolute loop in the frames of both sides
     line: int
 
 
 @dataclass(frozen=True)
 class Mimic:
-    """A gear pair, ``<mimic>``: the joint's coordinate is multiplier x coordinate of the leader + offset.
-
-    Attributes:
-        leader: name of the joint that is followed.
-        multiplier: ratio of the coordinates.
-        offset: [rad or m].
-        line: line of the element.
-    """
+    """A gear pair, ``<mimic>``: the joint's coordinate is multiplier x coordinate of the leader + offset [rad or m]."""
 
     leader: str
     multiplier: float
@@ -73,40 +51,21 @@ class Mimic:
 
 @dataclass(frozen=True)
 class Joint:
-    """A ``<joint>`` of the tree.
-
-    Attributes:
-        name: of the joint.
-        type: "continuous", "revolute", "prismatic" or "fixed".
-        parent: name of the parent link.
-        child: name of the child link.
-        xyz: position of its origin in the frame of the parent link [m].
-        limits: lower and upper one of a revolute or prismatic joint, 0 where it is not written [rad or m]; else None.
-        mimic: its gear pair; None if it has none.
-        line: line of the element.
-    """
+    """A ``<joint>`` of the tree, "continuous", "revolute", "prismatic" or "fixed"."""
 
     name: str
     type: str
     parent: str
     child: str
-    xyz: Point
-    limits: tuple[float, float] | None
+    xyz: Point  # of its origin in the frame of the parent link [m]
+    limits: tuple[float, float] | None  # of a revolute or prismatic joint, 0 where one is not written [rad or m]
     mimic: Mimic | None
     line: int
 
 
 @dataclass(frozen=True)
 class Description:
-    """The contents of a URDF.
-
-    Attributes:
-        name: the robot's name.
-        links: names of the links, in document order.
-        joints: the joints of the tree, in document order.
-        loops: the loop joints, in document order.
-        drivers: names of the joints in ``<transmission>`` elements, each once.
-    """
+    """The contents of a URDF, in document order; drivers are the joints in ``<transmission>`` elements, each once."""
 
     name: str
     links: tuple[str, ...]

@@ -50,13 +50,8 @@ def element(press: Linkage, each: Constraint) -> str:
 
 
 class Redundancy(NamedTuple):
-    """Redundant equations.
-
-    Attributes:
-        out_of_plane: number of those out of the plane of a planar linkage, which parallel axes fulfil in any case.
-        further: number of all others.
-        among: the loops and gear pairs that take part in these others.
-    """
+    """Numbers of redundant equations out of the plane of a planar linkage, which parallel axes fulfil in any case, and of further ones; and
+    the loops and gear pairs that take part in the further ones."""
 
     out_of_plane: int
     further: int
@@ -94,17 +89,11 @@ def free_ways(columns: Array) -> Array:
 
 
 class Spin(NamedTuple):
-    """A link that can spin about the line of its two ball joints, which no driver determines.
-
-    Attributes:
-        link: its name.
-        joint: index in v of the joint that moves most in the spin; held, it leaves the link as a universal joint would.
-        eccentricity: distance of its centre of mass from the line [m]; not above rounding, weight and inertia do not turn it.
-    """
+    """A link that can spin about the line of its two ball joints, which no driver determines."""
 
     link: str
-    joint: int
-    eccentricity: float
+    joint: int  # index in v of the joint that moves most in the spin; held, it guides the link as a universal joint would
+    eccentricity: float  # distance of the centre of mass from the line [m]; if it is zero, weight and inertia do not turn the link
 
 
 def spins(press: Linkage, rows: Rows) -> list[Spin]:

@@ -1,4 +1,6 @@
-"""Links, joints and loops that a reader has found in another format, the tree that is chosen among them, and the URDF that says the same.
+"""Links, joints and loops as readers take them from other formats, the choice of a tree, and the URDF that says the same.
+
+Every part knows its origin: the element from which it was read.
 
 The frame of a link is that of the joint which carries it, as URDF has it; the drawn pose is that of the file, and joints are at zero there.
 """
@@ -27,14 +29,7 @@ TYPES_OF_LOOPS = {"spherical": "spherical", "ball": "spherical", "revolute": "re
 
 @dataclass(frozen=True, eq=False)
 class Inertia:
-    """The mass and inertia of a link.
-
-    Attributes:
-        mass: [kg].
-        place: of the centre of mass, in the link's frame, and the axes of ``tensor``.
-        tensor: (3, 3) about the centre of mass [kg m2].
-        origin: where it was read.
-    """
+    """The mass [kg] of a link, and its tensor (3, 3) about the centre of mass [kg m2], in the axes of ``place`` in the link's frame."""
 
     mass: float
     place: pin.SE3
@@ -44,31 +39,17 @@ class Inertia:
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """What is drawn of a link.
-
-    Attributes:
-        place: in the link's frame.
-        tag: "box", "cylinder", "sphere" or "mesh".
-        attributes: of that element of URDF.
-        colour: red, green, blue and opacity from 0 to 1; None if it has none.
-    """
+    """What is drawn of a link: an element of URDF ("box", "cylinder", "sphere" or "mesh") at a place in the link's frame."""
 
     place: pin.SE3
     tag: str
     attributes: Mapping[str, str]
-    colour: Sequence[float] | None = None
+    colour: Sequence[float] | None = None  # red, green, blue and opacity from 0 to 1
 
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A body.
-
-    Attributes:
-        name: of the link.
-        inertia: its mass and inertia, None if it has none.
-        shapes: what is drawn of it.
-        origin: where it was read.
-    """
+    """A body."""
 
     name: str
     inertia: Inertia | None
@@ -76,16 +57,8 @@ class Link:
     origin: Origin
 
 
-@dataclass(frozen=True)
-class Follow:
-    """A gear pair: the joint's coordinate is multiplier x coordinate of the leader + offset.
-
-    Attributes:
-        leader: name of the joint that is followed.
-        multiplier: ratio of the coordinates.
-        offset: [rad or m].
-        origin: where it was read.
-    """
+class Follow(NamedTuple):
+    """A gear pair: the joint's coordinate is multiplier x coordinate of the leader + offset [rad or m]."""
 
     leader: str
     multiplier: float
@@ -95,91 +68,50 @@ class Follow:
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """A joint of the tree.
-
-    Attributes:
-        name: of the joint.
-        type: "revolute", "prismatic" or "fixed".
-        parent: name of the link that carries it.
-        child: name of the link that it carries.
-        place: in the parent's frame; the child's frame in the drawn pose.
-        axis: (3,) of length 1 in that frame.
-        limits: lowest and highest position from the drawn pose [rad or m]; None if there are none.
-        effort: largest torque [N m] or force [N]; None if there is no such limit.
-        velocity: largest [rad/s or m/s]; None if there is no such limit.
-        damping: [N m s/rad or N s/m].
-        friction: [N m or N].
-        follow: the gear pair that moves it, None if there is none.
-        origin: where it was read.
-    """
+    """A joint of the tree, "revolute", "prismatic" or "fixed"."""
 
     name: str
     type: str
     parent: str
     child: str
-    place: pin.SE3
-    axis: Array
+    place: pin.SE3  # in the parent's frame; the child's frame in the drawn pose
+    axis: Array  # (3,) of length 1 in that frame
     origin: Origin
-    limits: tuple[float, float] | None = None
-    effort: float | None = None
-    velocity: float | None = None
-    damping: float = 0.0
-    friction: float = 0.0
+    limits: tuple[float, float] | None = None  # from the drawn pose [rad or m]
+    effort: float | None = None  # largest [N m or N]; None: without limit
+    velocity: float | None = None  # largest [rad/s or m/s]; None: without limit
+    damping: float = 0.0  # [N m s/rad or N s/m]
+    friction: float = 0.0  # [N m or N]
     follow: Follow | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """A bearing that closes a loop.
-
-    Attributes:
-        name: of the bearing.
-        type: "spherical", "revolute" or "fixed".
-        ends: names of the two links, and its place in the frame of each.
-        axis: (3,) of a revolute one, in the frames of both ends.
-        origin: where it was read.
-    """
+    """A bearing that closes a loop, "spherical", "revolute" or "fixed": the two links, and its place in the frame of each."""
 
     name: str
     type: str
     ends: tuple[tuple[str, pin.SE3], tuple[str, pin.SE3]]
-    axis: Array | None
+    axis: Array | None  # (3,) of a revolute one, in the frames of both ends
     origin: Origin
 
 
 @dataclass(frozen=True, eq=False)
 class Mechanism:
-    """All of a file that makes a linkage.
-
-    Attributes:
-        name: of the model.
-        links: the root first or anywhere.
-        joints: of the tree, in the file's order.
-        loops: in the file's order.
-        drivers: names of joints, and where they were read.
-        remarks: what the file says and is not in here.
-        origin: of the model.
-        balls: names of the three revolute joints that make each ball joint of the tree, from parent to child.
-    """
+    """All parts of a file that make a linkage; joints and loops in the file's order."""
 
     name: str
     links: tuple[Link, ...]
     joints: tuple[Joint, ...]
     loops: tuple[Loop, ...]
-    drivers: tuple[tuple[str, Origin], ...]
+    drivers: tuple[tuple[str, Origin], ...]  # names of joints
     remarks: tuple[Finding, ...]
     origin: Origin
-    balls: tuple[tuple[str, ...], ...] = ()
+    balls: tuple[tuple[str, ...], ...] = ()  # names of the revolute joints that make each ball joint of the tree, from parent to child
 
 
 class Edge(NamedTuple):
-    """A joint that the tree may take.
-
-    Attributes:
-        parent: name of its parent link.
-        child: name of its child link.
-        rank: the tree takes joints of low rank before others.
-    """
+    """A joint that the tree may take, by the names of its parent and child link; it takes joints of low rank before others."""
 
     parent: str
     child: str
@@ -187,12 +119,7 @@ class Edge(NamedTuple):
 
 
 class SpanningTree(NamedTuple):
-    """A tree of links.
-
-    Attributes:
-        tree: by the index of each joint in it, the name of the link that it carries, from the root outwards.
-        lost: names of links that no joints connect to the root.
-    """
+    """The link that each joint of the tree carries, by the joint's index, from the root outwards; and links that no joint reaches."""
 
     tree: Mapping[int, str]
     lost: tuple[str, ...]
