@@ -17,7 +17,7 @@ from ..common.quantities import Array
 from ..engines.constraints import LoopJoint, gear
 from .checks import assembly as assembly_checks
 from .checks import elements as element_checks
-from .checks import mobility
+from .checks import grammar, mobility
 from .description import Description, Loop
 from .document import Document, check_command, read, refuse_errors
 from .formats import dialects
@@ -95,7 +95,7 @@ def load_document(
     refuse_errors(findings, command)
     of_file = [finding for finding in document.remarks if finding.severity == "warning"]
     if in_file:
-        of_file += element_checks.find_unknown(document.robot)
+        of_file += grammar.find_unknown(document.robot)
     for finding in (*of_file, *findings):
         caution((finding if in_file else replace(finding, line=None)).message(press.file))
     return press

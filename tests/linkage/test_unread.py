@@ -9,7 +9,7 @@ from support import mistakes
 
 import pinpress as pp
 from pinpress.common.errors import UrdfError
-from pinpress.linkage.checks import elements as element_checks
+from pinpress.linkage.checks import grammar
 from pinpress.linkage.loading import parse
 
 RIGHT = mistakes.URDF.read_text(encoding="utf-8")
@@ -84,7 +84,7 @@ def test_robots_of_other_programs_are_read_in_silence():
     every = [path for path in files("example-robot-data") if path.suffix == ".urdf"]
     assert len(every) > 50
     for path in every:
-        assert list(element_checks.find_unknown(parse(path.locate()).robot)) == []
+        assert list(grammar.find_unknown(parse(path.locate()).robot)) == []
 
 
 LOOP = """<loop name="W" type="spherical"><predecessor link="rod"><origin xyz="0 0 -0.4"/></predecessor>

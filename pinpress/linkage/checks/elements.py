@@ -8,91 +8,17 @@ another one having passed.
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from ...common.arguments import LARGEST
-from ...common.errors import UrdfError, odd_character, shown, suggestion
+from ...common.errors import UrdfError, odd_character, suggestion
 from ..description import DEEPEST_JOINTS, MOST, Description, Joint, names
 from ..document import Document, Finding
 from ..element import Element
-
-LOOP_TYPES = ("spherical", "revolute", "fixed")
-_JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
-_UNSUPPORTED_JOINT_TYPES = {
-    "planar": "write two prismatic joints and a revolute one, with links between them",
-    "floating": "hang the link on one that carries it, by the joint there (a ball is three hinges), and close the others by <loop_joint>",
-}
-
-# Children of each element: one of each, "?" for at most one, "*" for any number. Any other child is an error. The children of an element
-# without an entry are not checked.
-_CHILDREN = {
-    "robot": "link* joint* loop_joint* material* transmission*",
-    "link": "inertial? visual* collision* tool?",
-    "inertial": "origin? mass inertia",
-    "visual": "origin? geometry material?",
-    "collision": "origin? geometry",
-    "geometry": "box? cylinder? sphere? mesh?",
-    "material": "color? texture?",
-    "joint": "origin? parent child axis? limit? dynamics? calibration? safety_controller? mimic?",
-    "loop_joint": "link1 link2 axis?",
-}
-# Attributes of each element, in the same notation.
-_ATTRIBUTES = {
-    "origin": "xyz? rpy?",
-    "parent": "link",
-    "child": "link",
-    "link1": "link xyz? rpy?",
-    "link2": "link xyz? rpy?",
-    "axis": "xyz",
-    "mass": "value",
-    "tool": "xyz name?",
-    "inertia": "ixx ixy ixz iyy iyz izz",
-    "limit": "lower? upper? effort velocity",
-    "mimic": "joint multiplier? offset?",
-    "dynamics": "damping? friction?",
-    "calibration": "rising? falling? reference_position?",
-    "safety_controller": "k_velocity k_position? soft_lower_limit? soft_upper_limit?",
-    "box": "size",
-    "cylinder": "radius length",
-    "sphere": "radius",
-    "mesh": "filename scale?",
-    "color": "rgba",
-    "texture": "filename",
-}
-# Elements and attributes that other programs (ROS, Gazebo, Bullet, Drake, MuJoCo) write and Pinocchio does not read. Those with a namespace
-# prefix count among them.
-_FOREIGN = {
-    "robot": "gazebo ros2_control mujoco sensor fixed_frame frame",
-    "link": "sensor self_collision_checking verbose velocity contact audio_source",
-    "collision": "verbose contact_coefficients",
-    "joint": "joint_properties sensor",
-    "limit": "acceleration deceleration jerk",
-}
-# Attributes of the elements that have none in `_ATTRIBUTES` or are open to more, and what other programs write into them. Any other is
-# passed over with a warning.
-_NAMES = {
-    "robot": "name version",
-    "link": "name",
-    "joint": "name type",
-    "loop_joint": "name type",
-    "inertial": "",
-    "transmission": "name type",
-    "visual": "name",
-    "collision": "name",
-    "material": "name",
-}
-_FOREIGN_NAMES = {"link": "type concave", "joint": "dont_collapse"}
-_DRAWN = ("visual", "collision", "material")  # what is drawn is not mechanics: only misspelt attributes are told
-_WHOLE = ("origin", "parent", "child", "link1", "link2", "axis", "mass", "inertia", "limit", "mimic", "tool")  # they contain no others
-# Elements of a <transmission> in ROS, in this spelling; the one that is read is <joint>.
-_IN_TRANSMISSION = ("joint", "actuator", "type", "mechanicalReduction", "gap_joint", "passive_joint", "flexJoint", "rollJoint")
-_QUANTITIES = ("xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset")  # what is computed with
-_OPEN_TO_ATTRIBUTES = ("dynamics", "calibration", "safety_controller", "mesh", "color", "texture")  # nothing here enters the mechanics
-
-Problem = tuple[Element, str, str]
-"""The element at fault, the problem, and the remedy."""
+from . import grammar
+from .grammar import Problem, warning
 
 
 def errors(document: Document) -> list[Finding]:
@@ -106,7 +32,7 @@ def errors(document: Document) -> list[Finding]:
     if not problems:  # checking everything in a file that is too large would take long
         checks = (
             _robot_problems(robot),
-            _content_problems(robot),
+            grammar.problems(robot),
             _name_problems(robot),
             _type_problems(robot),
             _mimic_problems(robot, description),
@@ -127,60 +53,6 @@ def _robot_problems(robot: Element) -> Iterator[Problem]:
         yield robot, _odd_name(robot, odd), "give it another name"
     if robot.attributes.get("version", "1.0") not in ("1.0", "1.1"):
         yield robot, f"unknown URDF version {robot.get('version')!r}", 'write version="1.0", or no version'
-
-
-def _content_problems(element: Element) -> Iterator[Problem]:
-    """Elements and attributes that are unknown, missing, repeated, or not the numbers they should be."""
-    tag = element.tag
-    if tag in _ATTRIBUTES:
-        yield from _attribute_problems(element)
-    if tag not in _CHILDREN:
-        return
-    words = _CHILDREN[tag].split()
-    known, foreign = [word.rstrip("?*") for word in words], _FOREIGN.get(tag, "").split()
-    for child in element.children:
-        if child.tag in known:
-            yield from _content_problems(child)
-        elif ":" not in child.tag and child.tag not in foreign:
-            yield child, f"unknown element <{child.tag}>{suggestion(child.tag, known)}", f"in <{tag}> write one of: {', '.join(known)}"
-    for name, word in zip(known, words, strict=True):
-        found = element.all(name)
-        if len(found) > 1 and not word.endswith("*"):
-            yield found[1], f"a second <{name}> in one <{tag}>", "keep one of them"
-        if not found and name == word:
-            yield element, f"has no <{name}>", f"write <{name}> in this <{tag}>"
-    if tag == "geometry" and len(element.all(*known)) != 1:
-        yield element, f"has {len(element.all(*known))} shapes", f"write just one of: {', '.join(known)}"
-    if tag == "material" and "name" not in element.attributes:
-        yield element, "has no name", 'write <material name="...">'
-
-
-def _attribute_problems(element: Element) -> Iterator[Problem]:
-    tag = element.tag
-    words = _ATTRIBUTES[tag].split()
-    known, foreign = [word.rstrip("?") for word in words], _FOREIGN.get(tag, "").split()
-    for name, text in element.attributes.items():
-        if name not in known:
-            if name not in foreign and tag not in _OPEN_TO_ATTRIBUTES and ":" not in name and name != "xmlns":
-                yield element, f"unknown attribute {name!r}{suggestion(name, known)}", f"in <{tag}> write: {', '.join(known)}"
-        elif fault := element.fault(name):
-            no_limit = tag == "limit" and text.strip().lower().lstrip("+-").startswith("inf")
-            plain = "write plain numbers, decimals after a point, spaces in between"
-            remedy = (
-                'URDF has no infinite numbers: write 1e9 for no limit, or type="continuous" of a joint that turns' if no_limit else plain
-            )
-            yield element, f"{name}={shown(text)}: {fault}", remedy
-        elif name in _QUANTITIES and tag != "axis" and max(map(abs, element.numbers(name))) > LARGEST:
-            yield element, f"{name}={shown(text)} is out of range", f"write SI units; {LARGEST:g} is the largest number"
-        elif name in ("size", "radius", "length") and min(element.numbers(name)) <= 0:
-            yield element, f"{name}={shown(text)} is not positive", "write the size in metres"
-        elif name == "rgba" and not all(0 <= part <= 1 for part in element.numbers(name)):
-            yield element, f"rgba={text!r} is not from 0 to 1", 'write, for example, rgba="0.5 0.5 0.5 1"'
-    for name, word in zip(known, words, strict=True):
-        if name == word and not element.get(name):
-            yield element, f"has no {name}", f'write <{tag} {name}="..."/>'
-    if tag == "dynamics" and not {"damping", "friction"} & element.attributes.keys():
-        yield element, "has neither damping nor friction", "write one of them, or remove <dynamics>"
 
 
 def _name_problems(robot: Element) -> Iterator[Problem]:
@@ -211,7 +83,7 @@ def _odd_name(element: Element, odd: str) -> str:
 def _type_problems(robot: Element) -> Iterator[Problem]:
     """Problems of joints and loops by themselves: types, limits and axes."""
     for joint in robot.all("joint"):
-        yield from _unknown_type(joint, "joint", _JOINT_TYPES, _UNSUPPORTED_JOINT_TYPES)
+        yield from _unknown_type(joint, "joint", ("revolute", "continuous", "prismatic", "fixed"))
         kind, limits = joint.get("type"), joint.all("limit")
         if kind in ("revolute", "prismatic") and not limits:
             remedy = 'write <limit lower="..." upper="..." effort="..." velocity="..."/>'
@@ -226,18 +98,23 @@ def _type_problems(robot: Element) -> Iterator[Problem]:
         if kind != "fixed":
             yield from _axis_problems(joint)
     for loop in robot.all("loop_joint"):
-        yield from _unknown_type(loop, "loop", LOOP_TYPES, {})
+        yield from _unknown_type(loop, "loop", ("spherical", "revolute", "fixed"))
         if loop.get("type") == "revolute":
             yield from _axis_problems(loop)
         elif loop.all("axis"):
             yield loop.all("axis")[0], f"a {loop.get('type')} loop has no axis", 'remove <axis>, or write type="revolute"'
 
 
-def _unknown_type(element: Element, word: str, types: Sequence[str], unsupported: Mapping[str, str]) -> Iterator[Problem]:
+def _unknown_type(element: Element, word: str, types: Sequence[str]) -> Iterator[Problem]:
     kind, remedy = element.get("type"), f"write one of: {', '.join(types)}"
+    unsupported = {
+        "planar": "write two prismatic joints and a revolute one, with links between them",
+        "floating": "hang the link on one that carries it, by the joint there (a ball is three hinges), and close the others by"
+        " <loop_joint>",
+    }
     if not kind:
         yield element, "has no type", remedy
-    elif kind in unsupported:
+    elif word == "joint" and kind in unsupported:
         yield element, f"{word} type {kind!r} is not supported", unsupported[kind]
     elif kind not in types:
         yield element, f"unknown {word} type {kind!r}{suggestion(kind, types)}", remedy
@@ -426,7 +303,7 @@ def _tensor_problem(inertia: Element) -> str | None:
     """
     principal = principal_moments(inertia)
     if not principal:
-        return None  # `_attribute_problems` reports it
+        return None  # the grammar reports it
     tolerance = 1e-6 * max(map(abs, principal))
     shown = ", ".join(f"{moment:.6g}" for moment in principal)
     if principal[0] < -tolerance:
@@ -436,46 +313,10 @@ def _tensor_problem(inertia: Element) -> str | None:
     return None
 
 
-def find_unknown(robot: Element) -> Iterator[Finding]:
-    """Warnings of attributes and elements that nothing reads, where `problems` lets them pass: they may be misspelt, or stand in the wrong
-    element. What other programs are known to write, and whatever has a namespace prefix, is left alone."""
-    tag = robot.tag
-    if tag in _NAMES:
-        yield from _unknown_attributes(robot, _NAMES[tag].split(), tag not in _DRAWN)
-    elif tag in _OPEN_TO_ATTRIBUTES:
-        yield from _unknown_attributes(robot, [word.rstrip("?") for word in _ATTRIBUTES[tag].split()], False)
-    elif tag == "origin" and not robot.attributes and not robot.children and robot.end > robot.start:  # <origin>0 0 1</origin>
-        yield _warning(robot, "has neither xyz nor rpy; text in it is not read", 'write <origin xyz="..." rpy="..."/>, or remove it')
-    known = [word.rstrip("?*") for word in _CHILDREN.get(tag, "").split()]
-    for child in robot.children:
-        if child.tag in known:
-            yield from find_unknown(child)
-        elif tag in _WHOLE and ":" not in child.tag:
-            write = ", ".join(word.rstrip("?") for word in _ATTRIBUTES[tag].split())
-            yield _warning(robot, f"<{child.tag}> in it is not read", f"write what it says as attributes of <{tag}>: {write}")
-        elif tag == "transmission" and child.tag not in _IN_TRANSMISSION and suggestion(child.tag, ["joint"]):
-            yield _warning(robot, f"<{child.tag}> in it is not read, did you mean 'joint'?", 'write <joint name="..."/>, the driver')
-
-
-def _unknown_attributes(element: Element, known: Sequence[str], all_of_them: bool) -> Iterator[Finding]:
-    """Warnings of the attributes of an element that are not known, or of those alone that are misspelt."""
-    tag = element.tag
-    for name in element.attributes:
-        if name in known or name == "xmlns" or ":" in name or name in _FOREIGN_NAMES.get(tag, "").split():
-            continue
-        alike = suggestion(name, known)
-        within = [word.rstrip("?*") for word in _CHILDREN.get(tag, "").split()]
-        if name in within and all_of_them:
-            yield _warning(element, f"its attribute {name!r} is not read", f"write an element <{name}> in this <{tag}>")
-        elif alike or all_of_them:
-            write = f"attributes of <{tag}> are {', '.join(known)}" if known else f"<{tag}> has no attributes"
-            yield _warning(element, f"its attribute {name!r} is not read{alike}", f"correct or remove it: {write}")
-
-
 def remarks(document: Document) -> Iterator[Finding]:
     """Warnings and notes of a URDF; it may have errors too."""
     robot, description = document.robot, document.description
-    yield from find_unknown(robot)
+    yield from grammar.find_unknown(robot)
     yield from _names(robot, "link")
     yield from _names(robot, "joint", "loop_joint")
     yield from _drawn_limits(robot, description)
@@ -494,11 +335,11 @@ def _names(robot: Element, *tags: str) -> Iterator[Finding]:
     for element in robot.all(*tags):
         name = element.get("name")
         if name != name.strip():
-            yield _warning(element, f"the name {name!r} has spaces around it", f'write name="{name.strip()}" here and where it is used')
+            yield warning(element, f"the name {name!r} has spaces around it", f'write name="{name.strip()}" here and where it is used')
         alike = first.setdefault(" ".join(name.split()).casefold(), element)
         if alike.get("name") != name:  # a name that is there twice is an error
             said = f"{alike.get('name')!r} on line {alike.line}"
-            yield _warning(element, f"the name {name!r} differs from {said} only in case or spaces", "give one of them another name")
+            yield warning(element, f"the name {name!r} differs from {said} only in case or spaces", "give one of them another name")
 
 
 def _drawn_limits(robot: Element, description: Description) -> Iterator[Finding]:
@@ -507,7 +348,7 @@ def _drawn_limits(robot: Element, description: Description) -> Iterator[Finding]
         if not lower <= 0.0 <= upper and not (joint.mimic and joint.mimic.offset):
             problem = f"the drawn pose, 0, is outside the limits {lower:g} to {upper:g}"
             remedy = "limits count from the drawn pose: shift them (they do not enter any computation)"
-            yield _warning(element.all("limit")[-1], problem, remedy)
+            yield warning(element.all("limit")[-1], problem, remedy)
 
 
 def _massless(robot: Element, description: Description) -> Iterator[Finding]:
@@ -520,8 +361,4 @@ def _massless(robot: Element, description: Description) -> Iterator[Finding]:
     for body, inertias in tensors.items():
         moments = principal_moments(inertias[0]) if len(inertias) == 1 else ()
         if body != description.root and moments and not any(moments):
-            yield _warning(inertias[0], "all moments of inertia are 0: a point mass, which resists no turning", "write them in kg m2")
-
-
-def _warning(element: Element, problem: str, remedy: str) -> Finding:
-    return Finding("warning", str(element), element.line, problem, remedy)
+            yield warning(inertias[0], "all moments of inertia are 0: a point mass, which resists no turning", "write them in kg m2")

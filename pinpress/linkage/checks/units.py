@@ -11,6 +11,7 @@ from ..description import Description
 from ..document import Document, Finding
 from ..element import Element
 from .elements import principal_moments
+from .grammar import warning
 
 SHORT = 0.5  # a link counts as at least this long [lengths of the linkage], however close together its pins are
 OUTSIDE = 3.0  # a centre of mass may be this far from the pins of its link [lengths of the link]
@@ -33,7 +34,7 @@ def remarks(document: Document, size: float, mass: float, centres: bool = True) 
     heavy = mass > max(1e4, 1e6 * size**3)
     yield from length(robot, size)
     if heavy:
-        yield _warning(robot, f"its links weigh {mass:.4g} kg, in a linkage of {size:.3g} m", "write masses in kg, 0.001 for a gram")
+        yield warning(robot, f"its links weigh {mass:.4g} kg, in a linkage of {size:.3g} m", "write masses in kg, 0.001 for a gram")
     yield from angles(robot)
     description = document.description
     for link in robot.all("link"):
@@ -48,7 +49,7 @@ def remarks(document: Document, size: float, mass: float, centres: bool = True) 
 def length(robot: Element, size: float) -> Iterator[Finding]:
     """The warning of a linkage that is longer than any press; it need not close."""
     if size > 50.0:
-        yield _warning(robot, f"the linkage is {size:.4g} m long", "write lengths in metres, 0.001 for a millimetre")
+        yield warning(robot, f"the linkage is {size:.4g} m long", "write lengths in metres, 0.001 for a millimetre")
 
 
 def angles(robot: Element) -> Iterator[Finding]:
@@ -58,7 +59,7 @@ def angles(robot: Element) -> Iterator[Finding]:
             for element in parent.all("origin", "link1", "link2"):
                 if (most := max(map(abs, element.numbers("rpy")), default=0.0)) > 2 * math.pi:
                     problem = f"rpy={element.get('rpy')!r} turns by more than a full turn: it seems to be in degrees"
-                    yield _warning(element, problem, f"write radians, {math.radians(most):.17g} for {most:g} degrees")
+                    yield warning(element, problem, f"write radians, {math.radians(most):.17g} for {most:g} degrees")
 
 
 def _centre(description: Description, name: str, inertial: Element, size: float) -> Iterator[Finding]:
@@ -71,7 +72,7 @@ def _centre(description: Description, name: str, inertial: Element, size: float)
         away = min(math.dist(centre, pin) for pin in description.pins[name])
         if away > (5.0 * size if description.is_on_frame(name) else OUTSIDE * _length(description, name, size)):
             problem = f"the centre of mass is {away:.3g} m from the nearest pin of link {name!r}, in a linkage of {size:.3g} m"
-            yield _warning(origin, problem, "write it in metres, in the link's own frame")
+            yield warning(origin, problem, "write it in metres, in the link's own frame")
 
 
 def _inertia(description: Description, name: str, inertial: Element, size: float, densest: float) -> Iterator[Finding]:
@@ -90,19 +91,15 @@ def _inertia(description: Description, name: str, inertial: Element, size: float
     radius = math.sqrt(largest / mass)
     if suspect:
         least = f"with {mass:.6g} kg and moments of inertia up to {largest:.3g} kg m2 its density is at least"
-        yield _warning(inertia, f"{least} {density:.0e} kg/m3", KG_M2)
+        yield warning(inertia, f"{least} {density:.0e} kg/m3", KG_M2)
     # A link on the frame may carry a flywheel, and moments of inertia of a link that slides have no effect.
     wide = not turns or description.is_on_frame(name)
     most = 10.0 * size if wide else GYRATION * _length(description, name, size)
     if radius > most:
-        yield _warning(inertia, f"the radius of gyration is {radius:.3g} m, of a linkage of {size:.3g} m", KG_M2)
+        yield warning(inertia, f"the radius of gyration is {radius:.3g} m, of a linkage of {size:.3g} m", KG_M2)
 
 
 def _length(description: Description, link: str, size: float) -> float:
     """Largest distance of a link's pins, but not less than a part of the linkage's length [m]."""
     pins = description.pins[link]
     return max(SHORT * size, max(math.dist(one, other) for one in pins for other in pins))
-
-
-def _warning(element: Element, problem: str, remedy: str) -> Finding:
-    return Finding("warning", str(element), element.line, problem, remedy)
