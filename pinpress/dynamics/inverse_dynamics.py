@@ -174,7 +174,7 @@ def _between_teeth(press: Linkage, engine: Engine, motion: Motion, wrenches: Wre
 
     def placed(joint: int) -> PlacedAxis:
         body = engine.body_motion(states, [joint + 1], accelerations=False)
-        return PlacedAxis(body.origin[0].T, (press.axes[joint].direction @ body.rotation[0].swapaxes(0, 1)).T)
+        return PlacedAxis(body.origin[0].T, (press.axes[joint].direction @ body.rotation[0]).T)
 
     force, moment = wrenches.force.copy(), wrenches.moment.copy()
     for rack in press.structure.racks:
