@@ -47,14 +47,12 @@ class Tree(NamedTuple):
         rows: rows of functions, the row of ones first.
         to_work: second derivatives of the functions to the work on them.
         to_forces: the same to the forces of all links that each joint carries.
-        single: the four numbers of these matrices where there is one joint.
     """
 
     joints: slice
     rows: slice
     to_work: ComplexArray
     to_forces: ComplexArray
-    single: tuple[ComplexArray, ...]
 
 
 class OpenTree(NamedTuple):
@@ -126,11 +124,6 @@ class Statics:
         most = max(1, PIECE // (1 + sum(block.redundant for block in self.blocks)))
         return min(most, max(SMALLEST_PIECE, IN_CACHE // max(1, len(self.blocks))))
 
-    @cached_property
-    def coupled_slides(self) -> tuple[int, ...]:
-        """Prismatic joints that are coupled."""
-        return tuple(j for j in self.plane.prismatic if any(j in row for row in self.plane.relation_rows))
-
 
 def build_statics(bodies: Bodies, equations: Equations) -> Statics:
     """Constants of the balance of forces of a linkage with these bodies and equations."""
@@ -144,8 +137,7 @@ def build_statics(bodies: Bodies, equations: Equations) -> Statics:
         rows, of_joints = slice(first_row, end), slice(carried[0], carried[-1] + 1)
         to_work = bodies.reduced[[place - 1 for place in columns[1:]]][:, columns].conj()
         to_forces = bodies.subtree_forces[carried][:, columns].conj()
-        single = tuple(np.array(entry) for entry in (*to_work[0], *to_forces[0])) if len(carried) == 1 else ()
-        trees.append(Tree(of_joints, rows, to_work, to_forces, single))
+        trees.append(Tree(of_joints, rows, to_work, to_forces))
         together[first_row + 1 : end, rows] = to_work
         together[count + carried[0] : count + carried[-1] + 1, rows] = to_forces
     return Statics(bodies, equations, together, tuple(trees), guided_bodies(functions, bodies))
@@ -169,10 +161,18 @@ def open_tree(statics: Statics, second: ComplexArray, loads: Sequence[AppliedFor
         np.dot(statics.together, second, tree.array[: first + joints])
     else:
         for part in statics.trees:
-            _add_tree(part, second[part.rows], tree, first)
+            own_rows = second[part.rows]
+            _multiply(part.to_work, own_rows, tree.array[part.rows.start + 1 : part.rows.stop])
+            _multiply(part.to_forces, own_rows, tree.array[first + part.joints.start : first + part.joints.stop])
     for load in loads:
-        if load.joint:
-            _take_load(statics, load, tree)
+        if not load.joint:
+            continue
+        joint, force = load.joint - 1, to_complex(plane, load.force).conj()
+        point = plane.point(joint, complex(*(plane.frames[joint] @ load.point)[:2]))
+        for place in np.flatnonzero(point[1:]) + 1:
+            tree.work[statics.functions.order[place]] -= point[place] * force
+        for carrier in plane.carriers(joint):
+            tree.forces[carrier] -= force
     return tree
 
 
@@ -184,34 +184,12 @@ def tree_without_work(statics: Statics, of_joints: ComplexArray) -> OpenTree:
     return tree
 
 
-def _add_tree(part: Tree, second: ComplexArray, tree: OpenTree, first: int) -> None:
-    """Fill in what hangs on one joint of the frame; ``second`` has only its rows."""
-    if part.single:
-        constant1, by1, constant2, by2 = part.single
-        for row, by, constant in ((tree.work[part.rows.start + 1], by1, constant1), (tree.forces[part.joints.start], by2, constant2)):
-            np.add(np.multiply(second[1], by, row), constant, row)
-        return
-    _multiply(part.to_work, second, tree.array[part.rows.start + 1 : part.rows.stop])
-    _multiply(part.to_forces, second, tree.array[first + part.joints.start : first + part.joints.stop])
-
-
 def _multiply(rows: ComplexArray, columns: ComplexArray, out: ComplexArray) -> None:
     """`products.product` of several rows into an array."""
     step = max(1, SERIAL_COMPLEX // rows.size)
     for start in range(0, columns.shape[1], step):
         s = slice(start, start + step)
         np.matmul(rows, columns[:, s], out=out[:, s])
-
-
-def _take_load(statics: Statics, load: AppliedForce, tree: OpenTree) -> None:
-    """Take a load from the work of functions and from the forces of the joints that carry its link."""
-    plane, order = statics.plane, statics.functions.order
-    joint, force = load.joint - 1, to_complex(plane, load.force).conj()
-    point = plane.point(joint, complex(*(plane.frames[joint] @ load.point)[:2]))
-    for place in np.flatnonzero(point[1:]) + 1:
-        tree.work[order[place]] -= point[place] * force
-    for carrier in plane.carriers(joint):
-        tree.forces[carrier] -= force
 
 
 def direction_of(statics: Statics, configurations: Configurations, joint: int) -> ComplexArray:
@@ -346,7 +324,7 @@ class IdleForces(NamedTuple):
     Attributes:
         bearings: (idle, bearings, n) what each adds to the bearings, conjugate.
         multipliers: (idle, relations, n) what each adds to the multipliers of the relations.
-        slides: directions of the coupled prismatic joints, by joint.
+        slides: directions of the prismatic joints that a relation names, by joint.
     """
 
     bearings: ComplexArray
@@ -365,7 +343,11 @@ def idle_forces(statics: Statics, configurations: Configurations) -> IdleForces 
     for place, block in enumerate(statics.blocks):
         if not block.redundant:
             continue
-        null = None if block.has_inverses else _null_space(statics, configurations, place)
+        null = None  # (n, equations, redundant) multipliers that balance within the block
+        if not block.rows:
+            null = np.tile(np.eye(block.redundant), (n, 1, 1))
+        elif not block.has_inverses:
+            null = np.linalg.qr(configurations.slopes[place], mode="complete")[0][:, :, len(block.rows) :]
         for k in range(block.redundant):
             work = list(np.zeros((statics.functions.count, n), complex))
             tree = OpenTree(bearings[number], work, list(bearings[number]))
@@ -377,16 +359,9 @@ def idle_forces(statics: Statics, configurations: Configurations) -> IdleForces 
             _subtract_block(statics, configurations, block, tree, multipliers[number], efforts)
             balance(statics, configurations, tree, multipliers[number], efforts, block.balancing)
             number += 1
-    slides = {joint: direction_of(statics, configurations, joint) for joint in statics.coupled_slides}
+    related = {joint for row in statics.plane.relation_rows for joint in row}
+    slides = {joint: direction_of(statics, configurations, joint) for joint in statics.plane.prismatic if joint in related}
     return IdleForces(bearings, multipliers, slides)
-
-
-def _null_space(statics: Statics, configurations: Configurations, place: int) -> Array:
-    """The multipliers (n, equations, redundant) that balance within a block."""
-    block = statics.blocks[place]
-    if not block.rows:
-        return np.tile(np.eye(block.redundant), (len(configurations.functions[statics.functions.rows[0]]), 1, 1))
-    return np.linalg.qr(configurations.slopes[place], mode="complete")[0][:, :, len(block.rows) :]
 
 
 def add_idle_forces(idle: IdleForces, forces: ComplexArray, multipliers: Array, compliance: Array | None) -> None:

@@ -76,17 +76,13 @@ def influence(equations: Equations, basis: ComplexArray, position: Array) -> tup
 def _compute_influence(basis: ComplexArray, slopes: Slopes) -> tuple[Array, Array]:
     """The influence coefficients (nv, n) from the slopes at closed configurations."""
     plane, first = slopes.equations.functions.plane, slopes.drive()
-    gap_accelerations = _differentiate_gaps_twice(plane, basis, first)
+    # The centripetal and Coriolis accelerations (nl, n) of the gaps. Only a guide that turns has a Coriolis acceleration.
+    if any(plane.guide_rotors):
+        gap_accelerations = product(plane.gap_rows, basis_acceleration(plane, basis, first, None))
+    else:
+        spin = product(plane.turn, first)
+        gap_accelerations = product(plane.centripetal, basis[1 : 1 + len(plane.revolute)] * (spin * spin))
     return first, slopes.solve([*gap_accelerations, *[None] * len(plane.offsets)])  # those of relations are zero
-
-
-def _differentiate_gaps_twice(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
-    """The centripetal and Coriolis accelerations (nl, n) of the gaps: at joint rates (nv, n), with all joint accelerations zero."""
-    if any(plane.guide_rotors):  # only a guide that turns has a Coriolis acceleration
-        return np.asarray(product(plane.gap_rows, basis_acceleration(plane, basis, v, None)))
-    spin = product(plane.turn, v)
-    spin *= spin  # squared
-    return np.asarray(product(plane.centripetal, basis[1 : 1 + len(plane.revolute)] * spin))
 
 
 def can_move(plane: Plane, drawn: Closure) -> bool:

@@ -115,7 +115,8 @@ def _fill(
             second = moving.second.take(statics.functions.order, axis=0)
             np.conjugate(second, second)
             out_of_plane.add(bodies, moving.basis, second, pins, loads, axial, result.force, result.moment)
-    _turn_into_torques(plane, multipliers)
+    if len(multipliers):
+        multipliers *= plane.relation_units[:, None]  # so that they are efforts on the joints that the relations determine
 
 
 class Balanced(NamedTuple):
@@ -138,7 +139,11 @@ class Balanced(NamedTuple):
 
         Efforts (bearings, n) of friction supply a part of what the joints need.
         """
-        efforts = None if bearing_efforts is None else efforts_by_rows(self.statics, -_resisted(self.statics.plane, bearing_efforts))
+        efforts, plane = None, self.statics.plane
+        if bearing_efforts is not None:
+            count = len(plane.parents)
+            of_joints = bearing_efforts[:count] + plane.sense[:, None] * (plane.incidence @ bearing_efforts[count:])
+            efforts = efforts_by_rows(self.statics, -of_joints)
         torque = balance(self.statics, self.configurations, tree, multipliers, efforts)
         if self.idle is not None:
             add_idle_forces(self.idle, tree.array[self.statics.functions.count :], multipliers, self.compliance)
@@ -208,12 +213,6 @@ def _bearing_speeds(plane: Plane, rates: Array) -> Array:
     return np.concatenate([rates, plane.incidence.T @ (plane.sense[:, None] * rates)])
 
 
-def _resisted(plane: Plane, friction_efforts: Array) -> Array:
-    """The part (nv, n) of the joints' efforts that friction efforts (bearings, n) supply."""
-    count = len(plane.parents)
-    return np.asarray(friction_efforts[:count] + plane.sense[:, None] * (plane.incidence @ friction_efforts[count:]))
-
-
 def closed_basis(plane: Plane, position: Array) -> ComplexArray:
     """The basis (nb, n) of joint coordinates (nv, n).
 
@@ -253,12 +252,6 @@ def _moments_about_normal(statics: Statics, multipliers: Array, torque: Array, f
             elif plane.sense[bearing]:
                 moments[bearing] = moments.get(bearing, 0.0) + plane.sense[bearing] * effort
     return moments
-
-
-def _turn_into_torques(plane: Plane, multipliers: Array) -> None:
-    """Turn multipliers of the relations (nr, n) into efforts on the joints that they determine."""
-    if len(multipliers):
-        multipliers *= plane.relation_units[:, None]
 
 
 def _put_forces(plane: Plane, forces: ComplexArray, out: Array) -> None:

@@ -37,7 +37,7 @@ from support.oracles import cassie  # noqa: E402
 from support.oracles.pinocchio_loop import PinocchioLoop, inverse_dynamics  # noqa: E402
 from support.oracles.six_bar_script import Array, six_bar, world_forces  # noqa: E402
 
-from pinpress.kinematics.cycle import _known  # noqa: E402
+from pinpress.kinematics.cycle import _constants  # noqa: E402
 
 SPEED = 70 * 2 * np.pi / 60  # [rad/s]
 SUBSET = 720  # angles that the per-angle loop is timed on where the whole turn has more
@@ -210,7 +210,7 @@ def print_presses(n: int, repeats: int) -> None:
             torque = np.abs(plane.driving_torque - judge.driving_torque).max() / np.abs(judge.driving_torque).max()
             peak = max(np.abs(force).max() for force in judge.bearing_force.values())
             force = max(np.abs(plane.bearing_force[b] - judge.bearing_force[b]).max() for b in press.bearings) / peak
-            line += f"{torque:10.1e}{force:10.1e}  {'iteration' if _known(press).chain is None else 'roots'}"
+            line += f"{torque:10.1e}{force:10.1e}  {'iteration' if _constants(press).chain is None else 'roots'}"
         print(line)
 
 
