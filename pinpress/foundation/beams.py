@@ -206,18 +206,18 @@ def _axes(beam: FrameBeam, along: Array) -> tuple[Array, float]:
 
 def _element(beam: FrameBeam, h: float) -> Array:
     """(2, 12, 12) mass and stiffness matrix of an element of length h, in the axes of the beam: displacements and turns at both ends."""
-    found = np.zeros((2, 12, 12))
+    matrices = np.zeros((2, 12, 12))
     line, mass = np.array([[1.0, -1.0], [-1.0, 1.0]]), beam.density * np.array([[2.0, 1.0], [1.0, 2.0]]) * h / 6
     moments = beam.second_moments
-    found[:, [[0], [6]], [0, 6]] += mass * beam.area, line * beam.modulus * beam.area / h
-    found[:, [[3], [9]], [3, 9]] += mass * sum(moments), line * beam.shear_modulus * beam.torsion_constant / h
+    matrices[:, [[0], [6]], [0, 6]] += mass * beam.area, line * beam.modulus * beam.area / h
+    matrices[:, [[3], [9]], [3, 9]] += mass * sum(moments), line * beam.shear_modulus * beam.torsion_constant / h
     # along the height (third axis) a positive turn about the second axis lowers what lies ahead, along the width it is the other way round
     for rows, turn, moment, sheared in (((2, 4, 8, 10), -1.0, moments[0], 0), ((1, 5, 7, 11), 1.0, moments[1], 1)):
         sign = np.array([1.0, turn, 1.0, turn])
         ratio = 12 * beam.modulus * moment / (beam.shear_modulus * beam.shear_areas[sheared] * h * h)
         bent = _bending(beam.density * beam.area, beam.density * moment, beam.modulus * moment, h, ratio)
-        found[:, np.array(rows)[:, None], rows] += bent * np.outer(sign, sign)
-    return found
+        matrices[:, np.array(rows)[:, None], rows] += bent * np.outer(sign, sign)
+    return matrices
 
 
 def _bending(mass: float, rotary: float, stiffness: float, h: float, ratio: float) -> Array:

@@ -199,7 +199,7 @@ def reduced_frame(
         raise PinpressError(f"{what}: stiffness has shape {k.shape}, mass {m.shape}: give both for the same rows")
     places = numbers(f"{what}: nodes", nodes, (None, 3), unit="m")
     rows = _rows_of_degrees(degrees, m.shape[0], len(places))
-    numbered = _checked_interfaces(interfaces, rows, len(places))
+    numbered = _check_interfaces(interfaces, rows, len(places))
     for name, each in (("bed", bed), ("carrier", carrier), *(bearings or {}).items()):
         if not isinstance(each, str) or each not in numbered:
             raise UnknownNameError(f"interface for {name}", each, numbered)
@@ -311,11 +311,11 @@ def _rows_of_degrees(degrees: ArrayLike, count: int, nodes: int) -> dict[tuple[i
     return rows
 
 
-def _checked_interfaces(interfaces: Mapping[str, int], rows: Mapping[tuple[int, int], int], nodes: int) -> dict[str, int]:
+def _check_interfaces(interfaces: Mapping[str, int], rows: Mapping[tuple[int, int], int], nodes: int) -> dict[str, int]:
     """Number of the node of each interface; raises PinpressError as `reduced_frame`."""
     if not isinstance(interfaces, Mapping) or not interfaces:
         raise PinpressError(f"interfaces is {shown(interfaces)}: give a mapping, name of each interface: number of its node")
-    found: dict[str, int] = {}
+    numbered: dict[str, int] = {}
     for name, given in interfaces.items():
         if not isinstance(name, str) or name == WHOLE:
             raise PinpressError(f"interface {shown(name)}: give it another name; {WHOLE!r} is the mean motion of the frame")
@@ -325,10 +325,10 @@ def _checked_interfaces(interfaces: Mapping[str, int], rows: Mapping[tuple[int, 
                 f"interface {shown(name)}: node {node} does not have all six degrees of freedom: make it a master node that spreads its"
                 " displacement over the nodes around it"
             )
-        if node in found.values():
+        if node in numbered.values():
             raise PinpressError(f"interface {shown(name)}: node {node} is an interface already: name it once")
-        found[name] = node
-    return found
+        numbered[name] = node
+    return numbered
 
 
 def _free_vibrations(

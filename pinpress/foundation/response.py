@@ -400,8 +400,9 @@ def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
     expect("points", points, Mapping, "{'top_beam': (x, y, z), ...}")
     rows = {}
     for name, given in points.items():
-        named = isinstance(given, tuple) and len(given) == 2 and isinstance(given[0], str)  # as ("crown", (x, y, z))
-        part, place = given if named else (system.bed, given)
+        named, part, place = False, system.bed, given
+        if isinstance(given, tuple) and len(given) == 2 and isinstance(given[0], str):  # ("crown", (x, y, z))
+            named, part, place = True, given[0], given[1]
         if isinstance(system.frame, ElasticFrame) and isinstance(given, str):
             part, place = given, system.frame.nodes.get(given, system.frame.nodes[system.bed])
         point = finite_numbers(place)

@@ -270,14 +270,14 @@ def isolate(
     factors = np.geomspace((4.0 * speed[-1]) ** 2 / lowest, (0.01 * speed[0]) ** 2 / lowest, 97)
     factor = _stiffest_factor(transmit, factors, limit, wish)
     stiffest = _scale(mounts, factor)
-    found = Isolation(with_mounts(as_given, stiffest), stiffest, factor, speed, transmit(factor))
-    if most_sag is not None and found.sag > most_sag:
+    result = Isolation(with_mounts(as_given, stiffest), stiffest, factor, speed, transmit(factor))
+    if most_sag is not None and result.sag > most_sag:
         raise PinpressError(
             f"isolation and sag conflict: to {wish} the mounts may be at most {factor:.4g} times as stiff as those given, but sag"
-            f" {1e3 * found.sag:.4g} mm then; {1e3 * most_sag:.4g} mm need {factor * found.sag / most_sag:.4g} times: allow more sag"
+            f" {1e3 * result.sag:.4g} mm then; {1e3 * most_sag:.4g} mm need {factor * result.sag / most_sag:.4g} times: allow more sag"
             " or more force, or raise the lowest speed"
         )
-    return found
+    return result
 
 
 def _stiffest_factor(transmit: Callable[[float], Array], factors: Array, limit: float, wish: str) -> float:

@@ -1,4 +1,4 @@
-"""From a URDF file to a `Linkage`: read, closed in its drawn pose, and found to be moved by its driver alone."""
+"""From a file to a `Linkage`: `load` parses it, checks its elements, builds the linkage, puts it together and judges it, each once."""
 
 from __future__ import annotations
 

@@ -108,8 +108,8 @@ def _spans(document: bytes) -> list[tuple[int, int, int]]:
     open_elements: list[int] = []
 
     def start(*ignored: object) -> None:
-        found = START_TAG.match(document, parser.CurrentByteIndex)
-        last = found.end() if found else 0
+        tag = START_TAG.match(document, parser.CurrentByteIndex)
+        last = tag.end() if tag else 0
         open_elements.append(len(spans))
         spans.append((parser.CurrentByteIndex, last, last))
 

@@ -368,7 +368,7 @@ class _Link(NamedTuple):
     element: Element
     before: pin.SE3
     now: pin.SE3
-    inertia: pin.Inertia | None
+    inertia: pin.Inertia  # None if the text gives it none
 
 
 def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Inertia, visual: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import NamedTuple
 
 from ...common.arguments import LARGEST
@@ -76,6 +77,10 @@ _RULES = {
 }
 
 
+# What is computed with must have powers and products in floating point.
+_QUANTITIES = ("xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset")
+
+
 def problems(element: Element) -> Iterator[Problem]:
     """Elements and attributes that are unknown, missing, repeated, or not the numbers they should be."""
     tag = element.tag
@@ -106,8 +111,6 @@ def problems(element: Element) -> Iterator[Problem]:
 
 def _attribute_problems(element: Element, rule: _Rule) -> Iterator[Problem]:
     tag, names = element.tag, _names(rule.attributes)
-    # What is computed with must have powers and products in floating point.
-    quantities = "xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset"
     for name, text in element.attributes.items():
         if name not in names:
             if rule.unknown == "error" and not _is_foreign(name, rule):
@@ -117,7 +120,7 @@ def _attribute_problems(element: Element, rule: _Rule) -> Iterator[Problem]:
             if tag == "limit" and text.strip().lower().lstrip("+-").startswith("inf"):
                 remedy = 'URDF has no infinite numbers: write 1e9 for no limit, or type="continuous" of a joint that turns'
             yield element, f"{name}={shown(text)}: {fault}", remedy
-        elif name in quantities and tag != "axis" and max(map(abs, element.numbers(name))) > LARGEST:
+        elif name in _QUANTITIES and tag != "axis" and max(map(abs, element.numbers(name))) > LARGEST:
             yield element, f"{name}={shown(text)} is out of range", f"write SI units; {LARGEST:g} is the largest number"
         elif name in ("size", "radius", "length") and min(element.numbers(name)) <= 0:
             yield element, f"{name}={shown(text)} is not positive", "write the size in metres"
@@ -161,8 +164,9 @@ def find_unknown(element: Element) -> Iterator[Finding]:
             yield warning(element, f"<{child.tag}> in it is not read, did you mean 'joint'?", 'write <joint name="..."/>, the driver')
 
 
-def _names(words: str) -> list[str]:
-    return [word.rstrip("?*") for word in words.split()]
+@cache
+def _names(words: str) -> tuple[str, ...]:
+    return tuple(word.rstrip("?*") for word in words.split())
 
 
 def _is_foreign(attribute: str, rule: _Rule) -> bool:
