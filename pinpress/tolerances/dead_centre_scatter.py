@@ -190,7 +190,9 @@ def bottom_dead_centre(
     asked = [_Travel.on_the_way_down(shapes, bottom, *each) for each in _asked(press, forces or {}, speeds or {})]
 
     stroke = top.gradient - bottom.gradient
-    gradients = [bottom.gradient, top.gradient, stroke, *(each.gradient for each in asked)]
+    gradients = np.array([bottom.gradient, top.gradient, stroke, *(each.gradient for each in asked)])
+    # rounding must not take a dimension that changes nothing to a limit of its tolerance at the worst corners
+    gradients[np.abs(gradients) <= 1e-12 * np.abs(gradients).max(axis=1, keepdims=True)] = 0.0
     tolerances = np.array([part.tolerance for part in checked])
     corners = np.array([sign * np.sign(gradient) * tolerances for gradient in gradients for sign in (-1.0, 1.0)])
     everything = np.concatenate([drawn, corners.T], axis=1)
