@@ -8,7 +8,8 @@ the drive and the limit P of the mains
     dE/dt = P - p  below the charged voltage,  0 at it while 0 <= p <= P,  -p above it,  0 at the upper voltage while p < 0.
 
 The power is a polynomial between instants and is cut where it passes 0 and P, so that the energy is monotone on every piece and the
-instants at which the law changes are roots of polynomials: none is stepped over, and the balance of energy closes to rounding.
+instants at which the law changes are roots of polynomials: none is stepped over, and the balance of energy closes within
+rounding error.
 """
 
 from __future__ import annotations

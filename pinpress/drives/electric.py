@@ -102,7 +102,7 @@ class ElectricMotor(SpeedTorqueDrive):
 
 def check_thermal_time(motor: object, time: float | None) -> None:
     """Warn of a time constant of a motor's temperature [s] that may be in minutes."""
-    if time is not None and 1.0 <= time <= 100.0:  # motors warm up in so many minutes, none in so many seconds
+    if time is not None and 1.0 <= time <= 100.0:  # as minutes these are usual, as seconds too short for any motor
         caution(
             f"{type(motor).__name__}: thermal_time is {time:g} s: if minutes are meant, write {time:g} * 60; the whole motor is looked at,"
             " not its windings alone"

@@ -84,7 +84,7 @@ class Drive(Protocol):
         ...
 
     def motor_torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        """Torque of the motor at its own shaft [N m], including that which accelerates its rotor."""
+        """Torque of the motor at its own shaft [N m], including the torque that accelerates its rotor."""
         ...
 
 

@@ -40,7 +40,7 @@ class SlipClutchMotor(ElectricMotor):
     (The 30 kW of the thesis's YCT280-4A do not agree with 189 N m at its 1320 r/min, which are 26 kW: they are closer to the power of its
     induction motor, slip power included.)
 
-    The clutch turns T (n0 - n) into heat by eddy currents. Losses of the induction motor and of the excitation are given beside it.
+    The clutch turns T (n0 - n) into heat by eddy currents. Losses of the induction motor and of the excitation are given in addition.
 
     Attributes:
         rated_torque: [N m].
@@ -166,7 +166,7 @@ class SlipClutchMotor(ElectricMotor):
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
         """See `Drive.torque`. ``state``: the excitation current if there is a lag, then the integral of the control if it has one; without
-        states the current is that which the proportional amplifier demands."""
+        states it is the current that the proportional amplifier demands."""
         return self._of_current(self._current(speed, state), speed)
 
     def rates(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> tuple[Values, ...]:

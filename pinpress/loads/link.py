@@ -115,7 +115,7 @@ class SpringDamper:
 
 
 StandingLoad = PointForce | SpringDamper | BalanceCylinder
-"""What acts beside the process, over the whole stroke."""
+"""What acts over the whole stroke, in addition to the process."""
 
 Load = PointForce | SpringDamper | ProcessLoad | TimeForce
 

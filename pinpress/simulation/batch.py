@@ -370,13 +370,13 @@ class BatchSolver:
     def _period(self, period: float, going: Mask, until: float, tolerance: float) -> CollocationSolution | None:
         """A period, resolved for all scenarios that are ``going``; None, and all of them are run alone, where that takes too many
         panels."""
-        driven, beside = self.driven, self.before
-        if beside is not None:
-            mesh = beside.mesh
+        driven, nearby = self.driven, self.before
+        if nearby is not None:
+            mesh = nearby.mesh
         else:
             mesh = build_mesh(driven, self.anchor, self.direction, mesh_borders(driven, self.anchor, self.direction, period))
         places = partial(self._coarse, going=going, until=until, tolerance=tolerance)
-        solved = solve_period(driven, mesh, self.energy, places, beside=beside, most=MOST_CUTS)
+        solved = solve_period(driven, mesh, self.energy, places, nearby=nearby, most=MOST_CUTS)
         if solved is None or len(solved.coarse):
             self.alone |= going
             return None

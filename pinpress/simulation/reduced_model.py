@@ -4,7 +4,7 @@
 
 with the reduced inertia I(angle), the potential energy V(angle) of the weights, the inertia J of flywheel and drive on the crank, and
 forces F along coordinates c(angle): the slide's position, the length of a spring. All are smooth functions of the crank angle. They are
-kept as polynomials, panel by panel (see `panels`), which resolve them to rounding.
+kept as polynomials, panel by panel (see `panels`), which resolve them within rounding error.
 Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
 """
 

@@ -311,7 +311,7 @@ def state_count(points: int | None, turns: float) -> int:
 
 
 def inputs_of(reactions: Reactions) -> inputs.Inputs:
-    """What reactions were computed from, in words, see `dynamics.inputs`; of a run with its start, drives and method."""
+    """What reactions were computed from, as text, see `dynamics.inputs`; of a run with its start, drives and method."""
     run = reactions.motion
     if not isinstance(run, Run):
         return inputs.inputs(reactions)

@@ -12,7 +12,7 @@ Pinocchio's constraint dynamics, except with more than two gear pairs, gear pair
 it does not grow evenly. Over time each method takes explicit steps, or implicit ones where forces
 are so stiff that these are faster: `Stats.solvers` says which.
 
-Where a crank comes nearly to rest beside an unstable rest, such as a dead centre at the top, rounding decides whether it goes on or turns
+Where a crank comes nearly to rest near an unstable rest, such as a dead centre at the top, rounding decides whether it goes on or turns
 back, and the energy balance does not show it. A run that passes such a place is repeated from starts moved by its tolerance, and the
 difference is reported: `Stats.sensitivity`.
 """

@@ -188,10 +188,10 @@ def _end_at(model: ReducedModel, angle: float) -> float | None:
     """The end of a model without a period at which a crank angle is, or beyond which; None where it is at none."""
     low, high = float(model.borders[0]), float(model.borders[-1])
     # Steps over time that find no way on this near to the end of the range have come to the lock.
-    beside = 1e-5 * (high - low)
-    if model.period is not None or low + beside < angle < high - beside:
+    margin = 1e-5 * (high - low)
+    if model.period is not None or low + margin < angle < high - margin:
         return None
-    return low if angle <= low + beside else high
+    return low if angle <= low + margin else high
 
 
 class _Followed:

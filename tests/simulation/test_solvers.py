@@ -83,7 +83,7 @@ def test_the_rounding_of_a_motors_slope_does_not_enter_the_solution(press):
     driven = driven_press(press, motor, pp.drives.Flywheel(500.0), [], None, None)
     first = solved(driven, 7.6)
     again = collocation.solve(driven, first.mesh, first.ends[0], first.energy)
-    beside = collocation.solve(driven, first.mesh, first.ends[0], beside=solved(driven, 7.601))
+    beside = collocation.solve(driven, first.mesh, first.ends[0], nearby=solved(driven, 7.601))
     for other in (again, beside):
         np.testing.assert_allclose(other.force, first.force, rtol=0, atol=2e-13 * np.abs(first.force).max())
 

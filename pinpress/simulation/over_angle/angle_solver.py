@@ -21,7 +21,7 @@ from .refinement import cuts, solve_period, stopping_panels
 from .segment import angle_segment
 
 MOST_PERIODS = 200_000  # most periods of one run: each takes some memory
-AT_ONCE = 8  # most periods solved at once: more would hardly save anything
+AT_ONCE = 8  # most periods solved at once: more save almost nothing
 
 
 # --------------------------------------------------------------------------------------------------------------------- from stop to stop
@@ -135,7 +135,7 @@ class AngleSolver:
         if extent <= 2 * SAME:
             raise lock_failure(model, self.state.angle, self.state.time)
         energy = self._energy()
-        # A start with hardly any kinetic energy may come to rest at once: it is followed over time.
+        # A start with almost no kinetic energy may come to rest at once: it is followed over time.
         if 0 < energy[0] < 1e-7 * model.potential_range:
             return None
         if self.before is not None:
@@ -161,16 +161,16 @@ class AngleSolver:
         ahead = (self.until - self.state.time) / lasts
         return math.ceil(ahead / math.ceil(ahead / AT_ONCE))
 
-    def _resolve(self, mesh: AngleMesh, energy: Array, beside: CollocationSolution | None) -> tuple[CollocationSolution, int] | None:
+    def _resolve(self, mesh: AngleMesh, energy: Array, nearby: CollocationSolution | None) -> tuple[CollocationSolution, int] | None:
         """Solve a period, and where it stops in it, again over a mesh that ends there. Returns as `_period`.
 
         Args:
             mesh: to begin with.
             energy: (1,) kinetic energy at the start [J].
-            beside: a solution over the same mesh, near which this one is; None: unknown.
+            nearby: a solution over the same mesh, near which this one is; None: unknown.
         """
         driven, direction = self.driven, mesh.direction
-        period = solve_period(driven, mesh, energy, self._coarse, beside=beside)
+        period = solve_period(driven, mesh, energy, self._coarse, nearby=nearby)
         if period is None:
             return None
         count, stopping = _before_stop(period.solution, self.state.time, self.until)
@@ -240,8 +240,8 @@ def _direction(driven: DrivenPress, state: State) -> int:
         ends = np.array([0.0, 1e-6])
         if model.period is None and not model.borders[0] <= state.angle + direction * 1e-6 <= model.borders[-1]:
             continue
-        beside = build_mesh(driven, state.angle, direction, ends, (True, False))
-        force = collocation.solve(driven, beside, np.zeros(1)).force
+        ahead = build_mesh(driven, state.angle, direction, ends, (True, False))
+        force = collocation.solve(driven, ahead, np.zeros(1)).force
         if force[0, 0, 0] > 3e-11 * scale:  # a smaller force does not move a crank at rest
             return direction
     return 0

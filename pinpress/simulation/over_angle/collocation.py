@@ -103,7 +103,7 @@ def solve(
     energy: Array,
     guess: Array | None = None,
     *,
-    beside: CollocationSolution | None = None,
+    nearby: CollocationSolution | None = None,
     periodic: bool = False,
     roughly: bool = False,
 ) -> CollocationSolution:
@@ -114,7 +114,7 @@ def solve(
         mesh: its panels.
         energy: (S,) kinetic energy at the start of the mesh [J].
         guess: (q, p, S) kinetic energy from which Newton's method starts; None: ``energy`` everywhere, or that of 1 rad/s from a rest.
-        beside: a solution over the same mesh, near which Newton's method starts in place of a guess.
+        nearby: a solution over the same mesh, near which Newton's method starts in place of a guess.
         periodic: whether the motion has to end with the energy with which it begins; ``energy`` is then near it.
         roughly: whether the solution is only to show where to search for another.
 
@@ -126,8 +126,8 @@ def solve(
         return _at_constant_speed(driven, mesh, inertia, driven.prescribed)
     if driven.speed_free:
         return _Newton(driven, mesh, inertia, energy, energy[None, None], periodic).integrate()
-    if beside is not None:
-        guess = beside.start_with(energy)
+    if nearby is not None:
+        guess = nearby.start_with(energy)
     if guess is None:
         guess = 0.5 * inertia if mesh.kinds[0] == FROM_REST else np.broadcast_to(energy, (*mesh.angle.shape, len(energy)))
     return _Newton(driven, mesh, inertia, energy, guess, periodic).solve(guess, 1e-4 if roughly else SETTLED)

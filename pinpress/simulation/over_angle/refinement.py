@@ -39,7 +39,7 @@ def solve_period(
     places: Callable[[CollocationSolution], Array | None],
     guess: Array | None = None,
     *,
-    beside: CollocationSolution | None = None,
+    nearby: CollocationSolution | None = None,
     periodic: bool = False,
     most: int = 40,
 ) -> SolvedPeriod | None:
@@ -51,7 +51,7 @@ def solve_period(
         energy: (S,) kinetic energy at the start [J].
         places: tells where to cut the panels of a solution, see `cuts`; None: the solution leads nowhere.
         guess: see `collocation.solve`.
-        beside: see `collocation.solve`.
+        nearby: see `collocation.solve`.
         periodic: see `collocation.solve`.
         most: rounds after which panels that are still too coarse stay so.
 
@@ -59,7 +59,7 @@ def solve_period(
         The solution; None where it leads nowhere.
     """
     for _ in range(most):
-        solution = collocation.solve(driven, mesh, energy, guess, beside=beside, periodic=periodic)
+        solution = collocation.solve(driven, mesh, energy, guess, nearby=nearby, periodic=periodic)
         coarse = places(solution)
         if coarse is None:
             return None
@@ -67,7 +67,7 @@ def solve_period(
             break
         rests = mesh.kinds[0] == FROM_REST, mesh.kinds[-1] == TO_REST
         mesh = build_mesh(driven, mesh.start, mesh.direction, np.sort(np.concatenate([mesh.borders, coarse])), rests, mesh.periods)
-        guess, beside, energy = interpolate_onto(solution, mesh), None, solution.ends[0]
+        guess, nearby, energy = interpolate_onto(solution, mesh), None, solution.ends[0]
     assert coarse is not None
     return SolvedPeriod(solution, coarse)
 
@@ -157,13 +157,13 @@ def _bent_at_borders(
     if mesh.kinds.any() or not (loads or drive is not None):
         return bent[:upto]
     to_ends = np.array([(-1.0) ** np.arange(len(rule.nodes)), np.ones(len(rule.nodes))]) @ rule.legendre
-    beside = 0.5 * (1.0 - float(rule.nodes[-1])) * mesh.measure[0]  # half the angle between a last node and the border
+    last_gap = 0.5 * (1.0 - float(rule.nodes[-1])) * mesh.measure[0]  # half the angle between a last node and the border
     accepted = tolerance * solution.ends[: upto + 1, which].max(axis=0)
     speeds = _border_speeds(solution)
 
     def look(panels: Indices, at_nodes: Array, at_ends: Array) -> None:
         promised = product(to_ends, at_nodes.reshape(len(at_nodes), -1)).reshape(2, *at_nodes.shape[1:])
-        missed = np.abs(promised - at_ends).max(axis=0) * beside[panels, None]
+        missed = np.abs(promised - at_ends).max(axis=0) * last_gap[panels, None]
         bent[panels] |= (missed[:, which] > accepted).any(axis=1)
 
     for force in loads:

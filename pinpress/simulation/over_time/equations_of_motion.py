@@ -146,7 +146,7 @@ class ConstraintSolution(Record, units={"mu": "1/kg", "tolerance": "N"}):
     Attributes:
         algorithm: "constraintDynamics", which is Pinocchio's; "null space" of the constraints, which is ours, with Pinocchio's mass matrix
             and forces; or both, the more frequent one first.
-        reason: why that algorithm serves the linkage; a state in which `constraintDynamics` would lose digits takes the null space.
+        reason: why that algorithm can be used; a state in which `constraintDynamics` would lose digits takes the null space.
         by_constraint_dynamics: number of states whose accelerations `constraintDynamics` found, those of the result among them.
         by_null_space: number of states whose accelerations the null space found.
         mu: Pinocchio's proximal parameter; None without `constraintDynamics`, as are the next two.
@@ -237,7 +237,7 @@ class FullDynamics:
         return self.loops.project(position, speed)[:2]
 
     def _beside(self, position: Array) -> tuple[Array, Array, Array] | None:
-        """Joint coordinates and their first two derivatives by the crank angle (nv,) beside a change point, where the equations of the
+        """Joint coordinates and their first two derivatives by the crank angle (nv,) near a change point, where the equations of the
         loops do not determine them; None elsewhere.
 
         Raises:

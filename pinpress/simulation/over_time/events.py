@@ -273,7 +273,7 @@ class EventFinder:
 
     def first(self, piece: Callable[[float], Array], start: float, end: float) -> tuple[Event | None, float]:
         """The first event of a step and its time; None and the step's end where there is none. `margins` are then those at the last place
-        that was looked at."""
+        that was checked."""
         if not self.events:
             return None, end
         since = start
@@ -330,7 +330,7 @@ class EventFinder:
     ) -> tuple[int, float]:
         """Index and time of a contact that changes shortly before the border at which it ends; of the ``first`` event where none does.
 
-        At such a border the law is zero, so that a change beside it shows at no place that was looked at: a stop's spring may push
+        At such a border the law is zero, so that a change near it shows at no place that was checked: a stop's spring may push
         again over the last depth, where its damper grows with a higher power of it, or the other way round. Other arguments as of
         `_first_of`.
         """

@@ -45,7 +45,7 @@ class TimeSegment:
         speeds: of the crank at the start and after every step [rad/s].
         ran: the methods, in the order in which they were used.
         steps: number of steps.
-        evaluations: of the rates, including those of steps that were given up.
+        evaluations: of the rates, including those of discarded steps.
         travelled: angle that the crank has turned, in either direction [rad].
     """
 
@@ -384,9 +384,9 @@ class Pacer:
         if not self.cost.get(self.using, math.inf) > self.cost.get(other, math.inf):
             if self.since_change < self.interval:
                 return False
-            long = self.steps >= 200  # then a trial of the other method costs little beside the run
+            long = self.steps >= 200  # then a trial of the other method costs little compared with the run
             self.interval = max(2 * self.interval, self.since_change) if long else self.interval + 4 * self.window
-            # With steps shorter than the shortest time constant DOP853 is hardly the slower method, with ten times longer ones Radau IIA.
+            # With steps shorter than the shortest time constant DOP853 is rarely the slower method, with ten times longer ones Radau IIA.
             if (swiftness() < (0.3 if long else 1.0)) if self.using == EXPLICIT else (swiftness() > 10.0):
                 return False
         self.using, self.since_change, self.since = other, 0, None
@@ -394,7 +394,7 @@ class Pacer:
 
 
 class Pace:
-    """Watches the pace of a run. One that would take too many evaluations is given up early, earlier where the crank nearly stands."""
+    """Watches the pace of a run. One that would take too many evaluations is stopped early, earlier if the crank nearly stands."""
 
     def __init__(self, start: float, until: float) -> None:
         self.until, self.slow = until, 0
@@ -414,7 +414,7 @@ class Pace:
 
 
 def _eigenvalues(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> Array:
-    """Rates of the motion's modes [1/s], complex; none where the equations are not finite beside the vector."""
+    """Rates of the motion's modes [1/s], complex; none if the equations are not finite near the vector."""
     size = len(y) - len(INTEGRALS)
     jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size], rounding(integrator.fun, time, y, integrator.f))[:size]
     return np.linalg.eigvals(jacobian) if np.isfinite(jacobian).all() else np.zeros(0)
