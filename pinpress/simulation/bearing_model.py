@@ -268,7 +268,7 @@ class _Sampling:
             parts.append(part(radial(efforts=efforts), effort))
         speed = press.engine().bearing_loads(states, (), zero, states.v).speed[self.with_friction]
         vectors = np.array(parts)
-        # next to the largest forces those of some bearings are rounding, as in the guide of a symmetric press: polynomials do not resolve it
+        # next to the largest forces others are rounding, as in the guide of a symmetric press; polynomials do not resolve it
         rubbing = np.where(np.abs(vectors) > NOTHING * np.abs(vectors).max(axis=(1, 2), keepdims=True), vectors, 0.0)[:, self.with_friction]
         return np.concatenate([speed, rubbing.reshape(-1, len(angles))])
 
