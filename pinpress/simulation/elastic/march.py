@@ -183,8 +183,8 @@ class _March:
         return solve(equations, guess, border, SETTLED * self.task.tolerance, MOST_STEPS)
 
     def _first_event(self, window: PanelSolution, turning: float) -> _Passing | None:
-        """What first changes the forces that act within a window, or angle of its own that a free crank passes; without such an event the
-        phase goes on to its end."""
+        """The first event within a window that changes the forces, or the first angle that a free crank passes; without one the phase goes
+        on to the window's end."""
         strokes, phase, equations = self.task.strokes, self.phase, self._equations()
         angles = [angle for angle in (turning, self.goal) if np.isfinite(angle)] if self.task.equations.crank is None else []
         seen = window.sample(np.arange(1, LOOKS + 1) / LOOKS)
@@ -195,15 +195,14 @@ class _March:
         crank = np.append(self.angle, equations.whole(seen.time, seen.y, seen.v)[0][:, -1])
         places, times = np.concatenate([self._places_now()[None], places]), np.append(self.time, seen.time)
         acting = [(k, law) for k, law in enumerate(self.pieces[-1].laws) if isinstance(law, ForceInterval)]
-        pushing = [(k, law) for k, law in acting if law.one_sided and law.heeds_velocity]
-        contacts = [*pushing, *self.lost.items()]
+        contacts = [*((k, law) for k, law in acting if law.one_sided and law.heeds_velocity), *self.lost.items()]
         joints = [number for number in self.lost if number >= len(strokes.driven.forces) + len(self.task.equations.sprung.open_pins)]
-        telling = strokes.crossed(places)
-        telling[1] = True  # it starts on a border
+        changed = strokes.crossed(places)
+        changed[1] = True  # it starts on a border
         for _, values in margins:
-            telling = np.asarray(telling | (values < 0))
+            changed |= values < 0
         for k in range(1, len(times)):
-            if not (telling[k] or contacts or angles):
+            if not (changed[k] or contacts or angles):
                 continue
             passed = [self._passing(times, crank, k, Event(CRANK_ANGLE, angle)) for angle in angles]
             passed += [self._vanishing(times, values, k, event) for event, values in margins]
@@ -215,10 +214,10 @@ class _March:
             apart = any(before_step.through[number] and not phase.through[number] for number in joints)  # its spring is relaxed
             if apart or strokes.active(phase, places[k], self.time) != self.pieces[-1].segment:
                 passed += [self._passing(times, places[:, border.path], k, border) for border in strokes.borders]
-            found_here = [passing for passing in passed if passing is not None]
-            if found_here:
+            events = [passing for passing in passed if passing is not None]
+            if events:
                 self.phase = before_step
-                return min(found_here, key=lambda passing: passing.time)
+                return min(events, key=lambda passing: passing.time)
         self.phase = phase
         self.lost = {number: law for number, law in self.lost.items() if phase.through[number]}
         return None
