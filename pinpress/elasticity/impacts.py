@@ -23,10 +23,10 @@ from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load
 from ..simulation.elastic.contact import OpenPin
 from ..simulation.elastic.description import Elastic
-from ..simulation.elastic.forces import journal_places
 from ..simulation.elastic.press.friction import bodies_of
 from ..simulation.elastic.press.plane import PlaneGeometry
-from ..simulation.elastic.run import ElasticRun, ElasticSegment, segment_of, solution_states
+from ..simulation.elastic.run import ElasticRun, ElasticSegment, segment_of
+from ..simulation.elastic.states import journal_places, solution_states
 from ..simulation.elastic.yielding import bearing_number
 from ..simulation.simulate import simulate
 

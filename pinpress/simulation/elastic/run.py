@@ -17,17 +17,14 @@ from ...common.frozen import FrozenMapping, NamedArrays, read_only
 from ...common.quantities import Array
 from ...kinematics.cycle import motion_through_change_points
 from ...kinematics.motion import Motion
-from ..driven_press import WorkOfForce
 from ..failures import failure
 from ..law_trials import confirm_torques
 from ..run import Run, Stats, energy_error
 from ..solvers import SimulationProblem
-from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
+from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, Sample, Trajectory
 from .description import Elastic
-from .equations import Driving
-from .forces import ActingForces
 from .panels import Indices
-from .press.geometry import BodyState
+from .states import SolutionStates, solution_states
 from .task import ElasticSolution
 
 
@@ -231,106 +228,6 @@ class ElasticSegment:
         weights = self.solution.panels.weights(states.share)
         inside = self.solution.panels.mesh.length[states.panel][:, None] * np.einsum("ns,nsk->nk", weights, powers[states.panel])
         return np.asarray(ends[states.panel] + inside + states.turns[:, None] * ends[-1])
-
-
-@dataclass(frozen=True, eq=False)
-class SolutionStates:
-    """States of a solution, with what a run reports of them.
-
-    Attributes:
-        solution: the motion.
-        panel: (n,) panels.
-        share: (n,) places on them.
-        turns: (n,) periods before them.
-        times: (n,) within the solution [s].
-        segments: (n,) of the mesh.
-        y: (n, size) unknown coordinates, without the periods before.
-        v: (n, size) their rates.
-        a: (n, size) their accelerations.
-        bodies: with what the periods before have gained.
-        whole_acceleration: (n, f) of the free coordinates.
-    """
-
-    solution: ElasticSolution
-    panel: Indices
-    share: Array
-    turns: Array
-    times: Array
-    segments: Indices
-    y: Array
-    v: Array
-    a: Array
-    bodies: BodyState
-    whole_acceleration: Array
-
-    @cached_property
-    def forces(self) -> ActingForces:
-        """Forces on the bodies."""
-        return ActingForces(self.solution.equations, self.times, self.segments, self.bodies)
-
-    @cached_property
-    def driving(self) -> Driving:
-        """What turns the crank."""
-        return self.solution.equations.driving(self.times, self.y, self.v, self.a, self.segments, self.bodies)
-
-    @cached_property
-    def crank(self) -> tuple[Array, Array, Array]:
-        """Angle, speed and acceleration (n,) of the crank."""
-        sprung = self.solution.equations.sprung
-        values = self.bodies.coordinates, self.bodies.rates, sprung.all_rates(self.whole_acceleration)
-        angle, speed, acceleration = map(sprung.geometry.crank, values)
-        return angle, speed, acceleration
-
-    def slide(self) -> Array:
-        """Position, velocity and acceleration (n, 3) of the slide on its springs."""
-        sprung = self.solution.equations.sprung
-        path, rates = self.solution.equations.paths[0].over(sprung, self.bodies), sprung.free_rates(self.bodies.rates)
-        bent = np.einsum("nf,nfg,ng->n", rates, path.bend, rates)
-        acceleration = np.einsum("nf,nf->n", path.gradient, self.whole_acceleration) + bent
-        return np.stack([path.value, path.rate, acceleration], axis=1)
-
-    def powers(self) -> Array:
-        """(4, n) rates of the `INTEGRALS`."""
-        rates = np.zeros((len(INTEGRALS), len(self.times)))
-        rates[DRIVE_WORK], rates[MOTOR_SQUARED] = self.driving.torque * self.driving.speed, self.driving.motor**2
-        rates[LOAD_WORK], rates[LOST] = self.forces.work_on_loads(), self.forces.lost_power() + self.driving.lost
-        return rates
-
-    def energies(self) -> tuple[Array, Array]:
-        """Kinetic energy (n,) with the flywheel's, and that of springs and weights (n,) [J]."""
-        equations, sprung = self.solution.equations, self.solution.equations.sprung
-        shaft = equations.shaft_speed(self.times, self.y, self.v)
-        kinetic = sprung.geometry.kinetic_energy(self.bodies) + equations.driven.inertia * shaft**2 / 2
-        return kinetic, sprung.stored_energy(self.bodies)
-
-    def outer_less_inertia(self) -> Array:
-        """Sum (n, 3) of weights and forces from outside less the inertia forces of all bodies that move [N]."""
-        equations = self.solution.equations
-        outside = [coordinate.force for coordinate in equations.driven.coordinates if isinstance(coordinate, WorkOfForce)]
-        return np.asarray(sum(outside, equations.sprung.weight_less_inertia(self.whole_acceleration)))
-
-    def shaking_force(self) -> Array:
-        """Force (n, 3) on the frame: all weights and forces from outside less the inertia forces of all bodies but the frame [N]."""
-        sprung, force = self.solution.equations.sprung, self.outer_less_inertia()
-        if sprung.geometry.base is not None:
-            force = force - sprung.weight_less_inertia(self.whole_acceleration, sprung.geometry.base)
-        model = sprung.press.model
-        return np.asarray(force + model.inertias[0].mass * model.gravity.linear)
-
-
-def solution_states(solution: ElasticSolution, panel: Indices, share: Array, turns: Array | None = None) -> SolutionStates:
-    """States at shares (n,) of panels (n,), some periods (n,) after the first."""
-    mesh, equations = solution.panels.mesh, solution.equations
-    _, _, times, segments, y, v, a = solution.panels.states_at(panel, share)
-    passed = np.zeros(len(panel)) if turns is None else turns
-    free, rates = equations.whole(times, y, v)
-    if passed.any():
-        assert solution.gain is not None
-        by_crank = () if equations.crank is None else (equations.crank.speed * (mesh.knots[-1] - mesh.knots[0]),)
-        free = free + passed[:, None] * np.concatenate([solution.gain[equations.body_start : y.shape[1]], by_crank])
-    accelerations = a[:, equations.body_start :] if equations.crank is None else np.column_stack([a, np.zeros(len(a))])
-    bodies = equations.sprung.state(free, rates)
-    return SolutionStates(solution, panel, share, passed, times, segments, y, v, a, bodies, accelerations)
 
 
 def segment_of(run: ElasticRun) -> ElasticSegment:

@@ -9,8 +9,8 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.simulation.elastic import contact
-from pinpress.simulation.elastic.forces import journal_places
 from pinpress.simulation.elastic.run import ElasticSegment
+from pinpress.simulation.elastic.states import journal_places
 from pinpress.simulation.elastic.strokes import Event
 
 SPEED = 300 * pp.RPM

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pinpress.common.quantities import Array
-from pinpress.simulation.elastic.forces import ActingForces
 from pinpress.simulation.elastic.press.geometry import BodyState
+from pinpress.simulation.elastic.states import ActingForces
 from pinpress.simulation.elastic.task import ElasticSolution
 
 
