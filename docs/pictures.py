@@ -209,7 +209,7 @@ def eight_way_guide() -> Figure:
         for block in re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "press_parts.md").read_text(encoding="utf-8"), re.DOTALL):
             if "eight_way_guide" in block:
                 exec(block, page)
-    figure = pp.plots.guide_contact(page["gibs"])
+    figure = pp.plots.draw(page["gibs"], "surfaces", "rotation")
     figure.axes[1].set(xlim=(310, 335), xticks=range(310, 336, 5))
     return figure
 

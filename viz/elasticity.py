@@ -80,12 +80,12 @@ def picture() -> Figure:
         for column, name in enumerate(SPRINGS):
             press = pp.load(name)
             found = elastic(press, name)
-            pp.plots.compliance(found, ax=places[0, column])
+            pp.plots.draw(found, "compliance", ax=places[0, column])
             places[0, column].set_title(name, loc="left")
             curve = pp.elasticity.dead_centre_shift(press, SPRINGS[name], speed=np.linspace(0.0, CURVE[name], 40) * pp.RPM)
-            pp.plots.dead_centre_shift({"true bottom dead centre": curve}, ax=places[1, column])
+            pp.plots.draw({"true bottom dead centre": curve}, "shift", ax=places[1, column])
             cases = snaps(press, name)
-            pp.plots.snap_through({what: cases[what] for what in list(cases)[1::2]}, ax=places[2, column])
+            pp.plots.draw({what: cases[what] for what in list(cases)[1::2]}, "spring_share", ax=places[2, column])
     return figure
 
 

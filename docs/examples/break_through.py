@@ -24,4 +24,4 @@ print(str(snap).replace(", ", ",\n  "))
 allowed = pp.elasticity.permissible_breakthrough(300e3, 1 / states.compliance, mass=mass, damping_ratio=0.04, break_time=1e-3)
 print(f"a reverse load of 300 kN, 10 % of nominal, allows a break-through at {allowed[0] / 1e3:.0f} kN")
 
-figure = pp.plots.snap_through({"1500 kN": snap})
+figure = pp.plots.draw({"1500 kN": snap}, "spring_force")

@@ -89,17 +89,6 @@ class SnapThroughResponse(Tabular):
     def title(self) -> str:
         return f"SnapThroughResponse: reverse load {self.reverse_force:.4g} N after {self.force:.4g} N"
 
-    def __str__(self) -> str:
-        return (
-            f"break-through at {1e-3 * self.force:.5g} kN: reverse load {1e-3 * self.reverse_force:.5g} kN"
-            f" ({100 * self.reverse_ratio:.4g} %), overshoot {1e3 * self.overshoot:.4g} mm, peak acceleration"
-            f" {self.peak_acceleration:.4g} m/s2, {self.frequency / (2 * np.pi):.4g} Hz after it, stored energy {self.energy:.4g} J"
-        )
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "time [s]", "spring_force [N]"
-
     def columns(self) -> dict[str, Array]:
         """A row for each time: displacement, velocity and force."""
         return {

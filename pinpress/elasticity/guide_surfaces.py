@@ -206,27 +206,6 @@ class LoadedGuide(OfPress, Tabular):
             f" {tilt:.4g} microradians, {len(self.opened)} times not in full touch"
         )
 
-    def __str__(self) -> str:
-        rows = [["", "force", "", "pressure", "touches"]]
-        for name in self.force:
-            low, high = self.force[name].min(), self.force[name].max()
-            least = 100 * float(self.contact[name].min())
-            rows.append(
-                [
-                    name,
-                    f"{1e-3 * low:.2f}",
-                    f"to {1e-3 * high:.2f} kN",
-                    f"{1e-6 * self.pressure[name].max():.3f} MPa",
-                    f"from {least:.0f} %",
-                ]
-            )
-        return "\n".join([self.title, *tables.fitted(rows)])
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        head = "{} [{}]".format(*self.motion.driver_coordinates[0].heads[0])
-        return (head, *(f"force_{name} [N]" for name in self.force))
-
     def columns(self) -> dict[str, Array]:
         """A row for each state: crank angle, then force, pressure and share in touch of each surface, place of the slide, force and moment
         of the guide."""

@@ -79,19 +79,6 @@ class ImpactsByTurn(OfPress, Tabular):
             f" {self.peak.max():.4g} N"
         )
 
-    def __str__(self) -> str:
-        rows = [
-            f"{self.press_name}, pin {self.bearing}: {1e6 * self.radial:.4g} um of radial clearance, {len(self.peak)} turns",
-            f"largest force of a turn {1e-3 * self.peak.min():.5g} to {1e-3 * self.peak.max():.5g} kN, mean {1e-3 * self.mean_peak:.5g} kN,"
-            f" spread {100 * self.spread:.3g} %",
-            f"{self.impacts.mean():.3g} impacts a turn, {100 * self.flight.mean():.2g} % of it in flight",
-        ]
-        return "\n".join(rows)
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "turn", "peak [N]"
-
     def columns(self) -> Columns:
         """A row for each turn."""
         return {

@@ -17,10 +17,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import LARGEST, numbers, typed
 from ..common.errors import PinpressError, shown
-from ..common.quantities import RPM, Array
+from ..common.quantities import Array
 from ..common.results import Tabular
 from ..kinematics.cycle import doubt_speeds
 from ..kinematics.motion import Motion
@@ -56,15 +55,6 @@ class DeflectedSlide(Tabular):
     def title(self) -> str:
         low, high = self.deflection.min(), self.deflection.max()
         return f"DeflectedSlide of {self.motion.linkage}: {len(self.deflection)} states, {low:.4g} to {high:.4g} m"
-
-    def __str__(self) -> str:
-        low, high = int(self.deflection.argmin()), int(self.deflection.argmax())
-        (at_low, at_high), deflection = (self.motion.place(state) for state in (low, high)), 1e3 * self.deflection
-        return f"{self.motion.linkage}: slide deflected by {deflection[low]:.5g} mm ({at_low}) to {deflection[high]:.5g} mm ({at_high})"
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return next(iter(self.motion.position_columns())), "deflection [m]"
 
     def columns(self) -> dict[str, Array]:
         """A row for each state: crank angle, or those of all drivers, slide position, deflection and the parts' shares."""
@@ -111,17 +101,6 @@ class ElasticDeadCentre(OfPress, Tabular):
     @property
     def title(self) -> str:
         return f"ElasticDeadCentre of {self.press_name}: {len(self.speed)} speeds, shift {self.shift.min():.4g} to {self.shift.max():.4g} m"
-
-    def __str__(self) -> str:
-        standing = 1e3 * (self.standstill_position - self.rigid_position)
-        rows = [f"{self.press_name}: bottom dead centre {standing:+.5g} mm off the rigid one at standstill"]
-        rate = dead_centres(self._press).strokes_per_turn / RPM
-        rows += tables.fitted([[f"{w * rate:8.4g} strokes/min", f"{1e3 * s:+.5f} mm"] for w, s in zip(self.speed, self.shift, strict=True)])
-        return "\n".join(rows)
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "crank_speed [rad/s]", "shift [m]"
 
     def columns(self) -> dict[str, Array]:
         """A row for each speed: angle, position, shift, and deflection at the rigid angle."""

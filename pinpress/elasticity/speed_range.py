@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import rising_speeds, typed, whole_number
 from ..common.errors import SimulationError
 from ..common.frozen import FrozenMapping, read_only
@@ -80,17 +79,6 @@ class CampbellDiagram(OfPress, Tabular):
     def title(self) -> str:
         low, high = self.speed[0], self.speed[-1]
         return f"CampbellDiagram of {self.press_name}: {len(self.resonances)} resonances from {low:.4g} to {high:.4g} rad/s"
-
-    def __str__(self) -> str:
-        rows = [["mode", "order", "speed", "meets it at some angle", "frequency"]]
-        frequency = self.modes.natural_frequency.mean(axis=0) / (2 * np.pi)
-        for met in self.resonances[:MOST_ROWS]:
-            span = f"{met.slowest / RPM:.4g} to {met.fastest / RPM:.4g} r/min"
-            rows.append([str(met.mode), str(met.order), f"{met.speed / RPM:.4g} r/min", span, f"{frequency[met.mode - 1]:.4g} Hz"])
-        more = len(self.resonances) - MOST_ROWS
-        low, high = self.speed[0] / RPM, self.speed[-1] / RPM
-        heading = f"{self.press_name} on its springs: {len(self.resonances)} resonances from {low:.4g} to {high:.4g} r/min"
-        return "\n".join([heading, *tables.fitted(rows), *([f"and {more} more"] if more > 0 else [])])
 
     def columns(self) -> dict[str, Array]:
         """A row for each mode: the least, mean and largest natural frequency over the period."""
@@ -172,19 +160,6 @@ class ElasticSpeedResponse(OfPress, Tabular):
     def depth(self) -> Array:
         """(s,) how far the slide goes below the rigid bottom dead centre [m]."""
         return self.rigid_deepest - self.deepest
-
-    def __str__(self) -> str:
-        worst = max(self.peaks, key=lambda name: float(self.peaks[name].max()))
-        rows = [["speed", "below rigid", f"peak of {worst}", "reverse force", "on the frame"]]
-        for k, speed in enumerate(self.speed):
-            forces = (self.peaks[worst][k], self.reverse_force[k], self.frame_force[k])
-            cells = [f"{1e-3 * force:.4g} kN" for force in forces]
-            rows.append([f"{speed / RPM:.4g} r/min", f"{1e3 * self.depth[k]:.4f} mm", *cells])
-        return "\n".join([f"{self.press_name} on its springs: the stroke it repeats at each speed", *tables.fitted(rows)])
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "speed [rad/s]", "depth [m]"
 
     def columns(self) -> dict[str, Array]:
         """A row for each speed."""

@@ -16,7 +16,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import typed
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
@@ -66,11 +65,6 @@ class SlideCompliance(OfPress, Tabular):
     def title(self) -> str:
         return f"SlideCompliance of {self.press_name}: {self.bottom_stiffness:.4g} N/m at bottom dead centre"
 
-    def __str__(self) -> str:
-        heading = f"{self.press_name}: stiffness at bottom dead centre {1e-6 * self.bottom_stiffness:.5g} kN/mm; shares of the deflection"
-        most_first = sorted(self.bottom_shares.items(), key=lambda item: -round(item[1], 9))  # equal ones differ by rounding
-        return "\n".join([heading, *tables.fitted([[name, f"{100 * share:6.2f} %"] for name, share in most_first])])
-
     @property
     def coordinate(self) -> DriverCoordinate:
         """What the coordinate of the driver is."""
@@ -97,10 +91,6 @@ class SlideCompliance(OfPress, Tabular):
         named = [(name, part) for name, part in ranked if part.max() >= visible][:most]
         rest = self.compliance - np.sum([part for _, part in named], axis=0)
         return [*named, ("others", np.maximum(rest, 0.0))] if rest.max() >= visible else named
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "{} [{}]".format(*self.coordinate.heads[0]), "compliance [m/N]"
 
     def columns(self) -> dict[str, Array]:
         """A row for each crank angle: angle, position, height, compliance and its parts."""

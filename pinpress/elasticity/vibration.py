@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import numbers, typed
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
@@ -82,25 +81,9 @@ class ElasticModes(OfPress, Tabular):
         apart = np.abs((self.crank_angle - self._bottom + np.pi) % (2 * np.pi) - np.pi)
         return int(apart.argmin())
 
-    def __str__(self) -> str:
-        """Frequencies over the angles, and what each mode is at the angle nearest to bottom dead centre."""
-        state = self.nearest_to_bottom
-        crank = "the crank held" if self.flywheel is None else "the crank free with its flywheel"
-        rows = [["", "frequency", "over the angles", "damping", "yields", "moves"]]
-        for mode, frequency in enumerate(self.natural_frequency.T / (2 * np.pi)):
-            yields, moves = self.words(state, mode)
-            span = f"{frequency.min():.4g} to {frequency.max():.4g} Hz"
-            rows.append([str(mode + 1), f"{frequency[state]:.4g} Hz", span, f"{self.damping_ratio[state, mode]:.4f}", yields, moves])
-        where = f"at {np.degrees(self.crank_angle[state]):.4g} deg"
-        return "\n".join([f"{self.press_name} on its springs, {crank}; {where}:", *tables.fitted(rows)])
-
     def words(self, state: int, mode: int) -> tuple[str, str]:
         """The parts that hold most of a mode's strain energy, and the links that hold most of its kinetic energy, with their shares."""
         return _most(self.strain_energy, state, mode), _most(self.kinetic_energy, state, mode)
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "crank_angle [rad]", "natural_frequency_1 [rad/s]"
 
     def columns(self) -> dict[str, Array]:
         """A row for each crank angle: the natural frequencies of all modes, then their damping ratios."""

@@ -1,10 +1,5 @@
 from .balancing import trade_offs as trade_offs
 from .charts import draw as draw
-from .elasticity import campbell as campbell
-from .elasticity import compliance as compliance
-from .elasticity import dead_centre_shift as dead_centre_shift
-from .elasticity import guide_contact as guide_contact
-from .elasticity import snap_through as snap_through
 from .foundation import speed_response as speed_response
 from .foundation import vibration as vibration
 from .foundation import whirl as whirl

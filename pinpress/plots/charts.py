@@ -16,6 +16,7 @@ from ..common.outlets.described import Along, Bars, Chart, Curve, Map, Mark, Pol
 from ..common.quantities import Array, ShownUnit, quantity
 from ..common.results import Tabular
 from ..dynamics.reactions import Reactions
+from ..kinematics.motion import Motion
 from .loci import draw_loci
 from .style import COLOURS, GREY, LINES, SMALL, THIN, WIDTH, above, brief, grid, legend, panels, plain
 
@@ -131,10 +132,10 @@ def _joined(first: Drawn, same: Mapping[str, Drawn]) -> Drawn:
         if not isinstance(each, Chart) or (each.along.name, each.quantity) != (first.along.name, first.quantity):
             raise PinpressError(f"{name} has its chart {first.name} over another quantity: draw it alone")
         own = [curve for curve in each.curves if curve.look not in ("guide", "limit")]
-        x, period = each.along.values, each.along.period
+        x = each.along.values
         for curve in own:
-            places, values = _closed(x if curve.x is None else curve.x, curve.y, period, curve.x is None)
-            band = None if curve.band is None else _closed(places, curve.band, period, curve.x is None)[1]
+            places, values = _closed(x if curve.x is None else curve.x, curve.y, _period(each.along, curve), curve.x is None)
+            band = None if curve.band is None else _closed(places, curve.band, _period(each.along, curve), curve.x is None)[1]
             curves.append(replace(curve, name=named(name, curve.name, len(own)), x=places, y=values, band=band))
         guides |= {curve.name: replace(curve, x=x if curve.x is None else curve.x) for curve in each.curves if curve not in own}
     return replace(first, curves=[*curves, *guides.values()], along=replace(first.along, period=None))
@@ -223,16 +224,16 @@ def _chart(axes: Axes, chart: Chart, old: Chart | None) -> None:
     names: list[str] = []
     coloured = 0
     for curve in chart.curves:
-        x, y = _closed(chart.along.values if curve.x is None else curve.x, curve.y, chart.along.period, curve.x is None)
+        x, y = _closed(chart.along.values if curve.x is None else curve.x, curve.y, _period(chart.along, curve), curve.x is None)
         colour, style = _look(curve, coloured)
         coloured += curve.look != "guide"
         if curve.band is not None:
-            ends = up.factor * _closed(x, curve.band, chart.along.period, curve.x is None)[1]
+            ends = up.factor * _closed(x, curve.band, _period(chart.along, curve), curve.x is None)[1]
             axes.fill_between(across.factor * x, ends[:, 0], ends[:, 1], color=colour, alpha=0.25, linewidth=0)
         base = curve.name.split(",\n")[0]
         if old is not None and base in before:
             other = before[base]
-            earlier = _closed(old.along.values if other.x is None else other.x, other.y, old.along.period, other.x is None)
+            earlier = _closed(old.along.values if other.x is None else other.x, other.y, _period(old.along, other), other.x is None)
             dashes = {"color": GREY if len(chart.curves) == 1 else colour, "linestyle": DASHED, "alpha": 0.7}
             axes.plot(across.factor * earlier[0], up.factor * earlier[1], **dashes)
         drawn = axes.plot(across.factor * x, up.factor * y, **style)
@@ -304,6 +305,13 @@ def _stacked(chart: Chart) -> Chart:
     return replace(chart, curves=curves, stacked=False)
 
 
+def _period(along: Along, curve: Curve) -> float | None:
+    """The period by whose first state a curve is closed; None of a curve that is not of the states of the motion."""
+    of = along.of
+    own = curve.x is None or (isinstance(of, Motion) and len(curve.x) == len(of.crank_angle))
+    return along.period if own else None
+
+
 def _closed(x: Array | None, values: Array, period: float | None, own: bool) -> tuple[Array, Array]:
     """Places and values, of a period closed by its first state; ``own``: whether the places are those of the chart."""
     assert x is not None
@@ -321,6 +329,9 @@ def _scales(chart: Chart, others: Sequence[Curve]) -> tuple[ShownUnit, ShownUnit
     ends = [end for end in chart.reach if end is not None]
     widths = ends or [float(value) for x in places for value in (np.nanmin(x), np.nanmax(x)) if len(x)]
     values = [float(np.nanmax(np.abs(curve.y), initial=0.0)) for curve in curves if np.isfinite(curve.y).any()]
+    if chart.square:  # one scale for both
+        both = quantity(chart.quantity).scale([*widths, *values])
+        return both, both
     return quantity(chart.along.quantity).scale(widths), quantity(chart.quantity).scale(values, chart.reference)
 
 

@@ -36,8 +36,8 @@ def test_resonances_are_where_orders_meet_frequencies():
     for mode, order in orders - listed:
         band = frequency[:, mode - 1] / order
         assert band.max() < found.speed[0] or band.min() > found.speed[-1]
-    assert "and" not in str(found)
-    assert "8 resonances from 100 to 350 r/min" in str(found)
+    assert "..." not in str(found)
+    assert "  8 resonances." in str(found)
 
 
 def test_strokes_over_the_speed_are_steady_states():
@@ -55,7 +55,7 @@ def test_strokes_over_the_speed_are_steady_states():
         beside = run.shaking_force[:-1] - run.shaking_force[:-1].mean(axis=0)
         assert found.frame_force[k] == pytest.approx(np.linalg.norm(beside, axis=1).max(), rel=1e-3)
     assert found.depth[1] == pytest.approx(1643.19e-6, abs=1e-8)
-    assert "1.6432 mm" in str(found)
+    assert str(found).splitlines()[-1].split()[:2] == ["300.00", "1.6432"]  # r/min, mm
 
 
 @pytest.mark.parametrize("loads", [[], BLANKING], ids=["idle", "blanking"])

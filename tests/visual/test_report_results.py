@@ -644,8 +644,10 @@ def test_journal_in_its_bearing(press: Any, loaded: Any, tmp_path: Path) -> None
     picture = chart(section, "Orbit of the journal")
     assert picture["square"]
     drawn = {curve["name"]: np.stack([numbers(curve["x"]), numbers(curve["y"])]) for curve in picture["curves"]}
-    assert_allclose(drawn["journal"], 1e6 * orbit.T, rtol=1e-6)
-    assert_allclose(np.hypot(*drawn["bearing, by the clearance"]), 100.0, rtol=1e-6)
+    size = {"µm": 1e6, "mm": 1e3}[picture["unit"]]
+    assert picture["across"] == f"across [{picture['unit']}]"
+    assert_allclose(drawn["journal"], size * orbit.T, rtol=1e-6)
+    assert_allclose(np.hypot(*drawn["bearing, by the clearance"]), 1e-4 * size, rtol=1e-6)
     assert figures(section)["largest force of a turn"].startswith("70")
     table = next(block for block in section["blocks"] if block.get("title") == "Turn by turn")
     assert [row[0:2] for row in table["rows"]] == [["1", "1"], ["1", "2"]]

@@ -126,6 +126,10 @@ def line_chart(chart: described.Chart, shown: Shown, old: described.Chart | None
     follows = "frames" if along else _follows(chart, shown)
     up = quantity(chart.quantity).scale(_sizes([*chart.curves, *known.values()]), chart.reference)
     across, unit = _across(chart, follows)
+    if chart.square:  # one scale for both
+        places = (float(np.abs(curve.x).max()) for curve in chart.curves if curve.x is not None and len(curve.x))
+        up = quantity(chart.quantity).scale([*_sizes(chart.curves), *places])
+        across, unit = up.factor, up.unit
     lines = []
     for curve in chart.curves:
         line = _line(curve, chart, states, across, up.factor, follows, shown)

@@ -9,12 +9,6 @@ from ...balancing.optimum import TradeOffCurve
 from ...balancing.result import BalancedPress
 from ...common.errors import PinpressError, shown
 from ...common.results import Tabular
-from ...elasticity.breakthrough import SnapThroughResponse
-from ...elasticity.impacts import ImpactsByTurn
-from ...elasticity.slide_under_load import DeflectedSlide, ElasticDeadCentre
-from ...elasticity.speed_range import CampbellDiagram, ElasticSpeedResponse
-from ...elasticity.unit_load import SlideCompliance
-from ...elasticity.vibration import ElasticModes
 from ...foundation.lifting import LiftingMotion
 from ...foundation.mounted_press import MountedPress, VibrationModes
 from ...foundation.response import FrameMotion
@@ -32,7 +26,7 @@ from ...tolerances.clearances_over_speed import DeadCentresInClearances
 from ...tolerances.dead_centre_scatter import DeadCentreScatter
 from ...tolerances.points import SlideParallelism
 from ...tolerances.temperatures import HeatShift
-from . import balancing, elastic_motion, elasticity, foundation, servo, tolerances
+from . import balancing, foundation, servo, tolerances
 from .blocks import Section
 from .drawn import section
 from .shown import Shown, refuse_others
@@ -40,14 +34,6 @@ from .shown import Shown, refuse_others
 MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     BalancedPress: balancing.section,
     TradeOffCurve: balancing.trade_off,
-    SlideCompliance: elasticity.compliance,
-    DeflectedSlide: elasticity.deflection,
-    ElasticDeadCentre: elasticity.dead_centre,
-    SnapThroughResponse: elasticity.breakthrough,
-    ElasticModes: elastic_motion.modes,
-    CampbellDiagram: elastic_motion.campbell,
-    ElasticSpeedResponse: elastic_motion.over_speeds,
-    ImpactsByTurn: elastic_motion.impacts,
     MountedPress: foundation.standing,
     VibrationModes: foundation.modes,
     FrameMotion: foundation.vibration,

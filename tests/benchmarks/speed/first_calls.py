@@ -182,11 +182,8 @@ SEARCHES = {
     "synthesis.synthesise": "pp.synthesis.synthesise(press, LENGTH, minimise=largest_force, speed=7.0)",
 }
 PLOTS = {
-    "plots.compliance": "pp.plots.compliance(elastic)",
-    "plots.dead_centre_shift": "pp.plots.dead_centre_shift({'press': shift})",
     "plots.draw": "pp.plots.draw(reactions, 'bearings')",
     "plots.save": "pp.plots.save(pp.plots.draw(motion, 'position'), folder / 'plot.svg')",
-    "plots.snap_through": "pp.plots.snap_through({'one': pp.elasticity.snap_through(1e5, 1e9, mass=500.0)})",
     "plots.speed_response": "pp.plots.speed_response({'one': response}, 'top')",
     "plots.trade_offs": "pp.plots.trade_offs({'one': curve})",
     "plots.vibration": "pp.plots.vibration({'one': vibration}, 'z', 1.0)",
