@@ -3,10 +3,12 @@
 It is time of the processor, unless the caller gives another clock: work in other processes or on a disk needs `time.perf_counter`.
 """
 
-import time
 from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 from pinpress.accuracy.work_precision import CLOCK, least_seconds
+
+Result = TypeVar("Result")
 
 
 def least(works: Sequence[Callable[[], object]], repeats: int, clock: Callable[[], float] = CLOCK) -> list[float]:
@@ -14,8 +16,8 @@ def least(works: Sequence[Callable[[], object]], repeats: int, clock: Callable[[
     return least_seconds(works, repeats, clock=clock)
 
 
-def once(work: Callable[[], object], clock: Callable[[], float] = time.process_time) -> float:
-    """Seconds of the one call of some work that cannot be repeated, such as a first call, or that takes minutes."""
+def once(work: Callable[[], Result], clock: Callable[[], float] = CLOCK) -> tuple[Result, float]:
+    """Result and seconds of the one call of some work that cannot be repeated, such as a first call, or that takes long."""
     begin = clock()
-    work()
-    return clock() - begin
+    result = work()
+    return result, clock() - begin

@@ -297,9 +297,8 @@ def print_cold_start(repeats: int) -> None:
     seconds: dict[str, list[float]] = {statement: [] for statement in kept}
     for _ in range(repeats):
         for statement, row in seconds.items():
-            start = time.perf_counter()
-            subprocess.run([sys.executable, "-c", statement], cwd=ROOT, check=True)
-            row.append(time.perf_counter() - start)
+            start = partial(subprocess.run, [sys.executable, "-c", statement], cwd=ROOT, check=True)
+            row.append(stopwatch.once(start, time.perf_counter)[1])
     base = statistics.median(seconds["import pinocchio"])
     print(f"\nCold start: wall time of a fresh process, median of {repeats}, files in the disk cache")
     print(f"{'':50}{'ms':>9}{'ratio to import pinocchio':>28}")

@@ -10,13 +10,12 @@ import json
 import os
 import shutil
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-
+from benchmarks import stopwatch
 from support.in_browser import FLAGS
 
 import pinpress as pp
@@ -85,10 +84,12 @@ def changing(session: Session, whole: dict[str, Any]) -> Callable[[int], None]:
 def processor_time(change: Callable[[int], None]) -> float:
     """Of one picture [s]."""
     change(0)
-    began = time.process_time()
-    for k in range(PICTURES):
-        change(k)
-    return (time.process_time() - began) / PICTURES
+
+    def pictures() -> None:
+        for k in range(PICTURES):
+            change(k)
+
+    return stopwatch.once(pictures)[1] / PICTURES
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ def main(quick: bool = False) -> None:
             ("`record` with arrows", lambda: pp.record(press, result.motion, page, reactions=result)),
             ("`report`", lambda: pp.report(press, result.motion, page, reactions=result)),
         ):
-            first, (later,) = stopwatch.once(write, time.perf_counter), stopwatch.least([write], REPEATS, time.perf_counter)
+            (_, first), (later,) = stopwatch.once(write, time.perf_counter), stopwatch.least([write], REPEATS, time.perf_counter)
             print(f"| {name} | {later:.3f} s (first {first:.3f} s) | {page.stat().st_size / 1e6:.2f} MB |")
 
 

@@ -17,6 +17,7 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ import pinocchio as pin
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from benchmarks.stopwatch import least as least_seconds
+from benchmarks.stopwatch import once
 
 import pinpress as pp
 from pinpress.linkage.memo import keep_all_but
@@ -269,9 +271,9 @@ def fresh_processes(folder: Path, repeats: int) -> str:
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     for name in list(INTERPRETERS) * repeats:
         command = [sys.executable, "-c", f"folder = {str(folder)!r}\n{INTERPRETERS[name]}\n{SEEN}"]
-        start = time.perf_counter()
-        done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
-        best[name] = min(best[name], time.perf_counter() - start)
+        start = partial(subprocess.run, command, capture_output=True, text=True, check=True, env=environment)
+        done, seconds = once(start, time.perf_counter)
+        best[name] = min(best[name], seconds)
         memory, large, modules = done.stdout.splitlines()[-3:]
         if name not in said or int(memory.split()[1]) < int(said[name][0].split()[1]):
             said[name] = [memory, large, modules]

@@ -16,7 +16,6 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import importlib.util
 import itertools
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -68,9 +67,8 @@ def all_presses() -> None:
 def trade_off() -> None:
     press, loads = pp.load("zxn2_3000b"), [pp.loads.DeepDrawing(1.5e6, 0.06)]
     drive, limits = servo.ServoDrive(inertia=800), [servo.SlideSpeed(0.2, (0.06, 0.0))]
-    start = time.process_time()
-    servo.trade_off(press, drive, loads, times=np.linspace(2.0, 4.0, 20), limits=limits)
-    print(f"20 times of a cycle, zxn2_3000b, 720 segments: {time.process_time() - start:.2f} s")
+    _, taken = stopwatch.once(lambda: servo.trade_off(press, drive, loads, times=np.linspace(2.0, 4.0, 20), limits=limits))
+    print(f"20 times of a cycle, zxn2_3000b, 720 segments: {taken:.2f} s")
 
 
 def beside_slsqp() -> None:
@@ -87,9 +85,8 @@ def beside_slsqp() -> None:
     inside = (height <= 0.06 + 1e-9) & (travel < -1e-9)
     most = np.where(inside, (0.2 / np.where(inside, travel, 1.0)) ** 2, np.inf)
     inner = np.repeat([[0.5 - 0.5 / 3**0.5], [0.5 + 0.5 / 3**0.5]], len(height), axis=1)
-    start = time.process_time()
-    _, heat = servo_by_hand.least_heat(hand, found.angle, inner, 2.4, most, np.minimum(np.full(len(height), 9.9), 0.9 * most))
-    slsqp = time.process_time() - start
+    first = np.minimum(np.full(len(height), 9.9), 0.9 * most)
+    (_, heat), slsqp = stopwatch.once(lambda: servo_by_hand.least_heat(hand, found.angle, inner, 2.4, most, first))
     print(f"  proved {1e3 * seconds(best):7.0f} ms, gap {found.gap:.1e}")
     print(f"  SLSQP  {1e3 * slsqp:7.0f} ms, heat {heat / found.value - 1:+.1e} of the proved one, no bound")
 

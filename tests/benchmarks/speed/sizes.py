@@ -30,6 +30,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is imported
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
+from benchmarks import stopwatch
 from support.generators import large_linkages
 from support.oracles import n_four_bar
 
@@ -111,9 +112,7 @@ def costs(kind: Kind, size: int, engine: str) -> dict[str, float]:
     found["torque alone"] = milliseconds(lambda: pp.inverse_dynamics(press, states, engine=engine, bearings=()))
     found["at new angles"] = milliseconds(lambda: pp.inverse_dynamics(press, motion(press), engine=engine))
     if engine == press.engines[0]:
-        started = time.process_time()
-        run(press)
-        found["its table"] = 1e3 * (time.process_time() - started)
+        found["its table"] = 1e3 * stopwatch.once(lambda: run(press))[1]
         found["free run"] = milliseconds(lambda: run(press))
         with tempfile.TemporaryDirectory() as folder:
             forces, page = pp.inverse_dynamics(press, states), Path(folder) / "report.html"
@@ -183,14 +182,11 @@ def of_lengths(quick: bool) -> None:
 
 
 def milliseconds(work: Callable[[], object]) -> float:
-    """The least processor time of some calls."""
+    """The least processor time of some calls, as many as `REPEATS`; what takes longer than a second is not repeated."""
     best = np.inf
     for _ in range(REPEATS):
-        started = time.process_time()
-        work()
-        took = time.process_time() - started
-        best = min(best, took)
-        if took > LONGEST:
+        best = min(best, stopwatch.once(work)[1])
+        if best > LONGEST:
             break
     return 1e3 * best
 

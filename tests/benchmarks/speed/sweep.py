@@ -15,6 +15,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -74,9 +75,8 @@ def overhead(name: str, executor: Executor | None, folder: Path) -> None:
         best = float("inf")
         for k in range(REPEATS):
             to = None if suffix is None else folder / f"{name.replace(' ', '_')}{k}.{suffix}"
-            start = time.perf_counter()
-            sweep(product, {"a": range(100), "b": range(POINTS // 100)}, to=to, executor=executor)
-            best = min(best, time.perf_counter() - start)
+            work = partial(sweep, product, {"a": range(100), "b": range(POINTS // 100)}, to=to, executor=executor)
+            best = min(best, stopwatch.once(work, time.perf_counter)[1])
         cells.append(f"{1e6 * best / POINTS:12.1f}")
     print(f"  {name:42}{''.join(cells)}")
 

@@ -8,7 +8,6 @@ Times are those of the processor, the least of several runs.
 
 import sys
 import tempfile
-import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -69,9 +68,8 @@ def of_dead_centres(press: pp.Linkage, parts: Sequence[tol.Dimension]) -> None:
     few = least_time(lambda: tol.bottom_dead_centre(press, parts, samples=1000))
     told("1000 presses: what does not grow with their number", few, "s")
     told("cheapest tolerances, three targets", least_time(lambda: allocated(press, parts)), "s")
-    start = time.process_time()
-    others = [pp.dead_centres(made_anew(press, found, k)).bottom_position for k in range(COMPARED)]
-    one = (time.process_time() - start) / COMPARED
+    others, seconds = stopwatch.once(lambda: [pp.dead_centres(made_anew(press, found, k)).bottom_position for k in range(COMPARED)])
+    one = seconds / len(others)
     told("one press made anew, with its dead centres", 1e3 * one, f"ms, times 100 000: {1e5 * one / 60:.0f} min")
     told(f"largest difference of {COMPARED} of them", np.abs(heights[:COMPARED] - others).max(), "m")
     low, high = found.height.band(0.95)
@@ -132,9 +130,8 @@ def in_space() -> None:
     found = tol.bottom_dead_centre(press, parts)
     print(f"{press.name}, in space, {len(parts)} dimensions")
     told("100 000 presses, both dead centres and the stroke", least_time(lambda: tol.bottom_dead_centre(press, parts), 3), "s")
-    start = time.process_time()
-    others = [pp.dead_centres(made_anew(press, found, k)).bottom_position for k in range(COMPARED // 5)]
-    one = (time.process_time() - start) / len(others)
+    others, seconds = stopwatch.once(lambda: [pp.dead_centres(made_anew(press, found, k)).bottom_position for k in range(COMPARED // 5)])
+    one = seconds / len(others)
     told("one press made anew, with its dead centres", 1e3 * one, f"ms, times 100 000: {1e5 * one / 60:.0f} min")
     heights = found.height.nominal + found.height.deviation[: len(others)]
     told(f"largest difference of {len(others)} of them", np.abs(heights - others).max(), "m")
