@@ -26,18 +26,14 @@ SETTLED = 1e-2  # error that Newton's method may leave, as a share of the tolera
 LOOSER = 100.0  # multiple of the tolerance for integrals along the motion
 ROUNDED = 0.5  # share of the tolerance below which a correction may be rounding
 ASIDE = (-7e-14, 3e-14)  # relative changes of a state that show how the rates are rounded
-CLEAR, LONGER = 1e4, 1e3  # ratio of the change of a rate to its rounding that gives a slope, and by which changes grow until they do
 EXACT = 1e-15  # rates that are known to this share of themselves are not rounded by forces
 ROUNDINGS = 10.0  # multiple of the rounding that stiff forces pass on: no step is shortened for less
 SLOWEST = 0.9  # ratio of a correction to the one before above which it does not become smaller
-SAFETY = 0.9  # share of the step that would just meet the tolerance
 LEAST_CHANGE, MOST_CHANGE = 0.1, 8.0  # factors by which a step may differ from the one before
-FAILED, MOST_KEPT = 0.25, 0.7  # smallest and largest factor by which a step is shortened where Newton's method does not converge
 FASTEST = 0.4  # ratio of a correction to the one before at which Newton's method takes the least time: it grows with the step
 FURTHEST = 3.0  # ratio of a step to the one before up to which that one's polynomial is a good first guess
 # Change of an entry for a slope, relative to the smaller of itself and its size, and relative to its size where it is zero.
 BESIDE, STANDING = 1e-7, 1e-12
-EPS = float(np.finfo(float).eps)
 
 
 # ------------------------------------------------------------------------------------------------------------------ Runge-Kutta, fixed step
@@ -187,7 +183,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         slope = slopes(self.fun, t, y, self.f, self.sizes, noise)
         if not np.isfinite(slope).all():
             return False, "the rates beside this state are not finite"
-        noise = np.maximum(noise, EPS * (np.abs(slope) @ np.abs(y[:m])))
+        noise = np.maximum(noise, np.finfo(float).eps * (np.abs(slope) @ np.abs(y[:m])))
         self.noise, jacobian = np.maximum(0.5 * self.noise, noise), slope[:m]
         identity, tolerated, rejected = np.eye(m), self.atol[:m] + self.rtol * np.abs(y[:m]), False
         shortest = 10 * abs(np.nextafter(t, np.inf) - t)
@@ -201,7 +197,8 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
             scale = np.maximum(tolerated, ROUNDINGS * h * r.start * (np.abs(smoothing) @ self.noise[:m]))
             stages = self._stages(h, jacobian, scale)
             if stages is None:
-                self.h_abs = h * max(FAILED, min(MOST_KEPT, FASTEST / max(self.pace, FASTEST)))
+                # A shorter step converges faster in proportion; the limits keep a step that hardly converged from changing too much.
+                self.h_abs = h * max(0.25, min(0.7, FASTEST / max(self.pace, FASTEST)))
                 self.before, rejected = None if rejected else self.before, True
                 continue
             rates = r.inverse @ stages / h
@@ -215,7 +212,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
                 error = float(np.abs(filtered / scale).max())
             summed = np.maximum(self.atol[m:], ROUNDINGS * h * self.noise[m:])
             error = max(error, _unresolved(r.series @ stages, scale), _unresolved(h * (r.integral @ self.stage_rates[:, m:]), summed))
-            factor = SAFETY * error ** (-1 / (STAGES + 1)) if error > 0 else MOST_CHANGE
+            factor = 0.9 * error ** (-1 / (STAGES + 1)) if error > 0 else MOST_CHANGE  # 1 would just meet the tolerance
             if error > 1:
                 self.h_abs, rejected = max(LEAST_CHANGE, factor) * h, True
                 continue
@@ -339,7 +336,7 @@ def slopes(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array
     m = len(sizes)
     result, moved = np.empty((len(y), m)), y.copy()
     rounded = noise[:m] > EXACT * np.abs(f[:m])
-    hidden = CLEAR * noise[:m][rounded]
+    hidden = 1e4 * noise[:m][rounded]  # a larger change gives four digits of a slope
     for k, (entry, size) in enumerate(zip(y[:m].tolist(), sizes.tolist(), strict=True)):
         step, largest = BESIDE * min(abs(entry), size) or STANDING * size, BESIDE * size
         while True:
@@ -347,7 +344,7 @@ def slopes(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array
             change = fun(time, moved) - f
             if step >= largest or not hidden.size or (np.abs(change[:m][rounded]) > hidden).any():
                 break
-            step = min(LONGER * step, largest)
+            step = min(1e3 * step, largest)
         result[:, k] = change / (moved[k] - entry)
         moved[k] = entry
     return result

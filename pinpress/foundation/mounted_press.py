@@ -458,11 +458,11 @@ def _assemble(
     """The linear system of checked parts; ``moving`` is the mean inertia of the press. Raises as `mounted`."""
     gravity = np.asarray(press.model.gravity.linear)
     parts, bed, carrier = _own_parts(frame, crown)
-    own, first = tuple(parts), len(next(iter(parts.values())).T)
+    frame_parts, first = tuple(parts), len(next(iter(parts.values())).T)
     sprung = [name for name, each in attached.items() if each.springs]
     count = first + 6 * len(sprung)
     parts = {name: np.pad(motion, ((0, 0), (0, count - first))) for name, motion in parts.items()}
-    on = {name: part_named({part: parts[part] for part in own}, each.on, carrier) for name, each in attached.items()}
+    on = {name: part_named({part: parts[part] for part in frame_parts}, each.on, carrier) for name, each in attached.items()}
     parts |= {name: np.eye(6, count, first + 6 * k) for k, name in enumerate(sprung)}
     parts |= {name: parts[on[name]] for name, each in attached.items() if not each.springs}
     elastic = np.arange(6, first if isinstance(frame, ElasticFrame) else 6)
@@ -471,7 +471,7 @@ def _assemble(
         own_stiffness[elastic] = frame.natural_frequency**2
         bodies = [Body(WHOLE, frame.inertia)]
     else:
-        bodies = [Body(part, body_inertia(each)) for part, each in zip(own, (frame, crown), strict=False) if each is not None]
+        bodies = [Body(part, body_inertia(each)) for part, each in zip(frame_parts, (frame, crown), strict=False) if each is not None]
     bodies += [Body(name, body_inertia(each.body)) for name, each in attached.items()]
     between = [Spring(upright, carrier, bed) for upright in uprights]
     between += [Spring(mount, name, on[name]) for name, each in attached.items() for mount in each.springs]
@@ -493,13 +493,15 @@ def _assemble(
     static = together([spring.mount.static for spring in springs]) + np.diag(own_stiffness)
     refuse_loose(_condense(static, elastic), "the mounts leave the frame free in", "give mounts there, and stiffness in all directions")
     rest = np.linalg.solve(static, weight)
-    sag = np.array([at @ rest for at in rows[: len(mounts)]])
+    sag = np.array([row @ rest for row in rows[: len(mounts)]])
     load = -np.array([mount.static for mount in mounts]) * sag
     refuse_pulled(load, gravity)
-    turning = parts | dict.fromkeys(own, parts[WHOLE]) if isinstance(frame, ElasticFrame) else parts  # a bent frame turns as on the mean
+    turning = (
+        parts | dict.fromkeys(frame_parts, parts[WHOLE]) if isinstance(frame, ElasticFrame) else parts
+    )  # a bent frame turns as on the mean
     acting = [(turning[body.part], body.inertia[0, 0] * gravity, centre_of(body.inertia)) for body in moved]
-    for spring, at in zip(springs, rows, strict=True):
-        force, point = -np.array(spring.mount.static) * (at @ rest), np.array(spring.mount.point)
+    for spring, row in zip(springs, rows, strict=True):
+        force, point = -np.array(spring.mount.static) * (row @ rest), np.array(spring.mount.point)
         acting.append((turning[spring.part], force, point))
         if spring.other is not None:
             acting.append((turning[spring.other], -force, point))
