@@ -38,7 +38,6 @@ STEP = 1e-30  # step of the complex-step method: its square vanishes beside any 
 CONTRADICTED = 1e-9  # share of the displacement by which rounding may leave redundant equations open
 Pivots = Mapping[tuple[str, str], ArrayLike]
 """(bearing, link) -> position (3,) of the bearing in the link's own frame [m]."""
-IN_PLANE = 1e-12  # displacement along the normal that is rounding, as a share of the linkage's size or of the others
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -470,6 +469,6 @@ def _in_plane(plane: Plane, joint: int, displacement: Array, name: str) -> compl
     """A displacement in a body's frame as a complex number in the axes of the plane, in the drawn pose; raises PinpressError where it leads
     out of the plane."""
     x, y, along = (plane.frames[joint] if joint >= 0 else np.array([*plane.axes, plane.normal])) @ displacement
-    if abs(along) > IN_PLANE * max(plane.size, abs(x), abs(y)):
+    if abs(along) > 1e-12 * max(plane.size, abs(x), abs(y)):  # less is rounding
         raise PinpressError(f"bearing {shown(name)} is moved {along:.3g} m out of the plane of the linkage: move it within the plane")
     return complex(x, y)

@@ -33,7 +33,6 @@ SHORTEST = 2.0**-10  # shortest step, as a share of the way: the linkage counts 
 MOST = 40  # most steps that are tried: the linkage counts as locked where more are needed
 CORRECTED = 0.1  # share of its predicted step by which Newton's method may correct a joint
 NEARLY = 1e-3  # correction that is accepted in any case [rad, or lengths of the linkage]
-MARGIN_LEFT = 0.5  # share of its margin that a block must keep in a step
 
 
 @typed
@@ -194,7 +193,8 @@ def _belongs(plane: Plane, closure: Closure, before: Closure, predicted: Array) 
         corrected = np.abs(closure.position - before.position - predicted).max(axis=0)
         near = corrected <= CORRECTED * np.abs(predicted).max(axis=0) + NEARLY * (1 + plane.size)
         margins = closure.margins * np.sign(before.margins)
-        kept = (margins >= MARGIN_LEFT * np.abs(before.margins)).all(axis=0)
+        # A margin that falls faster than by half in a step may have passed zero.
+        kept = (margins >= 0.5 * np.abs(before.margins)).all(axis=0)
         return np.asarray((closure.gap <= ACCEPTED * plane.tolerance) & near & kept)
 
 

@@ -26,8 +26,6 @@ from .following import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, Follower, Node,
 
 SUBDIVISION = 8  # nodes of the table per step of the walk
 LARGEST_CORRECTION = 1e-3  # by which Newton's method may move a joint from its prediction [rad, or lengths of the linkage]
-NEARLY_CLOSED = 1e-6  # gap that Newton's method leaves only where redundant equations contradict each other [lengths of the linkage]
-FARTHEST_SLIDE = 1e3  # travel of a slide on a loop at which the walk ends [lengths of the linkage]
 MOST_TURNS = 16  # the walk ends after this many turns of the crank if the linkage is not back at its start
 
 
@@ -98,7 +96,8 @@ class Returning(NamedTuple):
     def farthest(self, size: float) -> Array:
         """How far a joint (nv,) may move in a linkage of this size: a slide between guides that become parallel moves beyond all bounds,
         and the rounding of its loop with it."""
-        return np.where(self.on_loop & ~self.turns, FARTHEST_SLIDE * size, np.inf)
+        # A slide that is a thousand lengths of the linkage away is at no place of a machine.
+        return np.where(self.on_loop & ~self.turns, 1e3 * size, np.inf)
 
     def whole_turns(self, gained: Array, tolerance: float) -> Array | None:
         """By how much every joint (nv,) has advanced over a period, if all joints on loops are back after ``gained`` (nv,), but for whole
@@ -381,7 +380,8 @@ def _table(follower: Follower, nodes: list[Node], passed: tuple[ChangePoint, ...
     guess = predict(Branch(coarse, polynomials, None, np.zeros(0), (None, None)), angles)
     closure = follower.close(angles, guess)
     moved = np.abs(closure.position - guess).max(axis=0)
-    if follower.tolerance < closure.widest < NEARLY_CLOSED * follower.size:
+    # Newton's method leaves a gap as small as this only where redundant equations contradict each other.
+    if follower.tolerance < closure.widest < 1e-6 * follower.size:
         worst = int(np.argmax(closure.gap))
         raise AssemblyError(
             "the loops do not stay closed: they hold each other, so that lengths and angles must fit to all digits",

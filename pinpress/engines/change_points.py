@@ -17,13 +17,9 @@ import numpy as np
 from ..common.quantities import Array
 from .following import Follower, Node, extend_walk, hermite_at
 
-WIDEST, NARROWEST = 0.3, 5e-3  # half widths of the range round a change point that polynomials cover [rad]
 INNER = 0.35  # share of this range in which polynomials replace the equations, whose rounding grows as 1 / distance^3
 LEAP = 1 / 8  # share of this range on either side that is crossed in one step
 RESOLVED = 1e-9  # error accepted of the polynomials' positions and influence coefficients [rad, lengths of the linkage]
-EQUAL = 5e-3  # multiple of the accepted gap that the polynomials may leave, five times rounding: more where lengths are not quite equal
-MET = 1e-6  # distance from a change point at which forces, which grow as 1 / distance, are rounding [rad]
-AMBIGUOUS = 1e-2  # correction of a joint accepted beyond a change point, as a share of the distance: the other assembly is as far as that
 
 
 def _chebyshev_nodes(count: int) -> Array:
@@ -76,7 +72,7 @@ def at_change_point(points: Sequence[ChangePoint], period: float | None, angle: 
         if period is not None:
             distance -= period * np.round(distance / period)
         at = int(np.abs(distance).argmin())
-        if abs(distance[at]) < MET:
+        if abs(distance[at]) < 1e-6:  # [rad]; forces grow as 1 / distance, and are rounding from here on
             return at
     return None
 
@@ -86,8 +82,8 @@ def cross_change_point(
 ) -> tuple[ChangePoint, list[Node]] | None:
     """The change point near a crank angle at which a walk to a ``target`` has ended, and nodes beyond it; None where the linkage locks."""
     direction = 1.0 if target > nodes[0].angle else -1.0
-    half = min(WIDEST, 0.9 * abs(target - angle))
-    while half > NARROWEST:
+    half = min(0.3, 0.9 * abs(target - angle))  # width to each side that the polynomials cover [rad]; more would take more of their terms
+    while half > 5e-3:
         found = _cross(follower, nodes, angle, direction * half, gap)
         if found is not None:
             return found
@@ -111,7 +107,8 @@ def _cross(follower: Follower, nodes: list[Node], angle: float, reach: float, ga
     guess: Array = np.asarray(np.polynomial.chebyshev.chebval(opposite, _fitted(BESIDE, looked.position.T)))
     closure = finer.close(np.array([angle + LEAP * reach]), guess[:, None])
     moved = float(np.abs(closure.position[:, 0] - guess).max()) / (1 + follower.size)
-    if not (closure.gap[0] <= follower.tolerance and moved <= AMBIGUOUS * abs(LEAP * reach) and np.isfinite(closure.second).all()):
+    # The other assembly is as far from the prediction as the distance, so that a hundredth of it tells them apart.
+    if not (closure.gap[0] <= follower.tolerance and moved <= 1e-2 * abs(LEAP * reach) and np.isfinite(closure.second).all()):
         return None
     far = [Node.of(angle + LEAP * reach, closure)]
     if extend_walk(finer, far, angle + reach) is not None:
@@ -137,7 +134,8 @@ def _joined(
     checked, widest_between = close(between)
     missed = np.abs(checked - np.array(point.at(between))).max() / (1 + follower.size + np.abs(checked).max())
     middle = gap(point.at(angle + point.inner * np.linspace(-1, 1, 9))[0])
-    closed = max(widest, widest_between) <= follower.tolerance and float(middle.max()) <= EQUAL * follower.tolerance
+    # Rounding leaves a fifth of this gap between the polynomials; where lengths are not quite equal there is more.
+    closed = max(widest, widest_between) <= follower.tolerance and float(middle.max()) <= 5e-3 * follower.tolerance
     if not (closed and missed <= RESOLVED):
         return None
     return point, far

@@ -20,9 +20,7 @@ from .engine import Close, CloseDrivers, Closure
 
 COARSE_STEP = 2 * np.pi / 64  # longest step of the walk, unless the linkage moves too fast for it [rad]
 FIRST_STEP = 1e-3  # first step of the walk, which shows how the margins change [rad]
-SMALLEST_STEP = 1e-10  # the walk ends where it would need a shorter one: the linkage locks there [rad]
 SMALLEST_MARGIN = 1e-6  # the walk ends at a smaller margin, where rounding of the loop equations decides between two assemblies
-TURNED_OFF = 0.5  # cosine between two ways of a path below which its direction is a new one
 AT_ONCE = 16  # most steps of a walk that are closed at once
 ROUNDING = 1e-12  # of a joint's position [rad, lengths of the linkage]
 
@@ -137,7 +135,7 @@ def extend_walk(follower: Follower, nodes: list[Node], target: float) -> Singula
             step = min(2 * step, follower.longest)
         elif len(angles) == 2:
             step = min(step, abs(h[1])) / 2
-            if step < SMALLEST_STEP:
+            if step < 1e-10:  # [rad] rounding of a crank angle, nearly: the linkage locks here
                 return SingularPosition(last.angle, margin)
     return None
 
@@ -223,7 +221,8 @@ def path_between(positions: Array, lengths: Array, most: int) -> Path:
     ways = np.diff(positions, axis=0)
     distances = np.linalg.norm(ways / lengths, axis=1)
     directions = ways / lengths / np.where(distances, distances, 1.0)[:, None]
-    turns_off = np.append(True, (directions[1:] * directions[:-1]).sum(axis=1) < TURNED_OFF) & (distances > 2 * FIRST_STEP)
+    # A path takes another direction where it turns off by more than 60 deg.
+    turns_off = np.append(True, (directions[1:] * directions[:-1]).sum(axis=1) < 0.5) & (distances > 2 * FIRST_STEP)
     equal_steps = np.ceil(distances / COARSE_STEP).astype(int)
     counts = equal_steps + turns_off
     ends = np.cumsum(counts)

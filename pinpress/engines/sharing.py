@@ -26,9 +26,6 @@ from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
 from .rank import RANK
 
-INVERTIBLE = 1e-7  # share of the squared size of a matrix above which its smallest squared singular value is certainly no rounding
-WELL_CONDITIONED = 1e-3  # share of the largest squared singular value above which normal equations lose hardly a digit
-
 
 class Objective(NamedTuple):
     """A quantity |A y + b| to be minimised.
@@ -94,12 +91,13 @@ def _by_squares(matrix: Array, size: Array) -> tuple[Array, Array] | None:
     with suppress(np.linalg.LinAlgError):  # singular
         inverse = np.linalg.inv(squares)
         smallest = 1.0 / np.linalg.norm(inverse, axis=(-2, -1))  # eigenvalue, or less
-        if np.all(smallest > INVERTIBLE * size**2):
+        # Squares lose half of the digits: above this share of the squared size the smallest eigenvalue is certainly no rounding.
+        if np.all(smallest > 1e-7 * size**2):
             inverse = inverse @ turned
             # a step of Newton's method for the inverse of a matrix brings the digits back that squares lose
             return inverse + (np.eye(squares.shape[-1]) - inverse @ matrix) @ inverse, squares[..., :0]
     values, vectors = np.linalg.eigh(squares)
-    large = values > WELL_CONDITIONED * (size**2)[..., None]
+    large = values > 1e-3 * (size**2)[..., None]  # with these the normal equations lose three digits at most
     count = int(large.sum(axis=-1).max(initial=0))
     rest = values.shape[-1] - count
     if not large[..., rest:].all():

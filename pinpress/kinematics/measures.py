@@ -33,7 +33,6 @@ from .poses import bearing_points, poses
 from .slide_path import SlideMotion, slide_path, working_stroke
 
 FINER = 8  # places between two states at which an angle's cosine or squared sine is evaluated
-UNRESOLVED = 1e-9  # there are too few states if a harmonic in the last quarter of those that n states resolve has a larger amplitude
 
 
 def stroke(motion: SlideMotion) -> float:
@@ -292,7 +291,8 @@ def _trigonometric_curve(what: str, values: ComplexArray, *given: Numbers) -> Cu
     n = len(values)
     orders = np.arange(n // 2 + 1)
     harmonics = np.fft.rfft(values.real), np.fft.rfft(values.imag)  # apart: one transform would round the one into the other
-    if np.abs(harmonics[0][-max(2, len(orders) // 4) :]).max() > UNRESOLVED * n:
+    # States resolve a curve if the last quarter of its harmonics has amplitudes below the digits that measures promise.
+    if np.abs(harmonics[0][-max(2, len(orders) // 4) :]).max() > 1e-9 * n:
         raise PinpressError(f"{n} states do not resolve {what} over the period, or the linkage is elsewhere after it: give more points")
 
     def derivative(order: int) -> ComplexArray:

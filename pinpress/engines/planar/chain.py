@@ -27,10 +27,8 @@ from .functions import Functions
 from .model import Plane
 
 CLEAR = 1e-3  # smallest margin of a dyad's equations, see `Closure.margins`: nearer to a dead centre Newton's method closes
-EQUAL = 1e-9  # by which the functions of a chain may differ from those that Newton's method finds [1 or lengths of the linkage]
 PIECE, SMALLEST_PIECE = 7200, 900  # most states that are worked through at a time, and those below which calls would take most of it
 IN_CACHE = 40_000  # states times dyads whose arrays stay in the cache
-WITHOUT_TURNS = np.pi - 1.0  # a link whose angle stays below this along the branch makes no turns, and goes by its arc tangent [rad]
 
 
 class Equation(NamedTuple):
@@ -253,7 +251,8 @@ def find_chain(equations: Equations, branch: Branch) -> Chain | None:
         plane = equations.functions.plane
         size = np.where(np.arange(len(basis)) > len(plane.revolute), plane.size, 1.0)[:, None]
         errors = np.abs(basis - newton.basis) / size
-        good = (np.abs(newton.margins) >= CLEAR).all(axis=0) & (errors <= EQUAL).all(axis=0)
+        # Beyond rounding, which margins down to `CLEAR` enlarge a thousand times, the other assembly would differ by far more.
+        good = (np.abs(newton.margins) >= CLEAR).all(axis=0) & (errors <= 1e-9).all(axis=0)
     chain = replace(chain, winding=_find_winding(chain, branch, newton.position[:, -1]))
     if branch.period is not None:
         return chain if good.all() else None
@@ -267,7 +266,8 @@ def _find_winding(chain: Chain, branch: Branch, end: Array) -> tuple[int, ...]:
     """`Chain.winding`, given the joint coordinates (nv,) at the end of the branch."""
     plane = chain.plane
     angles = plane.turn @ np.concatenate([branch.coefficients[0], end[:, None]], axis=1)
-    turning = (np.abs(angles) >= WITHOUT_TURNS).any(axis=1) | (np.abs(plane.turn @ branch.gain_per_period) > 1.0)
+    # A link makes no turns, so that its arc tangent is its angle, if it stays 1 rad below half a turn at the nodes of the branch.
+    turning = (np.abs(angles) >= np.pi - 1.0).any(axis=1) | (np.abs(plane.turn @ branch.gain_per_period) > 1.0)
     exact = {plane.driver, *(gear.joint for gear in chain.gears)}
     return tuple(chain.functions.rows[j] for j, turns in zip(plane.revolute, turning, strict=True) if turns and j not in exact)
 

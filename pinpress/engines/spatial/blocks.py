@@ -20,8 +20,6 @@ from ...common.quantities import Array
 from ..blocks import Group, ordered_groups
 from ..rank import RANK
 
-CERTAINLY = 1e-5  # smallest singular value that is certainly above this shows full rank; so does RANK, but rounding is closer there
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Block(Frozen):
@@ -148,7 +146,8 @@ class InBlocks:
         still = lengths <= RANK * longest  # rounding: these joints move nothing here
         columns /= np.where(still, np.inf, lengths)
         inverse, idle = _triangularised(columns.reshape(m, k, math.prod(last)))
-        good = CERTAINLY * np.sqrt(np.einsum("kmn,kmn->n", inverse, inverse)) < 1.0
+        # A smallest singular value above 1e-5 shows full rank with certainty; so does one above `RANK`, but rounding is closer there.
+        good = 1e-5 * np.sqrt(np.einsum("kmn,kmn->n", inverse, inverse)) < 1.0
         self.regular &= good.reshape(last).all(axis=0)
         inverse = inverse.reshape(k, m, *last)
         inverse /= lengths[:, None]

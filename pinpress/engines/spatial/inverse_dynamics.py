@@ -253,7 +253,7 @@ class _Balance:
             return result
         if self.sharing is None:
             self.sharing = list(self._share())
-        starts = list(islice(self._starts(result, friction), max((shared.objectives for shared in self.sharing), default=0)))
+        starts = list(islice(self._starts(result, friction), max((sharing.objectives for sharing in self.sharing), default=0)))
         for sharing in self.sharing:
             result[:, sharing.states] += sharing.added(starts)
         return result
