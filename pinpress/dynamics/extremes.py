@@ -107,12 +107,11 @@ def at_peaks(reactions: Reactions) -> PeakStates:
     Raises:
         PinpressError: as `extremes`.
     """
-    return reactions._peaks
-
-
-def find_peaks(reactions: Reactions) -> PeakStates:
-    """`at_peaks`, found again."""
-    return peak_states(reactions, _listed)
+    derived = vars(reactions)  # as a cached property would keep them, which Reactions cannot have: `peaks` stands on it
+    if "_peaks" not in derived:
+        derived["_peaks"] = peak_states(reactions, _listed)
+    peaks: PeakStates = derived["_peaks"]
+    return peaks
 
 
 def _listed(reactions: Reactions) -> Iterator[Array]:

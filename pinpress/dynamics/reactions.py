@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +29,6 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import applied_loads
 from .shaking import shaking
-
-if TYPE_CHECKING:
-    from .peaks import PeakStates
-
 ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
 
 
@@ -161,13 +157,6 @@ class Reactions(Tabular):
             _ = self.process_force, self._process_steps  # they cannot be computed from descriptions
         kept = {name: value for name, value in vars(self).items() if name != "_peaks"}  # a copy finds its peaks again
         return kept | {"loads": loads}
-
-    @cached_property
-    def _peaks(self) -> PeakStates:
-        """See `extremes.at_peaks`."""
-        from .extremes import find_peaks  # imports this module
-
-        return find_peaks(self)
 
     @property
     def indeterminate(self) -> NamedArrays[np.bool_]:

@@ -133,8 +133,9 @@ class Law:
             numbers = np.asarray(value)
         except ValueError:  # rows of different lengths
             numbers = np.asarray(None)
-        if numbers.dtype.kind not in "iuf":
-            what = f"holds {value.dtype} values" if isinstance(value, np.ndarray) else f"is {shown(value)}"
+        if numbers.dtype.kind not in "iuf" or np.ma.is_masked(value):
+            kind = "masked" if np.ma.is_masked(value) else numbers.dtype
+            what = f"holds {kind} values" if isinstance(value, np.ndarray) else f"is {shown(value)}"
             raise LawError(f"{self._in_words(at)} {what}; give finite numbers")
         values = [argument for argument in at if not isinstance(argument, tuple)]  # without the states of a drive
         shape = np.broadcast_shapes(*map(np.shape, values)) or (() if self.scenarios is None or not numbers.ndim else (self.scenarios,))

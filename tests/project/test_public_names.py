@@ -16,6 +16,7 @@ SPACES = {stub.removesuffix(".pyi").removesuffix("/__init__").replace("/", "."):
 MEANT = {
     ("load", "loads"),  # the namespace of loads keeps the field's word
     ("measured", "measures"),  # what a machine was found to be, beside quantities of a motion: users asked for this word
+    ("Sweep", "sweep"),  # what the function returns, whose class no user has to write
 }
 
 
