@@ -8,14 +8,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..body_motion import BodyMotion
 from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, JointRates
-from ..structure import Structure
+from ..structure import Structure, configuration, data_of
 from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
-from . import kinematics
 
 if TYPE_CHECKING:
     from ..spatial.equations import Loops
@@ -84,7 +84,9 @@ class PinocchioEngine:
         return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
 
     def redundant(self, x: Array) -> bool:
-        return kinematics.redundant(self.structure, x)
+        from .equations import redundant  # as above
+
+        return redundant(self.structure, x)
 
     def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
         return enumerate(self.structure.joints_of_constraints)
@@ -92,7 +94,18 @@ class PinocchioEngine:
     # -------------------------------------------------------------------------------------------------------------------- motion
 
     def body_motion(self, states: ClosedStates, joints: Sequence[int], accelerations: bool = True) -> BodyMotion:
-        return kinematics.body_motion(self.structure, states, joints)
+        count, n = len(joints), states.v.shape[1]
+        rotation, vectors = np.empty((count, 3, 3, n)), np.empty((5, count, 3, n))
+        data, q = data_of(self.structure.model), configuration(self.structure.slots, states.position)
+        for i in range(n):
+            pin.forwardKinematics(self.structure.model, data, np.ascontiguousarray(q[:, i]), states.v[:, i].copy(), states.a[:, i].copy())
+            for k, joint in enumerate(joints):
+                velocity, acceleration = data.v[joint], data.a[joint]
+                rotation[k, ..., i] = turn = data.oMi[joint].rotation
+                vectors[0, k, :, i] = data.oMi[joint].translation
+                local = velocity.linear, velocity.angular, pin.classicAcceleration(velocity, acceleration), acceleration.angular
+                vectors[1:, k, :, i] = np.array(local) @ turn.T
+        return BodyMotion(rotation, *vectors)
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 

@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...common.quantities import Array
+from ..rank import rank
 from ..spatial.bodies import Placements
 from ..spatial.equations import PARALLEL_TO_ROUNDING, Equations, Kinematics, Loops
 from ..structure import Structure, configuration, data_of
@@ -174,3 +175,9 @@ def _drift(one: OneConfiguration, loops: Loops, equations: Equations, v: Array) 
     if loops.structure.curves:
         result[-len(loops.structure.relations) :] = loops.structure.relation_drift(equations.x, v)
     return result
+
+
+def redundant(structure: Structure, x: Array) -> bool:
+    """Whether some of the equations are redundant at joint coordinates (nv,)."""
+    rows = OneConfiguration(structure).at(x)
+    return rank(rows.columns) < len(rows.gaps)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...common.quantities import Array
 from ..body_motion import BodyMotion
 from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, JointRates
-from ..pinocchio.kinematics import redundant
+from ..pinocchio.equations import redundant
 from ..structure import Structure
 from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import bodies, closing, equations
