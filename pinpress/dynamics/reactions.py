@@ -29,6 +29,7 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import applied_loads
 from .shaking import shaking
+
 ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
 
 
