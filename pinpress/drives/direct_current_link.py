@@ -68,8 +68,8 @@ class DirectCurrentLink(Checked):
 
     def energy_at(self, voltage: float) -> float:
         """Energy at a voltage less that at the charged one [J]; raises PinpressError where the voltage is no finite number."""
-        at = number("voltage", voltage, "V")
-        return 0.5 * self.capacitance * (at - self.charged_voltage) * (at + self.charged_voltage)
+        volts = number("voltage", voltage, "V")
+        return 0.5 * self.capacitance * (volts - self.charged_voltage) * (volts + self.charged_voltage)
 
     def voltage_at(self, energy: ArrayLike) -> Array:
         """Voltages at energies of any shape less that at the charged voltage, not below the lower one [V].
@@ -117,8 +117,8 @@ class Course(NamedTuple):
     def powers(self, link: DirectCurrentLink, times: Array, taken: Array) -> tuple[Array, Array]:
         """Powers (n,) from the mains and into the resistor at times (n,), at which a power (n,) is taken from the link [W]."""
         fed = self.feeding[np.minimum(np.searchsorted(self.times, times, side="right") - 1, len(self.feeding) - 1)]
-        held = np.clip(taken, 0.0, link.mains_power)
-        mains = np.select([fed == AT_LIMIT, fed == HELD], [0.0 if link.mains_power is None else link.mains_power, held], 0.0)
+        following = np.clip(taken, 0.0, link.mains_power)
+        mains = np.select([fed == AT_LIMIT, fed == HELD], [0.0 if link.mains_power is None else link.mains_power, following], 0.0)
         return mains, np.where(fed == BURNT, np.maximum(-taken, 0.0), 0.0)
 
     def works(self, times: Array) -> tuple[Array, Array, Array]:
@@ -172,15 +172,15 @@ class LinkedPower:
 
     def course(self, energy: float) -> Course:
         """The course from an energy less that at the charged voltage [J]. It goes on below the lower voltage, without end."""
-        at = (float(self.edges[0]), energy, 0.0, 0.0)
-        found, feeding = [at], list[Feeding]()
+        state = (float(self.edges[0]), energy, 0.0, 0.0)
+        states, feeding = [state], list[Feeding]()
         for piece in self._pieces:
             x = piece.low
             while x < piece.high:
-                fed, x, at = self._stage(piece, x, *at)
+                fed, x, state = self._stage(piece, x, *state)
                 feeding.append(fed)
-                found.append(at)
-        times, energies, mains, burnt = np.array(found).T
+                states.append(state)
+        times, energies, mains, burnt = np.array(states).T
         return Course(times, energies, mains, burnt, np.array(feeding))
 
     def settled(self) -> float | None:
@@ -209,21 +209,23 @@ class LinkedPower:
     ) -> tuple[Feeding, float, tuple[float, float, float, float]]:
         """How the link is fed from a place of a piece on, the place up to which it is, and time, energy and works there."""
         fed, target = self._feeding(energy, piece.side)
-        given, end = self._mains_power(fed), piece.high
+        # power from the mains that does not follow the power of the drive [W]
+        from_mains = self.link.mains_power if fed is AT_LIMIT and self.link.mains_power is not None else 0.0
+        end = piece.high
         before = piece.taken(x)
         if fed in (HELD, BURNT):
             work = piece.taken(end) - before
             mains, burnt = (mains + work, burnt) if fed is HELD else (mains, burnt - work)
             return fed, end, (piece.time(end), energy, mains, burnt)
-        after = energy + given * piece.half * (end - x) - (piece.taken(end) - before)
+        after = energy + from_mains * piece.half * (end - x) - (piece.taken(end) - before)
         after = min(after, max(energy, self._full))  # on a piece of rounding's length the sign of the power is rounding too
         if target is not None and (after >= target) == (energy < target):
             missing = [-coefficient for coefficient in piece.work]
-            missing[0] += energy + before - target - given * piece.half * x
-            missing[1] += given * piece.half
+            missing[0] += energy + before - target - from_mains * piece.half * x
+            missing[1] += from_mains * piece.half
             reached = (horner(missing[::-1], x) > 0) != (energy > target)  # so near that it is rounding
             end, after = x if reached else polynomial_root(missing, x, end), target
-        mains += given * piece.half * (end - x)
+        mains += from_mains * piece.half * (end - x)
         return fed, end, (piece.time(end), after, mains, burnt)
 
     def _feeding(self, energy: float, side: int) -> tuple[Feeding, float | None]:
@@ -240,16 +242,12 @@ class LinkedPower:
     def _full(self) -> float:
         return self.link.energy_at(self.link.upper_voltage)
 
-    def _mains_power(self, fed: Feeding) -> float:
-        """Power from the mains where it does not follow that of the drive [W]."""
-        return self.link.mains_power if fed is AT_LIMIT and self.link.mains_power is not None else 0.0
-
     @cached_property
     def _pieces(self) -> list[_Piece]:
         rule, limit = gauss_rule(), self.link.mains_power
         half = 0.5 * np.diff(self.edges)
         work = (rule.integral(self.power.T) * half).T
-        found = []
+        pieces = []
         ends = zip(self.edges[:-1].tolist(), self.edges[1:].tolist(), half.tolist(), strict=True)
         for interval, values, integral in zip(ends, self.power, work.tolist(), strict=True):
             cuts, series = {-1.0, 1.0}, rule.legendre @ values
@@ -258,8 +256,8 @@ class LinkedPower:
             for low, high in itertools.pairwise(sorted(cuts)):
                 inside = np.polynomial.legendre.legval(0.5 * (low + high), series)
                 side = -1 if inside < 0 else int(limit is not None and inside > limit)
-                found.append(_Piece(*interval, integral, low, high, side))
-        return found
+                pieces.append(_Piece(*interval, integral, low, high, side))
+        return pieces
 
 
 def _crossings(series: Array, level: float) -> list[float]:

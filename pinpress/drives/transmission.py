@@ -162,8 +162,8 @@ class SwitchPoint:
 
     def __post_init__(self) -> None:
         in_declared_units(self)
-        given = [value for value in (self.time, self.angle) if value is not None]
-        if len(given) != 1 or not is_number(given[0]):
+        points = [value for value in (self.time, self.angle) if value is not None]
+        if len(points) != 1 or not is_number(points[0]):
             raise PinpressError(
                 f"SwitchPoint: time is {shown(self.time)} and angle {shown(self.angle)}; give one of them, a finite number [s] or [rad]"
             )

@@ -240,7 +240,7 @@ class _Sampling:
         press, zero = self.press, np.zeros((len(self.press.bearings), len(angles)))
         motion = motion_through_change_points(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
         states = motion.states(press)
-        gravity, mass = float(np.linalg.norm(press.model.gravity.linear)), sum(float(each.mass) for each in press.model.inertias)
+        gravity, mass = float(np.linalg.norm(press.model.gravity.linear)), sum(float(inertia.mass) for inertia in press.model.inertias)
         # All parts but weights are differences: they are as large as these, so that they lose no digits.
         pace = np.sqrt((gravity or 1.0) / self.press.size)
         force = (gravity or 1.0) * mass or 1.0
@@ -259,8 +259,8 @@ class _Sampling:
         parts = [part(radial(a=pace**2 * states.v), pace**2), part(radial(v=pace, a=pace**2 * states.a), pace**2), weight]
         for unit_force in self.unit_forces:
             units = unit_force(motion)
-            scale = force / (max((float(np.abs(each.force).max()) for each in units), default=0.0) or 1.0)
-            loads = [AppliedForce(each.joint, each.point, scale * each.force) for each in units]
+            scale = force / (max((float(np.abs(unit.force).max()) for unit in units), default=0.0) or 1.0)
+            loads = [AppliedForce(unit.joint, unit.point, scale * unit.force) for unit in units]
             parts.append(part(radial(loads=loads), scale))
         for bearing, turns in zip(self.with_friction.tolist(), self.turns.tolist(), strict=True):
             efforts, effort = zero.copy(), force * (press.size if turns else 1.0)

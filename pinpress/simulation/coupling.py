@@ -76,8 +76,8 @@ def coupling_at_start(coupling: Coupling | None, angle: float, speed: float, rel
     """
     if coupling is None:
         return CouplingMode(missing)
-    at = coupling.closes or coupling.opens
-    way = 1 if at is None or at.angle is None or at.angle > angle or (at.angle == angle and speed >= 0) else -1
+    switch = coupling.closes or coupling.opens
+    way = 1 if switch is None or switch.angle is None or switch.angle > angle or (switch.angle == angle and speed >= 0) else -1
     if coupling.closes is not None:
         return CouplingMode(OPEN, way=way)
     return CouplingMode(SLIPPING if relative else HOLDING, sign_of(relative) if relative else 0, way=way)

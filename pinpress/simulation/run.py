@@ -112,8 +112,8 @@ class Run(Motion):
     def columns(self) -> dict[str, Array]:
         """The motion's columns, followed by torque, speed and work of the drive, work of the loads, and losses."""
         columns = super().columns()
-        efforts = [(f"drive_{each.effort}", each.effort_unit) for each in self.driver_coordinates]
-        speeds = [("drive_speed", each.heads[1][1]) for each in self.driver_coordinates]
+        efforts = [(f"drive_{coordinate.effort}", coordinate.effort_unit) for coordinate in self.driver_coordinates]
+        speeds = [("drive_speed", coordinate.heads[1][1]) for coordinate in self.driver_coordinates]
         columns |= tables.by_driver(efforts, self.drive_torque, self.drivers) | tables.by_driver(speeds, self.drive_speed, self.drivers)
         columns |= {"drive_work [J]": self.drive_work, "load_work [J]": self.load_work}
         return columns | ({"lost [J]": self.lost} if self.lost.any() else {})

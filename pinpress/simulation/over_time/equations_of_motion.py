@@ -248,13 +248,13 @@ class FullDynamics:
             turns = 0.0 if period is None else round((position[self.crank] - point.angle) / period)
             angle = position[self.crank] - turns * (period or 0.0)
             if abs(angle - point.angle) < point.half:
-                at, first, second = (values[:, 0] for values in point.at(np.array([angle])))
-                at = at + turns * self.press.branch_through_change_points.gain_per_period
-                at[self.crank] = position[self.crank]
+                x, first, second = (values[:, 0] for values in point.at(np.array([angle])))
+                x = x + turns * self.press.branch_through_change_points.gain_per_period
+                x[self.crank] = position[self.crank]
                 # A joint this far from the drawn assembly [rad, lengths of the linkage] is in another assembly.
-                if np.abs(self.units * (at - position)).max() > 0.1 * self.press.size:
+                if np.abs(self.units * (x - position)).max() > 0.1 * self.press.size:
                     raise SingularityError("the linkage comes to a change point in another assembly than the drawn one", angle, 0.0)
-                return at, first, second
+                return x, first, second
         return None
 
     def close_loops(self, position: Array, speed: Array) -> tuple[Array, Array]:
@@ -269,8 +269,8 @@ class FullDynamics:
         """What has found the accelerations so far."""
         quick, reason = self.loops.quick, self.loops.why
         by_algorithm = {
-            "constraintDynamics": sum(each.quickly for each in self.dynamics.values()),
-            "null space": sum(each.generally for each in self.dynamics.values()),
+            "constraintDynamics": sum(dynamics.quickly for dynamics in self.dynamics.values()),
+            "null space": sum(dynamics.generally for dynamics in self.dynamics.values()),
         }
         used = sorted((name for name in by_algorithm if by_algorithm[name]), key=lambda name: -by_algorithm[name])
         algorithm = ", ".join(used) or ("null space" if quick is None else "constraintDynamics")
