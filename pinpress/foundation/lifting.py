@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common import tables
 from ..common.arguments import typed, whole_number
 from ..common.errors import PinpressError, caution
 from ..common.frozen import read_only
@@ -82,21 +81,6 @@ class LiftingMotion(Tabular):
     @property
     def title(self) -> str:
         return f"LiftingMotion of {self.motion.system.press.name}: {len(self.mount)} lifts in {self.motion.time[-1]:.6g} s"
-
-    def __str__(self) -> str:
-        """What lifts off, how high, and whether the motion repeats itself; then the vibration."""
-        rows = [["mount", "lifts", "longest", "largest gap"]]
-        for number in np.unique(self.mount):
-            which = self.mount == number
-            longest = float((self.end - self.start)[which].max())
-            rows.append([str(number), str(int(which.sum())), f"{1e3 * longest:.4g} ms", f"{1e3 * self.gap[which].max():.4g} mm"])
-        lines = [self.title, *(tables.fitted(rows) if len(rows) > 1 else ["  no mount lifts off"])]
-        if len(self.change):
-            after = {None: f"does not, the last stroke changed it by {100 * self.change[-1]:.2g} %", 1: "every stroke"}
-            lines.append(tables.entry("repeats itself", after.get(self.repeats_after, f"every {self.repeats_after} strokes"), ""))
-        walked = float(np.abs(self.walked).max())
-        lines += [tables.entry("walked", f"{1e3 * walked:.4g}", "mm at most")] if walked else []
-        return "\n".join([*lines, str(self.motion)])
 
     def columns(self) -> dict[str, Column]:
         """A row for each lift. The vibration is in the columns of ``motion``."""

@@ -29,7 +29,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ..common import plausibility, tables
+from ..common import plausibility
 from ..common.arguments import expect, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
@@ -127,19 +127,6 @@ class MountedPress(Tabular):
     @property
     def title(self) -> str:
         return f"MountedPress {self.press.name}: {self.total_mass:.6g} kg on {len(self.mounts)} mounts"
-
-    def __str__(self) -> str:
-        """Loads, sag and pressure of the mounts at rest."""
-        x, y, z = self.centre
-        rows = [["mount at", "load", "share", "sag", "pressure"]]
-        for mount, load, share, sag, pressure in zip(
-            self.mounts, self.upward_load, self.load_share, self.downward_sag, self.pressure, strict=True
-        ):
-            place = ", ".join(f"{coordinate:.4g}" for coordinate in mount.point) + " m"
-            last = [] if pressure is None else [f"{pressure / 1e6:.4g} MPa"]
-            rows.append([place, f"{load:.5g} N", f"{100 * share:.2f} %", f"{1e3 * sag:.4g} mm", *last])
-        title = f"{self.press.name} on its mounts at rest: {self.total_mass:.6g} kg, centre of mass {x:.4g}, {y:.4g}, {z:.4g} m"
-        return "\n".join([title, *tables.table(rows, [28, 14, 10, 14])])
 
     def columns(self) -> dict[str, Column]:
         """A row for each mount: place, load, share of the weight, sag (downwards positive) and pressure."""
@@ -356,13 +343,6 @@ class VibrationModes(Tabular):
     @property
     def title(self) -> str:
         return f"VibrationModes of {self.press_name}: {', '.join(f'{f / (2 * np.pi):.4g}' for f in self.natural_frequency)} Hz"
-
-    def __str__(self) -> str:
-        rows = [["motion", "frequency", "speed", "damping ratio"]]
-        for motion, frequency, ratio in zip(self.motion, self.natural_frequency / (2 * np.pi), self.damping_ratio, strict=True):
-            rows.append([motion, f"{frequency:.3f} Hz", f"{60 * frequency:.1f} per min", f"{ratio:.4f}"])
-        more = [f"  and {len(rows) - 1 - MOST_ROWS} more"] if len(rows) > 1 + MOST_ROWS else []
-        return "\n".join([f"{self.press_name} on its mounts: modes", *tables.table(rows[: 1 + MOST_ROWS], [18, 12, 18, 15]), *more])
 
     def resonance_speeds(self, orders: int = 4) -> Array:
         """(orders, n) speeds of the crank at which its first, second, ... harmonic meets each natural frequency [rad/s].

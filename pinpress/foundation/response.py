@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import plausibility, tables
+from ..common import plausibility
 from ..common.arguments import expect, finite_numbers, number, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping
@@ -162,28 +162,6 @@ class FrameMotion(Tabular):
         points = ", ".join(self.displacement) or "none"
         return f"FrameMotion of {self.system.press.name}: {len(self.time)} states, {self.time[-1]:.6g} s, points {points}"
 
-    def __str__(self) -> str:
-        """Accelerations of the points, forces, and the least load on a mount."""
-        over = f"one period of {self.period:.6g} s" if self.period is not None else f"{self.time[-1]:.6g} s{' from rest' * self.from_rest}"
-        rows = [["acceleration [m/s2]", *(f"{what} {axis}" for what in ("rms", "peak") for axis in "xyz")]]
-        for point in self.acceleration:
-            rows.append([point, *(f"{value:.4g}" for value in (*self.rms(point), *self.peak(point)))])
-        lines = [
-            f"{self.system.press.name} on {len(self.system.mounts)} mounts: {over}",
-            *tables.table(rows, [26, 12]),
-            tables.entry("shaking force, rms", f"{rms_about_mean(self.shaking_force):.4g}", "N"),
-            tables.entry("force on the floor, rms", f"{rms_about_mean(self.floor_force):.4g}", "N"),
-        ]
-        least = self.least_load
-        number = int(least.argmin())
-        lifts = ", which lifts off unless it is bolted down" if least[number] < 0 else ""
-        lines.append(tables.entry("least load on a mount", f"{least[number]:.4g}", f"N on mount {number + 1} of {len(least)}{lifts}"))
-        pressures = [pressure for pressure in self.system.pressure if pressure is not None]
-        if pressures:
-            lines.append(tables.entry("mean pressure at rest", f"{max(pressures) / 1e6:.4g}", "MPa at most"))
-        lines.append(tables.entry("sag at rest", f"{1e3 * np.abs(self.system.downward_sag).max():.4g}", "mm at most"))
-        return "\n".join(lines)
-
     @classmethod
     def of(
         cls,
@@ -269,10 +247,6 @@ class FrameMotion(Tabular):
         if point not in self.acceleration:
             raise UnknownNameError("point", point, self.acceleration)
         return self.acceleration[point]
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "time [s]", *(f"acceleration_{point}_z [m/s2]" for point in self.acceleration)
 
     def columns(self) -> dict[str, Array]:
         """Time, the points' displacement, velocity and acceleration, force and moment on the floor, and shaking force."""

@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import rising_speeds, suitable_numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.frozen import FrozenMapping, read_only
@@ -60,14 +59,6 @@ class SpeedResponse(OfPress, Tabular):
         speeds, most = f"{self.speed[0]:.4g} to {self.speed[-1]:.4g} rad/s", self.floor_force.max()
         return f"SpeedResponse of {self.press_name}: {len(self.speed)} speeds, {speeds}, force on the floor up to {most:.4g} N"
 
-    def __str__(self) -> str:
-        rows = [[f"{'speed':>14}", *(f"{point} [m/s2]" for point in self.rms), "shaking", "floor"]]
-        for k, speed in enumerate(self.speed):
-            sizes = [f"{np.linalg.norm(values[k]):.4g}" for values in self.rms.values()]
-            rows.append([f"{speed / RPM:6.4g} per min", *sizes, f"{self.shaking_force[k]:.4g} N", f"{self.floor_force[k]:.4g} N"])
-        title = f"{self.press_name} idle on its mounts: root mean square of the acceleration, all directions"
-        return "\n".join([title, *tables.table(rows, [14, *(20 for _ in self.rms), 14])])
-
     @property
     def transmitted(self) -> Array:
         """(s,) force on the floor divided by the shaking force [-].
@@ -91,10 +82,6 @@ class SpeedResponse(OfPress, Tabular):
         if len(size) < 2 or not size.all():
             raise PinpressError(f"the growth of {shown(point)} needs two speeds at which it vibrates")
         return np.asarray(np.gradient(np.log(size), np.log(self.speed)))
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "speed [rad/s]", "floor_force [N]", "shaking_force [N]"
 
     def columns(self) -> dict[str, Array]:
         """Speed, accelerations and displacements of the points, and the forces."""
@@ -183,24 +170,6 @@ class Isolation(Tabular):
     def title(self) -> str:
         most, speeds = self.transmitted.max(), f"{self.speed[0]:.4g} to {self.speed[-1]:.4g} rad/s"
         return f"Isolation of {self.system.press.name}: {self.factor:.4g} times the stiffness, {most:.3g} transmitted at {speeds}"
-
-    def __str__(self) -> str:
-        x, y, z = self.stiffness
-        worst = self.speed[self.transmitted.argmax()]
-        frequencies = ", ".join(f"{w / (2 * np.pi):.3g}" for w in np.sqrt(natural_modes(self.system)[0]))
-        return "\n".join(
-            [
-                f"{self.system.press.name}: the stiffest mounts that isolate, {self.factor:.4g} times as stiff as those given",
-                tables.entry("all together", f"{x:.4g}", f"{y:12.4g} {z:12.4g} N/m along x, y, z"),
-                tables.entry("natural frequencies", f"{frequencies} Hz"),
-                tables.entry("sag at rest", f"{1e3 * self.sag:.4g}", "mm"),
-                tables.entry("transmitted", f"{self.transmitted.max():.4g}", f"at most, at {worst / RPM:.4g} per min"),
-            ]
-        )
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "speed [rad/s]", "transmitted [-]"
 
     def columns(self) -> dict[str, Array]:
         """Speed and share transmitted. The mounts are in the columns of ``system``."""

@@ -17,12 +17,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import suitable_numbers, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
 from ..common.numerics import pair_modes
-from ..common.quantities import RPM, Array, ComplexArray
+from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
 from .mounted_press import MOST_ORDERS, MountedPress, motion_in_words
 
@@ -53,16 +52,6 @@ class WhirlDiagram(Tabular):
     def title(self) -> str:
         low, high = self.speed[0], self.speed[-1]
         return f"WhirlDiagram of {self.system.press.name}: {self.frequency.shape[1]} modes from {low:.4g} to {high:.4g} rad/s"
-
-    def __str__(self) -> str:
-        """Each mode at the lowest and the highest speed, and the critical speeds."""
-        low, high = self.speed[0] / RPM, self.speed[-1] / RPM
-        rows = [["mode", f"at {low:.4g} r/min", f"at {high:.4g} r/min", "whirl there", "damping ratio"]]
-        for k, (first, last) in enumerate(self.frequency[[0, -1]].T / (2 * np.pi)):
-            rows.append([str(k + 1), f"{first:.4f} Hz", f"{last:.4f} Hz", self.words(k), f"{self.damping_ratio[-1, k]:.4f}"])
-        critical = ", ".join(f"{speed / RPM:.4g}" for speed in self.critical_speeds()) or "none"
-        lines = [f"{self.system.press.name} on its mounts, its rotors spinning", *tables.fitted(rows)]
-        return "\n".join([*lines, tables.entry("critical speeds", critical, "r/min, first harmonic")])
 
     def words(self, mode: int) -> str:
         """How a mode turns at the highest speed: "forward", "backward", or "" where it hardly does."""
@@ -104,10 +93,6 @@ class WhirlDiagram(Tabular):
                 f"whirl_{k + 1} [-]": self.whirl[:, k],
             }
         return columns
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "speed [rad/s]", *(f"frequency_{k + 1} [rad/s]" for k in range(self.frequency.shape[1]))
 
 
 @typed

@@ -1,8 +1,5 @@
 from .balancing import trade_offs as trade_offs
 from .charts import draw as draw
-from .foundation import speed_response as speed_response
-from .foundation import vibration as vibration
-from .foundation import whirl as whirl
 from .identification import identifiability as identifiability
 from .measured_vibration import measured_modes as measured_modes
 from .measured_vibration import measured_spectra as measured_spectra

@@ -240,8 +240,8 @@ def _chart(axes: Axes, chart: Chart, old: Chart | None) -> None:
         if curve.look != "guide":
             lines += drawn
             names.append(curve.name)
-    for mark in chart.marks:
-        made = _mark(axes, mark, across if mark.axis == "x" else up)
+    for k, mark in enumerate(chart.marks):
+        made = _mark(axes, mark, across if mark.axis == "x" else up, COLOURS[k % len(COLOURS)] if mark.name else PALE)
         if mark.name:
             lines.append(made)
             names.append(mark.name)
@@ -349,10 +349,10 @@ def _backdrop(axes: Axes, along: Along, across: ShownUnit) -> None:
         plain(axes.text(across.factor * place, 0.99, f"{name} ", transform=axes.get_xaxis_transform(), **look))  # type: ignore[arg-type]
 
 
-def _mark(axes: Axes, mark: Mark, scale: ShownUnit) -> Artist:
+def _mark(axes: Axes, mark: Mark, scale: ShownUnit, colour: str) -> Artist:
     if isinstance(mark.at, tuple):
         span = axes.axvspan if mark.axis == "x" else axes.axhspan
-        made: Artist = span(scale.factor * mark.at[0], scale.factor * mark.at[1], color=PALE, alpha=0.4, linewidth=0)
+        made: Artist = span(scale.factor * mark.at[0], scale.factor * mark.at[1], color=colour, alpha=0.5, linewidth=1.0)
         return made
     line = axes.axvline if mark.axis == "x" else axes.axhline
     made = line(scale.factor * mark.at, color=GREY, linewidth=LIMIT, linestyle="--")

@@ -9,11 +9,6 @@ from ...balancing.optimum import TradeOffCurve
 from ...balancing.result import BalancedPress
 from ...common.errors import PinpressError, shown
 from ...common.results import Tabular
-from ...foundation.lifting import LiftingMotion
-from ...foundation.mounted_press import MountedPress, VibrationModes
-from ...foundation.response import FrameMotion
-from ...foundation.speed_response import Isolation, SpeedResponse
-from ...foundation.whirl_modes import WhirlDiagram
 from ...linkage.linkage import OfPress
 from ...ratings.rating import PressRatings
 from ...servo.comparison import MotionComparison
@@ -26,7 +21,7 @@ from ...tolerances.clearances_over_speed import DeadCentresInClearances
 from ...tolerances.dead_centre_scatter import DeadCentreScatter
 from ...tolerances.points import SlideParallelism
 from ...tolerances.temperatures import HeatShift
-from . import balancing, foundation, servo, tolerances
+from . import balancing, servo, tolerances
 from .blocks import Section
 from .drawn import section
 from .shown import Shown, refuse_others
@@ -34,13 +29,6 @@ from .shown import Shown, refuse_others
 MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     BalancedPress: balancing.section,
     TradeOffCurve: balancing.trade_off,
-    MountedPress: foundation.standing,
-    VibrationModes: foundation.modes,
-    FrameMotion: foundation.vibration,
-    SpeedResponse: foundation.over_speeds,
-    WhirlDiagram: foundation.whirling,
-    LiftingMotion: foundation.lifting,
-    Isolation: foundation.isolation,
     MotionOptimum: servo.optimum,
     MotionComparison: servo.comparison,
     MotorChoice: servo.choice,

@@ -184,9 +184,7 @@ SEARCHES = {
 PLOTS = {
     "plots.draw": "pp.plots.draw(reactions, 'bearings')",
     "plots.save": "pp.plots.save(pp.plots.draw(motion, 'position'), folder / 'plot.svg')",
-    "plots.speed_response": "pp.plots.speed_response({'one': response}, 'top')",
     "plots.trade_offs": "pp.plots.trade_offs({'one': curve})",
-    "plots.vibration": "pp.plots.vibration({'one': vibration}, 'z', 1.0)",
 }
 KINDS = {
     "calls": QUICK,

@@ -1437,7 +1437,6 @@ def calls() -> dict[str, Call]:
             lambda: {"system": system(), "reactions": reactions(), "points": POINTS, "flywheel": pp.drives.Flywheel(1.0), "strokes": 2},
         ),
         ("foundation.whirl", foundation.whirl, lambda: {"system": spinning(), "speeds": [5.0, 6.0]}),
-        ("pp.plots.whirl", pp.plots.whirl, lambda: {"diagram": foundation.whirl(spinning(), [5.0, 6.0]), "orders": 2}),
         ("foundation.modes", foundation.modes, lambda: {"system": system()}),
         ("foundation.press_inertia", foundation.press_inertia, lambda: {"press": press()}),
         (
@@ -1467,8 +1466,6 @@ def calls() -> dict[str, Call]:
             lambda: {"system": system(), "reactions": reactions(), "points": POINTS, "flywheel": pp.drives.Flywheel(1.0)},
         ),
         ("foundation.transmissibility", foundation.transmissibility, lambda: {"system": system(), "frequency": [5.0, 6.0]}),
-        ("pp.plots.speed_response", pp.plots.speed_response, lambda: {"responses": {"one": response()}, "point": "top"}),
-        ("pp.plots.vibration", pp.plots.vibration, lambda: {"motions": {"one": vibration()}, "axis": "z", "last": 1.0}),
         (
             "foundation.isolate",
             foundation.isolate,
