@@ -237,10 +237,10 @@ def compare(
         contests.append(simulation_contest(press, scene))
         skipped += [UNSTABLE] if name == SPEED_LAW else []
     described = f"{speed / RPM:g} r/min; runs of {lasting:.4g} s with a flywheel of {inertia:.4g} kg m2"
-    return held(press, described, contests, skipped, repeats, progress)
+    return hold(press, described, contests, skipped, repeats, progress)
 
 
-def held(
+def hold(
     press: Linkage,
     scene: str,
     contests: Sequence[Contest],
@@ -338,7 +338,7 @@ def measure(contestants: Sequence[Contestant], repeats: int, done: Callable[[], 
         except PinpressError as error:
             judged.append((contestant, Errors(math.nan), str(error).split(":")[0]))
         done()
-    seconds = least_seconds([_without_errors(contestant.work) for contestant in contestants], repeats, done)
+    seconds = least_seconds([_catch_errors(contestant.work) for contestant in contestants], repeats, done)
     return [_measurement(*each, least) for each, least in zip(judged, seconds, strict=True)]
 
 
@@ -378,12 +378,12 @@ def least_seconds(
     return best
 
 
-def _without_errors(work: Callable[[], Any]) -> Callable[[], None]:
-    def tried() -> None:
+def _catch_errors(work: Callable[[], Any]) -> Callable[[], None]:
+    def caught() -> None:
         with suppress(PinpressError):
             work()
 
-    return tried
+    return caught
 
 
 def _measurement(contestant: Contestant, errors: Errors, problem: str, seconds: float) -> Measurement:

@@ -33,7 +33,7 @@ def test_every_ratio_says_what_is_beside_what() -> None:
 
 def test_contributors_are_shown_the_stored_ratios() -> None:
     page = (PAGES["HISTORY"] / "README.md").read_text(encoding="utf-8")
-    assert page == PAGES["written"](page), "python tests/benchmarks/history/table.py"
+    assert page == PAGES["fill"](page), "python tests/benchmarks/history/table.py"
 
 
 @pytest.mark.exhaustive

@@ -14,7 +14,7 @@ REPRODUCED, PARTLY, NOT = "reproduced", "partly reproduced", "not reproducible"
 CONFIRMED, UNPRINTED = "formulas confirmed, no printed numbers", "no printed numbers"
 DATA, FINDINGS, BEYOND = "data", "findings only", "not in the document"
 VERDICTS = (REPRODUCED, PARTLY, NOT, CONFIRMED, UNPRINTED, DATA, FINDINGS, BEYOND)
-BLOCK = re.compile(r"(<!-- rows: [^\n]* -->\n).*(<!-- end of rows -->)", re.DOTALL)  # what `written` replaces in a page
+BLOCK = re.compile(r"(<!-- rows: [^\n]* -->\n).*(<!-- end of rows -->)", re.DOTALL)  # what `fill` replaces in a page
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ class Part:
         return "\n\n".join(blocks + [markdown(table.heads, table.rows) for table in tables])
 
 
-def computed(compute: Callable[[], Sequence[float | str]], *rows: tuple[Any, ...]) -> Iterator[Row]:
+def rows_from(compute: Callable[[], Sequence[float | str]], *rows: tuple[Any, ...]) -> Iterator[Row]:
     """Rows whose numbers are computed together, in the order of the rows: (quantity, printed, within, source, places) each, the last
     three as `Row` has them."""
     values = cache(compute)
@@ -145,7 +145,7 @@ def markdown(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(lines)
 
 
-def written(page: str, parts: Sequence[Part]) -> str:
+def fill(page: str, parts: Sequence[Part]) -> str:
     """The text of a page with the tables of all parts between its marks."""
     held = [row for row in rows_of(parts) if row.holds]
     printed = sum(not row.source for row in held)
@@ -162,4 +162,4 @@ def written(page: str, parts: Sequence[Part]) -> str:
 
 def write(path: Path, parts: Sequence[Part]) -> None:
     """Rewrite the tables of a page in place."""
-    path.write_text(written(path.read_text(encoding="utf-8"), parts), encoding="utf-8")
+    path.write_text(fill(path.read_text(encoding="utf-8"), parts), encoding="utf-8")

@@ -81,7 +81,7 @@ def test_what_counts_as_reproduced_is(row):
 def test_pages_have_the_tables_that_the_command_writes(name):
     """`python tests/validation/validate.py --write`."""
     page = (DOCS / f"{name}.md").read_text(encoding="utf-8")
-    assert page == rows.written(page, DOCUMENTS[name].PARTS)
+    assert page == rows.fill(page, DOCUMENTS[name].PARTS)
 
 
 @pytest.mark.parametrize("name", DOCUMENTS)

@@ -14,7 +14,7 @@ from validation import zhang2007_arrangements as arrangements
 from validation import zhang2007_balancing as balancing
 from validation import zhang2007_parts, zhang2007_runs, zhang2007_vibration
 from validation.pictures import Panel, draw
-from validation.rows import BEYOND, CONFIRMED, DATA, FINDINGS, NOT, UNPRINTED, Part, Row, computed
+from validation.rows import BEYOND, CONFIRMED, DATA, FINDINGS, NOT, UNPRINTED, Part, Row, rows_from
 from validation.zhang2007_search import searches_rows
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def frame() -> zhang2007_vibration.Vibration:
 def vibration_rows() -> Iterator[Row]:
     """Chapter 2: what accelerometers on the frame showed, on 10 mm of rubber, at 200 to 400 r/min."""
 
-    return computed(
+    return rows_from(
         lambda: [f"{finding.gives}. Agrees: {finding.agrees}" for finding in frame().findings()],
         *((says, "in words") for says in zhang2007_vibration.SAID),
     )

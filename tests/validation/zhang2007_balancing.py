@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 
 import numpy as np
-from validation.rows import FORMULA, SOLVER, Row, Table, computed
+from validation.rows import FORMULA, SOLVER, Row, Table, rows_from
 
 import pinpress as pp
 from pinpress import RPM
@@ -138,7 +138,7 @@ def rotor_rows() -> Iterator[Row]:
 
     names = ("in one plane (3.1.5)", "in two planes, first", "in two planes, second")
     rows = ((f"mass times radius {name} [kg m]", f"{hand:.6f}", 1e-3, FORMULA) for name, hand in zip(names, by_hand, strict=True))
-    return computed(ours, *rows)
+    return rows_from(ours, *rows)
 
 
 def slide_rows() -> Iterator[Row]:
@@ -167,7 +167,7 @@ def complete_rows() -> Iterator[Row]:
         left = [clean(vertical(with_counterweights(plain(), [rod, other])), vertical(plain())) for other in (crank, as_read)]
         return [rod.mass, crank.mass, wrong, vertical(plain()), *left]
 
-    return computed(
+    return rows_from(
         ours,
         ("m'' on the rod [kg]", f"{on_rod:.3f}", 1e-3, FORMULA),
         ("m' on the crank, corrected [kg]", f"{right:.3f}", 1e-3, FORMULA),
@@ -192,7 +192,7 @@ def approximate_rows() -> Iterator[Row]:
             left += [clean(changes[f"force {way} the slide", 1], force) for way in ("along", "across")]
         return left
 
-    return computed(
+    return rows_from(
         ours,
         ("m' + m'' on the crank [kg]", f"{turns + RADIUS / ON_CRANK * reciprocating:.3f}", 1e-3, FORMULA),
         ("first order along the slide after it [N]", "0", 0, FORMULA),
@@ -211,7 +211,7 @@ def opposed_rows() -> Iterator[Row]:
         forces = vertical(plain()), vertical(press), lateral(press), vertical(opposed()), lateral(opposed())
         return [float(built), *forces]
 
-    return computed(
+    return rows_from(
         ours,
         ("m6 with an auxiliary rod of 113.31 kg [kg]", f"{by_hand:.2f}", 1e-2, FORMULA),
         ("range of the vertical shaking force without [N]", "", None, "", 0),
@@ -293,7 +293,7 @@ def objective_rows() -> Iterator[Row]:
     for press, words in ((opposed, "opposed"), (symmetric, "symmetric")):
         names = [f"{what} of the {of}, {words} by plain" for of in ("vertical force", "tilting moment") for what in ("rms", "fluctuation")]
         rows = ((name, "", None, "", 4) for name in (*names, f"objective, {words}"))
-        yield from computed(lambda press=press: ratios(press()), *rows)
+        yield from rows_from(lambda press=press: ratios(press()), *rows)
 
 
 def search_rows() -> Iterator[Row]:
@@ -301,7 +301,7 @@ def search_rows() -> Iterator[Row]:
     steps = (
         (f"step {k}, m5 = {rod:g} kg, m6 = {counterweight:g} kg [N]", printed) for k, (rod, counterweight, printed) in enumerate(SEARCH, 1)
     )
-    yield from computed(lambda: ranges(opposed())(masses).tolist(), *steps)
+    yield from rows_from(lambda: ranges(opposed())(masses).tolist(), *steps)
     yield Row("optimum, m5 [kg]", "32.2837", lambda: proved()[0][0], 0.01, SOLVER, 3)
     yield Row("optimum, m6 [kg]", "1125.9727", lambda: proved()[0][1], 0.001, SOLVER, 3)
     yield Row("optimum, range [N]", "0.04138", lambda: proved()[1], 0.2, SOLVER, 4)
@@ -365,7 +365,7 @@ def idle_rows() -> Iterator[Row]:
     words = ("vertical force, maximum [N]", "vertical force, minimum [N]", "vertical force, range [N]", "lateral force, range [N]")
     places = [QUANTITIES.index(name) for name in ("vertical maximum", "vertical minimum", "vertical range", "lateral range")]
     printed = (AFTER[300][k] for k in places)
-    return computed(lambda: [improved(300)[k] for k in places], *zip(words, printed, strict=True))
+    return rows_from(lambda: [improved(300)[k] for k in places], *zip(words, printed, strict=True))
 
 
 def comparison_rows() -> Iterator[Row]:
@@ -373,7 +373,7 @@ def comparison_rows() -> Iterator[Row]:
     for name, printed, ours in (("original", BEFORE, original), ("improved", AFTER, improved)):
         for rpm, numbers in printed.items():
             words = (f"{name}, {rpm} r/min, {quantity} [N]" for quantity in QUANTITIES)
-            yield from computed(lambda ours=ours, rpm=rpm: ours(rpm), *zip(words, numbers, strict=True))
+            yield from rows_from(lambda ours=ours, rpm=rpm: ours(rpm), *zip(words, numbers, strict=True))
     for rpm in BEFORE:
         words = f"original, {rpm} r/min, weight by the middle of the printed extremes [N]"
         yield Row(words, "", lambda rpm=rpm: middle_weight(rpm), places=0)
@@ -382,7 +382,7 @@ def comparison_rows() -> Iterator[Row]:
     for words, lifted in (("without the weight of the flywheel", 0.0), ("without any weight", 1.0)):
         names = (f"original, 300 r/min, vertical {end} {words} [N]" for end in ("maximum", "minimum"))
         ends = zip(names, BEFORE[300][:2], strict=True)
-        yield from computed(lambda lifted=lifted: extremes(plain(), 300, lifted * weight(plain()))[:2], *ends)
+        yield from rows_from(lambda lifted=lifted: extremes(plain(), 300, lifted * weight(plain()))[:2], *ends)
     counterweighted = "original with its counterweight, 300 r/min"
     yield Row(f"{counterweighted}, vertical range [N]", BEFORE[300][2], lambda: vertical(opposed()))
     yield Row(f"{counterweighted}, lateral range [N]", BEFORE[300][5], lambda: lateral(opposed()))
@@ -468,7 +468,7 @@ def rod_rows() -> Iterator[Row]:
         angle = np.degrees(np.arctan2(body.lever[2], body.lever[0]))
         return [float(body.mass), float(angle), 1e3 * float(np.linalg.norm(body.lever)), float(body.inertia[1, 1])]
 
-    return computed(
+    return rows_from(
         ours,
         ("(5-3), mass of both [kg]", f"{total:.4f}", 1e-3, FORMULA),
         ("(5-4), angle of their centre [deg]", f"{np.degrees(gamma):.4f}", 1e-3, FORMULA),

@@ -5,7 +5,7 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from validation.rows import Row, computed
+from validation.rows import Row, rows_from
 from validation.zhang2007_balancing import SPEED, plain
 
 from pinpress.common.quantities import RPM, Array
@@ -57,11 +57,11 @@ def frame_rows() -> Iterator[Row]:
         "range of the driving torque, idle, 300 strokes/min [N m]",
         "range of the driving torque with balance cylinders [N m]",
     )
-    yield from computed(rods, *((name, "", None, "", 0) for name in names))
+    yield from rows_from(rods, *((name, "", None, "", 0) for name in names))
     for preload in (GIB_PRELOAD, 0.1 * GIB_PRELOAD):
         words = f"nominal force 30 mm beside the axis, gibs with {1e-3 * preload:.0f} kN each"
         names = (f"{words}: slide tilts by [1e-6 rad]", f"{words}: they touch on at least [% of their length]")
-        yield from computed(lambda preload=preload: guide(preload), *((name, "", None, "", 0) for name in names))
+        yield from rows_from(lambda preload=preload: guide(preload), *((name, "", None, "", 0) for name in names))
     for coefficient, words in ((0.03, "sliding"), (0.003, "on needles")):
         name = f"lost by gibs with {1e-3 * GIB_PRELOAD:.0f} kN each, {words} (coefficient {coefficient:g}) [kW]"
         yield Row(name, "", lambda coefficient=coefficient: rubbing(coefficient), places=2)
@@ -140,7 +140,7 @@ def shock_rows() -> Iterator[Row]:
         ("pause", SLOWEST, [BLANK]),
         ("impact dampers", 1.0, [BLANK, dampers]),
     ):
-        yield from computed(
+        yield from rows_from(
             lambda slowest=slowest, loads=loads: ours(slowest, loads),
             (f"{name}: reverse load after break-through [kN]", "", None, "", 0),
             (f"{name}: largest acceleration of the slide after it [m/s2]", "", None, "", 0),

@@ -7,7 +7,7 @@ from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from validation.rows import FORMULA, SOLVER, Row, computed
+from validation.rows import FORMULA, SOLVER, Row, rows_from
 from validation.zhang2007_balancing import (
     AUXILIARY,
     AUXILIARY_CRANK,
@@ -87,7 +87,7 @@ def motor_rows() -> Iterator[Row]:
     yield Row("torque at the crank, 2.5 % below the set speed (4.3.3) [N m]", "567", loaded_torque, 1e-6, "3 x 189", 1)
     yield Row("power at 189 N m and 1320 r/min [kW]", "30", lambda: 189 * TOP / 1e3, places=1)
     yield Row("power at 189 N m and 1470 r/min, slip included [kW]", "30", lambda: 189 * PRIMARY / 1e3, places=1)
-    yield from computed(
+    yield from rows_from(
         steady,
         ("blanking 5 mm with 1250 kN, set to 300 strokes/min: strokes/min held", "", None, "", 2),
         ("its speed variation within a stroke [%]", "", None, "", 2),
@@ -96,7 +96,7 @@ def motor_rows() -> Iterator[Row]:
     yield Row("4 g 30 / pi, the constant of (4.3.2)", "375", lambda: 4 * GRAVITY / RPM, places=1)
     for strokes in (150, 300, 440):
         words = f"a quarter of this load, set to {strokes} strokes/min"
-        yield from computed(
+        yield from rows_from(
             lambda strokes=strokes: slip(strokes),
             (f"{words}: lost by slip in a stroke [J]", "", None, "", 0),
             (f"{words}: share of the motor's work that reaches the crank [%]", "", None, "", 1),
@@ -152,7 +152,7 @@ def motion_rows() -> Iterator[Row]:
 
     names = (f"{name} after {time:g} s" for time in SOLVED for name in NAMES)
     printed = (number for numbers in SOLVED.values() for number in numbers)
-    yield from computed(states, *((name, number, 1e-7, SOLVER, 9) for name, number in zip(names, printed, strict=True)))
+    yield from rows_from(states, *((name, number, 1e-7, SOLVER, 9) for name, number in zip(names, printed, strict=True)))
     words, exact = "crank angle after 0.6 s by RK4 with h = 0.1 ms [rad]", SOLVED[0.6][0]
     yield Row(words, exact, lambda: solution(opposed(), PERIODS, points=7, step=STEP).crank_angle[-1], 1e-7, SOLVER, 9)
     words = "rise of the crank speed in 1 s [%]"
@@ -265,7 +265,7 @@ def case_rows(name: str) -> Iterator[Row]:
 
     yield Row("peak of the vertical force [N], with 1250 kN", PEAKS[name], lambda: largest(NOMINAL), places=0)
     yield Row("with 1250 N", PEAKS[name], lambda: largest(ALLEGED), places=0)
-    yield from computed(
+    yield from rows_from(
         lambda: in_five_strokes(name),
         (f"{AS_PRINTED}: peak [N]", PEAKS[name], None, "", 1),
         (f"{AS_PRINTED}: what it changes of the lateral force in one main shaft, by the range of that [%]", "small", None, "", 1),
@@ -303,7 +303,7 @@ def window_rows() -> Iterator[Row]:
     yield Row("slide at 10 mm, from which the crank radius is inferred [s]", "0.1616", lambda: passed(START_HEIGHT))
     yield Row("slide at 5 mm, likewise [s]", "0.1738", lambda: passed(BREAK_HEIGHT))
     for end in (0.1738, 0.1838):
-        yield from computed(
+        yield from rows_from(
             lambda end=end: reading(end),
             (f"window to {end} s: sine at its end, with pi / 0.0488", "", None, "", 3),
             (f"window to {end} s: crank radius, rod twenty times as long [mm]", "", None, "", 2),
@@ -325,7 +325,7 @@ def stroke_rows(name: str) -> Iterator[Row]:
         ends = [_speed_at(symmetric(), stroke, height) for height in (START_HEIGHT, lower)]
         return [float(stroke.load_work[-1]), float(torque.max()), *ends]
 
-    return computed(
+    return rows_from(
         ours,
         ("work of the stroke, 2 F s / pi [J]", f"{NOMINAL * (START_HEIGHT - lower) * 2 / np.pi:.3f}", 1e-4, FORMULA),
         ("largest load torque at the crank [N m]", "14587.29", 1e-2, SOLVER, 1),

@@ -19,7 +19,7 @@ from benchmarks.accuracy import contests, on_springs
 
 import pinpress as pp
 from pinpress.accuracy.scenes import SCENES, SPEED_LAW, build_scene
-from pinpress.accuracy.work_precision import Contest, Group, Measurement, WorkPrecision, flywheel_inertia, held
+from pinpress.accuracy.work_precision import Contest, Group, Measurement, WorkPrecision, flywheel_inertia, hold
 from pinpress.common.results import Records
 from pinpress.pin_table import templates
 
@@ -250,7 +250,7 @@ def measure(press: pp.Linkage, speed: float, scenes: tuple[str, ...], repeats: i
         entered.append(proximal)
     entered.append(contests.table_contest(press))
     cannot = {"plane": "linkages in space"} | {peer.name: peer.cannot for peer in peers}
-    return held(press, f"{speed / pp.RPM:g} r/min", entered, skipped, repeats), cannot
+    return hold(press, f"{speed / pp.RPM:g} r/min", entered, skipped, repeats), cannot
 
 
 def write(measured: WorkPrecision, cannot: dict[str, str], path: Path) -> None:

@@ -73,7 +73,7 @@ def _day(found: dict[str, Any]) -> str:
     return datetime.fromtimestamp(found["date"] / 1000, timezone.utc).strftime("%Y-%m-%d")
 
 
-def written(page: str) -> str:
+def fill(page: str) -> str:
     """The page with the table of all commits between its marks."""
     before, _, rest = page.partition("<!-- table -->\n")
     _, end, after = rest.partition("<!-- end of table -->")
@@ -83,5 +83,5 @@ def written(page: str) -> str:
 if __name__ == "__main__":
     pp.plots.save(picture(), HISTORY / "ratios.png")
     page = HISTORY / "README.md"
-    page.write_text(written(page.read_text(encoding="utf-8")), encoding="utf-8")
+    page.write_text(fill(page.read_text(encoding="utf-8")), encoding="utf-8")
     print(table())
