@@ -46,7 +46,7 @@ def tried(drive: Any, loads: Iterable[Any], speed: float) -> tuple[Any, list[Any
 
 
 def _tried_drive(drive: Any, speed: float) -> Any:
-    if isinstance(drive, Mapping):
+    if isinstance(drive, Mapping):  # of several drivers, by their joints
         return {joint: _tried_drive(part, speed) for joint, part in drive.items()}
     if isinstance(drive, AskedDrive | type | None) or not isinstance(drive, Drive):
         return drive

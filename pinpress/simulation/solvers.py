@@ -89,7 +89,8 @@ def march(problem: SimulationProblem, progress: Progress | None = None) -> Traje
         return Trajectory([_all_joints_over_time(problem, progress)])
     in_time = driven.timed or problem.step is not None or (problem.method == "implicit" and driven.prescribed is None)
     turns = not in_time and _least_inertia(driven)[0] > 0  # without inertia the crank may stay between dead centres
-    over_time, segments, stopped = OverTime(problem, progress, turns), list[Segment](), None
+    over_time, segments = OverTime(problem, progress, turns), list[Segment]()
+    stopped: State | None = None  # where the crank may stop, so that it is followed over time
     state: State | None = State(0.0, float(problem.angle[0]), float(problem.speed[0]), np.zeros(len(INTEGRALS)))
     while state is not None:
         if turns and state is not stopped:
