@@ -223,7 +223,7 @@ class _Feet:
         self.inverse = np.linalg.inv(system.mass)
         factor = np.linalg.inv(np.linalg.cholesky(system.mass))
         self.fastest = float(np.sqrt(max(np.linalg.eigvalsh(factor @ system.stiffness @ factor.T)[-1], 0.0)))
-        self._factor, self._walked = factor, dict[bytes, float]()
+        self._factor = factor
         self._matrices: dict[bytes, tuple[Array, Array, float]] = {}
         self._steps: dict[tuple[bytes, float], tuple[Array, Array, Array]] = {}
         self._conditions: dict[bytes, tuple[Array, Array]] = {}
@@ -247,17 +247,13 @@ class _Feet:
             self._matrices[key] = a, np.vstack([np.zeros((n, n)), self.inverse]), bound
         return self._matrices[key]
 
-    def step(self, standing: NDArray[np.bool_], interval: float) -> tuple[Array, Array, Array] | None:
-        """`step_matrices` of a whole step; None while these feet have stood so shortly that a Taylor polynomial is cheaper."""
-        key = standing.tobytes()
-        if (key, interval) not in self._steps:
-            a, b, bound = self.matrices(standing)
-            self._walked[key] = self._walked.get(key, 0.0) + max(1.0, bound * interval / REACH)
-            # A Taylor polynomial of each state costs as much as the matrices of the steps.
-            if self._walked[key] < len(a):
-                return None
-            self._steps[key, interval] = step_matrices(a, b, interval)
-        return self._steps[key, interval]
+    def step(self, standing: NDArray[np.bool_], interval: float) -> tuple[Array, Array, Array]:
+        """`step_matrices` of a whole step with these feet standing."""
+        key = standing.tobytes(), interval
+        if key not in self._steps:
+            a, b, _ = self.matrices(standing)
+            self._steps[key] = step_matrices(a, b, interval)
+        return self._steps[key]
 
     def constant(self, standing: NDArray[np.bool_], anchor: Array) -> Array:
         """Force (n,) on the coordinates besides the linear one: loads that hovering feet lack, and pads that gripped elsewhere."""
