@@ -143,15 +143,13 @@ def _task(driven: DrivenPress, sprung: SprungPress, speed: float, angle: float, 
         )
     strokes = Strokes(driven, 1 if speed > 0 else -1, _contacts(driven, sprung))
     turning = float(strokes.turnings[0]) if len(strokes.turnings) else angle
-    from_turning = _task_from(turning, sprung, strokes, speed)
-    compared = from_turning if sprung.fixed is None else _task_from(turning, sprung.fixed, strokes, speed)
-    deflection = largest_deflection(compared, turning)
+    deflection = largest_deflection(_task_from(turning, sprung.fixed or sprung, strokes, speed), turning)
     _refuse_soft(driven.press, deflection)
     # Floating point does not resolve smaller errors; in space they come through the products of rotation matrices.
     rounding = 1e-15 if isinstance(sprung.geometry, PlaneGeometry) else 1e-11
     error = max(tolerance * deflection, rounding * driven.press.size)
-    task, start = (from_turning, turning) if steady else (_task_from(angle, sprung, strokes, speed), angle)
-    return task._replace(tolerance=error), start
+    start = turning if steady else angle
+    return _task_from(start, sprung, strokes, speed)._replace(tolerance=error), start
 
 
 def _task_from(start: float, sprung: SprungPress, strokes: Strokes, speed: float) -> Task:
