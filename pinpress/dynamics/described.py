@@ -16,7 +16,7 @@ import numpy as np
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import read_only
 from ..common.outlets.described import Along, Bars, Block, Chart, Column, Curve, Figure, Polar, Section, Table
-from ..common.quantities import RPM, Array, quantity
+from ..common.quantities import NEGLIGIBLE, RPM, Array, quantity
 from ..kinematics.cycle import cycle
 from ..kinematics.described import along_motion, by_driver, chart, driver_speeds, kinds_of_drivers, known_dead_centres, slide_charts
 from ..kinematics.main_data import directions, forward_share, sense_of_rotation, tool_in_words
@@ -482,7 +482,7 @@ def bearing_table(reactions: Reactions) -> Table:
     moments = [float(np.linalg.norm(reactions.bearing_moment[name], axis=1).max(initial=0.0)) for name in names]
     largest = max((float(size.max()) for size in sizes.values()), default=0.0)
     least = ROUNDING * largest
-    force = 1e6 * least  # of which 1e-6 is rounding
+    force = least / NEGLIGIBLE  # so that what is rounding is written as 0
     axes = [i for i in range(3) if any(np.abs(reactions.bearing_force[name][:, i]).max() > least for name in names)]
     at = {name: int(sizes[name].argmax()) for name in names}
     loaded = {name: sizes[name][at[name]] > least for name in names}
