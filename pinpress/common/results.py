@@ -1,9 +1,9 @@
 """Results: tables that can be printed, written to files and shown in notebooks.
 
 Every result class is a `Tabular`: it defines its `title` and its `columns`. What it shows, its numbers, charts and tables, is described
-once in the module ``described`` of its room (`Tabular.described`), for report pages, `plots.draw`, texts and notebooks. A result that is not
-described is printed as the ranges of its columns; one with a main curve names the columns of its small picture in `_pictured`. A result of
-a single row is a `Record`, which only declares the units of its fields; several of them are `Records`.
+once in the module ``described`` of its room (`Tabular.described`), for report pages, `plots.draw`, texts and notebooks. A result that is
+not described is printed as the ranges of its columns; one with a main curve names the columns of its small picture in `_pictured`. A
+result of a single row is a `Record`, which only declares the units of its fields; several of them are `Records`.
 """
 
 import importlib
