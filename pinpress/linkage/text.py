@@ -85,7 +85,7 @@ def tag(name: str, attributes: Mapping[str, str], content: str = "") -> str:
     return f"<{name}{_attributes(attributes)}" + (f">{content}</{name}>" if content else "/>")
 
 
-def written(numbers: Iterable[float]) -> str:
+def as_text(numbers: Iterable[float]) -> str:
     """Numbers as the text of an attribute, to full precision."""
     return " ".join(repr(float(number) + 0.0) for number in numbers)  # + 0.0: no "-0.0"
 

@@ -31,7 +31,7 @@ from .checks import elements as element_checks
 from .document import Document, Finding
 from .element import Element
 from .linkage import Linkage
-from .text import MOMENTS, Text, tag, written
+from .text import MOMENTS, Text, as_text, tag
 
 ACCEPTED = 1e-12  # relative difference from the linkage that is accepted of a text: a hundred times the rounding error of turned frames
 
@@ -162,8 +162,8 @@ def is_ballast(visual: Element) -> bool:
 def _ball(added: AddedBallast, link: pin.SE3) -> str:
     """The visual of an added mass, in a link with this placement."""
     radius = (0.75 * added.mass / (np.pi * STEEL)) ** (1 / 3)
-    shape = tag("geometry", {}, tag("sphere", {"radius": written([radius])}))
-    return tag("visual", {"name": BALLAST}, tag("origin", {"xyz": written(link.inverse().act(added.centre))}) + shape)
+    shape = tag("geometry", {}, tag("sphere", {"radius": as_text([radius])}))
+    return tag("visual", {"name": BALLAST}, tag("origin", {"xyz": as_text(link.inverse().act(added.centre))}) + shape)
 
 
 def is_as_read(press: Linkage) -> bool:
@@ -315,7 +315,7 @@ def _origin(model: pin.Model, joint: description.Joint, j: int) -> pin.SE3:
 
 def _edit_joint(text: Text, element: Element, j: int, before: pin.Model, now: pin.Model, was: Axis, axis: Axis, slot: Slot) -> None:
     if not np.array_equal(axis.direction, was.direction):
-        text.set_child(element, "axis", {"xyz": written(axis.direction)})
+        text.set_child(element, "axis", {"xyz": as_text(axis.direction)})
     for child, names, at in (("limit", POSITION_LIMITS, slot.start), ("limit", LIMITS, j), ("dynamics", DYNAMICS, j)):
         limits = {name: (getattr(before, array)[at], getattr(now, array)[at]) for name, array in names.items()}
         text.set_child(element, child, _attributes_of_changes(limits))
@@ -397,7 +397,7 @@ def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Ine
 
 def _edit_inertial(text: Text, inertial: Element, old: pin.Inertia, new: pin.Inertia) -> None:
     text.set(inertial.all("mass")[0], _attributes_of_changes({"value": (old.mass, new.mass)}))
-    origin = {} if np.array_equal(old.lever, new.lever) else {"xyz": written(new.lever)}
+    origin = {} if np.array_equal(old.lever, new.lever) else {"xyz": as_text(new.lever)}
     if not np.array_equal(old.inertia, new.inertia):
         turned = any(any(element.numbers("rpy")) for element in inertial.all("origin"))
         origin |= {"rpy": "0 0 0"} if turned else {}
@@ -407,8 +407,8 @@ def _edit_inertial(text: Text, inertial: Element, old: pin.Inertia, new: pin.Ine
 
 
 def _inertial(inertia: pin.Inertia) -> str:
-    origin, mass = tag("origin", {"xyz": written(inertia.lever)}), tag("mass", {"value": written([inertia.mass])})
-    return tag("inertial", {}, origin + mass + tag("inertia", {name: written([inertia.inertia[i, j]]) for name, i, j in MOMENTS}))
+    origin, mass = tag("origin", {"xyz": as_text(inertia.lever)}), tag("mass", {"value": as_text([inertia.mass])})
+    return tag("inertial", {}, origin + mass + tag("inertia", {name: as_text([inertia.inertia[i, j]]) for name, i, j in MOMENTS}))
 
 
 def _inertia(inertial: Element) -> pin.Inertia:
@@ -453,10 +453,10 @@ def _is_physical(inertia: pin.Inertia) -> bool:
 
 def _attributes_of_place(old: pin.SE3, new: pin.SE3) -> dict[str, str]:
     """The attributes of a placement that have changed, as text."""
-    xyz = {} if np.array_equal(old.translation, new.translation) else {"xyz": written(new.translation)}
-    return xyz if np.array_equal(old.rotation, new.rotation) else xyz | {"rpy": written(pin.rpy.matrixToRpy(new.rotation))}
+    xyz = {} if np.array_equal(old.translation, new.translation) else {"xyz": as_text(new.translation)}
+    return xyz if np.array_equal(old.rotation, new.rotation) else xyz | {"rpy": as_text(pin.rpy.matrixToRpy(new.rotation))}
 
 
 def _attributes_of_changes(numbers: Mapping[str, tuple[float, float]]) -> dict[str, str]:
     """The attributes whose old and new numbers differ, as text of the new ones."""
-    return {name: written([new]) for name, (old, new) in numbers.items() if old != new}
+    return {name: as_text([new]) for name, (old, new) in numbers.items() if old != new}

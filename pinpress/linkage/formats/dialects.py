@@ -23,16 +23,16 @@ from ..text import Text
 from .elements import (
     ALONE,
     direction,
-    needed,
+    find_child,
+    make_unique,
+    need_child,
     numbers,
-    optional,
     origin_of,
     pose_of,
     refuse,
     refuse_unknown,
     refuse_unknown_attributes,
     remark,
-    unused,
 )
 from .mechanism import TYPES_OF_LOOPS, Loop, loop_element
 
@@ -126,13 +126,13 @@ def drake_loop(file: str, element: Element, said: Said, place: Callable[[Element
     if element.tag == BALL:
         ends = []
         for body, point in (("A", "AP"), ("B", "BQ")):
-            link, frame = place(needed(file, element, f"{BALL}_body_{body}"))
-            xyz = needed(file, element, f"{BALL}_p_{point}")
+            link, frame = place(need_child(file, element, f"{BALL}_body_{body}"))
+            xyz = need_child(file, element, f"{BALL}_p_{point}")
             ends.append((link, pin.SE3(np.eye(3), frame.act(numbers(file, xyz, said(xyz), 3)))))
     else:
-        ends = [place(needed(file, element, f"drake:bushing_frame{side}")) for side in ("A", "C")]
+        ends = [place(need_child(file, element, f"drake:bushing_frame{side}")) for side in ("A", "C")]
         axis = _bushing_axis(file, element, said)
-    name = element.get("name") or unused(f"{'ball' if element.tag == BALL else 'bushing'}_{ends[0][0]}_{ends[1][0]}", taken)
+    name = element.get("name") or make_unique(f"{'ball' if element.tag == BALL else 'bushing'}_{ends[0][0]}_{ends[1][0]}", taken)
     return Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, origin_of(element))
 
 
@@ -143,7 +143,7 @@ def _bushing_axis(file: str, element: Element, said: Said) -> Array | None:
     rotation; a rotation without stiffness and damping is not held.
     """
     names = ("torque_stiffness", "torque_damping", "force_stiffness", "force_damping")
-    elements = [needed(file, element, f"drake:bushing_{name}") for name in names]
+    elements = [need_child(file, element, f"drake:bushing_{name}") for name in names]
     torque, damping, force, _ = (numbers(file, of, said(of), 3) for of in elements)
     resisted = [axis for axis in range(3) if torque[axis] or damping[axis]]
     if force.min() > 0 and not resisted:
@@ -178,14 +178,14 @@ def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]
     ends = []
     refuse_unknown(file, element, ("predecessor", "successor", "axis", "limit", "dynamics"))
     for side in ("predecessor", "successor"):
-        end = needed(file, element, side)
+        end = need_child(file, element, side)
         refuse_unknown(file, end, ("origin",))
         ends.append((end.get("link"), _pose_of_origin(file, end)))
     axis = None
     if kind == "revolute":
-        written = optional(file, element, "axis")
+        written = find_child(file, element, "axis")
         axis = np.array([1.0, 0.0, 0.0]) if written is None else direction(file, written, written.get("xyz"))
-    name = element.get("name") or unused(f"loop_{ends[0][0]}_{ends[1][0]}", taken)
+    name = element.get("name") or make_unique(f"loop_{ends[0][0]}_{ends[1][0]}", taken)
     return Loop(name, kind, (ends[0], ends[1]), axis, _origin_of(element, name))
 
 
@@ -198,7 +198,7 @@ def _gazebo_joint(file: str, robot: Element, joint: Element, taken: set[str]) ->
     if kind is None:
         problem = f"a {joint.get('type')} joint closes no loop here" if joint.get("type") else "has no type"
         refuse(file, joint, problem, "write revolute, ball or fixed; make a prismatic joint one of the tree")
-    parent, child = (needed(file, joint, end).text.strip() for end in ("parent", "child"))
+    parent, child = (need_child(file, joint, end).text.strip() for end in ("parent", "child"))
     places = _places(file, robot)
     if parent not in places or child not in places:
         lost = parent if parent not in places else child
@@ -206,13 +206,13 @@ def _gazebo_joint(file: str, robot: Element, joint: Element, taken: set[str]) ->
     place = places[child] * pose_of(file, joint)
     axis = None
     if kind == "revolute":
-        element = needed(file, joint, "axis")
-        axis = direction(file, element, needed(file, element, "xyz").text)
-        in_model = optional(file, element, "use_parent_model_frame")
+        element = need_child(file, joint, "axis")
+        axis = direction(file, element, need_child(file, element, "xyz").text)
+        in_model = find_child(file, element, "use_parent_model_frame")
         if in_model is not None and in_model.text.strip() in ("1", "true"):
             axis = place.rotation.T @ axis
     ends = tuple((link, places[link].inverse() * place) for link in (parent, child))
-    name = joint.get("name") or unused(f"loop_{parent}_{child}", taken)
+    name = joint.get("name") or make_unique(f"loop_{parent}_{child}", taken)
     return Loop(name, kind, (ends[0], ends[1]), axis, origin_of(joint))
 
 
@@ -235,7 +235,7 @@ def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
 
 def _pose_of_origin(file: str, element: Element) -> pin.SE3:
     """The pose in the ``<origin>`` of an element, identity if it has none."""
-    origin = optional(file, element, "origin")
+    origin = find_child(file, element, "origin")
     if origin is None:
         return pin.SE3.Identity()
     refuse_unknown_attributes(file, origin, ("xyz", "rpy"))

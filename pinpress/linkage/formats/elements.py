@@ -64,7 +64,7 @@ def direction(file: str, element: Element, text: str) -> Array:
     return axis / length if abs(length - 1) > 1e-15 else axis
 
 
-def optional(file: str, element: Element, tag: str) -> Element | None:
+def find_child(file: str, element: Element, tag: str) -> Element | None:
     """The only child with this tag; None if there is none; raises UrdfError if there are two."""
     children = element.all(tag)
     if len(children) > 1:
@@ -72,9 +72,9 @@ def optional(file: str, element: Element, tag: str) -> Element | None:
     return children[0] if children else None
 
 
-def needed(file: str, element: Element, tag: str) -> Element:
+def need_child(file: str, element: Element, tag: str) -> Element:
     """The only child with this tag; raises UrdfError if there is none, or two."""
-    child = optional(file, element, tag)
+    child = find_child(file, element, tag)
     if child is None:
         refuse(file, element, f"has no <{tag}>", f"write <{tag}> in this <{element.tag}>")
     return child
@@ -98,7 +98,7 @@ def refuse_unknown_attributes(file: str, element: Element, known: Iterable[str])
             refuse(file, element, problem, f"in <{element.tag}> write: {', '.join(words)}" if words else "remove it")
 
 
-def unused(name: str, taken: Collection[str]) -> str:
+def make_unique(name: str, taken: Collection[str]) -> str:
     """This name, or with a number behind it if it is taken."""
     free, count = name, 1
     while free in taken:
@@ -109,7 +109,7 @@ def unused(name: str, taken: Collection[str]) -> str:
 
 def pose_of(file: str, element: Element) -> pin.SE3:
     """The pose in an element's ``<pose>``, identity if it has none."""
-    pose = optional(file, element, "pose")
+    pose = find_child(file, element, "pose")
     return pin.SE3.Identity() if pose is None else pose_and_rounding(file, pose)[0]
 
 

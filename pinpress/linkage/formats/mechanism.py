@@ -17,7 +17,7 @@ import pinocchio as pin
 
 from ...common.quantities import Array
 from ..document import Document, Finding, Origin
-from ..text import MOMENTS, tag, written
+from ..text import MOMENTS, as_text, tag
 
 # What a URDF asks of every limited joint, where the other format has no such limit. Nothing here is computed with.
 UNLIMITED = 1000.0  # limit of position and velocity that is written where there is none [rad or m], [rad/s or m/s]
@@ -215,8 +215,8 @@ def _link(link: Link) -> Iterator[Line]:
     yield f"  {_opening('link', {'name': link.name})}", link.origin
     if link.inertia is not None:
         inertia, moments = link.inertia, link.inertia.tensor
-        values = {name: written([moments[i, j]]) for name, i, j in MOMENTS}
-        content = _origin(inertia.place) + tag("mass", {"value": written([inertia.mass])}) + tag("inertia", values)
+        values = {name: as_text([moments[i, j]]) for name, i, j in MOMENTS}
+        content = _origin(inertia.place) + tag("mass", {"value": as_text([inertia.mass])}) + tag("inertia", values)
         yield f"    {tag('inertial', {}, content)}", inertia.origin
     for shape in link.shapes:
         content = _origin(shape.place) + tag("geometry", {}, tag(shape.tag, shape.attributes))
@@ -232,19 +232,19 @@ def _joint(joint: Joint) -> Iterator[Line]:
     yield f"  {_opening('joint', {'name': joint.name, 'type': kind})}", joint.origin
     yield f"    {tag('parent', {'link': joint.parent})}{tag('child', {'link': joint.child})}{_origin(joint.place)}", joint.origin
     if joint.type != "fixed":
-        yield f"    {tag('axis', {'xyz': written(joint.axis)})}", joint.origin
+        yield f"    {tag('axis', {'xyz': as_text(joint.axis)})}", joint.origin
         if kind != "continuous":
             lower, upper = joint.limits or (-UNLIMITED, UNLIMITED)
             effort = 1e9 if joint.effort is None else joint.effort  # [N m or N]: of no limit
             velocity = UNLIMITED if joint.velocity is None else joint.velocity
             values = {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
-            yield f"    {tag('limit', {name: written([value]) for name, value in values.items()})}", joint.origin
+            yield f"    {tag('limit', {name: as_text([value]) for name, value in values.items()})}", joint.origin
         if joint.damping or joint.friction:
             values = {"damping": joint.damping, "friction": joint.friction}
-            yield f"    {tag('dynamics', {name: written([value]) for name, value in values.items()})}", joint.origin
+            yield f"    {tag('dynamics', {name: as_text([value]) for name, value in values.items()})}", joint.origin
     if joint.follow is not None:
         follow = joint.follow
-        ratio = {"multiplier": written([follow.multiplier]), "offset": written([follow.offset])}
+        ratio = {"multiplier": as_text([follow.multiplier]), "offset": as_text([follow.offset])}
         yield f"    {tag('mimic', {'joint': follow.leader} | ratio)}", follow.origin
     yield "  </joint>", joint.origin
 
@@ -253,7 +253,7 @@ def loop_element(loop: Loop) -> str:
     """Its ``<loop_joint>``."""
     content = "".join(tag(f"link{k}", {"link": link} | _attributes_of_pose(place)) for k, (link, place) in enumerate(loop.ends, 1))
     if loop.axis is not None:
-        content += tag("axis", {"xyz": written(loop.axis)})
+        content += tag("axis", {"xyz": as_text(loop.axis)})
     return tag("loop_joint", {"name": loop.name, "type": loop.type}, content)
 
 
@@ -268,7 +268,7 @@ def _origin(place: pin.SE3) -> str:
 
 def _attributes_of_pose(place: pin.SE3) -> dict[str, str]:
     turned = not np.array_equal(place.rotation, np.eye(3))
-    return {"xyz": written(place.translation)} | ({"rpy": written(pin.rpy.matrixToRpy(place.rotation))} if turned else {})
+    return {"xyz": as_text(place.translation)} | ({"rpy": as_text(pin.rpy.matrixToRpy(place.rotation))} if turned else {})
 
 
 def massless_link(name: str, origin: Origin) -> Link:
@@ -279,8 +279,8 @@ def massless_link(name: str, origin: Origin) -> Link:
 def capsule(place: pin.SE3, radius: float, length: float, colour: Sequence[float] | None) -> tuple[Shape, ...]:
     """The shapes of a capsule, which URDF has not; ``length``: between the centres of its spherical ends, along z."""
     ends = (place * pin.SE3(np.eye(3), np.array([0.0, 0.0, side * length / 2])) for side in (-1, 1))
-    size = {"radius": written([radius])}
+    size = {"radius": as_text([radius])}
     return (
-        Shape(place, "cylinder", size | {"length": written([length])}, colour),
+        Shape(place, "cylinder", size | {"length": as_text([length])}, colour),
         *(Shape(end, "sphere", size, colour) for end in ends),
     )

@@ -21,8 +21,8 @@ from ...common.quantities import Array
 from ..document import Document, Finding, Origin
 from ..document import read as read_text
 from ..element import Element, tree
-from ..text import written
-from .elements import refuse, remark, unused
+from ..text import as_text
+from .elements import make_unique, refuse, remark
 from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule, massless_link
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ class _Reader:
         taken |= {element.name for element in elements.values()}
         names = {}
         for k, element in sorted(elements.items()):
-            names[k] = element.name or unused(f"{tag}_{k}", taken)
+            names[k] = element.name or make_unique(f"{tag}_{k}", taken)
             taken.add(names[k])
         return names
 
@@ -247,11 +247,11 @@ class _Reader:
             place = self._inside(body, model.geom_pos[geom], model.geom_quat[geom])
             size, kind, colour = model.geom_size[geom], model.geom_type[geom], tuple(model.geom_rgba[geom])
             if kind == box:
-                yield Shape(place, "box", {"size": written(2 * size)}, colour)
+                yield Shape(place, "box", {"size": as_text(2 * size)}, colour)
             elif kind == sphere:
-                yield Shape(place, "sphere", {"radius": written(size[:1])}, colour)
+                yield Shape(place, "sphere", {"radius": as_text(size[:1])}, colour)
             elif kind == cylinder:
-                yield Shape(place, "cylinder", {"radius": written(size[:1]), "length": written(2 * size[1:2])}, colour)
+                yield Shape(place, "cylinder", {"radius": as_text(size[:1]), "length": as_text(2 * size[1:2])}, colour)
             elif kind == capsules:
                 yield from capsule(place, float(size[0]), 2 * float(size[1]), colour)
             else:
@@ -269,7 +269,7 @@ class _Reader:
         parent, joints = self.body_names[parent_body], self._joints_of(body)
         place = pin.SE3(_rotation(model.body_quat[body]), np.array(model.body_pos[body]) - self._shift(parent_body))
         if not joints:
-            name = unused(f"{child}_{'held' if body == held else 'fixed'}", {*self.joint_names.values()})
+            name = make_unique(f"{child}_{'held' if body == held else 'fixed'}", {*self.joint_names.values()})
             return [Joint(name, "fixed", parent, child, place, np.array([1.0, 0.0, 0.0]), self._body_origin(body))], []
         made: list[Joint] = []
         links: list[Link] = []
@@ -279,7 +279,7 @@ class _Reader:
             last = step == len(steps) - 1
             origin = self._origin(self.hinges[k], "joint", self.joint_names[k])
             anchor = np.array(model.jnt_pos[k]) if self._turns(k) else reached
-            link = child if last else unused(f"{child}_{step + 1}", {*self.body_names.values()})
+            link = child if last else make_unique(f"{child}_{step + 1}", {*self.body_names.values()})
             anchor = self._shift(body) if last else anchor
             made.append(self._joint(k, name, axis, parent, link, place * pin.SE3(np.eye(3), anchor - reached), origin))
             if not last:
@@ -348,7 +348,7 @@ class _Reader:
         for k, element in sorted(self.equalities.items()):
             tag = tags.get(int(self.model.eq_type[k]), "flex")
             ends = "_".join(self._ends(k)) if self._is_loop(k) else str(k)
-            name = unused(element.name or f"{tag}_{ends}", self.taken)
+            name = make_unique(element.name or f"{tag}_{ends}", self.taken)
             origin = self._origin(element, tag, name)
             if not self.model.eq_active0[k]:
                 self.remarks.append(remark("note", origin, 'it is left out, as active="false" says', ""))

@@ -25,16 +25,16 @@ from .dialects import BALL, BUSHING, SPRING, bushing_remark, drake_loop, spring_
 from .elements import (
     ALONE,
     direction,
-    needed,
+    find_child,
+    make_unique,
+    need_child,
     numbers,
-    optional,
     origin_of,
     pose_and_rounding,
     refuse,
     refuse_unknown,
     refuse_unknown_attributes,
     remark,
-    unused,
 )
 from .mechanism import (
     TYPES_OF_LOOPS,
@@ -178,18 +178,18 @@ class _Reader:
         return named
 
     def _true(self, element: Element, tag: str) -> bool:
-        child = optional(self.file, element, tag)
+        child = find_child(self.file, element, tag)
         return child is not None and child.text.strip().lower() in ("1", "true")
 
     def _number(self, element: Element | None, tag: str, default: float) -> float:
-        child = None if element is None else optional(self.file, element, tag)
+        child = None if element is None else find_child(self.file, element, tag)
         return default if child is None else float(numbers(self.file, child, child.text, 1)[0])
 
     # --------------------------------------------------------------------------------------------------------------------------- places
 
     def _pose(self, element: Element) -> pin.SE3:
         """The pose of an element, in the frame to which it is relative."""
-        pose = optional(self.file, element, "pose")
+        pose = find_child(self.file, element, "pose")
         if pose is None:
             return pin.SE3.Identity()
         place, rounded = pose_and_rounding(self.file, pose)
@@ -246,7 +246,7 @@ class _Reader:
             if pose.get("relative_to"):
                 return pose.get("relative_to")
         if element.tag == "joint":
-            return needed(self.file, element, "child").text.strip()
+            return need_child(self.file, element, "child").text.strip()
         return element.get("attached_to") if element.tag == "frame" else _MODEL
 
     def _link_of(self, name: str, at: Element) -> str:
@@ -257,7 +257,7 @@ class _Reader:
             if name in self.frames:
                 name = self.frames[name].get("attached_to") or next(iter(self.links), WORLD)
             elif name in self.joints:
-                name = needed(self.file, self.joints[name], "child").text.strip()
+                name = need_child(self.file, self.joints[name], "child").text.strip()
         if name not in (WORLD, *self.links):
             refuse(self.file, at, f"no link {name!r}{suggestion(name, self.links)}", "name a <link> of this model")
         return name
@@ -314,7 +314,7 @@ class _Reader:
         free = [name for name in self.links if name not in children]
         first = free[0] if free else next(iter(self.links))
         place = self.model_place * self.place(first, self.links[first])
-        name = unused(f"{first}_held", {*self.joints})
+        name = make_unique(f"{first}_held", {*self.joints})
         held = Joint(name, "fixed", WORLD, first, place, np.array([1.0, 0.0, 0.0]), origin_of(self.links[first]))
         problem = f"no joint connects the model to the world: link {first!r} is held where it is drawn"
         self.remarks.append(remark("warning", self.links[first], problem, "write a fixed joint whose parent is world"))
@@ -332,7 +332,7 @@ class _Reader:
             }
             remedy = remedies.get(kind, f"write one of: {', '.join(types)}")
             refuse(self.file, element, f"joint type {kind!r} cannot be read{suggestion(kind, types)}", remedy)
-        parent, child = (needed(self.file, element, end) for end in ("parent", "child"))
+        parent, child = (need_child(self.file, element, end) for end in ("parent", "child"))
         ends = [self._link_of(end.text.strip(), end) for end in (parent, child)]
         if ends[0] == ends[1]:
             refuse(self.file, element, f"parent and child are the same link {ends[0]!r}", "write the two links that it connects")
@@ -347,9 +347,9 @@ class _Reader:
 
     def _axis(self, bearing: _Bearing, tag: str = "axis") -> Array:
         """(3,) axis of a joint in the model's frame."""
-        element = needed(self.file, bearing.element, tag)
+        element = need_child(self.file, bearing.element, tag)
         refuse_unknown(self.file, element, _KNOWN["axis"].split())
-        xyz = optional(self.file, element, "xyz")
+        xyz = find_child(self.file, element, "xyz")
         if xyz is None:
             return np.asarray(bearing.place.rotation[:, 2])
         axis = direction(self.file, xyz, xyz.text)
@@ -374,9 +374,9 @@ class _Reader:
             if turned_round:
                 axes = -axes[::-1]
             return self._chain(bearing, parent, child, place, axes)
-        element = needed(self.file, bearing.element, "axis")
+        element = need_child(self.file, bearing.element, "axis")
         axis = sign * (to_child @ self._axis(bearing))
-        dynamics, limit = optional(self.file, element, "dynamics"), optional(self.file, element, "limit")
+        dynamics, limit = find_child(self.file, element, "dynamics"), find_child(self.file, element, "limit")
         for part in (dynamics, limit):
             if part is not None:
                 refuse_unknown(self.file, part, _KNOWN[part.tag].split())
@@ -413,7 +413,7 @@ class _Reader:
     def _limit(self, limit: Element | None, tag: str, sign: float = 1.0) -> float:
         """A limit, infinite in the direction of ``sign`` if there is none: not written, infinite, or larger than all numbers that enter
         computations, as are the 1e16 of the format itself and the largest number of a computer, which some programs write."""
-        child = None if limit is None else optional(self.file, limit, tag)
+        child = None if limit is None else find_child(self.file, limit, tag)
         word = "" if child is None else child.text.strip()
         value = float(word) if NUMBER.fullmatch(word) or word.lower().lstrip("+-") == "inf" else 0.0
         return sign * math.inf if child is None or sign * value > LARGEST else self._number(limit, tag, 0.0)
@@ -423,7 +423,7 @@ class _Reader:
         origin, joints, links = origin_of(bearing.element), [], []
         for k, axis in enumerate(axes):
             last = k == len(axes) - 1
-            to = child if last else unused(f"{bearing.name}_{k + 1}", {*self.links})
+            to = child if last else make_unique(f"{bearing.name}_{k + 1}", {*self.links})
             joints.append(Joint(f"{bearing.name}_{'xyz'[k]}", "revolute", parent, to, place, axis, origin))
             if not last:
                 links.append(massless_link(to, origin))
@@ -441,7 +441,7 @@ class _Reader:
             refuse(self.file, bearing.element, problem, "close the loop at a revolute or ball joint")
         kind, place, axis = TYPES_OF_LOOPS[bearing.type], bearing.place, None
         if kind == "revolute":
-            element = needed(self.file, bearing.element, "axis")
+            element = need_child(self.file, bearing.element, "axis")
             for mimic in (*element.all("mimic"), *bearing.element.all("drake:mimic")):
                 refuse(self.file, mimic, "the joint closes a loop, and cannot follow another", "let another joint close the loop")
             axis = place.rotation.T @ self._axis(bearing)
@@ -457,14 +457,14 @@ class _Reader:
     def _mimic(self, bearing: _Bearing, axis: Element) -> Follow | None:
         """The gear pair of a joint: ``<mimic>`` of SDF 1.11, multiplier (leader - reference) + offset; or ``<drake:mimic joint multiplier
         offset>``."""
-        mimic = optional(self.file, axis, "mimic")
+        mimic = find_child(self.file, axis, "mimic")
         if mimic is not None:
             refuse_unknown(self.file, mimic, _KNOWN["mimic"].split())
             if mimic.get("axis") not in ("", "axis"):
                 refuse(self.file, mimic, "it follows a second axis", "let it follow a revolute or prismatic joint")
             multiplier, offset, reference = (self._number(mimic, name, 0.0) for name in ("multiplier", "offset", "reference"))
             return Follow(mimic.get("joint"), multiplier, offset - multiplier * reference, origin_of(mimic))
-        mimic = optional(self.file, bearing.element, "drake:mimic")
+        mimic = find_child(self.file, bearing.element, "drake:mimic")
         if mimic is None:
             return None
         texts = mimic.attributes.get("multiplier", "1"), mimic.attributes.get("offset", "0")
@@ -481,7 +481,7 @@ class _Reader:
         by_name = {joint.name: joint for joint in joints}
         for gearbox in geared.values():
             ratio = self._number(gearbox.element, "gearbox_ratio", 1.0)
-            body = needed(self.file, gearbox.element, "gearbox_reference_body")
+            body = need_child(self.file, gearbox.element, "gearbox_reference_body")
             reference = self._link_of(body.text.strip(), body)
             signs, names = [], []
             for link, tag in ((gearbox.parent, "axis"), (gearbox.child, "axis2")):
@@ -510,7 +510,7 @@ class _Reader:
         for gravity in element.all("gravity"):
             if gravity.text.strip().lower() in ("0", "false"):
                 refuse(self.file, gravity, "gravity acts on all links or none", "remove it; load(..., gravity=(0, 0, 0)) has none")
-        inertial = optional(self.file, element, "inertial")
+        inertial = find_child(self.file, element, "inertial")
         inertia = None if inertial is None else self._inertia(inertial, inside)
         shapes = [shape for visual in element.all("visual") for shape in self._shapes(visual, inside)]
         return Link(name, inertia, tuple(shapes), origin_of(element))
@@ -521,10 +521,10 @@ class _Reader:
             refuse(self.file, element, "inertia from collision shapes is not computed", "write <mass> and <inertia>")
         for added in element.all("fluid_added_mass"):
             refuse(self.file, added, "added mass of a fluid cannot be read", "remove it")
-        mass, moments = needed(self.file, element, "mass"), needed(self.file, element, "inertia")
+        mass, moments = need_child(self.file, element, "mass"), need_child(self.file, element, "inertia")
         refuse_unknown(self.file, moments, _KNOWN["inertia"].split())
         for name in ("ixx", "iyy", "izz"):
-            needed(self.file, moments, name)
+            need_child(self.file, moments, name)
         xx, xy, xz, yy, yz, zz = (self._number(moments, name, 0.0) for name in _KNOWN["inertia"].split())
         tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         for pose in element.all("pose"):
@@ -534,7 +534,7 @@ class _Reader:
         return Inertia(kilograms, inside * self._pose(element), tensor, origin_of(element))
 
     def _shapes(self, visual: Element, inside: pin.SE3) -> Iterator[Shape]:
-        geometry = optional(self.file, visual, "geometry")
+        geometry = find_child(self.file, visual, "geometry")
         for pose in visual.all("pose"):
             if pose.get("relative_to") or pose.get("frame"):
                 geometry = None
