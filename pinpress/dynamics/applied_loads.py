@@ -278,7 +278,7 @@ def _refuse_scenarios(name: str, interval: ForceInterval) -> None:
 def _in_time(load: TimeForce, motion: "Motion") -> Array:
     """The force (n,) of a load in time on the slide, along the guide's axis [N]."""
     load.force(motion.time[:1])  # refuses an array that does not depend on time, which may have as many values as the motion has states
-    return np.broadcast_to(load.force(motion.time), motion.time.shape)
+    return np.broadcast_to(numbers("TimeForce: force", load.force(motion.time), unit="N"), motion.time.shape)
 
 
 def point_force(load: PointForce, press: "Linkage", force: ArrayLike, states: int | None = None, *, warned: bool = False) -> AppliedForce:

@@ -88,21 +88,6 @@ class OneConfiguration:
                 row += count
         return result
 
-    def widest(self, gaps: Array) -> float:
-        """Largest gap of a loop or relation [m], where rotations are multiplied by the length of the linkage."""
-        count = 3 * len(self.loops)
-        of_points = np.linalg.norm(gaps[:count].reshape(-1, 3), axis=1).max(initial=0.0)
-        return float(max(of_points, np.abs(gaps[count:]).max(initial=0.0)))
-
-    def worst(self, gaps: Array) -> int:
-        """Index of the loop or relation with the largest gap; relations are counted after the loops."""
-        sizes = [float(np.linalg.norm(gaps[3 * k : 3 * k + 3])) for k in range(len(self.loops))]
-        row = 3 * len(self.loops)
-        for k, loop in enumerate(self.loops):
-            sizes[k] = max(sizes[k], float(np.abs(gaps[row : row + loop.held_rotations]).max(initial=0.0)))
-            row += loop.held_rotations
-        return int(np.argmax(sizes + list(np.abs(gaps[row:]))))
-
     def _fill_rotation_rows(self, gaps: Array, columns: Array) -> list[Array]:
         """Fill in the rows of the rotations that bearings prevent, and return their world axes."""
         turning, row, directions = self.data.J.reshape(6, -1)[3:], 3 * len(self.loops), []
@@ -133,9 +118,9 @@ class OneConfiguration:
         return rotation @ self.data.v[joint].angular, rotation @ self.data.a[joint].angular
 
 
-def cross(a3: Array, b3: Array) -> Array:
+def cross(first: Array, second: Array) -> Array:
     """The vector product of two vectors (3,); `numpy.cross` takes ten times as long for so few numbers."""
-    (a, b, c), (x, y, z) = a3.tolist(), b3.tolist()
+    (a, b, c), (x, y, z) = first.tolist(), second.tolist()
     return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 

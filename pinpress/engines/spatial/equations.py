@@ -281,12 +281,6 @@ def _logarithm(rotations: Array) -> Array:
     return vectors
 
 
-def gaps(loops: Loops, position: Array) -> Array:
-    """See `Engine.gaps`."""
-    pieces = (position[:, k : k + loops.piece] for k in range(0, position.shape[1], loops.piece))
-    return np.concatenate([np.zeros(0), *(equations(loops, piece).widest() for piece in pieces)])
-
-
 def drift(loops: Loops, state: Equations, axes: Array, v: Array) -> Array:
     """Second derivative (rows, n) of the gaps at joint rates (nv, n) and no joint acceleration; ``axes``: of `motion_axes`."""
     structure, count = loops.structure, len(loops.structure.loops)
@@ -350,3 +344,9 @@ def _drift(loops: Loops, state: Equations, v: Array) -> Array:
 
 
 AT_ONCE = Kinematics(equations, _drift, in_blocks=True)
+
+
+def gaps(loops: Loops, position: Array, by: Kinematics) -> Array:
+    """See `Engine.gaps`."""
+    pieces = (position[:, k : k + loops.piece] for k in range(0, position.shape[1], loops.piece))
+    return np.concatenate([np.zeros(0), *(by.equations(loops, piece).widest() for piece in pieces)])
