@@ -6,9 +6,9 @@ const CONFIG = {  // nothing that would send a chart anywhere
   responsive: true, displaylogo: false, modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]],
 };
 const LAYOUT = {  // a finger on a chart scrolls the page
-  font: FONT, showlegend: false, paper_bgcolor: "#fff", plot_bgcolor: "#fff", dragmode: matchMedia("(hover: none)").matches ? false : "zoom",
+  font: FONT, separators: ".\u202f", showlegend: false, paper_bgcolor: "#fff", plot_bgcolor: "#fff", dragmode: matchMedia("(hover: none)").matches ? false : "zoom",
 };
-const AXIS = { gridcolor: "#e9edf0", zerolinecolor: "#b9c3cc", linecolor: "#b9c3cc", ticks: "outside", ticklen: 4, tickcolor: "#b9c3cc", automargin: true };
+const AXIS = { gridcolor: "#e9edf0", zerolinecolor: "#b9c3cc", linecolor: "#b9c3cc", ticks: "outside", ticklen: 4, tickcolor: "#b9c3cc", automargin: true, exponentformat: "none", separatethousands: true };
 const over = !report.over ? null : report.over.unit === "s" ? data.time : data.crank;  // null: nothing moves on this page
 const overBefore = report.before && floats(report.before);
 const heights = report.heights && floats(report.heights);
@@ -68,7 +68,8 @@ const largestOf = values => values.reduce((largest, value) => Math.max(largest, 
 
 function legend(parent, plot, curves) {  // a button a curve, which hides it, with its present value
   const list = make("ul", parent, { className: "legend" });
-  return curves.map(({ name, colour, traces, dash }) => {
+  return curves.map(({ name, colour, traces, dash, pale }) => {
+    if (pale) return document.createElement("output");  // helps for the eye have no names beside the chart
     const button = make("button", make("li", list), { type: "button", title: name, ariaPressed: "true" }), swatch = make("i", button);
     swatch.style.background = colour;
     if (dash) swatch.style.maskImage = "repeating-linear-gradient(90deg, #000 0 4px, #0000 4px 6px)";
@@ -94,10 +95,11 @@ function lineChart(parent, chart) {
   const unpacked = chart.curves.map(curve => ({ ...curve, x: curve.x ? floats(curve.x) : over, y: floats(curve.y), atFrames: curve.at_frames && floats(curve.at_frames) }));
   const largest = Math.max(...unpacked.map(({ y }) => largestOf(y)));
   const curves = unpacked.map((curve, i) => {
-    const colour = COLOURS[i % COLOURS.length], mine = [traces.length], name = asText(brief(curve.name));
+    const pale = curve.look === "pale", place = unpacked.slice(0, i).filter(({ look }) => look !== "pale").length;
+    const colour = pale ? "#b9c3cc" : COLOURS[place % COLOURS.length], mine = [traces.length], name = asText(brief(curve.name));
     const line = { mode: curve.points ? "markers" : chart.logarithmic === "xy" ? "lines+markers" : MODE, hovertemplate: `%{y:.5g} ${chart.unit}` };
     if (chart.stacked) Object.assign(line, { stackgroup: "all", fillcolor: colour + "aa" });
-    traces.push({ ...line, x: curve.x, y: curve.y, name, line: look(curve, colour, i), marker: { color: colour, size: 6 } });
+    traces.push({ ...line, x: curve.x, y: curve.y, name, line: look(curve, colour, place), marker: { color: colour, size: 6 } });
     if (curve.band) {  // its lower end, and its upper one with the room between
       const end = { ...line, mode: "lines", x: curve.x, hoverinfo: "skip", hovertemplate: null, line: { width: 0 }, name };
       mine.push(traces.length, traces.length + 1);
@@ -107,7 +109,7 @@ function lineChart(parent, chart) {
       mine.push(traces.length);
       traces.push({ ...line, x: overBefore, y: floats(curve.before), name: name + ", before", opacity: 0.65, line: { color: colour, width: 1.4, dash: "dash", simplify: false } });
     }
-    return { name: curve.name, colour, traces: mine, dash: curve.look === "dotted" || dashOf(i) };
+    return { name: curve.name, colour, traces: mine, dash: curve.look === "dotted" || curve.look === "limit" || dashOf(place), pale };
   });
   const yaxis = { ...AXIS, rangemode: chart.follows === "height" || chart.stacked ? "tozero" : "normal" };
   if (chart.square) Object.assign(yaxis, { scaleanchor: "x", scaleratio: 1 });
