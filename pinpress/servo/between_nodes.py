@@ -1,7 +1,7 @@
-"""A best motion between the nodes of its program, by full inverse dynamics: by how much it exceeds its limits there.
+"""By how much a best motion exceeds its limits between the nodes of its program, by full inverse dynamics.
 
-The program limits the mean torque of a segment, which is exact by the kinetic energies at its ends. Its acceleration is constant within the
-segment, but inertia and loads are not, so that the torque at an instant may be above its mean.
+The program limits the mean torque of a segment, which the kinetic energies at the segment's ends give exactly. The acceleration is constant
+within a segment. Inertia and loads are not constant there, so the torque at an instant may be larger than the mean torque.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from .conic.torque_curve import tangents_at_states
 from .limits import Limit
 from .motion import ServoMotion, evaluated, largest_size
 
-INSIDE = 1e-7  # distance of the states at a segment's ends from its nodes, as a share: loads may jump there
+INSIDE = 1e-7  # share of a segment by which its first and last states are moved inwards, because loads may jump at nodes
 LOBATTO = np.array([0.0, 0.5 - 0.1 * 5**0.5, 0.5 + 0.1 * 5**0.5, 1.0]), np.array([1.0, 5.0, 5.0, 1.0]) / 12.0
-NEAR = 0.95  # share of a limit from which on it is looked at between nodes
-SLOW = 1e-3  # share of the top speed below which the power is no limit
+NEAR = 0.95  # share of a limit above which the limit is checked between nodes too
+SLOW = 1e-3  # share of the top speed below which the power does not limit the motion
 
 
 class FullMotion(NamedTuple):
     """A motion by full inverse dynamics.
 
     Attributes:
-        motion: in states within all segments and at rests.
-        reactions: its reactions.
-        time: (N + 1,) times at which the nodes are passed, or left after a rest [s].
-        segment: segment of each state; -1 at rests.
+        motion: the motion, with states within all segments and at rests.
+        reactions: the reactions of the motion.
+        time: (N + 1,) times at which the crank passes the nodes, or leaves them after a rest [s].
+        segment: index of the segment of each state; -1 at rests.
     """
 
     motion: ServoMotion
@@ -46,21 +46,21 @@ class FullMotion(NamedTuple):
 
 
 class Excess(NamedTuple):
-    """By how much the torque and the power of a motion are above the drive's limits at an instant.
+    """By how much the torque and the power of a motion exceed the drive's limits.
 
     Attributes:
-        share: the largest excess, as a share of its limit.
-        torque: (N,) whether the torque of a segment comes near its limit.
-        power: (N,) whether its power does.
+        share: the largest excess at an instant, as a share of the limit.
+        torque: (N,) whether the torque comes near its limit in the segment.
+        power: (N,) whether the power comes near its limit in the segment.
     """
 
     share: float
     torque: NDArray[np.bool_]
     power: NDArray[np.bool_]
 
-    def with_those_of(self, other: Excess) -> Excess:
-        """The segments of both."""
-        return Excess(self.share, self.torque | other.torque, self.power | other.power)
+    def join_segments(self, earlier: Excess) -> Excess:
+        """This excess, with the segments of an earlier one added."""
+        return Excess(self.share, self.torque | earlier.torque, self.power | earlier.power)
 
 
 def excess_of(problem: MotionProblem, full: FullMotion) -> Excess:
@@ -79,13 +79,13 @@ def excess_of(problem: MotionProblem, full: FullMotion) -> Excess:
 def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen: Excess) -> list[Bounded]:
     """Limits of the torque and the power at the states within segments, as tangents at a motion.
 
-    The torque at a place of a segment is linear in b at its ends; the power over the speed, which is convex in b, is above its tangent.
+    The torque within a segment is linear in b at the segment's ends. The limit power / speed is convex in b, so its tangent is below it.
 
     Args:
         problem: the problem.
-        full: the motion.
-        b: (N + 1,) as of `full_motion`.
-        chosen: segments that are limited.
+        full: the motion at which the tangents touch.
+        b: (N + 1,) squares of the crank's speed at the nodes [rad2/s2].
+        chosen: the segments to limit.
     """
     grid, drive, motion = problem.coefficients.grid, problem.drive, full.motion
     found = []
@@ -98,7 +98,7 @@ def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen:
         at = full.segment[states]
         share = (motion.angle[states] - grid.angle[at]) / grid.step[at]
         before, after, fixed = problem.torque_at(share, at)[:3]
-        # what coefficients between their places leave over grows with b too, but near rests
+        # the error of coefficients between the inner places also grows with b, except near rests
         left = motion.torque[states] - before * b[at] - after * b[at + 1] - fixed
         square = motion.speed[states] ** 2
         fast = square > SLOW * square.max()
@@ -155,7 +155,7 @@ def full_motion(press: Linkage, loads: Sequence[Load], friction: Mapping[str, Fr
     segment = np.repeat(np.arange(len(durations)), len(nodes))
     for k in np.flatnonzero(rests)[::-1]:
         at, ends = (k + 1) * len(nodes), np.array([start[k] + durations[k], start[k + 1]])
-        # a pause that the path does not ask for is one of the brake
+        # a brake holds the press in a pause that the path does not ask for
         held = 0.5 * grid.legs.dwells[grid.leg[k]]
         rest = (ends, np.full(2, held), np.full(2, grid.angle[k + 1]), np.zeros(2), np.zeros(2))
         parts = [np.concatenate([part[:at], more, part[at:]]) for part, more in zip(parts, rest, strict=True)]
@@ -173,10 +173,10 @@ def largest_excess(problem: MotionProblem, limits: Sequence[Limit], time: float 
 
     Args:
         problem: the problem.
-        limits: the limits beside those of the drive.
-        time: the time of a cycle that was asked for, or None [s].
+        limits: the limits in addition to those of the drive.
+        time: the user's time of a cycle, or None [s].
         full: the motion.
-        b: (N + 1,) as of `full_motion`.
+        b: (N + 1,) squares of the crank's speed at the nodes [rad2/s2].
     """
     motion, reactions, cost = full.motion, full.reactions, figures(problem, b)
     drive, found = problem.drive, [0.0]

@@ -1,4 +1,4 @@
-"""Motions of a servo press beside one another: what each asks of the drive, and which limits it breaks."""
+"""Comparison of motions of a servo press: what each motion needs from the drive, and which limits it breaks."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from .limits import (
 )
 from .motion import ServoMotion, largest_size
 
-KEPT = 1e-3  # share by which a limit may be exceeded and still count as kept: by less the best motions do between their nodes
-NOT_SEEN = BearingForce, TorqueRate  # limits of what the states of a motion do not tell
+KEPT = 1e-3  # share by which a motion may exceed a limit that it keeps: best motions exceed theirs by less between nodes
+NOT_SEEN = BearingForce, TorqueRate  # limits that the states of a motion do not suffice to check
 UNITS = {
     "rms_torque": "N m",
     "peak_torque": "N m",
@@ -41,18 +41,18 @@ UNITS = {
 
 @dataclass(frozen=True, repr=False)
 class ComparedMotion(Record, units=UNITS):
-    """A motion beside others.
+    """One motion of a comparison.
 
     Attributes:
         name: name of the motion.
-        rms_torque: root mean square of the motor's torque at its own shaft [N m].
-        peak_torque: largest of the motor [N m].
-        top_speed: largest of the motor [rad/s].
+        rms_torque: rms torque of the motor, at the motor's shaft [N m].
+        peak_torque: largest torque of the motor, at the motor's shaft [N m].
+        top_speed: largest speed of the motor [rad/s].
         peak_power: largest mechanical power [W].
         energy_drawn: energy drawn from the mains in a cycle [J].
         cycle: time of a cycle [s].
-        more_than_least: rms torque beyond the least of all motions that break no limit, as a share of that [-]; None where there is none.
-        breaks: limits that it breaks, with what it comes to; empty for none.
+        more_than_least: rms torque / least rms torque of the motions that keep all limits, less 1 [-]; None if no motion keeps all limits.
+        breaks: the limits that the motion breaks, with the motion's values; empty if it keeps all limits.
     """
 
     name: str
@@ -68,12 +68,12 @@ class ComparedMotion(Record, units=UNITS):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionComparison(Tabular):
-    """Motions of one press beside one another.
+    """Comparison of motions of one press.
 
     Attributes:
-        motions: the motions, by their names.
-        limits: limits that they ought to keep, beside those of each one's drive.
-        rows: what each asks of its drive, and which limits it breaks.
+        motions: name of a motion -> the motion.
+        limits: limits that the motions should keep, in addition to those of their drives.
+        rows: what each motion needs from its drive, and which limits it breaks.
     """
 
     motions: Mapping[str, ServoMotion]
@@ -105,21 +105,22 @@ class MotionComparison(Tabular):
 
 @typed
 def compare_motions(motions: Mapping[str, ServoMotion], limits: Sequence[Limit] = ()) -> MotionComparison:
-    """Compare motions of one press: how much a better one saves.
+    """Compare motions of one press: how much a better motion saves.
 
     Args:
-        motions: the motions, by their names; for instance that of `best_motion` and those of `ready_motions`.
-        limits: limits that they ought to keep, beside those of each one's drive. Those of bearing forces and of the rate of torque are not
-            looked at, and named so in the printed comparison.
+        motions: name of a motion -> the motion; for instance the motion of `best_motion` and the motions of `ready_motions`.
+        limits: limits that the motions should keep, in addition to those of their drives. Limits of bearing forces and of the rate of
+            torque are not checked; the printed comparison lists them.
 
     Raises:
-        PinpressError: there is no motion, something is none, they are of several presses, or `RmsTorque` names no torque, nor a drive.
+        PinpressError: there is no motion, a value is not a `ServoMotion`, the motions belong to several presses, or neither `RmsTorque` nor
+            the drive gives a torque.
     """
     if not motions or not all(isinstance(each, ServoMotion) for each in motions.values()):
-        raise PinpressError("there is nothing to compare: give motions under their names, {'least heat': best.motion, ...}")
+        raise PinpressError("motions has no motions to compare: give them with their names, {'least heat': best.motion, ...}")
     first = next(iter(motions.values()))._press
     if not all(is_same_press(each._press, first) for each in motions.values()):
-        raise PinpressError("the motions are of several presses: compare those of one")
+        raise PinpressError("the motions belong to several presses: compare motions of one press")
     wanted = checked(limits)
     broken = {name: _broken(each, wanted) for name, each in motions.items()}
     keeping = [each.rms_motor_torque for name, each in motions.items() if not broken[name]]
@@ -142,7 +143,7 @@ def compare_motions(motions: Mapping[str, ServoMotion], limits: Sequence[Limit] 
 
 
 def _broken(motion: ServoMotion, limits: Sequence[Limit]) -> list[str]:
-    """The limits that a motion breaks, in words."""
+    """The limits that a motion breaks, as text."""
     drive, found = motion.drive, []
     of_drive = (
         ("peak torque", motion.peak_motor_torque, None if drive.curve_torque else drive.peak_torque, "N m"),
@@ -173,10 +174,10 @@ def _broken(motion: ServoMotion, limits: Sequence[Limit]) -> list[str]:
 
 
 def _size(motion: ServoMotion, limit: StateLimit | RmsTorque) -> tuple[float, float]:
-    """The largest value of what is limited, and the limit."""
+    """The largest value of the limited quantity, and its limit."""
     if isinstance(limit, RmsTorque):
         most = motion.drive.rated_torque if limit.torque is None else limit.torque
         if most is None:
-            raise PinpressError("RmsTorque has no torque, and a motion's drive no rated_torque: give RmsTorque(torque)")
+            raise PinpressError("RmsTorque has no torque, and the drive of a motion has no rated_torque: give RmsTorque(torque)")
         return motion.rms_motor_torque, most
     return largest_size(motion, limit)

@@ -1,4 +1,4 @@
-"""Tables by which the controller of a servo press follows a motion: the crank's angle, or the slide's height, in equal steps of time."""
+"""Tables for the controller of a servo press: the crank's angle, or the slide's height, in equal steps of time."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from .motion import MOST_STATES, ServoMotion
 
-SAME = 1e-9  # share of the cycle by which states of one instant may differ
+SAME = 1e-9  # share of the cycle: states that are closer in time count as one instant
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,8 +24,8 @@ class MotionTable(Tabular):
     Attributes:
         press_name: name of the press.
         of: "angle" or "height".
-        time: (n,) [s].
-        values: (n,) crank angle [deg], counted on over the cycle, or height of the slide above bottom dead centre [mm].
+        time: (n,) times [s].
+        values: (n,) unwrapped crank angles [deg], or heights of the slide above bottom dead centre [mm].
     """
 
     press_name: str
@@ -48,8 +48,8 @@ class MotionTable(Tabular):
 def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e-3) -> MotionTable:
     """A motion as a table for a controller.
 
-    Between the motion's states the angle is the cubic that has their angles and speeds, exact for constant acceleration; the height is one
-    with the slide's heights and speeds.
+    A cubic connects two states of the motion. It has the angles and speeds of both states, and is exact for a constant acceleration. For
+    heights it has the slide's heights and speeds.
 
     Args:
         motion: the motion.
@@ -57,7 +57,7 @@ def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e
         step: time between two rows; the last step may be shorter [s].
 
     Raises:
-        PinpressError: ``of`` is neither, or there are more than a million rows.
+        PinpressError: ``of`` is neither "angle" nor "height", or the table would have more than a million rows.
     """
     expect("motion", motion, ServoMotion, "servo.evaluate or best_motion")
     if not isinstance(of, str) or of not in ("angle", "height"):
@@ -65,7 +65,7 @@ def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e
     width = positive("step", step, "s")
     count = math.ceil(motion.duration / width * (1 - SAME))
     if not count < MOST_STATES:
-        raise PinpressError(f"step is {width:g} s, which makes {count} rows of {motion.duration:g} s: give a longer step")
+        raise PinpressError(f"step is {width:g} s: a cycle of {motion.duration:g} s would have {count} rows; give a longer step")
     from scipy.interpolate import CubicHermiteSpline  # to save start-up time
 
     kept = np.append(np.diff(motion.time) > SAME * motion.duration, True)
@@ -78,4 +78,4 @@ def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e
     if time[-1] > end * (1 + SAME):
         time[-1] = end
     found = CubicHermiteSpline(motion.time[kept] - start, values[kept], rates[kept])(np.minimum(time, end))
-    return MotionTable(motion.press_name, of, time, scale * found)  # type: ignore[arg-type]  # one of the two, as was seen
+    return MotionTable(motion.press_name, of, time, scale * found)  # type: ignore[arg-type]  # checked above

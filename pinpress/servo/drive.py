@@ -1,4 +1,4 @@
-"""A servo motor and its gear, by the numbers of a catalogue."""
+"""A servo motor and its gear, described by the numbers of a catalogue."""
 
 from __future__ import annotations
 
@@ -17,29 +17,28 @@ from ..common.quantities import Array
 class ServoDrive(Checked):
     """A servo motor that drives the crank through a gear.
 
-    All quantities are those of the motor's own shaft, but ``gear_inertia``. The motor turns ``ratio`` times as fast as the crank, so that
-    its torque counts ``ratio`` times at the crank and its inertia ``ratio``² times. It gives and brakes alike. The gear loses nothing; a
-    gear that does is described by its drag, ``viscous``, or by friction of bearings.
+    All quantities refer to the motor's shaft, except ``gear_inertia``. The motor turns ``ratio`` times as fast as the crank. At the crank
+    the motor's torque counts ``ratio`` times, and its inertia ``ratio``² times. The limits are the same for driving and braking. The gear
+    has no losses. Describe the losses of a real gear by its drag ``viscous``, or by friction of bearings.
 
     Attributes:
-        inertia: of the rotor, with the brake and the pinion on its shaft [kg m2].
-        ratio: speed of the motor by speed of the crank.
+        inertia: inertia of the rotor, with the brake and the pinion on its shaft [kg m2].
+        ratio: speed of the motor / speed of the crank [-].
         peak_torque: largest torque of the motor [N m]; None: no limit.
-        rated_torque: permanent torque of the motor, which the root mean square must not exceed (S1) [N m]; None: not known. It limits a
-            motion only where that is asked for.
+        rated_torque: permanent torque of the motor (duty S1), a limit of the rms torque only with `RmsTorque` [N m]; None: not known.
         top_speed: highest speed of the motor [rad/s]; None: no limit.
-        curve_speed: rising speeds of the motor from 0 to the highest, at which ``curve_torque`` is given [rad/s]; None: no curve.
-        curve_torque: largest torque at these speeds, straight between them, never rising: voltage and field weakening leave less of it at
-            high speeds [N m]; None: ``peak_torque`` at all speeds. Without these, ``peak_torque`` and ``top_speed`` are those of the curve.
+        curve_speed: rising speeds of the motor from 0 to the highest, the points of ``curve_torque`` [rad/s]; None: no curve.
+        curve_torque: largest torques at these speeds, linear between them, never rising [N m]; None: ``peak_torque`` at all speeds. If
+            ``peak_torque`` or ``top_speed`` is None, it follows from the curve.
         power: largest mechanical power of the motor, in driving and in braking [W]; None: no limit.
-        copper: heat in the windings by the torque's square, R / kt² [W/(N m)²].
-        iron: loss in the iron by the speed's square, drawn as power and not as torque [W s2/rad2].
-        viscous: drag torque on the shaft by its speed [N m s/rad].
-        regeneration: share of the energy given back in braking that is used again, 0 to 1.
-        gear_inertia: of gears and all else that turns with the crank and is not in the press's file, at the crank [kg m2].
+        copper: heat in the windings / torque², R / kt² [W/(N m)²].
+        iron: loss in the iron / speed², an electrical power without a drag torque [W s2/rad2].
+        viscous: drag torque on the motor's shaft / speed of the shaft [N m s/rad].
+        regeneration: share of the energy given back in braking that is used again, 0 to 1 [-].
+        gear_inertia: inertia at the crank of gears and other parts that turn with it and are not in the press's file [kg m2].
 
     Raises:
-        PinpressError: a number is not as described, or nothing has inertia.
+        PinpressError: a number is not as described, or both inertias are 0.
     """
 
     inertia: float = field(metadata=parameter("kg m2", "not negative"))
@@ -62,7 +61,7 @@ class ServoDrive(Checked):
             raise PinpressError(f"ServoDrive: regeneration is {self.regeneration:g}; give a share from 0 to 1")
         if not self.inertia + self.gear_inertia > 0:
             raise PinpressError(
-                "ServoDrive: inertia is 0; give the rotor's, at the motor's shaft [kg m2]: without it the speed could change at once"
+                "ServoDrive: inertia is 0, so the speed could jump: give the inertia of the rotor at the motor's shaft [kg m2]"
             )
         if self.curve_speed is not None or self.curve_torque is not None:
             self._check_curve()
@@ -75,8 +74,8 @@ class ServoDrive(Checked):
         speed, torque = np.asarray(self.curve_speed), np.asarray(self.curve_torque)
         if len(speed) < 2 or speed[0] != 0 or not np.all(np.diff(speed) > 0) or not np.all(np.diff(torque) <= 0):
             raise PinpressError(
-                "ServoDrive: give two or more speeds in curve_speed that rise from 0 to the highest [rad/s], and in curve_torque torques"
-                " that do not rise [N m]"
+                "ServoDrive: the curve is not valid: give two or more speeds in curve_speed, rising from 0 [rad/s], and torques in"
+                " curve_torque that do not rise [N m]"
             )
         set_field(self, "curve_speed", tuple(speed.tolist()))
         set_field(self, "curve_torque", tuple(torque.tolist()))
@@ -84,7 +83,8 @@ class ServoDrive(Checked):
         set_field(self, "top_speed", float(speed[-1]) if self.top_speed is None else self.top_speed)
         if self.top_speed is not None and self.top_speed > speed[-1]:
             raise PinpressError(
-                f"ServoDrive: top_speed is {self.top_speed:g} rad/s, above the last of curve_speed, {speed[-1]:g}: carry the curve on to it"
+                f"ServoDrive: top_speed is {self.top_speed:g} rad/s, above the last of curve_speed, {speed[-1]:g}: extend the curve to"
+                " top_speed"
             )
 
     @property
@@ -93,7 +93,10 @@ class ServoDrive(Checked):
         return self.ratio**2 * self.inertia + self.gear_inertia
 
     def peak_torque_at(self, speed: float | Array) -> Array:
-        """Largest torque of the motor at its speeds of any shape [rad/s], both ways; infinite where nothing limits it [N m]."""
+        """Largest torque of the motor [N m] at speeds of the motor [rad/s]; infinite without a limit.
+
+        The speeds may have any shape and sign.
+        """
         size = np.abs(speed)
         most = np.full(np.shape(size), np.inf if self.peak_torque is None else self.peak_torque)
         if self.curve_speed is None or self.curve_torque is None:
@@ -102,5 +105,5 @@ class ServoDrive(Checked):
 
     @property
     def crank_drag(self) -> float:
-        """Drag torque at the crank by the crank's speed, ratio² viscous [N m s/rad]."""
+        """Drag torque at the crank / speed of the crank, ratio² viscous [N m s/rad]."""
         return self.ratio**2 * self.viscous

@@ -15,19 +15,12 @@ from ..common.errors import UnknownNameError
 from ..common.quantities import Array
 from ..common.results import Record
 
-GAUSS = 24  # points for the integral of a squared acceleration over a piece: exact for the polynomials, to rounding for the sines
+GAUSS = 24  # points for the integral of a squared acceleration over a piece: exact for polynomials, and for sines within rounding error
 
 
 @dataclass(frozen=True)
 class _Piece:
-    """Acceleration over a part of the time, as a share of the largest: a polynomial or a sine of the time since its start.
-
-    Attributes:
-        duration: Its part of the time.
-        polynomial: Coefficients, the constant first; none for a sine.
-        frequency: Angular frequency of the sine; 0 for a polynomial.
-        phase: Phase of the sine at the start [rad].
-    """
+    """Acceleration over a part of the time, as a share of the largest: a polynomial or a sine of the time since the start of the part."""
 
     duration: float
     polynomial: tuple[float, ...] = (0.0,)
@@ -35,7 +28,7 @@ class _Piece:
     phase: float = 0.0
 
     def gains(self, time: Array) -> tuple[Array, Array, Array]:
-        """What position, from rest, and speed gain up to times since the start, and the acceleration there."""
+        """Gains of position (from rest) and speed since the start of the piece, and the acceleration, at times since that start."""
         if not self.frequency:
             polynomial = np.polynomial.Polynomial(self.polynomial)
             return polynomial.integ(2)(time), polynomial.integ()(time), polynomial(time)
@@ -46,15 +39,16 @@ class _Piece:
 
 @dataclass(frozen=True, repr=False)
 class MotionLaw(Record):
-    """A motion from rest to rest over a stroke of 1 in a time of 1, symmetric about its middle. Over a stroke L in a time T speeds are L/T
-    times, accelerations L/T^2 times as large.
+    """A motion from rest to rest over a stroke of 1 in a time of 1, symmetric about its middle.
+
+    Over a stroke L in a time T, speeds are larger by the factor L/T, and accelerations by the factor L/T^2.
 
     Attributes:
-        name: Its name in VDI 2143.
-        peak_speed: Largest speed, the coefficient Cv [-].
-        peak_acceleration: Largest acceleration, the coefficient Ca [-].
-        heat: Integral of the squared acceleration over the time [-]. A motor turns a constant inertia J by an angle L in a time T with a
-            heat, the integral of its squared torque, of this times J^2 L^2/T^3 [N2 m2 s]. No motion has less than 12, that of the cubic.
+        name: name of the law in VDI 2143.
+        peak_speed: largest speed, the coefficient Cv [-].
+        peak_acceleration: largest acceleration, the coefficient Ca [-].
+        heat: integral of the squared acceleration over the time [-]. A motor that turns an inertia J by an angle L in a time T has the
+            integral of squared torque heat J^2 L^2/T^3 [N2 m2 s]. The least heat of all motions is 12, that of the cubic.
     """
 
     name: str
@@ -64,21 +58,23 @@ class MotionLaw(Record):
     _first_half: tuple[_Piece, ...] = field(repr=False)
 
     def position(self, time: ArrayLike) -> Array:
-        """Position at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for others."""
+        """Position at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for times outside."""
         return self._values(time)[0]
 
     def speed(self, time: ArrayLike) -> Array:
-        """Speed at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for others."""
+        """Speed at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for times outside."""
         return self._values(time)[1]
 
     def acceleration(self, time: ArrayLike) -> Array:
-        """Acceleration at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for others. Where it jumps it is that before
-        the jump, at 0 and in the second half that behind it."""
+        """Acceleration at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for times outside.
+
+        At a jump in the first half this is the value before the jump. At time 0 and in the second half it is the value after the jump.
+        """
         return self._values(time)[2]
 
     @property
     def corners(self) -> tuple[float, ...]:
-        """Times between 0 and 1 at which one formula of the acceleration takes over from another [-]."""
+        """Times between 0 and 1 at which the formula of the acceleration changes [-]."""
         first = np.cumsum([piece.duration for piece in self._first_half]).tolist()
         return (*first, *(1.0 - time for time in reversed(first[:-1])))
 
@@ -91,22 +87,22 @@ class MotionLaw(Record):
 
 
 def vdi_law(name: str) -> MotionLaw:
-    """A motion law of VDI 2143, by its name.
+    """The motion law of VDI 2143 with a name.
 
     | name | Cv | Ca | heat | acceleration |
     |---|---|---|---|---|
     | cubic | 1.5 | 6 | 12 | falls evenly; it jumps at both ends |
-    | trapezoid | 1.5 | 4.5 | 13.5 | constant, none and constant, a third of the time each |
-    | modified sine | 1.760 | 5.528 | 15.28 | sines, three times as slow between the eighths at both ends |
+    | trapezoid | 1.5 | 4.5 | 13.5 | constant, zero, constant: each for a third of the time |
+    | modified sine | 1.760 | 5.528 | 15.28 | sines; between the first and the last eighth of the time the frequency is a third |
     | 3-4-5 | 1.875 | 5.774 | 17.14 | a polynomial, without a jump |
     | modified trapezoid | 2 | 4.888 | 17.92 | a trapezoid rounded by sines |
     | Bestehorn | 2 | 6.283 | 19.74 | a sine: the motion is a cycloid |
 
     Args:
-        name: One of the names.
+        name: one of these names.
 
     Raises:
-        UnknownNameError: There is no such law.
+        UnknownNameError: no law has this name.
     """
     if not isinstance(name, str) or name not in _ACCELERATIONS:
         raise UnknownNameError("motion law", name, _ACCELERATIONS)
@@ -124,12 +120,12 @@ def _law(name: str) -> MotionLaw:
 
 
 def _half(pieces: tuple[_Piece, ...], time: Array) -> tuple[Array, Array, Array]:
-    """Position, speed and acceleration at times from 0 to 0.5, where the largest acceleration is 1."""
+    """Position, speed and acceleration at times from 0 to 0.5, for a largest acceleration of 1."""
     position, speed, acceleration = (np.zeros_like(time) for _ in range(3))
     for piece, start in zip(pieces, np.cumsum([0.0, *(each.duration for each in pieces[:-1])]), strict=True):
         since = np.clip(time - start, 0.0, piece.duration)
         moved, gained, now = piece.gains(since)
-        # a piece that has ended goes on at the speed that it left
+        # after the end of a piece, its gain of speed remains
         position += moved + gained * np.maximum(time - start - since, 0.0)
         speed += gained
         acceleration = np.where((time > start) | (start == 0.0), now, acceleration)
@@ -149,4 +145,4 @@ _ACCELERATIONS: Mapping[str, tuple[_Piece, ...]] = {  # in the first half of the
     ),
     "Bestehorn": (_Piece(1 / 2, frequency=2 * math.pi),),
 }
-VDI_LAWS = tuple(_ACCELERATIONS)  # their names
+VDI_LAWS = tuple(_ACCELERATIONS)

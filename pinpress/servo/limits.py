@@ -1,4 +1,4 @@
-"""Limits that a motion of a servo press must keep, beside those of the drive itself."""
+"""Limits that a motion of a servo press must keep, in addition to those of the drive."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ..common.quantities import Array
 
 @dataclass(frozen=True)
 class SlideSpeed(Checked):
-    """The slide is at most so fast between two heights: drawing speed, speed of impact.
+    """Largest speed of the slide between two heights: a drawing speed, or the speed of impact.
 
     Attributes:
         speed: largest speed of the slide [m/s].
-        heights: two heights above bottom dead centre, in either order, between which it holds [m]; None: everywhere.
-        flank: "down": while the slide goes down; "up"; or "both".
-        constant: whether the slide is exactly so fast there. Its heights must then lie within the stroke, away from the dead centres.
+        heights: two heights above bottom dead centre, in either order, between which the limit holds [m]; None: everywhere.
+        flank: "down": while the slide goes down; "up": while it goes up; or "both".
+        constant: whether the slide has exactly this speed there. The heights must then lie within the stroke, away from dead centres.
     """
 
     speed: float = field(metadata=parameter("m/s", "positive"))
@@ -36,17 +36,17 @@ class SlideSpeed(Checked):
         truth_value("SlideSpeed: constant", self.constant)
         plausibility.slide_speed("SlideSpeed: speed", self.speed)
         if self.constant and self.heights is None:
-            raise PinpressError("SlideSpeed: constant is True, but a slide turns back: give heights=(upper, lower) between which it holds")
+            raise PinpressError("SlideSpeed: constant is True, but the slide turns back at dead centres: give heights=(upper, lower)")
 
 
 @dataclass(frozen=True)
 class CrankSpeed(Checked):
-    """The crank is at most so fast between two heights of the slide.
+    """Largest speed of the crank between two heights of the slide.
 
     Attributes:
         speed: largest speed of the crank, in both directions [rad/s].
-        heights: two heights above bottom dead centre [m]; None: everywhere.
-        flank: "down": while the slide goes down; "up"; or "both".
+        heights: two heights above bottom dead centre, between which the limit holds [m]; None: everywhere.
+        flank: "down": while the slide goes down; "up": while it goes up; or "both".
     """
 
     speed: float = field(metadata=parameter("rad/s", "positive"))
@@ -60,12 +60,12 @@ class CrankSpeed(Checked):
 
 @dataclass(frozen=True)
 class SlideAcceleration(Checked):
-    """The slide's acceleration is at most so large, upwards and downwards.
+    """Largest acceleration of the slide, upwards and downwards.
 
     Attributes:
-        acceleration: [m/s2].
-        heights: two heights above bottom dead centre [m]; None: everywhere.
-        flank: "down": while the slide goes down; "up"; or "both".
+        acceleration: largest acceleration of the slide [m/s2].
+        heights: two heights above bottom dead centre, between which the limit holds [m]; None: everywhere.
+        flank: "down": while the slide goes down; "up": while it goes up; or "both".
     """
 
     acceleration: float = field(metadata=parameter("m/s2", "positive"))
@@ -79,10 +79,10 @@ class SlideAcceleration(Checked):
 
 @dataclass(frozen=True)
 class CrankAcceleration(Checked):
-    """The crank's acceleration is at most so large, in both directions.
+    """Largest acceleration of the crank, in both directions.
 
     Attributes:
-        acceleration: [rad/s2].
+        acceleration: largest acceleration of the crank [rad/s2].
     """
 
     acceleration: float = field(metadata=parameter("rad/s2", "positive"))
@@ -90,11 +90,11 @@ class CrankAcceleration(Checked):
 
 @dataclass(frozen=True)
 class BearingForce(Checked):
-    """The force of a bearing or guide is at most so large.
+    """Largest force of a bearing or guide.
 
     Attributes:
-        bearing: its name.
-        force: [N].
+        bearing: name of the bearing or guide.
+        force: largest force [N].
     """
 
     bearing: str
@@ -108,12 +108,12 @@ class BearingForce(Checked):
 
 @dataclass(frozen=True)
 class TorqueRate(Checked):
-    """The motor's torque changes at most so fast: how fast its current can be built up, or how much jerk gears and dies may have.
+    """Largest rate of change of the motor's torque: how fast the current can rise, or how much jerk gears and dies may have.
 
-    It is not convex: the motion found is the best near it.
+    This limit is not convex, so the result is only the best of the motions near it.
 
     Attributes:
-        rate: at the motor's own shaft [N m/s].
+        rate: largest rate of the torque, at the motor's shaft [N m/s].
     """
 
     rate: float = field(metadata=parameter("N m/s", "positive"))
@@ -121,10 +121,10 @@ class TorqueRate(Checked):
 
 @dataclass(frozen=True)
 class RmsTorque(Checked):
-    """The root mean square of the motor's torque over the cycle is at most so large.
+    """Largest rms torque of the motor over the cycle.
 
     Attributes:
-        torque: at the motor's own shaft [N m]; None: the drive's rated torque.
+        torque: largest rms torque, at the motor's shaft [N m]; None: the drive's rated torque.
     """
 
     torque: float | None = field(default=None, metadata=parameter("N m", "positive"))
@@ -132,11 +132,11 @@ class RmsTorque(Checked):
 
 @dataclass(frozen=True)
 class FeedWindow(Checked):
-    """The slide is above a height for at least so long in each cycle, pauses included: time to feed the sheet and to take the part out.
+    """Least time above a height in each cycle, pauses included: time to feed the sheet and to take the part out.
 
     Attributes:
-        height: above bottom dead centre [m].
-        time: [s].
+        height: height of the slide above bottom dead centre [m].
+        time: least time for which the slide is above this height [s].
     """
 
     height: float = field(metadata=parameter("m", "positive"))
@@ -144,18 +144,18 @@ class FeedWindow(Checked):
 
 
 Window = SlideSpeed | CrankSpeed | SlideAcceleration
-StateLimit = Window | CrankAcceleration  # what the states of a motion tell, each by itself
+StateLimit = Window | CrankAcceleration  # limits that can be checked at one state of a motion
 Limit = SlideSpeed | CrankSpeed | SlideAcceleration | CrankAcceleration | BearingForce | RmsTorque | TorqueRate | FeedWindow
 
 
 def checked(limits: object) -> tuple[Limit, ...]:
-    """The limits; raises PinpressError where one is none."""
+    """The limits as a tuple; raises PinpressError for an object that is not a limit."""
     found = tuple(limits)  # type: ignore[arg-type, var-annotated]  # a sequence, as `typed` has seen
     for each in found:
         if not isinstance(each, Limit):
             raise PinpressError(
-                f"limit {shown(each)} is none: give servo.SlideSpeed, CrankSpeed, SlideAcceleration, CrankAcceleration, BearingForce,"
-                " RmsTorque, TorqueRate or FeedWindow"
+                f"limits has {shown(each)}, which is not a limit: give servo.SlideSpeed, CrankSpeed, SlideAcceleration,"
+                " CrankAcceleration, BearingForce, RmsTorque, TorqueRate or FeedWindow"
             )
     return found
 

@@ -1,6 +1,6 @@
-"""A motion of a servo press and what it asks of its drive, by full inverse dynamics.
+"""A motion of a servo press and the torque it needs from its drive, by full inverse dynamics.
 
-The torque of a drive is that of the linkage's inverse dynamics, that which accelerates rotor and gears, and the drag of the motor:
+The drive drives the linkage, accelerates rotor and gears, and overcomes the drag of the motor:
 
     torque at the crank = driving torque + crank_inertia x acceleration + crank_drag x speed
 """
@@ -30,28 +30,28 @@ from ..loads.link import Friction, Load
 from .drive import ServoDrive
 from .limits import CrankAcceleration, CrankSpeed, SlideSpeed, StateLimit, span
 
-AMISS = 0.02  # share of the range of angles, or speeds, by which they may miss the integral of speeds, or accelerations
+AMISS = 0.02  # share of the range of angles (speeds) by which they may differ from the integral of speeds (accelerations)
 MOST_STATES = 10**6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ServoMotion(OfPress, Tabular):
-    """One cycle of a servo press in n states, from its begin to its end, and what it asks of the drive. All arrays are read-only.
+    """One cycle of a servo press in n states, from its start to its end, and what it needs from the drive. All arrays are read-only.
 
-    Torques and powers are those of the motor, those that accelerate its own rotor and overcome its own drag included. Positive torques
-    drive in the positive direction of the crank; positive powers drive.
+    Torques and powers are those of the motor. They include the torque that accelerates its rotor and the torque that overcomes its drag.
+    A positive torque acts in the positive direction of the crank. A positive power drives.
 
     Attributes:
         press_name: name of the press.
         drive: the drive.
         motion: the motion of the linkage, in the same states.
         time: (n,) time, never falling [s].
-        weight: (n,) share of the cycle's time that counts for each state in integrals over time [s].
+        weight: (n,) weight of each state in integrals over time [s].
         angle: (n,) crank angle, unwrapped [rad].
         speed: (n,) speed of the crank [rad/s].
         acceleration: (n,) acceleration of the crank [rad/s2].
         height: (n,) height of the slide above bottom dead centre [m].
-        torque: (n,) torque of the motor at the crank, ratio times that at its own shaft [N m].
+        torque: (n,) torque of the motor at the crank: gear ratio x torque at the motor's shaft [N m].
     """
 
     _press: Linkage
@@ -74,7 +74,7 @@ class ServoMotion(OfPress, Tabular):
 
     @cached_property
     def motor_torque(self) -> Array:
-        """(n,) torque of the motor at its own shaft [N m]."""
+        """(n,) torque of the motor at the motor's shaft [N m]."""
         return read_only(self.torque / self.drive.ratio)
 
     @cached_property
@@ -89,7 +89,7 @@ class ServoMotion(OfPress, Tabular):
 
     @cached_property
     def mains_power(self) -> Array:
-        """(n,) electrical power: the mechanical one with the heat in windings and iron [W]. Negative: given back in braking."""
+        """(n,) electrical power: mechanical power + heat in windings and iron [W]. It is negative when braking gives power back."""
         drive = self.drive
         return read_only(self.power + drive.copper * self.motor_torque**2 + drive.iron * self.motor_speed**2)
 
@@ -100,32 +100,32 @@ class ServoMotion(OfPress, Tabular):
 
     @property
     def heat(self) -> float:
-        """Integral of the square of the torque at the crank over the time [N2 m2 s]."""
+        """Integral over time of the squared torque at the crank [N2 m2 s]."""
         return float(self.weight @ self.torque**2)
 
     @property
     def rms_torque(self) -> float:
-        """Root mean square of the torque at the crank over the cycle [N m]; at the motor it is ``rms_motor_torque``."""
+        """Rms torque at the crank over the cycle [N m]; ``rms_motor_torque`` is the one at the motor."""
         return float(np.sqrt(self.heat / self.duration))
 
     @property
     def rms_motor_torque(self) -> float:
-        """Root mean square of the motor's torque at its own shaft over the cycle, to be compared with its rated torque [N m]."""
+        """Rms torque at the motor's shaft over the cycle, to compare with the motor's rated torque [N m]."""
         return self.rms_torque / self.drive.ratio
 
     @property
     def peak_torque(self) -> float:
-        """Largest size of the torque at the crank [N m]."""
+        """Largest absolute torque at the crank [N m]."""
         return float(np.abs(self.torque).max())
 
     @property
     def peak_motor_torque(self) -> float:
-        """Largest size of the motor's torque at its own shaft [N m]."""
+        """Largest absolute torque at the motor's shaft [N m]."""
         return self.peak_torque / self.drive.ratio
 
     @property
     def peak_power(self) -> float:
-        """Largest size of the mechanical power [W]."""
+        """Largest absolute mechanical power [W]."""
         return float(np.abs(self.power).max())
 
     @property
@@ -135,7 +135,7 @@ class ServoMotion(OfPress, Tabular):
 
     @property
     def energy_drawn(self) -> float:
-        """Energy drawn in the cycle: that drawn while power is positive, less the share ``regeneration`` of that given back [J]."""
+        """Energy drawn from the mains in the cycle, less the share ``regeneration`` of the energy given back [J]."""
         given = np.minimum(self.mains_power, 0.0)
         return float(self.weight @ (np.maximum(self.mains_power, 0.0) + self.drive.regeneration * given))
 
@@ -173,29 +173,29 @@ def evaluate(
     acceleration: ArrayLike,
     friction: Mapping[str, Friction] = NONE_GIVEN,
 ) -> ServoMotion:
-    """What a motion of the crank asks of a drive, by full inverse dynamics.
+    """Compute what a motion of the crank needs from a drive, by full inverse dynamics.
 
-    Integrals over time are those of the trapezoidal rule between the states.
+    Integrals over time follow the trapezoidal rule between the states.
 
     Args:
         press: the press, with one crank.
         drive: the drive.
-        loads: as of `inverse_dynamics`.
-        time: (n,) rising, from the beginning of a cycle to its end; of a motion that is repeated the last state is the first one again [s].
+        loads: as in `inverse_dynamics`.
+        time: (n,) rising times of one cycle; a motion that repeats ends with the state in which it starts [s].
         angle: (n,) crank angles, unwrapped [rad].
         speed: (n,) speeds of the crank, or one number [rad/s].
         acceleration: (n,) accelerations of the crank, or one number [rad/s2].
-        friction: as of `inverse_dynamics`.
+        friction: as in `inverse_dynamics`.
 
     Raises:
-        PinpressError: the driver slides; the columns differ in length, time does not rise, or angle, speed and acceleration do not fit
-            together; and as `inverse_dynamics`.
+        PinpressError: the driver slides, the columns differ in length, time does not rise, or angle, speed and acceleration contradict one
+            another; also as `inverse_dynamics`.
         SingularityError: the linkage locks within the motion.
     """
     expect("drive", drive, ServoDrive, "servo.ServoDrive")
     times = numbers("time", time, (None,), unit="s")
     if not 2 <= len(times) <= MOST_STATES or not np.all(np.diff(times) > 0):
-        raise PinpressError(f"time: give 2 to {MOST_STATES} rising times [s]")
+        raise PinpressError(f"time does not have 2 to {MOST_STATES} rising values: give rising times [s]")
     columns = [
         _column(name, values, unit, len(times))
         for name, values, unit in (("angle", angle, "rad"), ("speed", speed, "rad/s"), ("acceleration", acceleration, "rad/s2"))
@@ -218,7 +218,7 @@ def evaluated(
     friction: Mapping[str, Friction] = NONE_GIVEN,
     bearings: Sequence[str] | None = (),
 ) -> tuple[ServoMotion, Reactions]:
-    """The motion in states (n,), with the weights of a quadrature over time, and its reactions; arguments and errors as of `evaluate`.
+    """The motion in states (n,), with the weights of a quadrature over time, and its reactions; other arguments and errors as `evaluate`.
 
     Args:
         press: the press.
@@ -230,10 +230,10 @@ def evaluated(
         speed: (n,) [rad/s].
         acceleration: (n,) [rad/s2].
         friction: friction of bearings.
-        bearings: bearings whose forces are wanted; None for all.
+        bearings: names of the bearings whose forces are computed; None: all.
     """
-    press.refuse_sliding_driver("servo motions are those of a crank; give positions over time to servo_cycle")
-    press.refuse_several_drivers("servo motions are those of one crank; give their angles over time to servo_cycle")
+    press.refuse_sliding_driver("servo motions need a crank; give positions over time to servo_cycle")
+    press.refuse_several_drivers("servo motions need one crank; give the angles of all cranks over time to servo_cycle")
     bottom = dead_centres(press).bottom_position
     refuse_far("angle", angle, press.driver_coordinates)
     motion = moved(press, press.branch, angle, speed, acceleration, time, "auto")
@@ -246,14 +246,14 @@ def evaluated(
 def _column(name: str, values: ArrayLike, unit: str, count: int) -> Array:
     column = numbers(name, values, unit=unit)
     if column.shape not in ((), (count,)):
-        raise PinpressError(f"{name} has shape {column.shape}, but time has {(count,)}: give one for each time")
+        raise PinpressError(f"{name} has shape {column.shape}, but time has {(count,)}: give one value for each time")
     if not column.ndim and name == "angle":
         raise PinpressError(f"angle is one number: give {count} crank angles, one for each time [rad]")
     return np.array(np.broadcast_to(column, count))
 
 
 def _refuse_misfit(time: Array, angle: Array, speed: Array, acceleration: Array) -> None:
-    """Raise PinpressError where columns are far from the integrals of their rates."""
+    """Raise PinpressError if a column is far from the integral of its rate."""
     both = ("angle", angle, "speed", speed, "rad"), ("speed", speed, "acceleration", acceleration, "rad/s")
     for name, values, rate_name, rates, unit in both:
         summed = np.concatenate([[0.0], np.cumsum(0.5 * (rates[1:] + rates[:-1]) * np.diff(time))])
@@ -262,13 +262,13 @@ def _refuse_misfit(time: Array, angle: Array, speed: Array, acceleration: Array)
         if not off.max() <= AMISS * range_ and off.max() > 0:
             at = int(off.argmax())
             raise PinpressError(
-                f"{name} and {rate_name} do not fit together: at {time[at]:.6g} s {name} is {off[at]:.3g} {unit} off the integral of"
-                f" {rate_name}; give more states, or the {rate_name} that belongs to it"
+                f"{name} and {rate_name} do not fit together: at {time[at]:.6g} s {name} differs by {off[at]:.3g} {unit} from the integral"
+                f" of {rate_name}; give more states, or the {rate_name} of this {name}"
             )
 
 
 def largest_size(motion: ServoMotion, limit: StateLimit) -> tuple[float, float]:
-    """The largest size that a motion gives to what is limited, within the limit's heights and flank, and the limit itself."""
+    """The largest absolute value of the limited quantity, within the limit's heights and flank, and the limit's value."""
     if isinstance(limit, CrankAcceleration):
         return float(np.abs(motion.acceleration).max()), limit.acceleration
     low, high = span(limit)

@@ -1,4 +1,4 @@
-"""Results of the best motion of a servo press: the motion, its proof, the limits that act, and the servo motor that follows it."""
+"""Results of the best motion of a servo press: the motion, its proof, the active limits, and the servo motor that follows it."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from .motion import ServoMotion
 from .paths import Path
 
 UNITS = {"heat": "N2 m2 s", "time": "s", "energy": "J", "peak": "N m"}
-FOLLOWED = 125.0  # natural frequency with which the motor of `MotionOptimum.program` follows by default, in cycles of the motion
+FOLLOWED = 125.0  # default natural frequency of the control of `MotionOptimum.program`, as a multiple of the cycle's frequency
 
 
 @dataclass(frozen=True, repr=False)
 class ActiveLimit(Record, units={"begins_at": "rad", "ends_at": "rad"}):
-    """A limit that acts on a best motion, with its price.
+    """A limit that is active in a best motion, with its price.
 
     Attributes:
-        limit: the limit in words.
-        price: by how much the objective falls for each unit by which the limit is let out.
+        limit: the limit as text.
+        price: by how much the objective falls for each unit by which the limit is relaxed.
         price_unit: unit of the price.
-        gain: share of the objective that 1 % more of the limit saves, to first order, by 1 %.
-        begins_at: first crank angle of the path at which it acts [rad].
-        ends_at: last such crank angle [rad].
+        gain: saving in % of the objective if the limit is relaxed by 1 %, to first order.
+        begins_at: first crank angle of the path at which the limit is active [rad].
+        ends_at: last crank angle of the path at which the limit is active [rad].
     """
 
     limit: str
@@ -44,34 +44,33 @@ class ActiveLimit(Record, units={"begins_at": "rad", "ends_at": "rad"}):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionOptimum(OfPress, Tabular):
-    """The best motion of a press along a path, and the proof that none is better.
+    """The best motion of a press along a path, and the proof that no motion is better.
 
     The program's motion has a constant acceleration between its nodes. ``motion`` is the same motion by full inverse dynamics, with states
     between the nodes.
 
     Attributes:
         press_name: name of the press.
-        minimise: what was minimised: "heat" [N2 m2 s], "time" [s], "energy" [J], or several with their weights [-].
+        minimise: the weight of each minimised quantity [-]: "heat" [N2 m2 s], "time" [s], "energy" [J], "peak" [N m].
         path: where the crank goes.
-        drive: the drive; of several gear ratios with the best one.
-        value: the objective of the motion, computed from it and not from the solver.
-        bound: no motion with these nodes that keeps the limits has a lower objective: the dual cost of the program, which limits torque
-            and power in the mean from node to node. Where they are limited between nodes too, the gap is what this costs at most. Of a
-            turn that would need less if it were faster the gap is that of a coarser path, see the notes.
-        limits: limits that act, with their prices.
-        missed: largest share by which the motion exceeds a limit in full inverse dynamics, between nodes too [-].
-        node_error: share of the objective that finer nodes may change, by the values with half and a quarter of the nodes, or of few with
-            half. No motion is better than this one by much more than gap and node_error together [-].
-        deviation: share by which the heat by full inverse dynamics, between nodes too, is larger than the program's; it falls with the
-            square of the number of points [-].
-        notes: what is not proved, and what else is to be said, in words.
+        drive: the drive, with the best gear ratio if several were tried.
+        value: objective of the motion, computed from the motion and not by the solver.
+        bound: dual cost of the program: no motion along these nodes that keeps the limits has a lower objective. The program limits the
+            mean torque and mean power of each segment. If they are limited between nodes too, the gap includes the cost of that. If a
+            faster turn would need less, the gap refers to a coarser path, see the notes.
+        limits: the active limits, with their prices.
+        missed: largest share by which the motion exceeds a limit, between nodes too, by full inverse dynamics [-].
+        node_error: estimated change of the objective with finer nodes, as a share, from the values with half and (of many nodes) a quarter
+            of the nodes [-]. No motion is better than this one by much more than gap and node_error together.
+        deviation: (heat by full inverse dynamics, between nodes too) / (heat of the program) - 1 [-]. It falls with the square of the
+            number of points.
+        notes: what is not proved, and other remarks.
         angle: (N + 1,) crank angles of the nodes [rad].
-        speed: (N + 1,) speeds of the crank there [rad/s].
-        time: (N + 1,) times at which a node is passed, or left after a rest [s].
-        motion: the motion and what it asks of the drive, by full inverse dynamics.
-        reactions: its reactions.
-        by_ratio: gear ratio -> objective, of all ratios that were tried, the heat by the torque at the motor's own shaft; infinite where no
-            motion keeps the limits.
+        speed: (N + 1,) speeds of the crank at the nodes [rad/s].
+        time: (N + 1,) times at which the crank passes a node, or leaves it after a rest [s].
+        motion: the motion and what it needs from the drive, by full inverse dynamics.
+        reactions: the reactions of the motion.
+        by_ratio: gear ratio -> objective, for all ratios tried, with the heat at the motor's shaft; infinite if no motion keeps the limits.
     """
 
     _press: Linkage
@@ -95,7 +94,7 @@ class MotionOptimum(OfPress, Tabular):
 
     @property
     def gap(self) -> float:
-        """(value - bound) / value: how much better another motion along the same nodes could be at most [-]."""
+        """(value - bound) / value: no motion along the same nodes is better by more than this share [-]."""
         return (self.value - self.bound) / max(abs(self.value), 1e-300)
 
     @property
@@ -137,16 +136,15 @@ class MotionOptimum(OfPress, Tabular):
         return "\n".join([*lines, *self.notes])
 
     def program(self, *, stiffness: float | None = None, damping: float | None = None) -> ServoMotor:
-        """A servo motor that follows the motion, for `simulate`: a cycle before the first one, the first, and one after it.
+        """A servo motor that follows the motion, for `simulate`. Its program has the cycle and one cycle before and after it.
 
-        Its shaft's angle is the crank's times the ratio: drive the press by ``Geared(best.program(), best.drive.ratio)``, from crank angle
-        ``best.angle[0]`` at the speed ``best.speed[0]``, with ``Flywheel(best.drive.gear_inertia)`` where gears have inertia. The drag of
-        the drive is not in it.
+        The angle of its shaft is the crank angle times the gear ratio. So drive the press by ``Geared(best.program(), best.drive.ratio)``,
+        from crank angle ``best.angle[0]`` at the speed ``best.speed[0]``. Add ``Flywheel(best.drive.gear_inertia)`` if the gears have
+        inertia. The motor does not include the drag of the drive.
 
         Args:
-            stiffness: of the control, at the motor's shaft [N m/rad]; by default such that it follows with 125 times the
-                frequency of the cycles.
-            damping: of the control [N m s/rad]; by default that of the aperiodic limit.
+            stiffness: stiffness of the control, at the motor's shaft [N m/rad]; None: its natural frequency is 125 times that of the cycle.
+            damping: damping of the control, at the motor's shaft [N m s/rad]; None: critical damping.
         """
         ratio = self.drive.ratio
         own = 2.0 * np.pi * FOLLOWED / self.motion.duration
@@ -176,17 +174,17 @@ class TradeOffPoint(
         "node_error": "-",
     },
 ):
-    """The best motion at one time of a cycle. Where no motion keeps the limits, all but the time is None.
+    """The best motion for one time of a cycle. If no motion keeps the limits, all except time and strokes_per_minute are None.
 
     Attributes:
-        time: most time of a cycle [s].
+        time: largest time of a cycle [s].
         strokes_per_minute: parts made in a minute at this time [1/min].
-        rms_motor_torque: root mean square of the motor's torque at its own shaft [N m].
-        peak_motor_torque: largest torque of the motor, at its own shaft [N m].
-        peak_power: largest mean torque times mean speed of a segment [W].
+        rms_motor_torque: rms torque at the motor's shaft [N m].
+        peak_motor_torque: largest torque at the motor's shaft [N m].
+        peak_power: largest power of a segment: mean torque x mean speed [W].
         energy_drawn: energy drawn in a cycle [J].
-        gap: how much better another motion along the same nodes could be at most [-].
-        node_error: share of the objective that finer nodes may change [-].
+        gap: no motion along the same nodes is better by more than this share [-].
+        node_error: estimated change of the objective with finer nodes, as a share [-].
     """
 
     time: float

@@ -1,4 +1,4 @@
-"""The best motion of a servo press, with the proof that none is better: the public call and its result."""
+"""Search for the best motion of a servo press, with the proof that no motion is better."""
 
 from __future__ import annotations
 
@@ -46,26 +46,26 @@ from .motion_optimum import UNITS, ActiveLimit, MotionOptimum, TradeOffPoint
 from .paths import Path, Stop, Turn, legs_of
 
 POINTS, FEWEST_POINTS, MOST_POINTS = 720, 8, 20_000
-NODE_ERROR = 1e-3  # share of the value that finer nodes may change, unless the number of nodes is given
-ORDERLY = 90  # nodes from which on errors fall as their order has it; by fewer they do not, which random presses show
-NODES_SAID = 1e-4  # share from which on a note says so, beside the gap
-ROUGHLY, LEAST_ROUGH = 4, 16  # a first motion has so many times fewer segments, but at least so many
-PROVED = 1e-7  # gap above which the program is scaled anew by the motion found
-FAR = 1e-3  # gap of a convex program that is no answer
-SETTLED, MOST_ROUNDS = 1e-8, 30  # relative change of the value that ends rounds of loads that feel the speed
-SAME_TORQUE = 1e-9  # relative change of the torques below which they are those of the motion
-NEARLY_SETTLED = 1e-5  # the same where the program itself is not convex
-NEGATIVE = 1e-6  # gap below 0 that is no rounding
-ABSURD = 1e3  # torque, in that of a motion at an even speed, that no press is meant to have
-SLACK = 1e-5  # share of the cycle that counts as a pause
-PAUSED = 1e-4  # share of the cycle from which on a turn cannot do without it
-PEAK_WITH_HEAT = 0.1  # weight of the heat beside the peak: alone the peak leaves open how fast the crank is elsewhere
-EXCEEDED = 5e-4  # share by which torque or power may be exceeded between nodes
-MOST_AMENDED, AMENDED = 5, 1e-4  # most rounds that amend it, and relative change of the value that ends them
+NODE_ERROR = 1e-3  # largest node error, as a share of the value, if the user does not give the number of nodes
+ORDERLY = 90  # with fewer nodes the errors of random presses did not yet fall with the order of the method
+NODES_SAID = 1e-4  # a note reports a larger node error
+ROUGHLY, LEAST_ROUGH = 4, 16  # the first, rough motion has a quarter of the segments, but at least 16
+PROVED = 1e-7  # with a larger gap the program is solved again, scaled by its last motion
+FAR = 1e-3  # a convex program with a larger gap counts as not solved
+SETTLED, MOST_ROUNDS = 1e-8, 30  # a smaller relative change of the value ends the rounds for loads that depend on the speed
+SAME_TORQUE = 1e-9  # torques that differ by a smaller share count as equal
+NEARLY_SETTLED = 1e-5  # as SETTLED, where the program itself is not convex
+NEGATIVE = 1e-6  # a gap further below 0 is no rounding error
+ABSURD = 1e3  # a torque of more than 1000 times the torque at an even speed is probably a mistake
+SLACK = 1e-5  # a longer rest, as a share of the cycle, counts as a pause
+PAUSED = 1e-4  # a turn that would need a longer pause, as a share of the cycle, is refused
+PEAK_WITH_HEAT = 0.1  # weight of the heat next to the peak torque: the peak alone does not determine the speed elsewhere
+EXCEEDED = 5e-4  # share by which the motion may exceed torque or power between nodes
+MOST_AMENDED, AMENDED = 5, 1e-4  # most rounds that correct such an excess, and the relative change of the value that ends them
 
 
 class NoMotionError(PinpressError):
-    """No motion keeps the limits, and it was not asked why."""
+    """No motion keeps the limits. The message does not say why, because the caller did not ask for it."""
 
 
 @typed
@@ -81,25 +81,25 @@ def trade_off(
     friction: Mapping[str, Friction] = NONE_GIVEN,
     points: int | None = None,
 ) -> Records[TradeOffPoint]:
-    """What more strokes a minute cost: the best motion at each of several times, each proved.
+    """Compute what more strokes a minute cost: the best motion, with its proof, for each of several times of a cycle.
 
     Args:
         press: the press, whose crank turns fully.
         drive: the drive.
-        loads: as of `best_motion`.
+        loads: as in `best_motion`.
         times: (m,) times of a cycle, in any order [s].
-        minimise: as of `best_motion`.
-        path: as of `best_motion`.
-        limits: as of `best_motion`.
-        friction: as of `best_motion`.
-        points: as of `best_motion`.
+        minimise: as in `best_motion`.
+        path: as in `best_motion`.
+        limits: as in `best_motion`.
+        friction: as in `best_motion`.
+        points: as in `best_motion`.
 
     Returns:
-        A point for each time. Limits of torque and power hold between the nodes too, as of `best_motion`. Of a turn that would need less if
-        it were faster, the gap is that to the faster one; `best_motion` of one time has it more closely.
+        A point for each time. Limits of torque and power hold between the nodes too, as in `best_motion`. If a faster turn would need less,
+        the gap is the gap to the faster turn; `best_motion` computes a smaller gap for one time.
 
     Raises:
-        PinpressError: as `best_motion`; not where no motion keeps the limits at a time.
+        PinpressError: as `best_motion`, except that a time at which no motion keeps the limits raises no error.
     """
     wanted = "a list of positive times [s], e.g. numpy.linspace(2, 4, 20)"
     given = suitable_numbers(
@@ -140,37 +140,37 @@ def best_motion(
     ratios: Sequence[float] | None = None,
     points: int | None = None,
 ) -> MotionOptimum:
-    """The motion with the least heat, time, energy or peak torque within limits, proved to be the best.
+    """Find the motion with the least heat, time, energy or peak torque within limits, and prove that no motion is better.
 
-    With b, the square of the crank's speed over its angle, the problem is convex: a second-order-cone program, whose dual cost bounds all
-    motions. The drive's peak torque, top speed and power are limits always; its rated torque is one where `RmsTorque` is.
+    The unknown is b, the square of the crank's speed, over the crank angle. In b the problem is convex: a second-order-cone program, whose
+    dual cost is a bound for all motions. The drive's peak torque, top speed and power are always limits. Its rated torque is a limit only
+    with `RmsTorque`.
 
     Args:
         press: the press, whose crank turns fully.
         drive: the drive.
-        loads: as of `inverse_dynamics`, but forces in time.
-        minimise: "heat", "time", "energy" (drawn from the mains) or "peak" (torque, with a tenth of heat); or weights of several of them,
-            each relative to its value in the motion with the least heat.
-        time: time of a cycle, rests and pauses included [s]; of a `Pendulum` a cycle is two strokes. A path with a rest may take less and
-            pause there; a `Turn` takes this time, which is not convex where a faster one would need less (see the notes). None only where
-            the time is minimised, else it is the most.
-        path: where the crank goes; None: a `Turn`, or a `Stop` at top dead centre where a faster turn would need less than one in this
-            time, and the stop does too.
-        limits: limits beside those of the drive.
-        friction: friction of bearings and guides, by their names.
-        ratios: gear ratios to try, each proved, of which the best is taken; None: that of the drive.
-        points: number of segments of the path; None: 720, or twice as many until `MotionOptimum.node_error` is below 0.001, at most 20 000.
-            The error of the nodes falls with the square of this number, and with the number itself where a torque is limited or its peak
-            is minimised.
+        loads: as in `inverse_dynamics`, without forces in time.
+        minimise: "heat", "time", "energy" (drawn from the mains) or "peak" (peak torque, with a tenth of heat), or quantity -> weight,
+            relative to the quantity's value in the motion with the least heat [-].
+        time: largest time of a cycle, rests and pauses included [s]; a cycle of a `Pendulum` is two strokes. On a path with a rest the
+            crank may be faster and pause there. A `Turn` takes exactly this time, which is not convex if a faster turn would need less
+            (see the notes). None is possible only if the time is minimised.
+        path: where the crank goes; None: a `Turn`, or a `Stop` at top dead centre if a faster turn and the stop both need less than the
+            turn in this time.
+        limits: limits in addition to those of the drive.
+        friction: name of a bearing or guide -> its friction.
+        ratios: gear ratios to try [-]; the result has the best of them. None: the ratio of the drive.
+        points: number of segments of the path; None: 720, doubled until `MotionOptimum.node_error` is below 0.001, at most 20 000. The node
+            error falls with the square of this number; with the number itself if a torque is limited or the peak is minimised.
 
     Raises:
-        PinpressError: no motion keeps the limits: the message names those that contradict one another, and what would do; arguments do not
-            fit together; the program was not solved.
-        UnknownNameError: a bearing that the press does not have.
+        PinpressError: no motion keeps the limits (the message names the limits that contradict one another, and a remedy), arguments
+            contradict one another, or the program was not solved.
+        UnknownNameError: the press does not have a bearing with this name.
     """
     asked = _asked(press, drive, loads, minimise, time, path, limits, friction, points)
     if ratios is not None and len(asked.wanted) > 1:
-        raise PinpressError("ratios are compared by one quantity: minimise heat, time or energy, or give one ratio")
+        raise PinpressError("ratios cannot be compared by several quantities: minimise one of heat, time and energy, or give one ratio")
     caution_flank(press, asked.limits, loads)
     drives = [drive] if ratios is None else [replace(drive, ratio=ratio) for ratio in _ratios(ratios)]
     stopping = cache(lambda: _asked(press, drive, loads, minimise, time, Stop(), limits, friction, points)) if path is None else None
@@ -194,7 +194,7 @@ def best_motion(
 def least_heat(
     press: Linkage, drive: ServoDrive, loads: Sequence[Load], time: float, path: Path | None, limits: Sequence[Limit], points: int
 ) -> float:
-    """A bound of the heat of all motions within a time, by one program without limits that are not convex; 0 where there is no such.
+    """A lower bound of the heat of all motions within a time, by one program of the convex limits; 0 if loads depend on the speed.
 
     Args and errors are those of `best_motion`.
     """
@@ -215,9 +215,9 @@ def _asked(
     friction: Mapping[str, Friction],
     points: int | None,
 ) -> _Task:
-    """What is asked for, checked, with the coefficients of the press; arguments and errors as of `best_motion`."""
+    """The task with checked arguments and the coefficients of the press; arguments and errors as in `best_motion`."""
     expect("drive", drive, ServoDrive, "servo.ServoDrive")
-    press.refuse_sliding_driver("servo motions are those of a crank")
+    press.refuse_sliding_driver("servo motions need a crank")
     legs = legs_of(Turn() if path is None else path, press)
     chosen = limits_.checked(limits)
     wanted = _objective(minimise)
@@ -240,12 +240,12 @@ def _asked(
 
 
 def _turning_or_stopping(turning: _Task, stopping: Callable[[], _Task], drive: ServoDrive) -> _Solved:
-    """A turn; or a stop at top dead centre, where a turn within its time would be faster and one that takes it needs more than the stop."""
+    """The best turn; or a stop at top dead centre, if the best turn would be faster than the time and the stop needs less than the turn."""
     try:
         turn = turning.solved(drive)
     except NoTurnError as error:
         try:
-            return stopping().solved(drive).saying("no turn was found that never rests and keeps the limits in this time")
+            return stopping().solved(drive).saying("the search found no turn that keeps the limits in this time without a rest")
         except PinpressError:
             raise error from None
     if turn.problem.time == turning.time:
@@ -259,13 +259,13 @@ def _turning_or_stopping(turning: _Task, stopping: Callable[[], _Task], drive: S
     if more <= 0:
         return turn.saying(f"a stop at top dead centre, path=servo.Stop(), would need {100 * (1 / (1 + more) - 1):.2g} % more {wanted}")
     return stop.saying(
-        f"the crank rests at top dead centre: the best turn found that never rests and takes this time needs {100 * more:.2g} % more"
-        f" {wanted}; path=servo.Turn() gives it"
+        f"the crank rests at top dead centre: the best turn found without a rest needs {100 * more:.2g} % more {wanted} in this time;"
+        " path=servo.Turn() gives that turn"
     )
 
 
 def _roughly(problem: MotionProblem, press_name: str) -> PathMotion | None:
-    """A motion with few nodes, by which the places are chosen at which the torque is looked at; None where there is none."""
+    """A motion with few nodes, which decides at which places the torque is evaluated; None if no motion was found."""
     weights = problem.weights if len(problem.weights) == 1 else {"heat": 1.0}
     try:
         return PathMotion(problem.coefficients.grid.way_gone, _optimum(replace(problem, weights=weights), press_name, False).b)
@@ -274,15 +274,15 @@ def _roughly(problem: MotionProblem, press_name: str) -> PathMotion | None:
 
 
 def _objective(minimise: object) -> dict[str, float]:
-    """The weights of what is minimised."""
+    """Quantity -> its weight in the objective."""
     if isinstance(minimise, str) and minimise in UNITS:
         return {"peak": 1.0, "heat": PEAK_WITH_HEAT} if minimise == "peak" else {minimise: 1.0}
     if isinstance(minimise, Mapping) and minimise and all(isinstance(name, str) and name in UNITS for name in minimise):
         weights = {name: float(_positive(f"minimise: weight of {name}", value, "-")) for name, value in minimise.items()}
         if set(weights) == {"peak"}:
-            raise PinpressError('minimise is the peak alone, which leaves open how fast the crank is elsewhere: give "heat" a weight too')
+            raise PinpressError('minimise has only "peak", which does not determine the speed elsewhere: give "heat" a weight too')
         return weights
-    raise PinpressError(f'minimise is {shown(minimise)}: give "heat", "time", "energy" or "peak", or a mapping of such to weights')
+    raise PinpressError(f'minimise is {shown(minimise)}: give "heat", "time", "energy" or "peak", or a mapping of these names to weights')
 
 
 def _positive(name: str, value: object, unit: str) -> Array:
@@ -300,24 +300,24 @@ def _ratios(ratios: object) -> list[float]:
 def _refuse_open(
     drive: ServoDrive, wanted: Mapping[str, float], time: float | None, limits: Sequence[Limit], dwell: float, closed: bool
 ) -> None:
-    """Raise PinpressError where nothing ends the search."""
+    """Raise PinpressError if nothing limits the time or the speed, or if the time is shorter than rests or the feed window."""
     if time is None and "time" not in wanted:
         raise PinpressError('time is missing: give the time of a cycle [s], e.g. time=60 / 25; or minimise="time"')
     if time is not None and not time > dwell:
-        raise PinpressError(f"time is {time:g} s, and the path rests for {dwell:g} s: give a longer time")
+        raise PinpressError(f"time is {time:g} s, but the path rests for {dwell:g} s: give a longer time")
     feeding = max((each.time for each in limits if isinstance(each, limits_.FeedWindow)), default=0.0)
     if time is not None and not time > feeding:
-        raise PinpressError(f"time is {time:g} s, and the FeedWindow asks for {feeding:g} s of it: give a longer time, or a shorter window")
+        raise PinpressError(f"time is {time:g} s, but the FeedWindow alone takes {feeding:g} s: give a longer time, or a shorter window")
     if time is None and len(wanted) > 1:
-        raise PinpressError("time is missing: weights are relative to the motion with the least heat, which takes a time; give one")
+        raise PinpressError("time is missing: weights refer to the motion with the least heat within a time; give the time of a cycle [s]")
     if wanted != {"time": 1.0}:
         return
     speeds = limits_.SlideSpeed, limits_.CrankSpeed, limits_.SlideAcceleration, limits_.BearingForce, limits_.FeedWindow
     fast = drive.top_speed or any(isinstance(each, speeds) for each in limits)
     if closed and not fast:
         raise PinpressError(
-            "nothing limits the speed: a crank that never rests can be as fast as ever with hardly a torque; give the drive a top_speed, or"
-            " limits=[servo.CrankSpeed(...)], or path=servo.Stop()"
+            "nothing limits the speed: a crank that never rests can turn arbitrarily fast with almost no torque; give the drive a"
+            " top_speed, or limits=[servo.CrankSpeed(...)], or path=servo.Stop()"
         )
     torques = limits_.RmsTorque, limits_.CrankAcceleration
     if not (fast or drive.peak_torque or drive.power or any(isinstance(each, torques) for each in limits)):
@@ -326,11 +326,11 @@ def _refuse_open(
 
 @dataclass(frozen=True, eq=False)
 class _Task:
-    """What is asked for, with the coefficients of the press; attributes as the arguments of `best_motion`.
+    """A task of `best_motion`, whose arguments are the attributes, with the coefficients of the press.
 
-    ``explained``: whether an error says what contradicts what, which takes some more programs. ``proved``: whether a bound is looked for
-    beyond that of one program. ``turns``: coarse turns that were found, which are the same on all nodes. ``levels``:
-    coefficients on other numbers of segments.
+    ``explained``: whether an error names the contradicting limits, which takes some more programs. ``proved``: whether more programs than
+    one tighten the bound. ``turns``: coarse turns, which are the same for all numbers of nodes. ``levels``: number of segments ->
+    coefficients.
     """
 
     press: Linkage
@@ -347,7 +347,7 @@ class _Task:
     levels: dict[int, Coefficients] = field(default_factory=dict)
 
     def solved(self, drive: ServoDrive, start: Array | None = None) -> _Solved:
-        """The problem with this drive, its solution, and what is to be said of the proof; ``start``: b of a motion that is about it."""
+        """Solve the task with this drive; ``start``: b of a motion near the solution."""
         feels = feels_speed(self.loads, self.friction)
         found, value, last = self.coefficients, np.inf, start
         for rounds in range(1, MOST_ROUNDS + 1):
@@ -365,13 +365,13 @@ class _Task:
                 break
         else:
             raise PinpressError(
-                f"the best motion of {self.press.name} was not found: with {' and '.join(feels)} it does not settle within {MOST_ROUNDS}"
-                " rounds; make these smaller, or leave them out"
+                f"the best motion of {self.press.name} was not found: with {' and '.join(feels)} the search does not converge within"
+                f" {MOST_ROUNDS} rounds; make these loads smaller, or remove them"
             )
         return _Solved(self, problem, answer, tuple(notes))
 
     def _once(self, found: Coefficients, drive: ServoDrive, last: Array | None) -> tuple[MotionProblem, Solution, list[str]]:
-        """One program, where loads are given; ``last``: b of the motion before, by whose speeds they were found."""
+        """Solve one program with fixed loads; ``last``: b of the motion at whose speeds the loads were taken."""
         weights = dict(self.wanted)
         try:
             refuse_short(motion_problem(found, drive, self.limits, weights, self.time), self.limits, self.press.name)
@@ -391,14 +391,14 @@ class _Task:
     def _within_local_limits(
         self, problem: MotionProblem, answer: Solution, last: Array | None
     ) -> tuple[Solution, MotionProblem, list[str]]:
-        """The motion with limits that are not convex, and what is to be said of it."""
+        """The motion within the limits that are not convex, its problem, and notes on its proof."""
         rates = [each.rate * problem.drive.ratio for each in self.limits if isinstance(each, limits_.TorqueRate)]
         local = LocalLimits(problem.drive.power, min(rates, default=None), self.proved)
         closed, cost = problem.coefficients.grid.legs.closed, figures(problem, answer.b)
         if closed and "time" in self.wanted and needed_time(problem, cost) > cost.time * (1.0 + PAUSED):
             raise NoTurnError(
-                f"no turn was found that keeps all limits of {self.press.name}: one of {cost.time:.6g} s would have to pause for"
-                f" {needed_time(problem, cost) - cost.time:.4g} s, and a turn never rests: give path=servo.Stop(), which pauses, or a time"
+                f"no turn was found that keeps all limits of {self.press.name}: a turn of {cost.time:.6g} s would need a pause of"
+                f" {needed_time(problem, cost) - cost.time:.4g} s, but a turn never rests; give path=servo.Stop(), which pauses, or a time"
             )
         never_rests = closed and "time" not in self.wanted
         if not (never_rests and problem.time is not None and is_shorter(problem, answer.b, problem.time)):
@@ -417,7 +417,7 @@ class _Task:
         return turn_in_time(problem, answer, local, self.turns[key], at)
 
     def _coefficients(self, segments: int | None, like: PathMotion | None) -> Coefficients:
-        """Coefficients of the path with so many segments, or its own, for motions about this one."""
+        """Coefficients of the path with this number of segments (None: unchanged), for motions near this one."""
         grid, speed = self.coefficients.grid, float(np.abs(self.coefficients.grid.step).sum()) / (self.time or 1.0)
         if segments is not None:
             grid = path_grid(self.press, grid.legs, [*load_heights(self.press, self.loads), *limit_heights(self.limits)], segments)
@@ -426,7 +426,7 @@ class _Task:
         return coefficients(self.press, grid, self.loads, self.friction, speed, bearings_of(self.press, self.limits), like)
 
     def _kept_between_nodes(self, problem: MotionProblem, answer: Solution) -> tuple[MotionProblem, Solution, FullMotion, list[str]]:
-        """The motion with torque and power limited between nodes too, where they are exceeded there; the bound stays as it is."""
+        """The motion with torque and power limited between nodes too, if it exceeds them there; the bound does not change."""
         full = full_motion(self.press, self.loads, self.friction, problem, answer.b)
         first = excess_of(problem, full)
         if first.share <= EXCEEDED:
@@ -440,7 +440,7 @@ class _Task:
                 break
             last = narrow, new, full_motion(self.press, self.loads, self.friction, narrow, new.b)
             now = excess_of(narrow, last[2])
-            chosen = now.with_those_of(chosen)
+            chosen = now.join_segments(chosen)
             # tangents at the motion that exceeded the power are far off; the next ones are better
             gained = best[1].value - new.value if least <= EXCEEDED else np.inf
             if now.share < max(least, EXCEEDED) and gained > 0:
@@ -451,15 +451,15 @@ class _Task:
             return *best, []
         found = replace(best[1], bound=answer.bound)
         note = (
-            f"torque or power was up to {100 * first.share:.2g} % above its limit between nodes, and is limited there too; no motion that"
-            f" keeps it in the mean from node to node is better than this one by more than {100 * found.gap:.2g} %"
+            f"torque or power was up to {100 * first.share:.2g} % above its limit between nodes and is now limited there too; compared with"
+            f" all motions whose mean values from node to node keep the limit, this motion costs at most {100 * found.gap:.2g} % more"
         )
         return best[0], found, best[2], [note]
 
     def _limited_at_states(
         self, problem: MotionProblem, answer: Solution, full: FullMotion, chosen: Excess
     ) -> tuple[MotionProblem, Solution]:
-        """The best motion that keeps limits of torque and power at states within these segments too, by tangents at the last motion."""
+        """The best motion that keeps limits of torque and power within the chosen segments too, by tangents at the last motion."""
         feels = feels_speed(self.loads, self.friction)
         found = self._with_speeds(problem, answer.b) if feels else problem.coefficients
         whole = motion_problem(found, problem.drive, self.limits, dict(problem.weights), self.time)
@@ -469,7 +469,7 @@ class _Task:
         return narrow, new
 
     def _with_speeds(self, problem: MotionProblem, b: Array) -> Coefficients:
-        """The coefficients with the torque that loads and friction take at the speeds of a motion."""
+        """The coefficients with the torque of loads and friction at the speeds of a motion."""
         c, grid = problem.coefficients, problem.coefficients.grid
         angle = (grid.angle[:-1] + c.inner * grid.step).ravel()
         speed = (grid.way * np.sqrt(b[:-1] + c.inner * np.diff(b))).ravel()
@@ -485,11 +485,13 @@ class _Task:
         return replace(c, inner_torque=c.inner_torque + other, mean_torque=c.mean_torque + other.mean(axis=0), bearings=bearings)
 
     def on_enough_nodes(self, found: _Solved, refined: bool) -> tuple[_Solved, float]:
-        """The motion kept between nodes, and the error of its nodes, by the same task on half and, of many, a quarter of them.
+        """The motion with limits between nodes too, and its node error.
+
+        The error follows from the same task with half of the nodes and, if there are many, a quarter.
 
         Args:
             found: the motion.
-            refined: whether more nodes are taken until their error is small.
+            refined: whether the number of nodes is doubled until their error is small.
         """
         found = found.kept_between_nodes()
         count, drive, values = len(self.coefficients.grid.step), found.problem.drive, [found.answer.value]
@@ -504,20 +506,20 @@ class _Task:
             finer = self._on(2 * count, found).solved(drive)._replace(choice=found.choice).kept_between_nodes()
             values.append(finer.answer.value)
             error = node_error(values)
-            if not refined:  # of the nodes that were asked for
+            if not refined:  # the user chose the number of nodes
                 return found, error + abs(1.0 - finer.answer.value / found.answer.value)
             found, count = finer, 2 * count
         return found, error
 
     def _on(self, segments: int, found: _Solved) -> _Task:
-        """The task on so many segments, for motions about one that was found."""
+        """The task with this number of segments, for motions near the one found."""
         if segments not in self.levels:
             like = PathMotion(found.problem.coefficients.grid.way_gone, found.answer.b)
             self.levels[segments] = self._coefficients(segments, like)
         return replace(self, coefficients=self.levels[segments])
 
     def result(self, found: _Solved, tried: Mapping[float, float], refined: bool) -> MotionOptimum:
-        """The motion by full inverse dynamics, with its limits."""
+        """The result: the motion by full inverse dynamics, its proof and its active limits."""
         raw_gap = found.answer.gap
         found, error = self.on_enough_nodes(found, refined)
         problem, answer = found.problem, found.answer
@@ -530,18 +532,18 @@ class _Task:
         if pause > SLACK * cost.time:
             said.append(_pause_in_words(pause, "time" in self.wanted))
         elif faster > SLACK * cost.time and "time" not in self.wanted:
-            said.append(f"the motion is {faster:.4g} s faster than the time given: slower would cost more")
+            said.append(f"the motion is {faster:.4g} s faster than the given time: a slower motion would cost more")
         missed = largest_excess(problem, self.limits, self.time, full, answer.b)
         if raw_gap > PROVED and _loses_by_speed(problem):
             said.append(
-                "losses that grow with the speed are not convex where the crank could be slower at no cost: no motion is better by more"
-                f" than {100 * answer.gap:.2g} %"
+                "losses that grow with the speed are not convex if the crank could be slower at no cost: another motion may be better by up"
+                f" to {100 * answer.gap:.2g} %"
             )
         if missed > 1e-3:
-            said.append(f"between nodes limits are exceeded by up to {100 * missed:.2g} %: give more points=")
+            said.append(f"between nodes the motion exceeds limits by up to {100 * missed:.2g} %: give more points=")
         deviation = motion.heat / cost.heat - 1.0 if cost.heat else 0.0
         if abs(deviation) > 1e-3:
-            said.append(f"the heat between nodes is off that of the program by {100 * deviation:+.2g} %: give more points=")
+            said.append(f"the heat with states between nodes differs from the program's by {100 * deviation:+.2g} %: give more points=")
         if error > NODES_SAID:
             more = ": give more points=" if error > NODE_ERROR else ""
             said.append(f"finer nodes may change the objective by {100 * error:.2g} %{more}")
@@ -568,7 +570,7 @@ class _Task:
         )
 
     def _caution_absurd(self, problem: MotionProblem, answer: Solution, cost: Figures) -> None:
-        """Say where numbers show that hardly any motion keeps the limits: a bound above the value, or a torque beyond all measure."""
+        """Caution if the numbers show that almost no motion keeps the limits: a bound above the value, or an enormous torque."""
         c, moving = problem.coefficients, cost.time - problem.resting
         length = float(np.abs(c.grid.step).sum())
         square = (length / moving) ** 2
@@ -578,24 +580,15 @@ class _Task:
         absurd = rms > ABSURD * usual
         if not (absurd or answer.gap < -NEGATIVE):
             return
-        what = f"a torque of {rms:.3g} N m rms at the crank, {rms / usual:.2g} times as much as at an even speed"
-        what = what if absurd else f"a bound above its value (gap {answer.gap:.1e}), so that it is not proved"
+        what = f"a torque of {rms:.3g} N m rms at the crank, {rms / usual:.2g} times the torque at an even speed"
+        what = what if absurd else f"a bound above its value (gap {answer.gap:.1e}), so its proof fails"
         found = speed_times(problem, self.limits)
         why = f": its limits of speed alone take {found.least:.6g} s, {found.words}" if found.by_limit else ""
         caution(f"the best motion of {self.press.name}, {cost.time:.6g} s a cycle, has {what}{why}; give more time, or wider limits")
 
 
 class _Solved(NamedTuple):
-    """The motion of a task.
-
-    Attributes:
-        task: the task.
-        problem: its last convex program's problem.
-        answer: this program's solution, with the bound of all motions.
-        notes: what is to be said of the proof.
-        choice: what is to be said of the path that was chosen.
-        full: the motion by full inverse dynamics, or None.
-    """
+    """The solution of the last convex program of a task, with notes on its proof and on the choice of its path."""
 
     task: _Task
     problem: MotionProblem
@@ -605,11 +598,11 @@ class _Solved(NamedTuple):
     full: FullMotion | None = None
 
     def saying(self, note: str) -> _Solved:
-        """The same with a note on the path that was chosen."""
+        """This motion, with a note on the choice of its path."""
         return self._replace(choice=(*self.choice, note))
 
     def kept_between_nodes(self) -> _Solved:
-        """The same with the drive's torque and power limited between nodes too."""
+        """This motion, with the drive's torque and power limited between nodes too."""
         if self.problem.drive.peak_torque is None and self.problem.drive.power is None:
             return self
         problem, answer, full, notes = self.task._kept_between_nodes(self.problem, self.answer)
@@ -617,9 +610,10 @@ class _Solved(NamedTuple):
 
 
 def node_error(values: Sequence[float]) -> float:
-    """By how much finer nodes may change the last of two or more values, each with twice as many nodes as the one before, as a share of it.
+    """Estimated error of the last of two or more values, as a share of it. Each value has twice the nodes of the value before.
 
-    Their error falls by two to four, to first or second order; of which order it is, three values show, but roughly: half more is told.
+    Doubling the nodes divides the error by 2 (first order) to 4 (second order). Three values show the order only roughly, so the estimate
+    is 1.5 times the computed error.
     """
     if len(values) < 2:
         return np.inf
@@ -633,7 +627,7 @@ def node_error(values: Sequence[float]) -> float:
 
 
 def _same_torque(found: Coefficients, before: Coefficients) -> bool:
-    """Whether torques and bearing forces are those with which a motion was found, so that another round changes nothing."""
+    """Whether torques and bearing forces equal those of the round before, so that another round changes nothing."""
     pairs = [
         (found.inner_torque, before.inner_torque),
         *((part.fixed, before.bearings[name].fixed) for name, part in found.bearings.items()),
@@ -644,18 +638,18 @@ def _same_torque(found: Coefficients, before: Coefficients) -> bool:
 def _fixed_point(feels: Sequence[str], rounds: int) -> str:
     counted = "1 round" if rounds == 1 else f"{rounds} rounds"
     return (
-        f"{' and '.join(feels)}: the torque was taken from the last motion, {counted}; each program is proved, not that no other"
-        " motion agrees with its own torques"
+        f"{' and '.join(feels)}: the torque is that of the last motion, {counted}; the proof holds for this torque, but another motion"
+        " with other torques may be better"
     )
 
 
 def _pause_in_words(pause: float, needed: bool) -> str:
-    words = f"a pause of {pause:.4g} s is left at the end of the cycle, in which a brake holds"
-    return f"{words}: limits ask for it" if needed else f"{words}: a slower motion would cost more"
+    words = f"a pause of {pause:.4g} s remains at the end of the cycle, in which a brake holds the press"
+    return f"{words}: limits require it" if needed else f"{words}: a slower motion would cost more"
 
 
 def _optimum(problem: MotionProblem, press_name: str, explained: bool) -> Solution:
-    """The optimum of a convex problem; where it is proved badly, again with the sizes of the motion found."""
+    """The optimum of a convex problem; after a bad proof the program is solved again, scaled by its last motion."""
     answer, fault = None, ""
     sizes = first_sizes(problem)
     for _ in range(3):
@@ -681,10 +675,11 @@ def _optimum(problem: MotionProblem, press_name: str, explained: bool) -> Soluti
 
 
 def _with_losses(problem: MotionProblem, answer: Solution) -> Solution:
-    """The best motion found where the program counts on smaller losses by the speed than its own motion has; the bound is the program's.
+    """The best motion found if losses grow with the speed and the program underestimates them; the bound remains the program's.
 
-    Losses by the root of b are concave in b, and below their tangent at any motion: the motion of a program with the tangent in their place
-    is no worse than the one at which it is drawn. Rounds begin at the program's motion and at the best one of a drive without losses.
+    These losses are concave in b, because they follow its root, so they lie below their tangent at any motion. A program with the tangent
+    in place of the losses finds a motion that is no worse than the motion at which the tangent touches. The rounds start at the program's
+    motion, and again at the best motion of a drive without losses.
     """
     without = replace(problem, drive=replace(problem.drive, viscous=0.0, iron=0.0))
     starts, best = [answer.b], answer
@@ -705,7 +700,7 @@ def _with_losses(problem: MotionProblem, answer: Solution) -> Solution:
 
 
 def _loses_by_speed(problem: MotionProblem) -> bool:
-    """Whether losses of the drive grow with its speed. Its program may then make them smaller than they are, and the gap is no rounding."""
+    """Whether losses of the drive grow with its speed. Then the program may underestimate them, and the gap is not only rounding."""
     return bool(problem.drive.viscous or (problem.drive.iron and "energy" in problem.weights))
 
 

@@ -1,7 +1,7 @@
 """Paths of the crank in a cycle: round, round with a rest, to and fro about bottom dead centre, or down in pulses.
 
-A path says where the crank goes and where it rests, not how fast. `PathLegs` is a path of one press: crank angles between which the crank
-goes one way, at rest at each of them, or one whole turn without any rest.
+A path defines where the crank goes and where it rests, but not its speed. `PathLegs` is the path of one press: crank angles at which the
+crank rests and between which it goes in one direction, or one whole turn without a rest.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ class PathLegs(NamedTuple):
     """The path of a press's crank in one cycle.
 
     Attributes:
-        angles: (k + 1,) crank angles from which and to which the k legs lead, one after the other [rad].
-        dwells: (k,) rest at the end of each leg that the path asks for [s].
-        closed: whether the crank never rests: one leg, a whole turn whose end is its beginning.
+        angles: (k + 1,) crank angles at the ends of the k legs, in order [rad].
+        dwells: (k,) required rest at the end of each leg [s].
+        closed: whether the crank never rests: one leg, a whole turn that ends where it starts.
         strokes: number of parts made in a cycle.
     """
 
@@ -40,7 +40,7 @@ class PathLegs(NamedTuple):
 
     @property
     def dwell(self) -> float:
-        """All rests that the path asks for [s]."""
+        """Sum of the required rests [s]."""
         return float(self.dwells.sum())
 
 
@@ -48,7 +48,7 @@ class PathLegs(NamedTuple):
 class Turn(Checked):
     """Full turns without a rest, from top dead centre to top dead centre.
 
-    Where gears bring the linkage back only after several turns of the crank, they are one cycle (`Linkage.period_turns`).
+    If the gears repeat the linkage's position only after several turns of the crank, these turns are one cycle (`Linkage.period_turns`).
 
     Attributes:
         backwards: whether the crank turns in the negative direction.
@@ -61,7 +61,7 @@ class Turn(Checked):
         truth_value("Turn: backwards", self.backwards)
 
     def legs(self, press: Linkage) -> PathLegs:
-        """The path of a press; raises PinpressError where its crank does not turn fully or its slide has no dead centres."""
+        """The path of a press; raises PinpressError if the crank does not turn fully or the slide has no dead centres."""
         ends = _dead_centres(press)
         way = 2 * np.pi * press.period_turns * (-1 if self.backwards else 1)
         return PathLegs(ends.top_angle + np.array([0.0, way]), np.zeros(1), True, round(press.period_turns / ends.turns))
@@ -71,10 +71,10 @@ class Turn(Checked):
 class Stop(Checked):
     """A full turn that begins and ends at rest at top dead centre, and may rest at bottom dead centre too.
 
-    What is left of a cycle's time is a pause at top dead centre.
+    The crank pauses at top dead centre for the remaining time of the cycle.
 
     Attributes:
-        bottom: rest at bottom dead centre [s]; 0: a stop without a dwell; None: the crank passes it.
+        bottom: rest at bottom dead centre [s]; 0: a stop without a dwell; None: the crank passes bottom dead centre.
         backwards: whether the crank turns in the negative direction.
     """
 
@@ -86,7 +86,7 @@ class Stop(Checked):
         truth_value("Stop: backwards", self.backwards)
 
     def legs(self, press: Linkage) -> PathLegs:
-        """The path of a press; raises as `Turn.legs`."""
+        """The path of a press; raises the errors of `Turn.legs`."""
         ends = _dead_centres(press)
         way = -1 if self.backwards else 1
         full = 2 * np.pi * ends.turns
@@ -98,19 +98,18 @@ class Stop(Checked):
 
 @dataclass(frozen=True)
 class Pendulum(Checked):
-    """The crank swings to and fro through bottom dead centre, from a height on one flank to the same height on the other: two strokes a
-    cycle.
+    """A swing to and fro through bottom dead centre, between two crank angles with the same height of the slide: two strokes a cycle.
 
     Attributes:
-        opening: height above bottom dead centre at which it turns back [m].
-        dwell: rest there, for feeding [s].
+        opening: height of the slide above bottom dead centre at which the crank turns back [m].
+        dwell: rest at this height, for feeding [s].
     """
 
     opening: float = field(metadata=parameter("m", "positive"))
     dwell: float = field(default=0.0, metadata=parameter("s", "not negative"))
 
     def legs(self, press: Linkage) -> PathLegs:
-        """The path of a press; raises PinpressError where the opening is no height within the stroke."""
+        """The path of a press; raises PinpressError if the opening is not within the stroke."""
         ends = _dead_centres(press)
         _refuse_beyond("Pendulum: opening", self.opening, ends)
         before, after = _flanks(press, ends, self.opening)
@@ -119,11 +118,11 @@ class Pendulum(Checked):
 
 @dataclass(frozen=True)
 class Pulse(Checked):
-    """A full turn from top dead centre in which the slide goes down in steps, with a rest, or a way back, after each.
+    """A full turn from top dead centre in which the slide goes down in steps, and rests or goes back up after each step.
 
     Attributes:
-        heights: falling heights above bottom dead centre to which the slide goes down one after the other; the last may be 0 [m].
-        back: way that the slide goes back up after each but the last [m]; 0: it only stops.
+        heights: falling heights above bottom dead centre at which the steps end; the last may be 0 [m].
+        back: distance that the slide goes back up after each step except the last [m]; 0: the slide only stops.
         dwell: rest at each of the heights [s].
     """
 
@@ -138,7 +137,7 @@ class Pulse(Checked):
         set_field(self, "heights", tuple(heights.tolist()))
 
     def legs(self, press: Linkage) -> PathLegs:
-        """The path of a press; raises PinpressError where a height, or the way back from it, is not within the stroke."""
+        """The path of a press; raises PinpressError if a height, or height + back, is not within the stroke."""
         ends = _dead_centres(press)
         full = 2 * np.pi * ends.turns
         angles, dwells = [ends.top_angle], []
@@ -157,7 +156,7 @@ Path = Turn | Stop | Pendulum | Pulse
 
 
 def legs_of(path: object, press: Linkage) -> PathLegs:
-    """The path of a press; raises PinpressError where ``path`` is none, or does not suit the press."""
+    """The path of a press; raises PinpressError if ``path`` is not a path or does not suit the press."""
     if not isinstance(path, Turn | Stop | Pendulum | Pulse):
         raise PinpressError(f"path is {shown(path)}: give servo.Turn(), Stop(...), Pendulum(...) or Pulse(...)")
     return path.legs(press)
@@ -168,7 +167,7 @@ def _fall(heights: Array) -> bool:
 
 
 def _dead_centres(press: Linkage) -> DeadCentres:
-    press.refuse_sliding_driver("servo motions are those of a crank; give positions over time to servo_cycle")
+    press.refuse_sliding_driver("servo motions need a crank; give positions over time to servo_cycle")
     return dead_centres(press)
 
 
@@ -187,6 +186,6 @@ def _flanks(press: Linkage, ends: DeadCentres, height: float) -> tuple[float, fl
 def _refuse_beyond(name: str, height: float, ends: DeadCentres) -> None:
     if not height < ends.stroke:
         raise PinpressError(
-            f"{name} is {height:g} m, not below top dead centre: give heights above bottom dead centre, less than the stroke of"
+            f"{name} is {height:g} m, not below top dead centre: give heights above bottom dead centre below the stroke of"
             f" {ends.stroke:.9g} m"
         )

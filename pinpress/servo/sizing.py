@@ -1,4 +1,4 @@
-"""What a servo press needs: the smallest motor of a catalogue with its best gear, and the capacitor that evens out its power."""
+"""Sizing of a servo press: the smallest motor of a catalogue with its best gear, and the capacitor that smooths its power."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from .optimum import EXCEEDED, FEWEST_POINTS, MOST_POINTS, POINTS, best_motion, 
 from .paths import Path, Pendulum, Pulse
 
 LARGEST_RATIO = 1e6
-FAR = 2.0  # thermal use beyond which a motor is too warm by far, and no motion is looked for
-ROUGHLY, LEAST_ROUGH = 4, 64  # a motor is first tried with so many times fewer segments, but at least so many
-NEAR, CLEARLY = 0.02, 0.1  # thermal use so near to 1, and other use by less than so much above it, are looked at with all segments
-MARGIN = 1.0 - 2.0 * EXCEEDED  # share of a limited torque that a motion is asked to keep, because between its nodes it may be above it
+FAR = 2.0  # with a larger thermal use the motor is far too warm, and no motion is computed
+ROUGHLY, LEAST_ROUGH = 4, 64  # a motor is first tried with a quarter of the segments, but at least 64
+NEAR, CLEARLY = 0.02, 0.1  # all segments are used if thermal use exceeds 1 by less than 0.02, or other use by less than 0.1
+MARGIN = 1.0 - 2.0 * EXCEEDED  # the program gets lower limits, because a motion may exceed them between its nodes
 
 
 @dataclass(frozen=True, repr=False)
@@ -43,15 +43,15 @@ class EnergyStore(
         "capacitance": "F",
     },
 ):
-    """The capacitor that evens out the power of a servo press, so that the mains give its mean alone.
+    """A capacitor that smooths the power of a servo press, so that the mains supply only the mean power.
 
     Attributes:
-        mean_power: mean electrical power of the cycle, what the mains give with the capacitor [W].
-        peak_power: largest electrical power, what the mains would give without it [W].
+        mean_power: mean electrical power of the cycle, the mains power with the capacitor [W].
+        peak_power: largest electrical power, the mains power without the capacitor [W].
         peak_returned: largest electrical power that braking gives back [W].
         energy_swing: difference between the largest and the smallest energy in the capacitor [J].
-        upper_voltage: of the direct-current link when it is full [V].
-        lower_voltage: when it is empty [V].
+        upper_voltage: voltage of the DC link with the capacitor full [V].
+        lower_voltage: voltage of the DC link with the capacitor empty [V].
         capacitance: 2 energy_swing / (upper_voltage² - lower_voltage²) [F].
     """
 
@@ -66,15 +66,15 @@ class EnergyStore(
 
 @typed
 def capacitor(motion: ServoMotion, upper_voltage: float = 750.0, lower_voltage: float = 450.0) -> EnergyStore:
-    """The capacitor in the direct-current link that evens out a motion's power: the mains feed its mean, the capacitor the rest.
+    """Size the capacitor of the DC link that smooths a motion's power: the mains supply the mean power, the capacitor the difference.
 
-    The electrical power is the mechanical one with the heat in windings and iron, `ServoMotion.mains_power`. All that braking gives back
-    goes into the capacitor. With the losses of converters and a capacitor that ages more is needed.
+    The electrical power is `ServoMotion.mains_power`: mechanical power + heat in windings and iron. All energy that braking gives back goes
+    into the capacitor. The losses of the converters, and the ageing of the capacitor, need additional capacitance.
 
     Args:
         motion: the motion.
-        upper_voltage: of the link when the capacitor is full [V].
-        lower_voltage: when it is empty [V].
+        upper_voltage: voltage of the DC link with the capacitor full [V].
+        lower_voltage: voltage of the DC link with the capacitor empty [V].
 
     Raises:
         PinpressError: the upper voltage is not above the lower one.
@@ -95,20 +95,20 @@ def capacitor(motion: ServoMotion, upper_voltage: float = 750.0, lower_voltage: 
 class TriedMotor(
     Record, units={"ratio": "-", "rms_torque": "N m", "mean_speed": "rad/s", "thermal": "-", "peak": "-", "speed": "-", "peak_power": "W"}
 ):
-    """A motor behind a gear with the motion that suffices, or else with the one of the least heat. Shares are those of `MotorUtilisation`.
+    """A motor with a gear and a sufficient motion, or, if no motion suffices, with the motion of the least heat.
 
-    Of a motor that is too warm by far, more than twice, there is no motion: what is given is what all motions have at least.
+    If the thermal use would be above 2, no motion is computed. Then rms_torque and thermal are lower bounds for all motions.
 
     Attributes:
         motor: name of the motor.
-        ratio: of the gear [-].
-        rms_torque: root mean square of the torque over cycle and pause [N m].
-        mean_speed: mean size of the speed over cycle and pause [rad/s].
-        thermal: rms torque as a share of the permanent torque at the mean speed [-].
-        peak: largest torque as a share of the peak torque at its speed; None: no motion [-].
-        speed: largest speed as a share of the highest; None: no motion [-].
-        peak_power: largest mechanical power; None: no motion [W].
-        remark: why it does not suffice; empty where it does.
+        ratio: gear ratio [-].
+        rms_torque: rms torque over cycle and pause [N m].
+        mean_speed: mean absolute speed over cycle and pause [rad/s].
+        thermal: rms torque / permanent torque at the mean speed [-].
+        peak: largest ratio of the torque to the peak torque at the same speed [-]; None: no motion.
+        speed: largest speed / highest speed of the motor [-]; None: no motion.
+        peak_power: largest mechanical power [W]; None: no motion.
+        remark: why the motor does not suffice; empty if it suffices.
     """
 
     motor: str
@@ -128,10 +128,10 @@ class MotorChoice(OfPress, Tabular):
 
     Attributes:
         press_name: name of the press.
-        motor: the motor; None where none suffices.
-        best: its best motion, with the drive and its ratio; None where none suffices.
-        use: what this motion uses of the motor; None where none suffices.
-        tried: all motors and ratios that were tried, the smallest motor first.
+        motor: the motor; None if no motor suffices.
+        best: the motor's best motion, with the drive and its ratio; None if no motor suffices.
+        use: how much of the motor this motion uses; None if no motor suffices.
+        tried: all tried motors and ratios, the smallest motor first.
     """
 
     _press: Linkage
@@ -178,32 +178,32 @@ def choose_motor(
     gear_inertia: float = 0.0,
     points: int | None = None,
 ) -> MotorChoice:
-    """The smallest motor that can do a press's work, with the ratio of its gear at which it is warmed least.
+    """Choose the smallest motor that can do a press's work, with the gear ratio at which the motor's thermal use is least.
 
-    Motors are tried from the smallest permanent power on, each with all ratios, until one suffices. Each gets the motion with the least
-    heat of all, which is proved: a motor that is too warm by it is too warm by any motion. Where this motion crosses the curve of peak
-    torque or is too fast, the best motion below the curve is looked for, less a margin of 0.1 %, because between its nodes a motion may be
-    above a limited torque by so much. A motor that is too warm with a quarter of the points, and not nearly cool enough, is not looked at
-    again. The motion's own notes say how closely it is proved. Nothing is said of ratios between those given.
+    Motors are tried in the order of their permanent power, each with all ratios, until a motor suffices. Each motor gets the motion with
+    the proved least heat. If the motor is too warm with this motion, it is too warm with any motion. If this motion exceeds the curve of
+    peak torque or the top speed, the best motion within 99.9 % of both is computed. The margin is needed because a motion may exceed
+    a limit between its nodes. A motor that is clearly too warm with a quarter of the points is not tried with all of them. The notes of the
+    motion report how closely it is proved. Ratios between the given ones may be better.
 
     Args:
         press: the press.
         motors: the catalogue, see `read_motors`.
-        loads: as of `inverse_dynamics`.
-        ratios: gear ratios to try, speed of the motor by speed of the crank.
-        time: most time of a cycle, see `best_motion` [s].
-        path: as of `best_motion`.
-        limits: as of `best_motion`.
+        loads: as in `inverse_dynamics`.
+        ratios: gear ratios to try, speed of the motor / speed of the crank [-].
+        time: largest time of a cycle, see `best_motion` [s].
+        path: as in `best_motion`.
+        limits: as in `best_motion`.
         pause: time after each cycle in which the motor carries no current (duty S3) [s].
-        gear_inertia: of gears at the crank [kg m2].
-        points: as of `best_motion`.
+        gear_inertia: inertia of gears at the crank [kg m2].
+        points: as in `best_motion`.
 
     Raises:
-        PinpressError: there is no motor or no ratio, no motion of any motor keeps the limits, or as `best_motion`.
+        PinpressError: there is no motor or no ratio, no motion keeps the limits, or as `best_motion`.
     """
     given = list(motors)
     if not given or not all(isinstance(each, CatalogueMotor) for each in given):
-        raise PinpressError(f"motors is {shown(motors)}: give one or more motors, servo.read_motors(path)")
+        raise PinpressError(f"motors is {shown(motors)}: give one or more motors, e.g. servo.read_motors(path)")
     chosen = numbers("ratios", ratios, (None,))
     if not len(chosen) or not np.all((chosen > 0) & (chosen <= LARGEST_RATIO)):
         raise PinpressError(f"ratios is {shown(ratios)}: give one or more positive gear ratios, up to {LARGEST_RATIO:g}")
@@ -239,12 +239,12 @@ def _tried(
     pause: float,
     points: int | None,
 ) -> tuple[TriedMotor, list[tuple[MotorUtilisation, MotionOptimum]]]:
-    """What came of a motor and a ratio, and its use where it suffices; arguments as of `choose_motor`."""
+    """The result for a motor and a ratio, and, if the motor suffices, its use and motion; arguments as in `choose_motor`."""
     drive = motor.drive(ratio, gear_inertia=gear_inertia)
     free = replace(drive, peak_torque=None, top_speed=None, curve_speed=None, curve_torque=None)
     most = POINTS if points is None else points
     rough = max(most // ROUGHLY, LEAST_ROUGH)
-    if rough < most and not isinstance(path, Pendulum | Pulse):  # of a crank that goes one way the mean speed is known
+    if rough < most and not isinstance(path, Pendulum | Pulse):  # a crank that turns in one direction has a known mean speed
         rms = math.sqrt(max(0.0, least_heat(press, free, loads, time, path, limits, rough)) / (time + pause)) / ratio
         mean = ratio * 2.0 * np.pi * dead_centres(press).turns / (time + pause)
         thermal = rms / float(motor.rated_torque_at(mean))
@@ -263,7 +263,7 @@ def _tried(
     drive = replace(drive, curve_torque=below, peak_torque=None, top_speed=MARGIN * motor.top_speed)
     try:
         limited = best_motion(press, drive, loads, time=time, path=path, limits=limits, points=points)
-    except PinpressError:  # no motion keeps them
+    except PinpressError:  # no motion keeps these limits
         return _row(use, best, "above its peak torque" if use.peak > 1 else "too fast"), []
     used = motor_use(motor, limited.motion, pause=pause)
     if used.suffices:

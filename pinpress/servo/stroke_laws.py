@@ -1,6 +1,6 @@
-"""Motions that engineers know: constant crank speed, two speeds, constant slide speed, and the laws of VDI 2143 from rest to rest.
+"""Established motions: constant crank speed, two speeds, constant slide speed, and the laws of VDI 2143 from rest to rest.
 
-What such a law leaves free is chosen for the least heat: the ramps between two speeds, and how a cycle's time is shared between two legs.
+Free parameters have the values with the least heat: the duration of the ramps, and the share of the cycle's time for each of two legs.
 """
 
 from __future__ import annotations
@@ -35,22 +35,16 @@ if TYPE_CHECKING:
 
 TURN, STOP = Turn(), Stop()
 POINTS = 720  # states of a cycle
-FEWEST = 8  # steps of each smooth piece of a cycle: a ramp, a leg between its jumps and the edges of loads
-SHARES = 1e-4  # to which ramps and shares of time are found, of their range
+FEWEST = 8  # least number of steps for a smooth piece of a cycle: a ramp, or a leg between jumps and edges of loads
+SHARES = 1e-4  # error of the free parameters, as a share of their range
 LEAST_RAMP = 1e-3  # shortest ramp, as a share of the cycle
-SAME = 1e-9  # share of a speed below which two are one
-BESIDE = 1e-9  # how near states are to an angle at which a load begins, as a share of the part of the cycle
-WINDOW = 721  # crank angles at which a window of heights is looked at
+SAME = 1e-9  # speeds that differ by a smaller share count as equal
+BESIDE = 1e-9  # share of a piece by which states are moved off the angle at which a load begins
+WINDOW = 721  # number of crank angles at which a window of heights is evaluated
 
 
 class _Part(NamedTuple):
-    """A part of a cycle, counted along the path.
-
-    Attributes:
-        duration: its time [s].
-        at: returns the angle from its start [rad], the speed and the acceleration at times since its start.
-        corners: times since its start at which the acceleration jumps or has a corner [s]; it is smooth between them.
-    """
+    """A part of a cycle; ``at`` returns angle, speed and acceleration at times since its start, smooth between the times ``corners``."""
 
     duration: float
     at: Callable[[Array], tuple[Array, Array, Array]]
@@ -59,17 +53,7 @@ class _Part(NamedTuple):
 
 @dataclass(frozen=True)
 class _Cycle:
-    """What all laws of a cycle need.
-
-    Attributes:
-        press: the press.
-        drive: its drive.
-        loads: its loads.
-        legs: the path.
-        edges: (k,) crank angles at which a load begins or ends [rad].
-        time: time of the cycle [s].
-        points: number of states.
-    """
+    """The arguments of a cycle's motion laws; ``edges``: (k,) crank angles at which a load begins or ends [rad]."""
 
     press: Linkage
     drive: ServoDrive
@@ -86,25 +70,25 @@ class _Cycle:
 
     @property
     def way(self) -> float:
-        """Angle by which the crank turns in a stroke of a full turn, not negative [rad]."""
+        """Absolute angle by which the crank turns in a stroke, on a path of full turns [rad]."""
         return abs(float(self.legs.angles[-1] - self.legs.angles[0])) / self.legs.strokes
 
     @property
     def forward(self) -> bool:
-        """Whether the crank of a full turn turns positively."""
+        """Whether the crank turns in the positive direction, on a path of full turns."""
         return bool(self.legs.angles[-1] > self.legs.angles[0])
 
     def turning(self, parts: Sequence[_Part], start: float) -> ServoMotion:
-        """The motion of a full turn, or of several strokes that are alike, from the parts of a stroke that begin at a crank angle."""
+        """The motion of a full turn, or of several equal strokes, from the parts of a stroke that starts at a crank angle."""
         return self.motion([_begun_later([*parts] * self.legs.strokes, self._ahead(start))])
 
     def _ahead(self, start: float) -> float:
-        """Angle that the crank turns from an angle to where the path begins [rad]."""
+        """Angle by which the crank turns from an angle to the start of the path [rad]."""
         ahead = float(self.legs.angles[0]) - start
         return (ahead if self.forward else -ahead) % self.way
 
     def motion(self, legs: Sequence[Sequence[_Part]]) -> ServoMotion:
-        """The motion of parts, leg by leg, with weights of Simpson's rule over every smooth piece."""
+        """The motion made of the parts of each leg, with the weights of Simpson's rule over every smooth piece."""
         times, weights, states = [], [], []
         angle, time = float(self.legs.angles[0]), 0.0
         ways = np.sign(np.diff(self.legs.angles))
@@ -114,7 +98,7 @@ class _Cycle:
                 for first, last in itertools.pairwise(ends.tolist()):
                     steps = max(FEWEST, 2 * math.ceil(0.5 * self.points * (last - first) / self.time))
                     since = np.linspace(first, last, steps + 1)
-                    # at edges and corners forces may jump: each piece keeps to its own side
+                    # forces may jump at edges and corners: the states of a piece stay on its side of them
                     since[0] += BESIDE * (last - first) * (first > 0)
                     since[-1] -= BESIDE * (last - first) * (last < part.duration)
                     gained, speed, acceleration = part.at(since)
@@ -168,7 +152,7 @@ def _by_law(law: MotionLaw, way: float, duration: float) -> _Part:
 
 
 def _begun_later(parts: list[_Part], angle: float) -> list[_Part]:
-    """The parts of a closed path from where the crank has turned by an angle on; those before it come last."""
+    """The parts of a closed path, starting after the crank has turned by an angle; the parts before that come last."""
     for k, part in enumerate(parts):
         turned = float(part.at(np.array([part.duration]))[0][0])
         if angle < turned:
@@ -179,7 +163,7 @@ def _begun_later(parts: list[_Part], angle: float) -> list[_Part]:
 
 
 def _cut(part: _Part, angle: float) -> list[_Part]:
-    """A part in two, cut where the crank has turned by an angle; the part itself where that is nothing."""
+    """The two parts of a part that is cut after the crank has turned by an angle; the uncut part if the angle is 0."""
     from scipy.optimize import brentq  # to save start-up time
 
     if angle <= 0:
@@ -198,13 +182,13 @@ def _cut(part: _Part, angle: float) -> list[_Part]:
 def constant_crank_speed(
     press: Linkage, drive: ServoDrive, loads: Sequence[Load] = (), *, time: float, path: Path = TURN, points: int = POINTS
 ) -> ServoMotion:
-    """The motion of a servo press whose crank turns at constant speed, as that of a press with a heavy flywheel.
+    """The motion of a servo press whose crank turns at constant speed, as in a press with a heavy flywheel.
 
     Args:
         press: the press.
-        drive: its drive.
-        loads: as of `inverse_dynamics`.
-        time: of a cycle [s].
+        drive: the drive.
+        loads: as in `inverse_dynamics`.
+        time: time of a cycle [s].
         path: `Turn`; by default forwards.
         points: number of states.
 
@@ -227,23 +211,23 @@ def two_speed(
     path: Path = TURN,
     points: int = POINTS,
 ) -> ServoMotion:
-    """The motion of a servo press with two crank speeds: slow while the slide works, fast for the rest.
+    """The motion of a servo press with two crank speeds: slow while the slide works, fast for the rest of the cycle.
 
-    The slow speed is the highest at which the slide nowhere in the window of heights is faster than allowed. Before and after it the speed
-    changes at constant acceleration, in the time that makes the heat least.
+    The slow speed is the highest at which the slide keeps the limit everywhere in the window of heights. The crank accelerates and
+    decelerates at constant rates, in the time that gives the least heat.
 
     Args:
         press: the press.
-        drive: its drive.
-        loads: as of `inverse_dynamics`.
-        time: of a cycle [s].
-        limit: largest speed of the slide in a window of heights, on its way down.
+        drive: the drive.
+        loads: as in `inverse_dynamics`.
+        time: time of a cycle [s].
+        limit: largest speed of the slide in a window of heights, on the way down.
         path: `Turn`; by default forwards.
         points: number of states.
 
     Raises:
-        PinpressError: the path has rests, heights are not within the stroke, the time is too short, or so long that the speed can be
-            constant, or as `evaluate`.
+        PinpressError: the path has rests, heights are not within the stroke, the time is too short, or a constant crank speed already keeps
+            the limit; also as `evaluate`.
     """
     cycle = _cycle(press, drive, loads, time, path, points)
     _refuse_rests(cycle)
@@ -273,18 +257,18 @@ def constant_slide_speed(
     path: Path = TURN,
     points: int = POINTS,
 ) -> ServoMotion:
-    """The motion of a servo press whose slide goes down at constant speed within a window of heights, while the crank turns at constant
-    speed for the rest.
+    """The motion of a servo press whose slide goes down at constant speed within a window of heights.
 
-    Near bottom dead centre, where the crank would have to turn ever faster to keep the slide's speed, it goes on at the speed of the rest
-    as soon as it has reached that. Before the window the crank slows down at constant acceleration, in the time that makes the heat least.
+    Outside the window the crank turns at constant speed. Near bottom dead centre the crank would have to turn faster and faster to keep the
+    slide's speed. There the crank stays at the outer speed once it has reached it. Before the window the crank slows down at a constant
+    rate, in the time that gives the least heat.
 
     Args:
         press: the press.
-        drive: its drive.
-        loads: as of `inverse_dynamics`.
-        time: of a cycle [s].
-        limit: speed of the slide in a window of heights, on its way down.
+        drive: the drive.
+        loads: as in `inverse_dynamics`.
+        time: time of a cycle [s].
+        limit: speed of the slide in a window of heights, on the way down.
         path: `Turn`; by default forwards.
         points: number of states.
 
@@ -317,28 +301,28 @@ def motion_by_law(
     path: Path = STOP,
     points: int = POINTS,
 ) -> ServoMotion:
-    """The motion of a servo press whose crank goes from rest to rest by a law of VDI 2143, on each leg of its path.
+    """The motion of a servo press whose crank goes from rest to rest by a law of VDI 2143 on each leg of its path.
 
-    Two legs share the time so that the heat is least. Of more legs each takes a time by the root of its angle, as is best for a constant
-    inertia.
+    Two legs share the time so that the heat is least. With more legs, the time of a leg is proportional to the root of its angle, which is
+    best for a constant inertia.
 
     Args:
         press: the press.
-        drive: its drive.
+        drive: the drive.
         law: name of the law, see `vdi_law`.
-        loads: as of `inverse_dynamics`.
-        time: of a cycle, of which the legs take all that is not rest [s].
-        path: `Stop`, `Pendulum` or `Pulse`; by default `Stop()`: one leg from top to top dead centre.
+        loads: as in `inverse_dynamics`.
+        time: time of a cycle, the sum of legs and rests [s].
+        path: `Stop`, `Pendulum` or `Pulse`; by default `Stop()`: one leg from top dead centre to top dead centre.
         points: number of states.
 
     Raises:
-        PinpressError: the path has no rests, they take all the time, or as `evaluate`.
-        UnknownNameError: there is no such law.
+        PinpressError: the path has no rests, the rests take all the time, or as `evaluate`.
+        UnknownNameError: no law has this name.
     """
     chosen = vdi_law(law)
     cycle = _cycle(press, drive, loads, time, path, points)
     if cycle.legs.closed:
-        raise PinpressError("path is a turn without a rest, and the laws go from rest to rest: give servo.Stop(), Pendulum or Pulse")
+        raise PinpressError("path is a turn without a rest, but the laws go from rest to rest: give servo.Stop(), Pendulum or Pulse")
     ways, moving = np.abs(np.diff(cycle.legs.angles)), cycle.time - cycle.legs.dwell
     if not moving > 0:
         raise PinpressError(f"time is {cycle.time:g} s, but the path rests for {cycle.legs.dwell:g} s: give more time")
@@ -365,22 +349,22 @@ def ready_motions(
     limits: Sequence[Limit] = (),
     points: int = POINTS,
 ) -> dict[str, ServoMotion]:
-    """All motions that engineers know for a cycle, by their names: what a better one is to be compared with.
+    """All established motions for a cycle, with their names, to compare a better motion with.
 
-    Of a full turn these are "constant crank speed", and where the slide's speed is limited and a constant crank speed breaks the limit,
-    "two speeds" and "constant slide speed". Of a path with rests they are the laws of `vdi_law`, of which none heeds a limit.
+    For a full turn the motions are "constant crank speed" and, if this breaks a limit of the slide's speed, "two speeds" and "constant
+    slide speed". For a path with rests they are the laws of `vdi_law`, which do not consider limits.
 
     Args:
         press: the press.
-        drive: its drive.
-        loads: as of `inverse_dynamics`.
-        time: of a cycle [s].
-        path: by default `Turn()`.
-        limits: as of `best_motion`; of these the first `SlideSpeed` of the way down is kept where that is said above.
+        drive: the drive.
+        loads: as in `inverse_dynamics`.
+        time: time of a cycle [s].
+        path: where the crank goes; by default `Turn()`.
+        limits: as in `best_motion`; only the first `SlideSpeed` of the way down is considered.
         points: number of states.
 
     Raises:
-        PinpressError: as the functions that make one motion.
+        PinpressError: as the functions for single motions.
     """
     cycle = _cycle(press, drive, loads, time, path, points)
     common: dict[str, Any] = {"time": cycle.time, "path": path, "points": cycle.points}
@@ -399,14 +383,10 @@ def ready_motions(
 
 @dataclass(frozen=True)
 class _Window:
-    """A window of heights on the slide's way down.
+    """A window of heights on the slide's way down, which starts at crank angle ``start`` and takes the crank angle ``angle``.
 
-    Attributes:
-        speed: of the slide in it [m/s].
-        start: crank angle at its upper end [rad].
-        angle: by which the crank turns within it [rad].
-        height: spline of the slide's height over the angle since the start [m].
-        ratio: spline of the way of the slide by the crank's angle, positive downwards, over the same [m/rad].
+    ``height`` and ``ratio`` are splines over the crank angle since the start: the slide's height [m], and its slope, positive downwards
+    [m/rad]. ``speed`` is the speed of the slide in the window.
     """
 
     speed: float
@@ -417,7 +397,7 @@ class _Window:
 
     @property
     def slowest(self) -> float:
-        """Largest constant speed of the crank at which the slide nowhere in the window is faster than it may [rad/s]."""
+        """Largest constant speed of the crank at which the slide keeps its speed limit everywhere in the window [rad/s]."""
         return self.speed / float(self.ratio(np.linspace(0.0, self.angle, 4 * WINDOW)).max())
 
 
@@ -426,7 +406,7 @@ def _window(cycle: _Cycle, limit: SlideSpeed) -> _Window:
 
     expect("limit", limit, SlideSpeed, "servo.SlideSpeed")
     if limit.flank == "up":
-        raise PinpressError('limit is one of the way up: give SlideSpeed(speed, heights, flank="down")')
+        raise PinpressError('limit holds on the way up: give SlideSpeed(speed, heights, flank="down")')
     ends, speed = dead_centres(cycle.press), limit.speed
     lower, upper = span(limit)
     if not lower < ends.stroke:
@@ -443,10 +423,10 @@ def _window(cycle: _Cycle, limit: SlideSpeed) -> _Window:
 
 
 def _beside_window(cycle: _Cycle, window: _Window, ramp: float) -> tuple[float, list[_Part]]:
-    """The parts of a stroke at constant slide speed in the window, with ramps of a duration and one speed beside it.
+    """The parts of a stroke at constant slide speed in the window, and at constant crank speed outside, with ramps of a duration between.
 
     Returns:
-        The angle in the window at which the slide's speed begins to be constant [rad], and the parts.
+        The angle since the start of the window at which the constant slide speed starts [rad], and the parts.
     """
     from scipy.optimize import brentq  # to save start-up time
 
@@ -477,7 +457,7 @@ def _beside_window(cycle: _Cycle, window: _Window, ramp: float) -> tuple[float, 
 
 
 def _constant_within(window: _Window, fast: float) -> tuple[float, float]:
-    """Angles in the window between which the slide goes at its constant speed: where the crank is slower than beside the window."""
+    """Angles in the window between which the slide has its constant speed: there the crank is slower than outside the window."""
     ends = [0.0, window.angle]
     roots = np.sort(window.ratio.solve(window.speed / fast, extrapolate=False))
     slower = [bool(window.ratio(x) * fast > window.speed) for x in ends]
@@ -513,7 +493,7 @@ def _cycle(press: Linkage, drive: ServoDrive, loads: Sequence[Load], time: float
 
 
 def _load_edges(press: Linkage, loads: Sequence[Load]) -> Array:
-    """(k,) crank angles within the slide's period at which a load begins or ends, or changes its law, as at dead centres [rad]."""
+    """(k,) crank angles within the slide's period at which a load begins, ends or (at dead centres) changes its law [rad]."""
     ends = dead_centres(press)
     if not loads:
         return np.empty(0)
@@ -531,7 +511,7 @@ def _load_edges(press: Linkage, loads: Sequence[Load]) -> Array:
 
 
 def _best(motion: Callable[[float], ServoMotion], low: float, high: float) -> ServoMotion:
-    """The motion of the number between two ends that has the least heat."""
+    """The motion with the least heat, over a parameter between two ends."""
     from scipy.optimize import minimize_scalar  # to save start-up time
 
     options = {"xatol": SHARES * (high - low)}
@@ -541,7 +521,7 @@ def _best(motion: Callable[[float], ServoMotion], low: float, high: float) -> Se
 
 def _refuse_rests(cycle: _Cycle) -> None:
     if not cycle.legs.closed:
-        raise PinpressError("path has rests, and this motion has none: give servo.Turn(), or a law from rest to rest, motion_by_law")
+        raise PinpressError("path has rests, but this motion does not rest: give servo.Turn(), or take motion_by_law")
 
 
 def _is_slack(cycle: _Cycle, window: _Window) -> bool:
@@ -552,7 +532,7 @@ def _refuse_slack(cycle: _Cycle, window: _Window) -> None:
     if _is_slack(cycle, window):
         even = cycle.way / cycle.stroke_time * window.speed / window.slowest
         raise PinpressError(
-            f"limit is {window.speed:g} m/s, but at constant crank speed the slide is no faster than {even:.4g} m/s in the window:"
+            f"limit is {window.speed:g} m/s, but at constant crank speed the slide reaches at most {even:.4g} m/s in the window:"
             " take constant_crank_speed, or give a lower speed or less time"
         )
 
@@ -560,6 +540,6 @@ def _refuse_slack(cycle: _Cycle, window: _Window) -> None:
 def _refuse_short(cycle: _Cycle, working: float) -> None:
     if not working < (1 - 4 * LEAST_RAMP) * cycle.stroke_time:
         raise PinpressError(
-            f"time is too short: of {cycle.stroke_time:g} s a stroke the window of heights alone takes {working:.6g} s at this slide speed;"
-            " give more time, a higher speed or a smaller window"
+            f"time is too short: a stroke has {cycle.stroke_time:g} s, but the window of heights alone takes {working:.6g} s at this slide"
+            " speed; give more time, a higher speed or a smaller window"
         )

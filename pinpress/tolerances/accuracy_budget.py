@@ -11,17 +11,18 @@
         machining=tol.bottom_dead_centre(press, parts),
     ))
 
-The height of the die is set while the press turns slowly, idle and cold. It runs at another speed, then with the force of the process,
-then warm. What moves the bottom dead centre from the first of these conditions to the others is its rise. Machining makes no rise: it is
-what the setting takes away, and differs from press to press.
+The height of the die is set while the press turns slowly, idle and cold. Later the press runs at another speed, then with the force of the
+process, then warm. The rise is the shift of bottom dead centre from the first condition to another. Machining causes no rise: it differs
+from press to press, and setting the die removes it.
 
 GB/T 29548-2024 tests the change of the bottom dead centre of an idle press in three phases: it speeds up from its initial state to its
-largest speed (3.2), warms at 80 % of that (3.3), and runs on warm (3.4). With ``speeds=[slow, largest, 0.8 * largest]`` the first two are
-differences of rises here, idle and "idle, warm". Its terms were at hand, its permissible values were not, and none are built in.
+largest speed (3.2), warms at 80 % of that speed (3.3), and continues warm (3.4). With ``speeds=[slow, largest, 0.8 * largest]`` the first
+two phases are differences of the rises "idle" and "idle, warm". The standard's permissible values are not built in, because only its terms
+were available.
 
-In every condition the slide stands at z + p + d over the crank angle, with the rigid press's z, its place p in the clearances (see `play`)
-and the deflection d of its springs (`elasticity.slide_deflection`, quasi-static); the least of these near the rigid dead centre is the dead
-centre that counts. Heat is added to it. All parts are of first order, so that they add.
+In every condition the slide stands at z + p + d over the crank angle. z is the position in the rigid press, p the offset in the clearances
+(see `play`), and d the deflection of the springs (`elasticity.slide_deflection`, quasi-static). The lowest position near the rigid dead
+centre is bottom dead centre. The shift by heat is added. All parts are of first order, so they can be added.
 """
 
 from __future__ import annotations
@@ -52,11 +53,11 @@ from .dead_centre_scatter import DeadCentreScatter
 from .scatter import widest_coverage
 from .temperatures import Temperatures, heat
 
-WINDOW = np.radians(6.0)  # on both sides of the rigid dead centre, where that of the press is looked for [rad]
-STATES = 121  # in this window: half a step of 0.05 deg moves a slide by less than 1e-6 of the crank radius
+WINDOW = np.radians(6.0)  # range on both sides of the rigid dead centre in which the lowest position is searched [rad]
+STATES = 121  # crank angles in this range: half a step of 0.05 deg moves a slide by less than 1e-6 of the crank radius
 PARTS = ("clearances", "springs", "heat")
-SOFTEST = 0.5  # deflection as a share of the stroke above which springs are no small deflection
-NEGLIGIBLE = 5e-8  # what is not printed [m]
+SOFTEST = 0.5  # a larger deflection, as a share of the stroke, is not small, and first order does not hold
+NEGLIGIBLE = 5e-8  # smaller shifts are not printed [m]
 
 
 @dataclass(frozen=True, repr=False)
@@ -64,19 +65,19 @@ class BottomCondition(
     Record,
     units=dict.fromkeys(("clearances", "springs", "crank", "heat", "shift", "lowest", "highest", "rise"), "m") | {"speed": "rad/s"},
 ):
-    """Bottom dead centre of a press in one condition, against that of the rigid press without clearances.
+    """Bottom dead centre of a press in one condition, compared with the rigid press without clearances.
 
     Attributes:
-        speed: of the crank [rad/s].
-        condition: "idle", "process" or "process, warm", and the like.
-        clearances: share of the clearances [m].
-        springs: share of the springs [m].
-        crank: what is left because the slide is lowest aside of the rigid dead centre [m].
-        heat: share of the heat [m].
-        shift: sum of all shares, positive upwards [m].
-        lowest: lowest value that the sum may have, with undetermined bearings and stiffnesses at their ends [m].
-        highest: highest value, likewise [m].
-        rise: its difference from the first condition, in which the press is set [m].
+        speed: speed of the crank [rad/s].
+        condition: "idle", "process", "idle, warm" or "process, warm".
+        clearances: shift by clearances [m].
+        springs: shift by springs [m].
+        crank: remaining shift, because the slide is lowest next to the rigid dead centre and not at it [m].
+        heat: shift by heat [m].
+        shift: sum of all shifts, positive upwards [m].
+        lowest: lowest possible shift, with undetermined bearings and stiffnesses at the ends of their ranges [m].
+        highest: highest possible shift, with the same at their other ends [m].
+        rise: shift - shift in the first condition, in which the press is set [m].
     """
 
     speed: float
@@ -93,13 +94,13 @@ class BottomCondition(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AccuracyBudget(OfPress, Tabular):
-    """What moves the bottom dead centre of a press. Positive shifts are upwards.
+    """Shifts of the bottom dead centre of a press by their causes. Positive shifts are upwards.
 
     Attributes:
         press_name: name of the press.
         coordinate: what the coordinate of the driver is.
-        conditions: bottom dead centre in every condition, that in which the press is set first.
-        machining: scatter of the bottom dead centre with the dimensions of the press; None where it was not given.
+        conditions: bottom dead centre in every condition; the press is set in the first one.
+        machining: scatter of the bottom dead centre with the dimensions of the press; None if not given.
     """
 
     _press: Linkage
@@ -119,11 +120,11 @@ class AccuracyBudget(OfPress, Tabular):
 
     @property
     def decides(self) -> str:
-        """What makes most of the largest rise: "clearances", "springs" or "heat"."""
+        """The cause of most of the largest rise: "clearances", "springs" or "heat"."""
         return max(PARTS, key=lambda part: abs(self._change(part)))
 
     def _change(self, part: str) -> float:
-        """What a part adds to the largest rise [m]."""
+        """Contribution of a cause to the largest rise [m]."""
         return float(getattr(self.worst, part) - getattr(self.conditions[0], part))
 
     @property
@@ -174,44 +175,44 @@ def budget(
     known_to: float = KNOWN_TO,
     stiffness_known_to: float = 0.1,
 ) -> AccuracyBudget:
-    """Find what moves the bottom dead centre of a press over speed, process and temperature.
+    """Compute the shifts of a press's bottom dead centre over speed, process and temperature, by their causes.
 
     Args:
         press: a press with one crank and a slide.
         speeds: (S,) speeds of the crank [rad/s]; the press is set at the first one.
-        clearance: of its bearings, as of `play`; None: without.
-        stiffness: of its parts, as of `elasticity.compliance`; None: rigid.
-        temperatures: of its links when it is warm, as of `heat`; None: it stays cold.
-        loads: that always act, such as a balance cylinder.
-        process: force of the process on the slide at bottom dead centre in production, as coining leaves it; positive resists the working
-            stroke [N]. 0 where it has let go by then, as in blanking.
-        machining: what `bottom_dead_centre` has found; it is shown beside the rest.
-        known_to: share to which masses and loads are known, as of `play` [-].
-        stiffness_known_to: share to which stiffnesses are known, all at their worst at once [-].
+        clearance: clearances of the bearings, as in `play`; None: no clearances.
+        stiffness: stiffnesses of the parts, as in `elasticity.compliance`; None: rigid.
+        temperatures: temperatures of the links of the warm press, as in `heat`; None: the press stays cold.
+        loads: loads that always act, such as a balance cylinder.
+        process: force of the process on the slide at bottom dead centre, e.g. in coining; positive resists the working stroke [N]. Use 0 if
+            the process has ended before, as in blanking.
+        machining: result of `bottom_dead_centre`, shown next to the other shifts.
+        known_to: relative uncertainty of masses and loads, as in `play` [-].
+        stiffness_known_to: relative uncertainty of stiffnesses, all at their worst at once [-].
 
     Raises:
-        PinpressError: neither clearance nor stiffness nor temperatures are given; speeds that are no finite numbers other than zero; the
-            slide is lowest further than 6 degrees from the rigid dead centre; the driver slides; machining is of another press; and as
-            `play`, `heat` and `elasticity.slide_deflection`.
-        UnknownNameError: as these.
+        PinpressError: neither clearance nor stiffness nor temperatures are given, a speed is zero or not finite, the slide is lowest more
+            than 6 degrees from the rigid dead centre, the driver slides, or machining belongs to another press; also as `play`, `heat` and
+            `elasticity.slide_deflection`.
+        UnknownNameError: as these functions.
         SingularityError: the linkage locks.
     """
-    press.refuse_several_drivers("the budget is that of a press with one crank; see bottom_dead_centre and play with their motion")
-    press.refuse_sliding_driver("the budget is that of a crank's bottom dead centre")
+    press.refuse_several_drivers("budget needs a press with one crank; bottom_dead_centre and play take a motion of several")
+    press.refuse_sliding_driver("budget needs a press with a crank")
     if clearance is None and stiffness is None and temperatures is None:
-        raise PinpressError("nothing moves the dead centre: give clearance, stiffness or temperatures")
+        raise PinpressError("budget has nothing that moves the dead centre: give clearance, stiffness or temperatures")
     if machining is not None and not is_same_press(machining._press, press):
         its = told_apart(machining._press, press)
-        raise PinpressError(f"machining is the scatter of {its}: give that of {press.name}, bottom_dead_centre(press, ...)")
+        raise PinpressError(f"machining is the scatter of {its}: give the scatter of {press.name}, bottom_dead_centre(press, ...)")
     given = np.atleast_1d(numbers("speeds", speeds, unit="rad/s"))
     if given.ndim != 1 or not len(given) or not np.all(np.abs(given) >= SLOWEST):
-        raise PinpressError("speeds: give (S,) speeds of the crank other than zero, that at which the press is set first [rad/s]")
+        raise PinpressError("speeds has no value, or a speed of zero: give speeds of the crank, first that for setting the press [rad/s]")
     doubt = number("stiffness_known_to", stiffness_known_to, "-")
     if not 0.0 <= doubt < 1.0:
-        raise PinpressError(f"stiffness_known_to is {doubt:g}: give a share from 0 to below 1, 0.1 where stiffnesses are known to 10 %")
+        raise PinpressError(f"stiffness_known_to is {doubt:g}: give a share from 0 to below 1, e.g. 0.1 for stiffnesses known to 10 %")
     force = number("process", process, "N")
     if not abs(force) <= LARGEST:
-        raise PinpressError(f"process is {force:g} N: give the force at bottom dead centre [N], {LARGEST:g} at most")
+        raise PinpressError(f"process is {force:g} N: give the force at bottom dead centre, at most {LARGEST:g} N")
     doubt_speeds(press, given)
     plausibility.forces("process", abs(force), GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass))
     warm = 0.0 if temperatures is None else heat(press, temperatures).bottom_shift
@@ -280,14 +281,15 @@ class _Bottom:
             stroke = dead_centres(press).stroke
             if np.abs(deflection).max() > SOFTEST * stroke:
                 raise PinpressError(
-                    f"the springs of {press.name} yield by {1e3 * np.abs(deflection).max():.3g} mm at {speed:.5g} rad/s, with a stroke of"
+                    f"the springs of {press.name} deflect by {1e3 * np.abs(deflection).max():.3g} mm at {speed:.5g} rad/s, but the stroke"
+                    " is only"
                     f" {1e3 * stroke:.3g} mm: check stiffnesses [N/m], speed and loads"
                 )
             doubt = stiffness_known_to * np.sum([np.abs(part) for part in deflected.parts.values()], axis=0)
         at = int((rigid + offset + deflection).argmin())
         if at in (0, STATES - 1):
             raise PinpressError(
-                f"the slide of {press.name} is lowest further than 6 deg from its rigid bottom dead centre at {speed:.5g} rad/s: check"
+                f"the slide of {press.name} is lowest more than 6 deg from its rigid bottom dead centre at {speed:.5g} rad/s: check"
                 " stiffnesses and loads"
             )
         return _Bottom(

@@ -1,9 +1,9 @@
-"""The cheapest tolerances that keep what is asked of the dead centres, proved to be the cheapest.
+"""The cheapest tolerances that keep targets for the scatter of the dead centres, with a proof.
 
-A dimension with the tolerance t_i costs k_i T_i / t_i: k_i at its present tolerance T_i, and twice as much at half of it. The variance of a
-quantity with gradient g is sum (g_i r_i t_i)^2, with the share r_i of the tolerance that is the dimension's standard deviation. With
-s_i t_i >= 1, a cone, the sum of k_i T_i s_i is least under one cone more for each quantity: a convex program, whose dual solution proves
-its optimum. Where no bound acts and one quantity is asked for, t_i is in proportion to (k_i T_i / (g_i r_i)^2)^(1/3).
+A dimension with the tolerance t_i costs k_i T_i / t_i: k_i at its present tolerance T_i, and 2 k_i at half of T_i. The variance of a
+quantity with gradient g is sum (g_i r_i t_i)^2, where r_i is standard deviation / tolerance of the dimension. The program minimises the sum
+of k_i T_i s_i with a cone s_i t_i >= 1 for each dimension and one cone for each target. It is convex, and its dual solution proves the
+optimum. With one target and no active bound, t_i is proportional to (k_i T_i / (g_i r_i)^2)^(1/3).
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from .dimensions import Dimension, checked_dimensions, correlation_matrix
 from .scatter import written_tolerance
 
 QUANTITIES = ("height", "top", "stroke")
-FINEST, COARSEST = 0.1, 10.0  # bounds of a tolerance that has none, in multiples of the present one
-SLACK = 1e-6  # share of a target below which it is used up, and of a bound below which a tolerance is at it
+FINEST, COARSEST = 0.1, 10.0  # default bounds of a tolerance, as multiples of the present tolerance
+SLACK = 1e-6  # relative distance below which a target counts as used up, and a tolerance as equal to its bound
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,17 +37,17 @@ class AllocatedTolerances(OfPress, Tabular):
 
     Attributes:
         press_name: name of the press.
-        parts: the k dimensions with these tolerances, for `bottom_dead_centre`.
-        before: (k,) their tolerances before [m, of an angle rad].
+        parts: the k dimensions with the new tolerances, for `bottom_dead_centre`.
+        before: (k,) the tolerances before [m, of an angle rad].
         bounds: (k, 2) smallest and largest tolerances [m or rad].
-        costs: (k,) of the dimensions, in the unit of the costs that were given.
+        costs: (k,) costs of the dimensions [unit of the given costs].
         value: cost of all dimensions.
-        bound: no tolerances within the bounds that keep the targets cost less; computed from the dual solution.
-        cost_before: cost of the tolerances before, whether or not they keep the targets.
-        cost_alike: cost where all tolerances are changed by one factor until the targets are kept; None where that leaves the bounds.
-        targets: quantity -> largest deviation that is asked for [m].
-        reached: quantity -> deviation with these tolerances, as many standard deviations as were asked for [m].
-        prices: quantity -> by how much the cost falls where its target is larger, per metre [unit of the costs per m].
+        bound: lower bound of the cost of all tolerances that keep bounds and targets, from the dual solution.
+        cost_before: cost of the tolerances before, even if they miss the targets.
+        cost_alike: cost if one factor changes all tolerances until the targets are kept; None if a tolerance would leave its bounds.
+        targets: quantity -> largest permitted deviation [m].
+        reached: quantity -> deviation with the new tolerances, the chosen number of standard deviations [m].
+        prices: quantity -> by how much the cost falls for each metre by which its target grows [unit of the costs per m].
     """
 
     _press: Linkage
@@ -70,7 +70,7 @@ class AllocatedTolerances(OfPress, Tabular):
 
     @property
     def gap(self) -> float:
-        """By how much the cost can be above the least one, as a share of it."""
+        """(value - bound) / value: no permitted tolerances cost less by more than this share [-]."""
         return max(self.value - self.bound, 0.0) / self.value
 
     @property
@@ -101,7 +101,7 @@ class AllocatedTolerances(OfPress, Tabular):
         return "\n".join([*lines, *(line.rstrip() for line in tables.fitted(self.rows()))])
 
     def rows(self) -> list[list[str]]:
-        """Cells of a table: dimension, tolerance, tolerance before, cost, and which bound it is at."""
+        """Cells of a table: dimension, tolerance, tolerance before, cost, and the bound that it has reached."""
         rows = [["dimension", "tolerance", "before", "cost", ""]]
         for part, before, cost, ends in zip(self.parts, self.before, self.costs, self.bounds, strict=True):
             earlier = written_tolerance(replace(part, tolerance=before, shape="normal", sd=None))
@@ -127,26 +127,26 @@ def allocate(
     motion: Motion | None = None,
     correlation: Mapping[tuple[str, str], float] | None = None,
 ) -> AllocatedTolerances:
-    """The cheapest tolerances that keep the scatter of the dead centres within targets: `allocate(press, parts, None, {"height": 50e-6})`.
+    """Find the cheapest tolerances that keep targets for the dead centres: `allocate(press, parts, None, {"height": 50e-6})`.
 
-    A tolerance that is half as wide costs twice as much. Shapes of the dimensions stay as they are: where a tolerance is changed, the
-    standard deviation and measured deviations change with it. Only the scatter counts, not the mean of measured deviations.
+    A tolerance of half the width costs twice as much. The shape of a distribution stays: standard deviation and measured deviations change
+    in proportion to the tolerance. Only the scatter counts, not the mean of measured deviations.
 
     Args:
         press: a press with nominal dimensions, in a plane or in space.
-        parts: its dimensions with their present tolerances.
-        cost: name of a dimension -> its cost at the present tolerance, in any unit; those that are not named cost 1. None: all cost 1.
+        parts: the dimensions with their present tolerances.
+        cost: name of a dimension -> its cost at the present tolerance, in any unit; other dimensions cost 1. None: all cost 1.
         targets: "height" (bottom dead centre), "top" or "stroke" -> largest deviation, in both directions [m].
-        bounds: name of a dimension -> smallest and largest tolerance [m, of an angle rad]; by default a tenth and the tenfold of the
-            present one.
-        deviations: number of standard deviations that a target holds for: 3 are 99.73 % of the presses where the quantity is normal.
-        motion: as of `bottom_dead_centre`.
-        correlation: as of `bottom_dead_centre`.
+        bounds: name of a dimension -> smallest and largest tolerance [m, of an angle rad]; by default a tenth and ten times the present
+            tolerance.
+        deviations: number of standard deviations within a target [-]; 3 are 99.73 % of the presses if the quantity is normal.
+        motion: as in `bottom_dead_centre`.
+        correlation: as in `bottom_dead_centre`.
 
     Raises:
-        PinpressError: as `bottom_dead_centre`; no target, or one that is missed with the smallest tolerances: then by how much; bounds
-            that are exchanged; a cost or target that is not positive.
-        UnknownNameError: a dimension or quantity that there is not.
+        PinpressError: there is no target, the smallest tolerances miss a target (the message names by how much), bounds do not rise, or a
+            cost or target is not positive; also as `bottom_dead_centre`.
+        UnknownNameError: a dimension or quantity does not exist.
     """
     checked = checked_dimensions(press, parts)
     tied = correlation_matrix(checked, correlation)
@@ -216,7 +216,7 @@ def _bounds(parts: Sequence[Dimension], bounds: Mapping[str, Sequence[float]]) -
     for k, part in enumerate(parts):
         if part.name in bounds:
             wanted = f"smallest and largest tolerance [{part.unit}], positive and rising"
-            rising = lambda ends: (ends[0] > 0) & (ends[1] > ends[0])  # noqa: E731  a name for what it tells
+            rising = lambda ends: (ends[0] > 0) & (ends[1] > ends[0])  # noqa: E731
             found[k] = suitable_numbers(f"bounds of {part.name}", bounds[part.name], wanted, (2,), rising)
     return found
 
@@ -228,7 +228,7 @@ def _refuse_unknown(given: Mapping[str, object], kind: str, known: Sequence[str]
 
 
 def _refuse_missed(parts: Sequence[Dimension], limits: Mapping[str, float], spreads: Mapping[str, Array], smallest: Array) -> None:
-    """Raise PinpressError where targets are missed with the smallest tolerances."""
+    """Raise PinpressError if the smallest tolerances miss a target."""
     missed = []
     for name, limit in limits.items():
         least = limit * float(np.linalg.norm(spreads[name] @ smallest))
@@ -247,7 +247,7 @@ def _cheapest(prices: Array, spreads: Sequence[Array], ends: Array, limits: Mapp
 
     Args:
         prices: (k,) shares of the cost.
-        spreads: (k, k) each: the length of its product with u is the share of a target that is used up.
+        spreads: a matrix (k, k) for each target: the length of its product with u is the used share of the target.
         ends: (k, 2) smallest and largest factors.
         limits: targets, for messages.
     """
@@ -264,8 +264,8 @@ def _cheapest(prices: Array, spreads: Sequence[Array], ends: Array, limits: Mapp
         coefficients = np.vstack([np.zeros(2 * count), np.hstack([-spread, none])])
         rows.append(Rows(CONE, coefficients, np.hstack([1.0, np.zeros(count)])))
     remedy = (
-        f"costs differ by a factor of {prices.max() / prices.min():.2g}, and tolerances may change by one of"
-        f" {(ends[:, 1] / ends[:, 0]).max():.2g}: give costs and bounds closer together"
+        f"costs differ by a factor of {prices.max() / prices.min():.2g}, and bounds by a factor of"
+        f" {(ends[:, 1] / ends[:, 0]).max():.2g}: give costs and bounds that differ less"
     )
     try:
         return minimise(np.hstack([np.zeros(count), prices]), rows, remedy=remedy)

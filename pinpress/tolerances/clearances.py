@@ -1,30 +1,30 @@
-"""Where the slide stands in the clearances of its bearings over the turn.
+"""Position of the slide within the clearances of its bearings over the turn.
 
     play = tolerances.play(press, pp.cycle(press, 70 * pp.RPM), {"E": 50e-6, "F": 50e-6}, loads=[...])
     play.offset, play.reversals, play.bottom_shift
 
-A bearing with the radial clearance c is pressed together by its force F, parent on child: the child lies -c F/|F| off the parent. By
-virtual work, with the force f in the bearing per newton on the slide (see `virtual_work`), the slide stands
+The force F in a bearing (parent on child) closes its radial clearance c: the child is displaced by -c F/|F| from the parent. f is the force
+in the bearing for 1 N on the slide (see `virtual_work`). By virtual work the slide stands
 
-    z = sum of c f . F / |F|
+z = sum of c f . F / |F|
 
-above its place without clearances. A bearing that the slide presses on through the linkage (f . F > 0) lifts it by up to c |f|, one that
-it hangs from lowers it by as much; where a force reverses, the slide moves through twice that. The formula is of first order in the
-clearances. It is that of contact without separation: the forces are those of the rigid press. Impacts and rattling are another model, see
-`elasticity.Elastic(clearances=...)`.
+above its position without clearances. If the slide presses on the bearing through the linkage (f . F > 0), the clearance lifts the slide by
+up to c |f|. If the slide hangs from the bearing, the clearance lowers it by up to c |f|. When a force reverses, the slide moves by twice
+that. The formula is of first order in the clearances. It assumes contact without separation and the forces of the rigid press. For impacts
+and rattling there is another model, `elasticity.Elastic(clearances=...)`.
 
-A force that reverses passes through small values, where its direction, and so the side on which the bearing lies, hangs on how well
-masses and loads are known. A bearing counts as undetermined where its force is smaller than a share `known_to` of the sum of the sizes of
-its parts, by weight, inertia and each load: with parts known to 5 % their sum may then point any way. There the slide stands somewhere in
-a band of c |f| to both sides.
+A force that reverses passes through small values. There the side of contact depends on the uncertainty of masses and loads. The parts of a
+bearing's force come from weight, inertia and each load. A bearing counts as undetermined while its force is smaller than the share
+`known_to` of the sum of the absolute parts: with parts known to 5 % their sum may then have any direction. There the slide may stand
+anywhere in a band of c |f| to both sides.
 
-With friction the forces are those of `inverse_dynamics` under friction, which is one more part that is known to such a share. In a dry pin
-the contact itself leans from the force by the angle of friction, with the sine mu, ahead or behind depending on which of the two links
-carries the pin. That is not known here: the band holds both.
+With friction the forces are those of `inverse_dynamics` with friction, which is one more uncertain part. In a dry pin the point of contact
+is turned from the force by the angle of friction, whose sine is mu. Its sense depends on which of the two links carries the pin. The model
+does not know this link, so the band includes both senses.
 
-The slide's guide is one more bearing, in which forces across it decide. A guide of some length has two ends. With the force N across it
-and the moment M they carry N/2 + M/L and N/2 - M/L: where both have one sign the slide lies flat on a gib, else it stands askew, by
-2 c / L.
+The slide's guide is one more bearing, in which the forces across it count. A guide with a length L has two ends. Under the force N across
+it and the moment M the ends carry N/2 + M/L and N/2 - M/L. If both have the same sign, the slide lies flat on a gib. Otherwise the slide is
+tilted by 2 c / L.
 """
 
 from __future__ import annotations
@@ -53,21 +53,21 @@ from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load
 from .virtual_work import UnitForces, forces_by_cause, in_plane, unit_forces
 
-KNOWN_TO = 0.05  # share to which masses and loads are known, by default
-WIDEST = 2e-3  # radial clearance above which it is hardly meant [m]
-ROUNDING = 1e-9  # share of the largest bearing force of a state below which a force is rounding
-UNMOVED = 1e-6  # force in a bearing per newton on the slide below which the bearing is not between drive and slide
+KNOWN_TO = 0.05  # default relative uncertainty of masses and loads
+WIDEST = 2e-3  # a larger radial clearance is probably a mistake [m]
+ROUNDING = 1e-9  # a smaller force, as a share of the largest bearing force of a state, counts as rounding error
+UNMOVED = 1e-6  # with a smaller force per newton on the slide a bearing is not between drive and slide
 
 
 @dataclass(frozen=True)
 class GuideClearance:
-    """The clearance of a guide of some length, in which the slide may stand askew.
+    """The clearance of a guide with a length, in which the slide may tilt.
 
     Attributes:
-        across: clearance on each side, half of that between both gibs [m].
-        length: length of the gibs that guide the sliding link, along the guide; it moves with the link [m].
-        middle: middle of this length above the origin of the sliding link, along `Linkage.slide_direction` for the slide, else along the
-            guide's axis [m].
+        across: clearance on each side, half of the clearance between both gibs [m].
+        length: length of the gibs along the guide; it moves with the sliding link [m].
+        middle: distance from the sliding link's origin to the middle of this length, along `Linkage.slide_direction` for the slide, along
+            the guide's axis for other links [m].
     """
 
     across: float = field(metadata=parameter("m", "positive"))
@@ -80,22 +80,23 @@ class GuideClearance:
         number("GuideClearance: middle", self.middle, "m")
         if not self.length > 10 * self.across:
             raise PinpressError(
-                f"GuideClearance: length is {self.length:g} m with a clearance of {self.across:g} m across: give both in m, the length of"
-                " the gibs and the clearance on each side"
+                f"GuideClearance: length is {self.length:g} m, too short for a clearance across of {self.across:g} m: give the length of"
+                " the"
+                " gibs and the clearance on each side, both in m"
             )
 
 
 @dataclass(frozen=True, repr=False)
 class ForceReversal(Record, units={"crank_angle": "rad", "change": "m", "force": "N"}):
-    """A bearing in which the force reverses, so that the slide moves through its clearance.
+    """A reversal of the force in a bearing, at which the slide moves through the clearance.
 
     Attributes:
-        crank_angle: where the force is across the direction in which it would move the slide, between two states by a straight line; of a
-            driver that slides its position [m].
-        bearing: name of the bearing, with the end of a guide that has two.
-        side: "pressed" where the slide presses on the bearing from here on, "hanging" where it hangs from it.
-        change: by how much the slide moves, at once or over some degrees, 2 c |f|; positive upwards [m].
-        force: what is left of the force there, across [N]. It is small where the journal knocks, and large where it rolls around.
+        crank_angle: crank angle at which the force does not act along the slide's motion, linear between two states [rad]; of a driver
+            that slides the position [m].
+        bearing: name of the bearing, with the end of a guide that has two ends.
+        side: "pressed" if the slide presses on the bearing after the reversal, "hanging" if it hangs from the bearing.
+        change: by how much the slide moves, in a jump or over some degrees, 2 c |f|, positive upwards [m].
+        force: remaining transverse force at this angle [N]: small if the journal knocks, large if it rolls around.
     """
 
     crank_angle: float
@@ -107,24 +108,23 @@ class ForceReversal(Record, units={"crank_angle": "rad", "change": "m", "force":
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SlidePlay(OfPress, Tabular):
-    """Where the slide stands in the clearances of the bearings, in the n states of a motion. All arrays are read-only.
+    """Position of the slide within the clearances of the bearings, in the n states of a motion. All arrays are read-only.
 
-    Offsets are those from the slide's place without clearances, positive along `Linkage.slide_direction` (upwards).
+    Offsets are measured from the slide's position without clearances, positive along `Linkage.slide_direction` (upwards).
 
     Attributes:
         press_name: name of the press.
         motion: the motion.
-        clearance: the clearances as they were given.
-        friction: the friction of bearings and guides as it was given.
-        known_to: share to which masses, loads and friction are known.
+        clearance: the given clearances.
+        friction: the given friction of bearings and guides.
+        known_to: relative uncertainty of masses, loads and friction [-].
         offset: (n,) offset of the slide along its guide [m].
-        by_bearing: name of a bearing -> (n,) its share of the offset [m].
-        lowest: (n,) lowest offset, with every undetermined bearing on the side where the slide is low, and contacts of pins with friction
-            leaning to the side where it is [m].
-        highest: (n,) highest offset, likewise [m].
-        undetermined: name of a bearing -> (n,) bool, whether its force is too small to tell on which side it lies.
+        by_bearing: name of a bearing -> (n,) its part of the offset [m].
+        lowest: (n,) lowest possible offset, with undetermined bearings and friction on the side that lowers the slide [m].
+        highest: (n,) highest possible offset, with undetermined bearings and friction on the side that lifts the slide [m].
+        undetermined: name of a bearing -> (n,) bool, whether its force is too small to determine the side of contact.
         shift: (n, 3) displacement of the slide across its guide at the middle of the gibs, in world axes [m]; zero without clearance there.
-        rotation: (n, 3) rotation of the slide between the ends of its gibs, as a vector in world axes [rad].
+        rotation: (n, 3) rotation vector of the slide between the ends of its gibs, in world axes [rad].
         reversals: the forces that reverse, in the order of the states.
     """
 
@@ -144,18 +144,18 @@ class SlidePlay(OfPress, Tabular):
 
     @cached_property
     def bottom_shift(self) -> float:
-        """Lowest place of the slide in its clearances less that without them [m]."""
+        """Lowest position of the slide with clearances - lowest position without [m]."""
         return float((self.motion.slide_position + self.offset).min() - self.motion.slide_position.min())
 
     @cached_property
     def bottom_band(self) -> tuple[float, float]:
-        """Lowest and highest value that `bottom_shift` may have [m]."""
+        """Lowest and highest possible value of `bottom_shift` [m]."""
         rigid = self.motion.slide_position
         return tuple(float((rigid + edge).min() - rigid.min()) for edge in (self.lowest, self.highest))  # type: ignore[return-value]
 
     @cached_property
     def top_shift(self) -> float:
-        """Highest place of the slide in its clearances less that without them [m]."""
+        """Highest position of the slide with clearances - highest position without [m]."""
         return float((self.motion.slide_position + self.offset).max() - self.motion.slide_position.max())
 
     @property
@@ -207,26 +207,26 @@ def play(
     friction: Mapping[str, Friction] = NONE_GIVEN,
     known_to: float = KNOWN_TO,
 ) -> SlidePlay:
-    """Find where the slide stands in the clearances of its bearings over a motion, and where forces reverse.
+    """Compute the slide's position within the clearances of its bearings over a motion, and where forces reverse.
 
     Args:
-        press: a press with a slide, in a plane or in space; its drivers are held at their positions.
+        press: a press with a slide, in a plane or in space; its drivers keep their positions.
         motion: a motion of this press, from `cycle`, `servo_cycle` or a run.
         clearance: name of a bearing -> radial clearance, half of the difference of the diameters [m]; of a guide the clearance on each
-            side, or a `GuideClearance` if the slide may stand askew.
-        loads: loads on the press, as for `inverse_dynamics`; a balance cylinder too.
-        friction: of bearings and guides, as for `inverse_dynamics`; at standstill it has no direction, and none acts.
-        known_to: share to which masses, loads and friction are known. A bearing whose force is smaller than this share of the sum of its
-            parts counts as undetermined.
+            side, or a `GuideClearance` if the slide may tilt.
+        loads: loads on the press, as in `inverse_dynamics`, including a balance cylinder.
+        friction: friction of bearings and guides, as in `inverse_dynamics`; no friction acts at standstill, where it has no direction.
+        known_to: relative uncertainty of masses, loads and friction [-]. A bearing counts as undetermined if its force is smaller than this
+            share of the sum of its absolute parts.
 
     Raises:
-        UnknownNameError: the press has no such bearing.
-        PinpressError: no clearance, or one that is not positive; a bearing that cannot have one, or not of this kind; a guide whose moment
-            rigid mechanics leaves open; the press has no slide; a share out of range; as `inverse_dynamics`.
+        UnknownNameError: the press does not have a bearing with this name.
+        PinpressError: there is no clearance, a clearance is not positive or does not suit its bearing, the moment of a guide is
+            undetermined in a rigid press, the press has no slide, or known_to is out of range; also as `inverse_dynamics`.
     """
     doubt = number("known_to", known_to, "-")
     if not 0.0 <= doubt < 1.0:
-        raise PinpressError(f"known_to is {doubt:g}: give a share from 0 to below 1, 0.05 where masses and loads are known to 5 %")
+        raise PinpressError(f"known_to is {doubt:g}: give a share from 0 to below 1, e.g. 0.05 for masses and loads known to 5 %")
     widths = _clearances(press, clearance)
     without = inverse_dynamics(press, motion, loads)
     reactions = inverse_dynamics(press, motion, loads, friction) if friction else without
@@ -274,16 +274,9 @@ def play(
 
 
 class Contact(NamedTuple):
-    """A place where two links touch: a pin, a guide, or one end of a guide.
-
-    Attributes:
-        name: for messages and tables.
-        bearing: name of its bearing.
-        width: radial clearance [m].
-        unit: (n, 3) force by newton on the slide [-].
-        force: (n, 3) force, parent on child [N].
-        height: place of an end above the middle of the gibs [m].
-    """
+    """A place where two links touch: a pin, a guide, or an end of a guide at ``height`` above the middle of the gibs; ``unit``: (n, 3)
+    force per
+    newton on the slide."""
 
     name: str
     bearing: str
@@ -294,7 +287,7 @@ class Contact(NamedTuple):
 
     @property
     def direction(self) -> Array:
-        """(n, 3) direction of the force, zero where there is none."""
+        """(n, 3) direction of the force; zero where the force is zero."""
         size = np.linalg.norm(self.force, axis=1)[:, None]
         return np.asarray(np.divide(self.force, size, out=np.zeros_like(self.force), where=size > 0))
 
@@ -305,7 +298,7 @@ class Contact(NamedTuple):
 
 
 def _leaning(contact: Contact, friction: Mapping[str, Friction]) -> Array:
-    """(n,) by how much the contact of a pin moves the slide at most, where it leans from the force by the angle of friction [m]."""
+    """(n,) largest further offset of the slide, because friction turns a pin's contact from the force by the angle of friction [m]."""
     law = friction.get(contact.bearing)
     sine = 0.0 if law is None or law.radius is None else min(law.coefficient, 1.0)
     across = np.linalg.norm(np.cross(contact.unit, contact.direction), axis=1)
@@ -330,8 +323,10 @@ def contacts_of(press: Linkage, unit: UnitForces, name: str, width: float | Guid
 
 
 def _radial(press: Linkage, motion: Motion, name: str, force: Array) -> Array:
-    """The part (n, 3) of a bearing's force that closes its clearance: without that along the axis of a pin in space, which shoulders
-    take, and along a guide, where nothing holds."""
+    """The part (n, 3) of a bearing's force that closes its clearance.
+
+    The part along the axis of a pin in space is left out, because shoulders take it; so is the part along a guide, which does not resist.
+    """
     k = press.bearings.index(name)
     in_space = len(press.engine().directions) == 3
     if k >= len(press.joints):
@@ -347,8 +342,11 @@ def _radial(press: Linkage, motion: Motion, name: str, force: Array) -> Array:
 
 
 def _guide_axes(press: Linkage, motion: Motion, name: str) -> tuple[Array, Array, Array, float]:
-    """Of a guide in a planar press: its direction (n, 3), that across it (n, 3), the normal (3,) about which a link turns positively
-    with its upper end moving across, and the place of the link's origin along the guide from that of its joint's frame [m]."""
+    """The direction of a guide in a planar press (n, 3), the direction across it (n, 3), the normal (3,), and an offset along the guide
+    [m].
+
+    A positive turn about the normal moves the link's upper end across. The offset is from the joint frame's origin to the link's origin.
+    """
     k = press.joints.index(name)
     normal = press.engine().turning_axes()[0]
     rotation = rotation_of(press, motion.joint_position, k + 1)
@@ -364,7 +362,7 @@ def _guide_axes(press: Linkage, motion: Motion, name: str) -> tuple[Array, Array
 def _in_guide(
     press: Linkage, motion: Motion, contacts: Sequence[Contact], widths: Mapping[str, float | GuideClearance]
 ) -> tuple[Array, Array]:
-    """Displacement of the slide across its guide and its rotation in it, (n, 3) each, world axes [m, rad]."""
+    """Displacement of the slide across its guide, and its rotation, (n, 3) each, world axes [m, rad]."""
     shift, rotation = np.zeros((len(motion.v), 3)), np.zeros((len(motion.v), 3))
     name = press.joints[press.slide_guide.joint]
     mine = [contact for contact in contacts if contact.bearing == name]
@@ -378,7 +376,7 @@ def _in_guide(
 
 
 def _reversals(motion: Motion, contact: Contact) -> Iterator[tuple[float, ForceReversal]]:
-    """The reversals of a contact's force, each with its place among the numbers of the states."""
+    """The reversals of a contact's force, with their positions as (fractional) state numbers."""
     first = motion.crank_angle.reshape(len(motion.v), -1)[:, 0]
     size = np.linalg.norm(contact.unit, axis=1)
     for k, share in crossings(motion, contact.unit, contact.force):
@@ -399,9 +397,9 @@ def _reversals(motion: Motion, contact: Contact) -> Iterator[tuple[float, ForceR
 
 
 def crossings(motion: Motion, unit: Array, force: Array) -> list[tuple[int, float]]:
-    """Where forces (n, 3) pass to the other side along the unit forces (n, 3): numbers of the states before, and shares of the steps.
+    """Where forces (n, 3) change their sign along the unit forces (n, 3): numbers of the states before, and shares of the steps.
 
-    The force must change its sign along the unit forces of both states. Where only the unit force turns back the contact stays.
+    The force must change its sign along the unit forces of both states. If only the unit force reverses, the contact stays.
     """
     after = np.roll(np.arange(len(force)), -1)
     here, there = np.einsum("nk,nk->n", force, unit), np.einsum("nk,nk->n", force[after], unit)
@@ -414,7 +412,7 @@ def crossings(motion: Motion, unit: Array, force: Array) -> list[tuple[int, floa
 
 
 def _whole(motion: Motion) -> bool:
-    """Whether the first state follows the last one: the states are even steps over a period whose end is left out, as of `cycle`."""
+    """Whether the first state follows the last one: equal steps over a period without its end, as from `cycle`."""
     if motion.period_turns is None or motion.crank_angle.ndim > 1 or len(motion.v) < 2:
         return False
     steps = np.diff(motion.crank_angle)
@@ -425,9 +423,9 @@ def _whole(motion: Motion) -> bool:
 
 
 def _clearances(press: Linkage, given: Mapping[str, float | GuideClearance]) -> dict[str, float | GuideClearance]:
-    """The clearances of a press by the names of its bearings, checked."""
+    """Name of a bearing -> its checked clearance."""
     if not given:
-        raise PinpressError("clearance is empty: give a mapping, name of a bearing: radial clearance [m], such as {'W': 5e-5}")
+        raise PinpressError("clearance is empty: give a mapping, name of a bearing: radial clearance [m], e.g. {'W': 5e-5}")
     found: dict[str, float | GuideClearance] = {}
     planar = len(press.engine().directions) == 2
     for name, width in given.items():
@@ -436,10 +434,12 @@ def _clearances(press: Linkage, given: Mapping[str, float | GuideClearance]) -> 
         k = press.bearings.index(name)
         joint = k < len(press.joints)
         if not joint and press.loops[k - len(press.joints)].type == "fixed":
-            raise PinpressError(f"clearance of {shown(name)}: it is welded and has none; leave it out")
+            raise PinpressError(f"clearance of {shown(name)}: this joint is welded, so it has no clearance; leave it out")
         if isinstance(width, GuideClearance):
             if not joint or press.axes[k].turns:
-                raise PinpressError(f"clearance of {shown(name)}: it is a pin, no guide; give its radial clearance as a number [m]")
+                raise PinpressError(
+                    f"clearance of {shown(name)}: this bearing is a pin, not a guide; give its radial clearance as a number [m]"
+                )
             if not planar:
                 raise PinpressError(f"{press.name} is not planar: give the clearance of guide {shown(name)} as a number [m]")
             found[name] = width
@@ -449,13 +449,14 @@ def _clearances(press: Linkage, given: Mapping[str, float | GuideClearance]) -> 
 
 
 def _refuse_open_moments(press: Linkage, widths: Mapping[str, float | GuideClearance], reactions: Reactions) -> None:
-    """Raise PinpressError where a guide is to stand askew by a moment that points of the slide may take in its place."""
+    """Raise PinpressError if a slide may tilt in a guide whose moment other points of the slide may take."""
     for name in (name for name, width in widths.items() if isinstance(width, GuideClearance)):
         normal = press.engine().turning_axes()[0]
         if np.any(reactions.indeterminate[name][3:] & (np.abs(reactions.indeterminate_axes @ normal) > 0.5)):
             raise PinpressError(
-                f"clearance of {shown(name)}: rigid mechanics leaves the moment of this guide open, because several rods may hold the link"
-                " against turning; give the clearance as a number [m]"
+                f"clearance of {shown(name)}: rigid mechanics does not determine the moment of this guide, because several rods may hold"
+                " the"
+                " link against turning; give the clearance as a number [m]"
             )
 
 
@@ -463,7 +464,7 @@ def _width(what: str, value: object) -> float:
     """A radial clearance, or one on each side of a guide [m]."""
     width = number(what, value, "m", positive=True)
     if not width < 0.1:
-        raise PinpressError(f"{what} is {width:g} m: give the radial clearance in m, such as 5e-5")
+        raise PinpressError(f"{what} is {width:g} m: give the radial clearance in m, e.g. 5e-5")
     if width > WIDEST:
-        caution(f"{what} is {width:g} m, {1e3 * width:g} mm: give it in m, {1e-3 * width:g} if mm are meant")
+        caution(f"{what} is {width:g} m ({1e3 * width:g} mm), larger than usual clearances. Is it {width:g} mm? Write {1e-3 * width:g}")
     return width

@@ -1,10 +1,10 @@
-"""What clearances do to the dead centres over the speed, and from which speed on the forces of bearings reverse.
+"""Shifts of the dead centres by clearances over the speed, and the lowest speeds at which the forces of bearings reverse.
 
     print(tolerances.play_over_speeds(press, {"E": 50e-6, "F": 50e-6}, speed=[20 * pp.RPM, 70 * pp.RPM]))
 
-At a crank angle every force of a press that turns at constant speed w is F0 + w^2 F2, where F2 comes from inertia, and F0 from weights and
-loads that do not depend on the speed. So the speed at which a force is across the direction in which it would move the slide (see
-`clearances`) is the root of a quadratic equation.
+At a crank angle, every force of a press that turns at constant speed w is F0 + w^2 F2. F2 comes from inertia, F0 from weights and from
+loads that do not depend on the speed. So the speed at which a bearing's force reverses (see `clearances`) is the root of a quadratic
+equation.
 """
 
 from __future__ import annotations
@@ -28,25 +28,25 @@ from ..loads.link import Friction, Load
 from .clearances import KNOWN_TO, ROUNDING, UNMOVED, GuideClearance, contacts_of, crossings, play
 from .virtual_work import unit_forces
 
-SLOWEST = 1e-6  # squares of slower speeds lose meaning beside weights [rad/s or m/s]
+SLOWEST = 1e-6  # squares of slower speeds vanish in rounding error, compared with weights [rad/s or m/s]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DeadCentresInClearances(OfPress, Tabular):
-    """What the clearances do to the dead centres over S speeds. All arrays are read-only.
+    """Shifts of the dead centres by clearances at S speeds. All arrays are read-only.
 
     Attributes:
         press_name: name of the press.
         coordinate: what the coordinate of the driver is.
         speed: (S,) constant speeds of the crank [rad/s], largest speeds of a driver that slides [m/s].
-        bottom_shift: (S,) lowest place of the slide in its clearances less that without them [m].
-        bottom_lowest: (S,) lowest value that it may have where bearings are undetermined [m].
-        bottom_highest: (S,) highest value, likewise [m].
-        top_shift: (S,) highest place of the slide in its clearances less that without them [m].
+        bottom_shift: (S,) lowest position of the slide with clearances - lowest position without [m].
+        bottom_lowest: (S,) lowest possible bottom_shift, if bearings are undetermined [m].
+        bottom_highest: (S,) highest possible bottom_shift, if bearings are undetermined [m].
+        top_shift: (S,) highest position of the slide with clearances - highest position without [m].
         reversals: (S,) number of forces that reverse within a period.
-        reversing_speed: name of a bearing -> lowest speed at which its force reverses, 0 where it does so at standstill; without those
-            whose forces never do. Empty where a load depends on the speed, and with friction, under which forces do not follow the squared
-            speed [rad/s].
+        reversing_speed: name of a bearing -> lowest speed at which its force reverses, 0 for a reversal at standstill [rad/s]. Bearings
+            whose force never reverses are left out. Empty if a load depends on the speed, or with friction: then forces do not follow
+            speed².
     """
 
     _press: Linkage
@@ -101,25 +101,24 @@ def play_over_speeds(
     friction: Mapping[str, Friction] = NONE_GIVEN,
     known_to: float = KNOWN_TO,
 ) -> DeadCentresInClearances:
-    """Find what clearances do to the dead centres of a press at constant speeds, and from which speed on the forces of its bearings
-    reverse.
+    """Compute the shifts of a press's dead centres by clearances at constant speeds, and the lowest speeds at which forces reverse.
 
     Args:
         press: a press with one driver and a slide.
-        clearance: as of `play`.
+        clearance: as in `play`.
         speed: (S,) speeds of the crank, or one number [rad/s]; the largest speeds of a driver that slides [m/s].
-        loads: as of `play`.
-        friction: as of `play`.
-        known_to: as of `play`.
+        loads: as in `play`.
+        friction: as in `play`.
+        known_to: as in `play`.
 
     Raises:
         UnknownNameError: as `play`.
-        PinpressError: as `play` and `cycle`, or speeds that are no finite numbers other than zero.
+        PinpressError: a speed is zero or not finite; also as `play` and `cycle`.
     """
     press.refuse_several_drivers("give their motion to play, servo_cycle(press, angles, speed=...)")
     speeds = np.atleast_1d(numbers("speed", speed, unit=f"{press.driver_coordinates[0].unit}/s"))
     if speeds.ndim != 1 or not len(speeds) or not np.all(np.abs(speeds) >= SLOWEST):
-        raise PinpressError("speed: give (S,) speeds other than zero [rad/s]; servo_cycle and play serve a press at standstill")
+        raise PinpressError("speed has no value, or a zero: give speeds other than zero [rad/s]; for standstill use servo_cycle and play")
     found = [play(press, cycle(press, float(w)), clearance, loads, friction=friction, known_to=known_to) for w in speeds]
     return DeadCentresInClearances(
         _press=press,
@@ -139,7 +138,7 @@ def play_over_speeds(
 def _reversing_speeds(
     press: Linkage, clearance: Mapping[str, float | GuideClearance], fastest: float, loads: Sequence[Load]
 ) -> dict[str, float]:
-    """Lowest speeds at which forces reverse: F0 and F2 follow from two speeds, and a third one shows whether loads depend on the speed."""
+    """Lowest speeds at which forces reverse: two speeds give F0 and F2, and a third speed shows whether loads depend on the speed."""
     speeds = np.array([0.5, 0.75, 1.0]) * fastest
     motions = [cycle(press, float(speed)) for speed in speeds]
     unit = unit_forces(press, motions[0])

@@ -1,8 +1,8 @@
 """The scatter of a press's dead centres with its dimensions: gradients, shares, worst cases, and every press of a sample.
 
-At a dead centre the slide stands still, so that the crank angle drops out of first order: the derivative of its height is the one at fixed
-crank angle. At a height h above bottom dead centre the crank angle follows, and the slide's travel per angle, z', to which torque and speed
-are in proportion, has the derivative dz'/dx - z''/z' (dz/dx - dz_b/dx).
+At a dead centre the slide's speed is zero. So, to first order, the height of the dead centre changes with a dimension as it does at a fixed
+crank angle. At a height h above bottom dead centre the crank angle changes too. Torque and speed are proportional to the slide's travel per
+crank angle, z', whose derivative is dz'/dx - z''/z' (dz/dx - dz_b/dx).
 """
 
 from __future__ import annotations
@@ -35,27 +35,27 @@ from .sets_of_lengths.flat_dead_centres import TurningPoint, outermost_positions
 from .sets_of_lengths.shapes import Shapes
 
 SAMPLES = 100_000
-REACH = 3.0  # multiples of what first order says by which turning points may lie apart that could become the outermost one
-GRID = 181  # crank angles of a stroke among which a height is looked for
-STEPS = 360  # of a turn, or of the travel of a driver that slides, in which sets with a flat dead centre are followed
-FLAT = 1e-6  # share of the mean speed of the slide below which it does not turn back at a place of first order
-UNMOVED = 1e-12  # derivatives of the slide's place and travel below which a dimension moves nothing
+REACH = 3.0  # a turning point may become the outermost one within this multiple of the first-order deviation
+GRID = 181  # crank angles of a stroke, between which a height is searched
+STEPS = 360  # steps of a turn, or of the travel of a driver that slides, for sets with a flat dead centre
+FLAT = 1e-6  # a slower slide, as a share of its mean speed, does not turn back at a place of first order
+UNMOVED = 1e-12  # a dimension with smaller derivatives of the slide's position and travel does not move the slide
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DeadCentreScatter(OfPress, Tabular):
-    """The dead centres of n presses that are built after one drawing. All arrays are read-only.
+    """The dead centres of n presses that are built from the same drawing. All arrays are read-only.
 
     Attributes:
         press_name: name of the press.
         parts: the k dimensions that scatter.
-        height: of the slide at bottom dead centre [m].
-        top: of the slide at top dead centre [m].
-        stroke: distance between the dead centres [m].
-        torques: height above the press's own bottom dead centre -> crank torque that the force there takes on the way down [N m].
-        speeds: height above the press's own bottom dead centre -> speed of the slide there on the way down [m/s].
-        deviations: (k, n) of the dimensions of every press from the nominal ones [m or rad].
-        backwards: whether the torques are those of a crank that turns negatively.
+        height: scatter of the slide's height at bottom dead centre [m].
+        top: scatter of the slide's height at top dead centre [m].
+        stroke: scatter of the distance between the dead centres [m].
+        torques: height above the press's own bottom dead centre -> scatter of the crank torque for the force there, on the way down [N m].
+        speeds: height above the press's own bottom dead centre -> scatter of the slide's speed there, on the way down [m/s].
+        deviations: (k, n) deviations of the dimensions of every press from the nominal dimensions [m or rad].
+        backwards: whether the torques belong to a crank that turns in the negative direction.
     """
 
     _press: Linkage
@@ -70,7 +70,7 @@ class DeadCentreScatter(OfPress, Tabular):
 
     @property
     def way_down(self) -> str:
-        """On which way down the torques at heights are, as text; empty without torques."""
+        """The sense of rotation to which the torques at heights belong, as text; empty without torques."""
         if not self.torques:
             return ""
         speed, other = ("negative", "positive") if self.backwards else ("positive", "negative")
@@ -87,12 +87,12 @@ class DeadCentreScatter(OfPress, Tabular):
 
     @property
     def share(self) -> Array:
-        """(k,) shares of its variance."""
+        """(k,) shares of the dimensions in the variance of this height [-]."""
         return self.height.share
 
     @property
     def worst_case(self) -> float:
-        """Its worst case, to first order [m]."""
+        """Worst case of the height at bottom dead centre, to first order [m]."""
         return self.height.worst_case
 
     def within(self, limit: float, upper: float | None = None) -> float:
@@ -101,7 +101,7 @@ class DeadCentreScatter(OfPress, Tabular):
 
     @property
     def quantities(self) -> tuple[Scatter, ...]:
-        """All that was asked for: bottom dead centre first."""
+        """All quantities of the result, bottom dead centre first."""
         return (self.height, self.top, self.stroke, *self.torques.values(), *self.speeds.values())
 
     @property
@@ -143,36 +143,34 @@ def bottom_dead_centre(
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> DeadCentreScatter:
-    """How exact the bottom dead centre of a press is, with the stroke and all that belongs to it: the scatter with the press's dimensions.
+    """Compute the scatter of a press's bottom dead centre, top dead centre and stroke with the tolerances of its dimensions.
 
-    Every press of a sample is closed with lengths of its own and followed to its own dead centres, as `dead_centres` of the `reshaped`
-    linkage finds them. Gradients and shares are those of first order.
+    Every press of a sample is closed with its own lengths and followed to its own dead centres, the same that `dead_centres` of the
+    `reshaped` linkage finds. Gradients and shares are of first order.
 
-    Where the drivers follow a motion that is given, as those of servo presses do, ``motion`` is that one. Its lowest and its highest state
-    take the place of the dead centres: there the drivers stand in every press as the motion has them. A press with several drivers has no
-    other dead centres.
+    For drivers that follow a motion, as in servo presses, give ``motion``. Its lowest and highest state replace the dead centres. In every
+    press the drivers then have the positions of these states. A press with several drivers needs a motion.
 
     Args:
         press: a press with nominal dimensions, in a plane or in space.
         parts: the dimensions that scatter.
         forces: height above bottom dead centre [m] -> force of the process on the slide there, upwards [N], for
-            `DeadCentreScatter.torques`: without friction, weights and inertia, of the crank that turns forwards, or backwards where all
-            ``speeds`` are negative; then the torque is negative.
-        speeds: height above bottom dead centre [m] -> speed of the crank [rad/s], negative where it turns backwards, for
-            `DeadCentreScatter.speeds`.
-        motion: one of this press, as `servo_cycle` makes it; None: the crank turns through the dead centres.
-        correlation: (name, name) -> coefficient of correlation between two normal dimensions. All others are independent.
+            `DeadCentreScatter.torques`, without friction, weights and inertia. The crank turns forwards; if all ``speeds`` are negative it
+            turns backwards, and the torques are negative.
+        speeds: height above bottom dead centre [m] -> speed of the crank [rad/s], negative backwards, for `DeadCentreScatter.speeds`.
+        motion: a motion of this press, as from `servo_cycle`; None: the crank turns through the dead centres.
+        correlation: (name, name) -> correlation coefficient of two normal dimensions [-]; all other pairs are independent.
         samples: number of presses in the sample.
-        seed: of the random numbers; the same one draws the same presses.
+        seed: seed of the random numbers; the same seed draws the same presses.
 
     Raises:
-        PinpressError: the press has no slide, several drivers and no motion, or no dead centres; a motion of another press, or with forces
-            or speeds; no dimension, one that is none or given twice, or that opens bearings which hold each other, as single ones of
-            presses with several points do; presses of the sample cannot be closed; a height that is not within the stroke.
-        UnknownNameError: a bearing, link or dimension that there is not.
+        PinpressError: the press has no slide, several drivers and no motion, or no dead centres; the motion belongs to another press, or is
+            combined with forces or speeds; there is no dimension, or one is invalid or given twice; a dimension opens redundant bearings,
+            as one alone of a press with several points does; presses of the sample cannot be closed; a height is not within the stroke.
+        UnknownNameError: a bearing, link or dimension does not exist.
 
     Warns:
-        PinpressWarning: a tolerance is larger than a tenth of its link, or than 0.1 rad; a dimension does not move the slide.
+        PinpressWarning: a tolerance is larger than a tenth of its link, or than 0.1 rad, or a dimension does not move the slide.
     """
     checked = checked_dimensions(press, parts)
     tied = correlation_matrix(checked, correlation)
@@ -183,7 +181,7 @@ def bottom_dead_centre(
         bottom, top = (_outermost(shapes, points, checked, drawn, upwards) for upwards in (False, True))
     else:
         if forces or speeds:
-            raise PinpressError("forces and speeds at a height are those of a crank that turns through its dead centres: leave motion out")
+            raise PinpressError("forces and speeds at a height need a crank that turns through its dead centres: leave out motion")
         shapes = _shapes(press, checked)
         bottom, top = (_at_end(shapes, motion, upwards) for upwards in (False, True))
     _doubt_effects(checked, [bottom, top])
@@ -218,15 +216,8 @@ def bottom_dead_centre(
 
 
 class _Local(NamedTuple):
-    """The nominal press at a crank angle, and what k dimensions change there at this angle.
-
-    Attributes:
-        start: (nv,) joint coordinates.
-        position: of the slide [m].
-        rate: its derivative z' by the crank angle [m/rad].
-        second: its second derivative z''.
-        position_slopes: (k,) derivatives of the position by the dimensions.
-        rate_slopes: (k,) of the derivative by the crank angle.
+    """The nominal press at a crank angle: joint coordinates ``start``, the slide's position z, z', z'', and the slopes of z and z' by k
+    dimensions at this angle.
     """
 
     start: Array
@@ -238,12 +229,12 @@ class _Local(NamedTuple):
 
     @staticmethod
     def at(shapes: Shapes, angle: float) -> _Local:
-        """Raises PinpressError where a dimension opens bearings that hold each other."""
+        """The nominal press at a crank angle; raises PinpressError if a dimension opens redundant bearings."""
         return _Local.of(shapes, motion_through_change_points(shapes.press, np.array([angle]), 1.0), 0)
 
     @staticmethod
     def of(shapes: Shapes, motion: Motion, state: int) -> _Local:
-        """A state of a motion, with derivatives by time in place of those by the crank angle. Raises as `at`."""
+        """The nominal press in a state of a motion, with derivatives by time instead of crank angle. Raises as `at`."""
         by_position, by_rate = shapes.slide_slopes(motion.joint_position[state], motion.v[state])
         of_slide = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
         position, rate, second = (float(each[state]) for each in of_slide)
@@ -251,14 +242,8 @@ class _Local(NamedTuple):
 
 
 class _DeadCentre(NamedTuple):
-    """The outermost place of the slide.
-
-    Attributes:
-        nominal: its position there [m].
-        angle: of the crank [rad].
-        gradient: (k,) derivatives of the position by the dimensions.
-        moves: (k,) whether a dimension moves the slide beside it.
-        points: the turning points that can be the outermost ones in a press of the sample.
+    """The outermost slide position ``nominal``; ``gradient``: (k,) its slopes by the dimensions; ``moves``: (k,) whether a dimension moves
+    the slide near it; ``points``: turning points that can be outermost in a press of the sample.
     """
 
     nominal: float
@@ -268,7 +253,7 @@ class _DeadCentre(NamedTuple):
     points: tuple[TurningPoint, ...]
 
     def positions(self, shapes: Shapes, deviations: Array) -> Array:
-        """Slide position (n,) of presses with deviations (k, n) there [m].
+        """Outermost slide positions (n,) of presses with deviations (k, n) [m].
 
         Raises:
             PinpressError: some of these presses cannot be closed there.
@@ -278,12 +263,12 @@ class _DeadCentre(NamedTuple):
 
 
 def dead_centre_gradients(press: Linkage, parts: Sequence[Dimension], motion: Motion | None = None) -> tuple[Array, Array]:
-    """Derivatives (k,) of the slide's position at bottom and at top dead centre by the dimensions of a press, per unit of each; of a
-    ``motion`` at its lowest and its highest state.
+    """Derivatives (k,) of the slide's position at bottom and top dead centre by the dimensions, or at the lowest and highest state of a
+    motion.
 
     Raises:
-        PinpressError: the press has no slide, several drivers and no motion, or no dead centres; a motion of another press; a dimension
-            opens bearings that hold each other, as it does at presses with several points.
+        PinpressError: the press has no slide, several drivers and no motion, or no dead centres; the motion belongs to another press; a
+            dimension opens redundant bearings, as in presses with several points.
     """
     if motion is not None:
         shapes = _shapes(press, parts)
@@ -305,14 +290,14 @@ def ends_of(press: Linkage, motion: Motion) -> tuple[int, int]:
     """The lowest and the highest state of a motion.
 
     Raises:
-        PinpressError: the motion is one of another press, with other joints or lengths, or the press has no slide.
+        PinpressError: the motion belongs to another press, with other joints or lengths, or the press has no slide.
     """
     refuse_motion_of_another(press, motion)
     return int(motion.slide_position.argmin()), int(motion.slide_position.argmax())
 
 
 def _at_end(shapes: Shapes, motion: Motion, upwards: bool) -> _DeadCentre:
-    """The outermost state of a motion, where the drivers stand in every press."""
+    """The outermost state of a motion, in which the drivers of every press have the same positions."""
     state = ends_of(shapes.press, motion)[upwards]
     local = _Local.of(shapes, motion, state)
     held = TurningPoint(Ending(local.start, np.zeros_like(local.position_slopes), "held"), upwards)
@@ -321,7 +306,7 @@ def _at_end(shapes: Shapes, motion: Motion, upwards: bool) -> _DeadCentre:
 
 
 def _outermost(shapes: Shapes, points: TurningPoints, parts: Sequence[Dimension], drawn: Array, upwards: bool) -> _DeadCentre:
-    """A dead centre of the nominal press, with the other turning points that can be outermost where dimensions deviate as in a sample."""
+    """A dead centre of the nominal press, with the other turning points that can be outermost in a press of the sample."""
     first = points.first_of_the_farthest(upwards)
     local = _Local.at(shapes, float(points.places[first]))
     spread = REACH * np.maximum(np.abs(drawn).max(axis=1), [part.tolerance for part in parts])
@@ -353,42 +338,36 @@ def _turning(shapes: Shapes, points: TurningPoints, k: int, at: _Local, upwards:
 
 
 def _moving(shapes: Shapes, local: _Local) -> NDArray[np.bool_]:
-    """(k,) whether a dimension moves the slide at a state or beside it."""
+    """(k,) whether a dimension moves the slide in a state or next to it."""
     least = UNMOVED * shapes.press.size
     return (np.abs(local.position_slopes) > least) | (np.abs(local.rate_slopes) > least)
 
 
 def refuse_several_drivers(press: Linkage) -> None:
-    """Raise PinpressError where a press without a motion has several drivers."""
+    """Raise PinpressError if a press without a motion has several drivers."""
     if len(press.drivers) > 1:
         raise PinpressError(
-            f"{press.name} has {len(press.drivers)} drivers, which alone have no dead centre: give the motion in which they move together,"
+            f"{press.name} has {len(press.drivers)} drivers, so it has no dead centres without a motion of all drivers: give"
             " motion=servo_cycle(press, angles, speed=...); its lowest state is the bottom"
         )
 
 
 def _doubt_effects(parts: Sequence[Dimension], ends: Sequence[_DeadCentre]) -> None:
-    """Warn of dimensions that move the slide nowhere."""
+    """Caution for dimensions that do not move the slide at any dead centre."""
     for part, *moves in zip(parts, *(end.moves for end in ends), strict=True):
         if not any(moves):
-            caution(f"dimension {part.name!r} moves the slide at neither dead centre: leave it out, or give another direction")
+            caution(f"dimension {part.name!r} does not move the slide at a dead centre: leave it out, or give another direction")
 
 
 # ----------------------------------------------------------------------------------------------------------- torque and speed at a height
 
 
 class _Travel(NamedTuple):
-    """Torque or speed at a height above bottom dead centre: both are in proportion to the slide's travel per crank angle, z'.
+    """Torque or speed at a height above bottom dead centre, ``factor`` times z', the slide's travel per crank angle.
 
-    Attributes:
-        quantity: what it is, in words.
-        unit: of the quantity.
-        height: above the press's own bottom dead centre [m].
-        factor: of the quantity in z'.
-        nominal: its nominal value.
-        gradient: (k,) derivatives of the quantity by the dimensions.
-        start: (nv,) joint coordinates of the nominal press.
-        angle_slopes: (k,) derivatives of the crank angle there.
+    ``gradient``: (k,) slopes of the quantity by the dimensions; ``start``: (nv,) joint coordinates of the nominal press; ``angle_slopes``:
+        (k,)
+    slopes of the crank angle at this height.
     """
 
     quantity: str
@@ -405,7 +384,7 @@ class _Travel(NamedTuple):
         """The quantity of the nominal press; ``by``: force [N] or speed of the crank [rad/s].
 
         Raises:
-            PinpressError: the slide does not come down from so high.
+            PinpressError: the height is not within the stroke.
         """
         at = _Local.at(shapes, _angle_at(shapes.press, bottom, height, backwards))
         angle_slopes = -(at.position_slopes - bottom.gradient) / at.rate
@@ -426,9 +405,11 @@ class _Travel(NamedTuple):
 
 
 def _asked(press: Linkage, forces: Mapping[float, float], speeds: Mapping[float, float]) -> Iterator[tuple[str, float, float, bool]]:
-    """Unit of the quantity, height, force or speed of the crank, and whether it turns backwards."""
+    """Unit of each quantity, height, force or speed of the crank, and whether the crank turns backwards."""
     if (forces or speeds) and not press.driver_coordinates[0].turns:
-        raise PinpressError(f"driver {press.driver!r} of {press.name} slides: torque and speed at a height are those of a crank")
+        raise PinpressError(
+            f"driver {press.driver!r} of {press.name} slides, but torque and speed at a height need a crank: leave them out"
+        )
     turned_back = _all_backwards(speeds)
     if speeds:
         doubt_speeds(press, np.array([*speeds.values()]))
@@ -445,12 +426,12 @@ def _asked(press: Linkage, forces: Mapping[float, float], speeds: Mapping[float,
 
 
 def _all_backwards(speeds: Mapping[float, float]) -> bool:
-    """Whether the crank turns negatively at all heights at which it has a speed."""
+    """Whether all speeds of the crank are negative."""
     return bool(speeds) and all(number(f"speeds at {height} m", value, "rad/s") < 0.0 for height, value in speeds.items())
 
 
 def _angle_at(press: Linkage, bottom: _DeadCentre, height: float, backwards: bool) -> float:
-    """Crank angle at which the slide is so high above bottom dead centre, on the way down."""
+    """Crank angle at which the slide is at a height above bottom dead centre, on the way down [rad]."""
     points = turning_points(press)
     turn = 2 * np.pi * points.turns
     before = (points.places - bottom.angle) % turn if backwards else (bottom.angle - points.places) % turn
@@ -461,8 +442,8 @@ def _angle_at(press: Linkage, bottom: _DeadCentre, height: float, backwards: boo
     if not target < highest:
         start = 1e3 * (highest - bottom.nominal)
         raise PinpressError(
-            f"a height of {1e3 * height:.6g} mm is above the stroke: the slide of {press.name} comes down from {start:.6g} mm above bottom"
-            " dead centre; give lower ones"
+            f"a height of {1e3 * height:.6g} mm is not within the stroke of {start:.6g} mm of {press.name}: give a lower height above"
+            " bottom dead centre"
         )
 
     def ahead(angle: Array) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""Dimensions of a press from a table, as CSV or YAML: a row for each, in the words and units of a drawing.
+"""Dimensions of a press from a table in CSV or YAML: a row for each dimension, in the terms and units of a drawing.
 
     dimension,       tolerance, unit, shape,   cost, smallest, largest
     length E F,      0.05,      mm,   normal,  12,   0.02,     0.2
@@ -27,20 +27,20 @@ from ..linkage.linkage import Linkage
 from .dimensions import Dimension, checked_dimensions, link_length, pin_angle, pin_position
 
 HEADS = ("dimension", "tolerance", "unit", "shape", "sd", "name", "cost", "smallest", "largest")
-LENGTHS = {"mm": 1e3, "um": 1e6, "µm": 1e6, "m": 1.0}  # of them in a metre: 50 / 1e6 is 5e-05, 50 * 1e-6 is not
+LENGTHS = {"mm": 1e3, "um": 1e6, "µm": 1e6, "m": 1.0}  # units per metre: 50 / 1e6 is exactly 5e-05, 50 * 1e-6 is not
 ANGLES = {"deg": 180 / math.pi, "rad": 1.0}
-WORDS = "write 'length E F', 'angle C D E', 'position A x', or 'position E x rocker' for a pin in another link than the frame"
+WORDS = "write 'length E F', 'angle C D E', 'position A x', or 'position E x rocker' for a pin that is not in the frame"
 LARGEST_FILE = 1 << 20  # [bytes]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DimensionTable(Tabular):
-    """What a table says of the dimensions of a press.
+    """The dimensions of a table, with their costs and bounds.
 
     Attributes:
         parts: the dimensions, for `bottom_dead_centre`.
-        costs: name of a dimension -> its cost at this tolerance, for `allocate`; those without one are left out.
-        bounds: name of a dimension -> its smallest and largest tolerance [m, of an angle rad]; those without both are left out.
+        costs: name of a dimension -> its cost at this tolerance, for `allocate`; without the dimensions that have no cost.
+        bounds: name of a dimension -> its smallest and largest tolerance [m, of an angle rad]; without the dimensions that have no bounds.
     """
 
     parts: tuple[Dimension, ...]
@@ -63,20 +63,21 @@ class DimensionTable(Tabular):
 
 @typed
 def read_dimensions(press: Linkage, path: str | os.PathLike[str]) -> DimensionTable:
-    """The dimensions of a table, a CSV or YAML file (.yaml, .yml) with these columns or keys, of which the first two are needed:
+    """Read the dimensions of a CSV or YAML file (.yaml, .yml) with these columns or keys, of which the first two are required:
 
         dimension  ``length E F``: `link_length`; ``angle C D E``: `pin_angle`; ``position A x``: `pin_position` in the frame,
                    ``position E x rocker`` in another link
-        tolerance  +/- of the dimension
-        unit       of tolerance, sd, smallest and largest: mm (that of lengths where there is none), um, m; deg (that of angles), rad
-        shape      normal (where there is none), uniform or truncated
-        sd         standard deviation of a normal or truncated one
-        name       in results, where it is to be another one
-        cost       at this tolerance, for `allocate`
-        smallest, largest  tolerances that can be made, for `allocate`
+        tolerance  half-width +/- of the tolerance
+        unit       unit of tolerance, sd, smallest and largest: mm (default of lengths), um, m; deg (default of angles), rad
+        shape      normal (default), uniform or truncated
+        sd         standard deviation of a normal or truncated dimension
+        name       name in results, instead of the default
+        cost       cost at this tolerance, for `allocate`
+        smallest, largest  smallest and largest tolerance that can be made, for `allocate`
 
     Raises:
-        PinpressError: the file cannot be read, is no such table, or a row is no dimension of this press; with the row.
+        PinpressError: the file cannot be read, does not have these columns, or a row is not a dimension of this press; the message names
+            the row.
     """
     name = files.path_of("path", path)
     rows = _yaml_rows(name) if name.lower().endswith((".yaml", ".yml")) else _csv_rows(name)
@@ -90,7 +91,7 @@ def read_dimensions(press: Linkage, path: str | os.PathLike[str]) -> DimensionTa
                 costs[part.name] = _number(row, "cost")
             ends = [_number(row, end) / per for end in ("smallest", "largest") if row.get(end)]
             if len(ends) == 1:
-                raise PinpressError("one bound is given: give smallest and largest, or neither")
+                raise PinpressError("only one of smallest and largest is given: give both, or neither")
             if ends:
                 bounds[part.name] = (ends[0], ends[1])
         except PinpressError as error:
@@ -103,7 +104,7 @@ def read_dimensions(press: Linkage, path: str | os.PathLike[str]) -> DimensionTa
 
 
 def _csv_rows(name: str) -> list[tuple[str, dict[str, str]]]:
-    """Every row with its place and its cells by their heads. Numbers are words here, as their unit is another cell."""
+    """Every row with its place, and its cells by their heads. Numbers stay text here, because another cell has their unit."""
     table = read_columns(name, {head: Wanted(needed=head in HEADS[:2]) for head in HEADS}, others=False)
     return [(f"line {line}", row) for line, row in table.rows()]
 
@@ -116,38 +117,40 @@ def _yaml_rows(name: str) -> list[tuple[str, dict[str, str]]]:
     try:
         listed = yaml.load(files.read(name, LARGEST_FILE).decode("utf-8-sig"), Loader=yaml.BaseLoader)
     except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
-        reason = files.reason(error) if isinstance(error, OSError) else "it is no YAML"
+        reason = files.reason(error) if isinstance(error, OSError) else "it is not YAML"
         raise PinpressError(f"{name} cannot be read ({reason}): {wanted}") from None
     if not isinstance(listed, list):
-        raise PinpressError(f"{name} is no list: {wanted}")
+        raise PinpressError(f"{name} does not have a list: {wanted}")
     rows = []
     for k, entry in enumerate(listed, 1):
         if not isinstance(entry, dict) or not all(isinstance(cell, str) for cell in (*entry, *entry.values())):
-            raise PinpressError(f"{name}, entry {k}: it is no mapping of texts and numbers: {wanted}")
+            raise PinpressError(f"{name}, entry {k} is not a mapping of texts and numbers: {wanted}")
         _refuse_heads(f"{name}, entry {k}: key", list(entry))
         rows.append((f"entry {k}", {key: cell.strip() for key, cell in entry.items()}))
     return rows
 
 
 def _refuse_heads(place: str, heads: list[str]) -> None:
-    """Raise PinpressError where heads are unknown, given twice or missing."""
+    """Raise PinpressError for heads that are unknown, given twice or missing."""
     for head in heads:
         if head not in HEADS:
-            raise PinpressError(f"{place} {shown(head)} is none{suggestion(head, HEADS)}; write some of {', '.join(HEADS)}")
+            raise PinpressError(f"{place} {shown(head)} is unknown{suggestion(head, HEADS)}; write some of {', '.join(HEADS)}")
         if heads.count(head) > 1:
-            raise PinpressError(f"{place} {head!r} is there twice: write it once")
+            raise PinpressError(f"{place} {head!r} is given twice: write it once")
     for head in HEADS[:2]:
         if head not in heads:
-            raise PinpressError(f"{place} {head!r} is missing: every dimension needs its words and a tolerance")
+            raise PinpressError(f"{place} {head!r} is missing: every entry needs a dimension and a tolerance")
 
 
 def _dimension(press: Linkage, row: Mapping[str, str]) -> tuple[Dimension, float]:
-    """The dimension of a row, and how many of its units are 1 in SI units."""
+    """The dimension of a row, and the number of its units in 1 m or 1 rad."""
     kind, *names = row["dimension"].split() or [""]
     units = ANGLES if kind == "angle" else LENGTHS
     unit = row.get("unit") or next(iter(units))
     if unit not in units:
-        raise PinpressError(f"unit {unit!r} is none of {'an angle' if units is ANGLES else 'a length'}: write one of {', '.join(units)}")
+        raise PinpressError(
+            f"unit {unit!r} is not a unit of {'an angle' if units is ANGLES else 'a length'}: write one of {', '.join(units)}"
+        )
     per = units[unit]
     tolerance = _number(row, "tolerance") / per
     shape, name = row.get("shape") or "normal", row.get("name") or None
@@ -159,15 +162,15 @@ def _dimension(press: Linkage, row: Mapping[str, str]) -> tuple[Dimension, float
     if kind == "position" and len(names) in (2, 3):
         link = names[2] if len(names) == 3 else None
         return pin_position(press, names[0], names[1], tolerance, link=link, name=name, shape=shape, sd=sd), per
-    raise PinpressError(f"{shown(row['dimension'])} is no dimension: {WORDS}")
+    raise PinpressError(f"{shown(row['dimension'])} is not a dimension: {WORDS}")
 
 
 def _number(row: Mapping[str, str], head: str) -> float:
     try:
         value = float(row.get(head, ""))
     except ValueError:
-        remedy = "write decimals after a point" if "," in row.get(head, "") else "write a number, its unit in the column unit"
-        raise PinpressError(f"{head} {row.get(head, '')!r} is no number: {remedy}") from None
+        remedy = "write a decimal point" if "," in row.get(head, "") else "write a number, with its unit in the column unit"
+        raise PinpressError(f"{head} {row.get(head, '')!r} is not a number: {remedy}") from None
     if not math.isfinite(value) or value <= 0.0:
         raise PinpressError(f"{head} is {row[head]}: give a positive number")
     return value

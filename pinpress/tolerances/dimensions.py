@@ -1,8 +1,8 @@
-"""Dimensions of a press that scatter: which pivots each of them moves, how far, and how it is distributed.
+"""Dimensions of a press that scatter: which pivots a dimension moves, how far, and how the dimension is distributed.
 
-A deviation d of a dimension moves its pivots by d times the dimension's direction, on straight lines: an angle is one to first order only,
-its pivot leaves the arc by half the arm times the square of the angle (0.02 um at an arm of 0.5 m and an angle of 0.01 deg). Bearings in
-one place of a link of a planar press are on one pin, as where three links meet, and move together.
+A deviation d of a dimension moves its pivots by d times the dimension's direction, on straight lines. So an angle is exact to first order
+only: its pivot leaves the arc by half the arm times the square of the angle (0.02 um for an arm of 0.5 m and 0.01 deg). Bearings in the
+same place of a link of a planar press are on one pin, e.g. where three links meet, and move together.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from ..derivatives.motion import Pivots, directed
 from ..linkage.linkage import Linkage
 
 SHAPES = ("normal", "uniform", "truncated")
-DEVIATIONS = 3.0  # standard deviations to which a tolerance is taken where none is given
-LARGE = 0.1  # tolerance, as a share of the lengths of its links, that is hardly meant
-STEEP = 0.1  # tolerance of an angle that is hardly meant [rad]
+DEVIATIONS = 3.0  # standard deviations in a tolerance, if sd is not given
+LARGE = 0.1  # a larger tolerance, as a share of the lengths of its links, is probably a mistake
+STEEP = 0.1  # a larger tolerance of an angle is probably a mistake [rad]
 MOST_SAMPLES = 10**7
 LEAST_MEASURED = 2
-FLAT = 1e-12  # share of the largest moment by which rounding may make a correlation matrix indefinite
-ONE_PLACE = 1e-9  # distance of two bearings of a link as a share of the linkage's size below which they are on one pin
-IN_LINE = 1e-9  # sine of the angle of two arms below which they are in one line
+FLAT = 1e-12  # negative eigenvalue of a correlation matrix, per dimension, that counts as rounding error
+ONE_PLACE = 1e-9  # bearings of a link that are closer, as a share of the linkage's size, are on one pin
+IN_LINE = 1e-9  # two arms with a smaller sine of their angle are in one line
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -40,15 +40,15 @@ class Dimension(Frozen):
     """A dimension of a press with its tolerance: ``Dimension("EF", {("F", "rod"): (1, 0, 0)}, 50e-6)``.
 
     Attributes:
-        name: as results call it.
-        direction: (bearing, link) -> (3,) derivative of the bearing's position in the link's own frame by the dimension, as
-            `derivatives.motion_derivatives` takes it [-, of an angle m/rad].
-        tolerance: the dimension is the nominal one +/- this [m, of an angle rad]. Where the tolerances of a drawing are not symmetric,
-            take their middle for the press and half of their width.
-        shape: "normal"; "uniform", all deviations within the tolerance alike; "truncated", normal within the tolerance and none beyond it;
-            or the deviations (n,) that were measured, one of which is drawn for each press.
-        sd: standard deviation of a normal dimension, of a truncated one before it is cut; None: a third of the tolerance.
-        unit: of the dimension, "m" or "rad".
+        name: name in results.
+        direction: (bearing, link) -> (3,) derivative of the bearing's position by the dimension, in the link's own frame, as in
+            `derivatives.motion_derivatives` [-, of an angle m/rad].
+        tolerance: half-width +/- of the tolerance [m, of an angle rad]. If the tolerances of a drawing are not symmetric, give the press
+            their middle, and give half of their width here.
+        shape: "normal"; "uniform": all deviations within the tolerance are equally likely; "truncated": normal, but no deviation is
+            outside the tolerance; or (n,) measured deviations, one of which is drawn for each press.
+        sd: standard deviation of a normal dimension, or of a truncated one before truncation; None: a third of the tolerance.
+        unit: unit of the dimension, "m" or "rad".
     """
 
     name: str
@@ -60,7 +60,7 @@ class Dimension(Frozen):
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
-            raise PinpressError(f"name of a dimension is {shown(self.name)}: give a text such as 'EF'")
+            raise PinpressError(f"name of a dimension is {shown(self.name)}: give a text, e.g. 'EF'")
         if self.unit not in ("m", "rad"):
             raise PinpressError(f"dimension {self.name!r}: unit is {shown(self.unit)}: give 'm' or 'rad'")
         set_field(self, "direction", self._checked_direction())
@@ -75,19 +75,19 @@ class Dimension(Frozen):
         if self.sd is not None:
             if not isinstance(self.shape, str) or self.shape == "uniform":
                 raise PinpressError(
-                    f"dimension {self.name!r}: sd is given, but uniform and measured dimensions have their own: leave it out"
+                    f"dimension {self.name!r}: sd is given, but a uniform or measured dimension determines its sd: leave out sd"
                 )
             set_field(self, "sd", self._size("sd", self.sd))
             if _is_normal(self) and self.sd > self.tolerance:
                 caution(
-                    f"dimension {self.name!r}: sd is {self.sd:g} {self.unit}, above its tolerance of {self.tolerance:g}: a third of all"
-                    " parts would miss it; exchange them, or see to the units"
+                    f"dimension {self.name!r}: sd is {self.sd:g} {self.unit}, above its tolerance of {self.tolerance:g}, so a third of all"
+                    " parts would miss the tolerance: exchange both, or check the units"
                 )
         super().__post_init__()
 
     @property
     def standard_deviation(self) -> float:
-        """That of the dimension as it is drawn [m or rad]."""
+        """Standard deviation of the drawn deviations [m or rad]."""
         if not isinstance(self.shape, str):
             return float(np.std(np.asarray(self.shape)))
         if self.shape == "uniform":
@@ -97,11 +97,11 @@ class Dimension(Frozen):
 
     @property
     def mean(self) -> float:
-        """Mean deviation [m or rad]; 0 but for measured ones."""
+        """Mean deviation [m or rad]; 0 except for measured deviations."""
         return 0.0 if isinstance(self.shape, str) else float(np.mean(np.asarray(self.shape)))
 
     def draw(self, generator: np.random.Generator, samples: int) -> Array:
-        """Deviations (samples,) of that many presses [m or rad]."""
+        """Draw deviations (samples,), one for each press [m or rad]."""
         if not isinstance(self.shape, str):
             return generator.choice(np.asarray(self.shape), samples)
         if self.shape == "uniform":
@@ -127,28 +127,28 @@ class Dimension(Frozen):
         checked = {}
         for key, values in self.direction.items():
             if not (isinstance(key, tuple) and len(key) == 2 and all(isinstance(each, str) for each in key)):
-                raise PinpressError(f"{what}: {shown(key)} is no pair of names: write (bearing, link)")
+                raise PinpressError(f"{what}: {shown(key)} is not a pair of names: write (bearing, link)")
             checked[key] = suitable_numbers(f"{what}: {shown(key)}", values, "three finite numbers, in the link's own frame", (3,))
         if not any(vector.any() for vector in checked.values()):
-            raise PinpressError(f"{what} moves nothing: give a derivative other than (0, 0, 0)")
+            raise PinpressError(f"{what} is zero, so it moves no pivot: give a derivative other than (0, 0, 0)")
         return checked
 
     def _checked_sample(self) -> Array:
         what = f"measured deviations of dimension {self.name!r}"
         sample = numbers(what, self.shape, (None,), unit=self.unit)
         if len(sample) < LEAST_MEASURED or not np.ptp(sample):
-            raise PinpressError(f"{what} are {shown(sample.tolist())}: give at least two that differ")
+            raise PinpressError(f"{what} are {shown(sample.tolist())}: give at least two different deviations")
         largest = float(np.abs(sample).max())
         if largest > 100.0 * self.tolerance:
             caution(
-                f"{what} reach {largest:g} {self.unit}, with a tolerance of {self.tolerance:g} {self.unit}: give deviations from the"
+                f"{what} reach {largest:g} {self.unit}, but the tolerance is {self.tolerance:g} {self.unit}: give deviations from the"
                 f" nominal dimension, in {self.unit}"
             )
         return sample
 
 
 def _shortened(limit: float) -> float:
-    """Standard deviation of a standard normal variable that is cut at +/- limit."""
+    """Standard deviation of a standard normal variable that is truncated at +/- limit."""
     if limit < 1e-3:  # nearly uniform, where the difference below cancels
         return limit / math.sqrt(3.0)
     inside = math.erf(limit / math.sqrt(2.0))
@@ -169,21 +169,22 @@ def link_length(
     shape: str | ArrayLike = "normal",
     sd: float | None = None,
 ) -> Dimension:
-    """The distance between two pins of a link, of a planar press in its plane: the second pin moves away from
-    the first one, and all other pins of the link stay.
+    """The distance between two pins of a link, in the plane of a planar press.
+
+    The second pin moves away from the first pin. All other pins of the link stay.
 
     Args:
         press: the press.
         first: a pin of the link, or a bearing in the frame.
         second: another pin of the same link.
-        tolerance: +/- of the distance [m].
-        name: of the dimension; None: the names of both pins.
-        shape: as of `Dimension`.
-        sd: as of `Dimension`.
+        tolerance: half-width +/- of the distance's tolerance [m].
+        name: name of the dimension; None: the names of both pins.
+        shape: as in `Dimension`.
+        sd: as in `Dimension`.
 
     Raises:
-        UnknownNameError: the press has no such bearing.
-        PinpressError: no link has both pins, they are in one place, or one is a guide.
+        UnknownNameError: the press does not have a bearing with this name.
+        PinpressError: no link has both pins, both pins are in one place, or one of them is a guide.
     """
     body = _common_body(press, first, second)
     arm = _arm(press, body, first, second)
@@ -205,22 +206,25 @@ def pin_angle(
     shape: str | ArrayLike = "normal",
     sd: float | None = None,
 ) -> Dimension:
-    """The angle between two arms of a link: the second pin moves square to its arm from the vertex, all other pins of the link stay. It
-    moves on a straight line, which is an angle to first order.
+    """The angle between two arms of a link.
+
+    The second pin moves at a right angle to its arm from the vertex. It moves on a straight line, which is an angle to first order. All
+    other pins of the link stay.
 
     Args:
         press: the press; in space the pin moves in the plane of both arms.
         first: pin at the end of the first arm.
         vertex: pin where the arms meet.
         second: pin at the end of the second arm.
-        tolerance: +/- of the angle [rad].
-        name: of the dimension; None: "angle" and the names of the pins.
-        shape: as of `Dimension`.
-        sd: as of `Dimension`.
+        tolerance: half-width +/- of the angle's tolerance [rad].
+        name: name of the dimension; None: "angle" and the names of the pins.
+        shape: as in `Dimension`.
+        sd: as in `Dimension`.
 
     Raises:
-        UnknownNameError: the press has no such bearing.
-        PinpressError: no link has all three pins, two of them are in one place, or one is a guide; arms in one line, in space.
+        UnknownNameError: the press does not have a bearing with this name.
+        PinpressError: no link has all three pins, two pins are in one place, a bearing is a guide, or the arms of a press in space are in
+            one line.
     """
     body = _common_body(press, first, vertex, second)
     one, other = (_arm(press, body, vertex, pin) for pin in (first, second))
@@ -230,8 +234,8 @@ def pin_angle(
         size = np.linalg.norm(normal)
         if not size > IN_LINE * np.linalg.norm(one) * np.linalg.norm(other):
             raise PinpressError(
-                f"the arms {vertex}-{first} and {vertex}-{second} are in one line, so that their angle has no plane: give a Dimension with"
-                " the direction in which a pin moves"
+                f"the arms {vertex}-{first} and {vertex}-{second} are in one line, so their angle has no plane: give a Dimension with the"
+                " direction in which a pin moves"
             )
         normal /= size
     away = np.cross(normal, other) * (1.0 if np.cross(one, other) @ normal >= 0 else -1.0)  # the angle grows
@@ -257,21 +261,21 @@ def pin_position(
     shape: str | ArrayLike = "normal",
     sd: float | None = None,
 ) -> Dimension:
-    """The place of a pin or guide in a link, in the frame by default; all other pins of the link stay.
+    """The position of a pin or guide in a link, by default in the frame. All other pins of the link stay.
 
     Args:
         press: the press.
         bearing: the pin or guide; a guide is moved as a line.
-        axis: "x", "y" or "z", or (3,) of any length: along which it moves, in the link's own frame; that of the frame is the world's.
-        tolerance: +/- of the place [m].
-        link: the link in which it moves; None: the frame.
-        name: of the dimension; None: the bearing's name and the axis.
-        shape: as of `Dimension`.
-        sd: as of `Dimension`.
+        axis: direction of the motion in the link's own frame (for the frame: world axes), "x", "y", "z" or a vector (3,) of any length.
+        tolerance: half-width +/- of the position's tolerance [m].
+        link: the link in which the bearing moves; None: the frame.
+        name: name of the dimension; None: the bearing's name and the axis.
+        shape: as in `Dimension`.
+        sd: as in `Dimension`.
 
     Raises:
-        UnknownNameError: the press has no such bearing or link.
-        PinpressError: the bearing is not on this link, or cannot be moved in it; an axis that is none.
+        UnknownNameError: the press does not have a bearing or link with this name.
+        PinpressError: the bearing is not on this link or cannot be moved in it, or axis is not an axis.
     """
     if isinstance(axis, str):
         if axis not in AXES:
@@ -297,15 +301,15 @@ def _common_body(press: Linkage, *pins: str) -> int:
         _refuse_unknown("bearing", pin, press.bearings)
         bodies.append(_ends(press, press.bearings.index(pin)))
         if not _is_pin(press, pin):
-            raise PinpressError(f"{pin!r} is a guide, no pin: its place is pin_position(press, {pin!r}, 'x', ...)")
+            raise PinpressError(f"{pin!r} is a guide, not a pin: move it by pin_position(press, {pin!r}, 'x', ...)")
     if len(set(pins)) < len(pins):
-        raise PinpressError(f"a pin is named twice in {', '.join(pins)}: name pins that differ")
+        raise PinpressError(f"a pin is named twice in {', '.join(pins)}: name different pins")
     common = set.intersection(*bodies)
     if not common:
         which = "; ".join(
             f"{pin} joins {' and '.join(press.link_of(body) for body in sorted(ends))}" for pin, ends in zip(pins, bodies, strict=True)
         )
-        raise PinpressError(f"no link has the pins {', '.join(pins)}: {which}")
+        raise PinpressError(f"no link has the pins {', '.join(pins)} ({which}): name pins of one link")
     return min(common)
 
 
@@ -347,8 +351,10 @@ def _position(press: Linkage, body: int, bearing: str) -> Array:
 
 
 def _moved_pin(press: Linkage, body: int, link: str, bearing: str, by: Array) -> dict[tuple[str, str], Array]:
-    """The direction that moves one pin of a link, in the frame of the link. The origin of the body's frame cannot be moved in it: all
-    others move the other way."""
+    """The direction that moves one pin of a link, in the frame of the link.
+
+    A pin at the origin of the body's frame cannot move in this frame; instead all other pins move the other way.
+    """
     pin = _bearings_of_pin(press, body, bearing)
     if not body or press.joints[body - 1] not in pin:
         return {(each, link): by for each in pin}
@@ -356,8 +362,10 @@ def _moved_pin(press: Linkage, body: int, link: str, bearing: str, by: Array) ->
 
 
 def _bearings_of_pin(press: Linkage, body: int, bearing: str) -> list[str]:
-    """The bearings of a body that are on one pin with this one: of a planar press those in one place, as where three links meet. In space
-    they may be the axes of a cross."""
+    """The bearings of a body that share a pin with this bearing: in a planar press all bearings in this place, e.g. where three links meet.
+
+    In space, bearings in one place may be the axes of a cross, so only this bearing counts.
+    """
     if not _is_pin(press, bearing) or _normal(press, body) is None:
         return [bearing]
     at, near = _position(press, body, bearing), ONE_PLACE * press.size
@@ -375,13 +383,13 @@ def _is_pin(press: Linkage, bearing: str) -> bool:
 
 
 def _arm(press: Linkage, body: int, first: str, second: str) -> Array:
-    """From one pin to another (3,), in the frame of the body's first link [m]; of a planar press in its plane."""
+    """Vector (3,) from one pin to another, in the frame of the body's first link, in the plane of a planar press [m]."""
     arm = _position(press, body, second) - _position(press, body, first)
     normal = _normal(press, body)
     if normal is not None:
         arm -= (arm @ normal) * normal
     if not arm.any():
-        raise PinpressError(f"the pins {first} and {second} are in one place: give a Dimension with the direction in which one moves")
+        raise PinpressError(f"the pins {first} and {second} are in one place: give a Dimension with the direction in which a pin moves")
     return arm
 
 
@@ -399,12 +407,12 @@ def _joined(*pins: str) -> str:
 
 
 def checked_dimensions(press: Linkage, parts: Sequence[Dimension]) -> tuple[Dimension, ...]:
-    """The dimensions of a press, each once.
+    """The checked dimensions of a press, each once.
 
     Raises:
-        PinpressError: there are none, one is no `Dimension`, or two have one name; a link that the bearing is not on, or in which it cannot
-            be moved.
-        UnknownNameError: a bearing or link that the linkage does not have.
+        PinpressError: there is no dimension, a part is not a `Dimension`, two dimensions have the same name, or a bearing is not on the
+            link or cannot be moved in it.
+        UnknownNameError: the linkage does not have a bearing or link with this name.
 
     Warns:
         PinpressWarning: a tolerance is larger than a tenth of its link, or than 0.1 rad.
@@ -412,13 +420,13 @@ def checked_dimensions(press: Linkage, parts: Sequence[Dimension]) -> tuple[Dime
     found = tuple(parts)
     for each in found:
         if not isinstance(each, Dimension):
-            raise PinpressError(f"parts has a {type(each).__name__}: give Dimensions, as link_length(press, ...) makes them")
+            raise PinpressError(f"parts has a {type(each).__name__}: give Dimensions, e.g. from link_length(press, ...)")
     names = [each.name for each in found]
     if not found:
         raise PinpressError("parts is empty: give the dimensions that scatter, parts=[tolerances.link_length(press, ...), ...]")
     if len(set(names)) < len(names):
         twice = ", ".join(sorted({name for name in names if names.count(name) > 1}))
-        raise PinpressError(f"dimensions are given twice: {twice}; give each once, or other names")
+        raise PinpressError(f"dimensions are given twice: {twice}; give each once, or different names")
     for each in found:
         directed(press, each.direction)
         _doubt_size(press, each)
@@ -426,22 +434,22 @@ def checked_dimensions(press: Linkage, parts: Sequence[Dimension]) -> tuple[Dime
 
 
 def _doubt_size(press: Linkage, part: Dimension) -> None:
-    """Warn of a tolerance that is hardly meant."""
+    """Caution for a tolerance that is probably a mistake."""
     if part.unit == "rad":
         if part.tolerance > STEEP:
-            caution(f"dimension {part.name!r} has a tolerance of {part.tolerance:g} rad: give it in rad, not in degrees")
+            caution(f"dimension {part.name!r} has a tolerance of {part.tolerance:g} rad, more than {STEEP:g} rad: give rad, not degrees")
         return
     moved = max(float(np.linalg.norm(vector)) for vector in part.direction.values())
     length = min(_extent(press, link) for _, link in part.direction)
     if part.tolerance * moved > LARGE * length:
         caution(
-            f"dimension {part.name!r} has a tolerance of {part.tolerance:g} m, beside {length:.3g} m between the pins of its link: in"
-            f" m it is {part.tolerance:g}e-3 if mm are meant"
+            f"dimension {part.name!r} has a tolerance of {part.tolerance:g} m, but the pins of its link are only {length:.3g} m apart. Is"
+            f" it {part.tolerance:g} mm? Write {part.tolerance:g}e-3"
         )
 
 
 def _extent(press: Linkage, link: str) -> float:
-    """Largest distance between two bearings of a link [m]; the size of the linkage where it has one alone."""
+    """Largest distance between two bearings of a link [m]; the size of the linkage if the link has only one bearing."""
     body = _body(press, link)
     points = [_position(press, body, name) for name in _bearings_on(press, body)]
     return max((float(np.linalg.norm(one - other)) for one in points for other in points), default=0.0) or press.size
@@ -452,24 +460,24 @@ def correlation_matrix(parts: Sequence[Dimension], correlation: Mapping[tuple[st
 
     Args:
         parts: the dimensions.
-        correlation: (name, name) -> coefficient, between normal dimensions; pairs that are not named are independent.
+        correlation: (name, name) -> correlation coefficient of two normal dimensions [-]; other pairs are independent.
 
     Raises:
-        UnknownNameError: there is no such dimension.
-        PinpressError: a key that is no pair, one that is given twice, a coefficient beyond +/- 1, a dimension that is not normal, or
-            coefficients that contradict each other.
+        UnknownNameError: a dimension does not exist.
+        PinpressError: a key is not a pair, a pair is given twice, a coefficient is outside -1 to 1, a dimension is not normal, or the
+            coefficients contradict each other.
     """
     names, result = [part.name for part in parts], np.eye(len(parts))
     given: set[frozenset[str]] = set()
     for pair, value in (correlation or {}).items():
         if not (isinstance(pair, tuple) and len(pair) == 2) or pair[0] == pair[1]:
-            raise PinpressError(f"correlation: {shown(pair)} is no pair of names: write (dimension, dimension)")
+            raise PinpressError(f"correlation: {shown(pair)} is not a pair of names: write (dimension, dimension)")
         for name in pair:
             _refuse_unknown("dimension", name, names)
             if not _is_normal(parts[names.index(name)]):
                 raise PinpressError(
-                    f"correlation: dimension {name!r} is not normal: give what it shares with {pair[1 - pair.index(name)]!r} as a dimension"
-                    " of its own, which moves the pivots of both"
+                    f"correlation: dimension {name!r} is not normal: give the part that it shares with {pair[1 - pair.index(name)]!r} as a"
+                    " separate dimension, which moves the pivots of both"
                 )
         place = names.index(pair[0]), names.index(pair[1])
         if frozenset(pair) in given:
@@ -496,7 +504,7 @@ def drawn_deviations(parts: Sequence[Dimension], correlation: Array, samples: in
         parts: the k dimensions.
         correlation: (k, k) from `correlation_matrix`.
         samples: number of presses.
-        seed: of the random numbers: the same one gives the same presses.
+        seed: seed of the random numbers; the same seed gives the same presses.
     """
     count = whole_number("samples", samples, 2, MOST_SAMPLES)
     generator = np.random.default_rng(whole_number("seed", seed, 0, 2**63 - 1))

@@ -1,4 +1,4 @@
-"""Parallelism of a slide that hangs on several points, and which dimension decides.
+"""Parallelism of a slide that hangs on several points, and the dimensions that matter most.
 
     tol = pp.tolerances
     chains = {
@@ -7,20 +7,19 @@
     }
     tol.parallelism(press, {f"P4_{side}": parts for side, parts in chains.items()})
 
-Every point is a crank-slide of its own, of which a chain of rods leads from the crank to the slide. The other rods would hold a rigid slide
-in its place too, so that lengths which differ would jam. The height of a point is therefore that which its own chain alone gives it, by
-virtual work with a unit force on the slide that this chain carries alone (see `virtual_work`), exact to first order in the dimensions.
-With the heights z_i at the places x_i, y_i of the points the slide takes the height h and the slopes s, t for which
+Every point has a separate chain of rods from the crank to the slide. A rigid slide on several chains with different lengths would jam. The
+height of a point is therefore the height that its chain alone gives it. Virtual work gives this height, with a unit force on the slide that
+only this chain carries (see `virtual_work`), exact to first order in the dimensions. The points have the heights z_i at the places x_i,
+y_i, the stiffness k, and guides of the stiffness kappa against turning. The slide takes the height h and the slopes s, t that minimise
 
     sum of k (h + s x_i + t y_i - z_i)^2 + kappa (s^2 + t^2)
 
-is least: with points of the stiffness k, in guides of the stiffness kappa against turning. Two points at -b and b have the slope
-(z_1 - z_2) / 2b times 2 k b^2 / (2 k b^2 + kappa). Without guides the slope follows the points. Four points lie in no plane in general:
-what a plane leaves of their heights is forced into the slide, its rods and their bearings.
+Two points at -b and b have the slope (z_1 - z_2) / 2b times 2 k b^2 / (2 k b^2 + kappa). Without guides the slope follows the points. Four
+points are not in one plane in general: their distances from the plane strain the slide, its rods and their bearings.
 
-Permissible slopes are numbers that the caller gives, also as a table of `PermissibleSlope` in the form in which standards have them: a
-difference of height that grows with the measured length. The grades of standards such as JIS B 6402 are not built in, because their texts
-were not at hand.
+The caller gives permissible slopes, either as a number or as a table of `PermissibleSlope`. This has the form of standards: a difference of
+heights that grows with the measured length. The grades of standards such as JIS B 6402 are not built in, because their texts were not
+available.
 """
 
 from __future__ import annotations
@@ -52,23 +51,24 @@ from .sets_of_lengths.shapes import Shapes
 from .single_chains import SingleChain
 from .virtual_work import unit_forces
 
-ROUNDING = 1e-12  # share of the largest gradient over the turn below which one is zero
+ROUNDING = 1e-12  # a smaller gradient, as a share of the largest one over the turn, counts as zero
 STATES = 120  # crank angles of a period
-SOFT = 1.0  # stiffness of the points that are left out, beside which all others are rigid [N/m]
-ALONE = 1e-6  # force of a point that is left out, as a share of that of the one that carries
-ONE_PLACE = 1e-9  # distance of points as a share of the linkage's size below which they are one
+SOFT = 1.0  # stiffness of points that are left out, so soft that all other points are rigid [N/m]
+ALONE = 1e-6  # largest force of a point that is left out, as a share of the force of the carrying point
+ONE_PLACE = 1e-9  # points that are closer, as a share of the linkage's size, are in one place
 
 
 @dataclass(frozen=True)
 class PermissibleSlope(Checked):
-    """A row of a table of permissible slopes: over a measured length L the heights may differ by ``constant + by_length * L``. The numbers
-    are the caller's, from the standard or the contract.
+    """A row of a table of permissible slopes, from a standard or a contract.
+
+    Over a measured length L the heights may differ by ``constant + by_length * L``.
 
     Attributes:
-        constant: [m].
-        by_length: 60e-6 for 0.06 mm a metre [m/m].
-        force: of the process on the slide while the slope is measured, positive upwards; 0 where it is measured idle [N].
-        place: (2,) of this force from `Linkage.tool` along both directions of `SlideParallelism` [m].
+        constant: constant part of the difference [m].
+        by_length: part of the difference that grows with the length, e.g. 60e-6 for 0.06 mm a metre [m/m].
+        force: force of the process on the slide during the measurement, positive upwards; 0 for an idle press [N].
+        place: (2,) place of this force from `Linkage.tool`, along both directions of `SlideParallelism` [m].
     """
 
     constant: float = field(metadata=parameter("m", "not negative"))
@@ -79,9 +79,9 @@ class PermissibleSlope(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         if np.shape(self.place) != (2,):
-            raise PinpressError(f"PermissibleSlope: place has shape {np.shape(self.place)}: give (2,) along both directions [m]")
+            raise PinpressError(f"PermissibleSlope: place has shape {np.shape(self.place)}: give two numbers, along both directions [m]")
         if not (self.constant or self.by_length):
-            raise PinpressError("PermissibleSlope: constant and by_length are 0: give the difference of heights that may be, in m")
+            raise PinpressError("PermissibleSlope: constant and by_length are 0: give the permissible difference of heights [m]")
         plausibility.lean("PermissibleSlope: constant", self.constant)
 
 
@@ -89,23 +89,22 @@ class PermissibleSlope(Checked):
 class SlideParallelism(OfPress, Tabular):
     """Slopes of a slide on m points against the table. All arrays are read-only.
 
-    Slopes are in m/m, along two directions square to the guide. The columns are n crank angles.
+    Slopes are in m/m, along two directions at a right angle to the guide. The columns are n crank angles.
 
     Attributes:
         press_name: name of the press.
         coordinate: what the coordinate of the driver is.
         points: names of the bearings on which the slide hangs.
-        places: (m, 2) of the points along both directions, from `Linkage.tool` [m].
-        directions: (2, 3) these directions as unit vectors in world axes; of a planar press that in its plane and that across it.
-        crank_angle: (n,) crank angles [rad]; of a driver that slides its positions [m].
+        places: (m, 2) places of the points from `Linkage.tool`, along both directions [m].
+        directions: (2, 3) unit vectors of both directions in world axes; for a planar press in its plane, then across it.
+        crank_angle: (n,) crank angles [rad]; for a driver that slides its positions [m].
         slope_sd: (n, 2) standard deviations of the slopes, to first order [-].
         slopes: the scatter of both slopes at bottom dead centre, with the shares of the dimensions; every press of its sample is exact.
-        misfit_sd: (m,) standard deviations of what a plane leaves of the points' heights at bottom dead centre [m].
-        point_force_sd: (m,) of the forces on the points by that and by the guides [N]; None without stiffnesses.
-        guide_moment_sd: (2,) of the moments of the guides that hold the slide against both slopes [N m]; None without stiffnesses.
-        turning_compliance: (2, 2) slopes by the moments of a force beside the middle of the points, in the order of the directions
-            [1/(N m)]; None without stiffnesses.
-        deviations: (k, presses) of the dimensions of every press of the sample from the nominal ones [m or rad].
+        misfit_sd: (m,) standard deviations of the points' heights from their plane at bottom dead centre [m].
+        point_force_sd: (m,) standard deviations of the forces on the points by this misfit and the guides [N]; None without stiffnesses.
+        guide_moment_sd: (2,) standard deviations of the guides' moments against both slopes [N m]; None without stiffnesses.
+        turning_compliance: (2, 2) slopes / moments of a force off the middle of the points [1/(N m)]; None without stiffnesses.
+        deviations: (k, presses) deviations of the dimensions of every press of the sample from the nominal dimensions [m or rad].
     """
 
     _press: Linkage
@@ -126,10 +125,10 @@ class SlideParallelism(OfPress, Tabular):
         """Share of the sample's presses whose slopes at bottom dead centre are permissible in both directions [-].
 
         Args:
-            permissible: largest slope [m/m], as the standard or the customer has it.
+            permissible: largest permissible slope, from the standard or the customer [m/m].
 
-        Raises:
-            PinpressError: it is not positive.
+            Raises:
+                PinpressError: the slope is not positive.
         """
         return self._within(np.full(2, positive("permissible", permissible, "-")), np.zeros(2))
 
@@ -137,11 +136,12 @@ class SlideParallelism(OfPress, Tabular):
         """Share of the sample's presses that keep each row of a table, in both directions.
 
         Args:
-            permissible: name of a row, such as a grade -> what may be.
-            lengths: (2,) measured along both directions, such as width and depth of the slide less the margins [m].
+            permissible: name of a row, e.g. a grade -> its permissible slope.
+            lengths: (2,) measured lengths along both directions, e.g. width and depth of the slide less the margins [m].
 
-        Raises:
-            PinpressError: no row, or one that is none; lengths that are not two positive numbers; a force without stiffnesses.
+            Raises:
+                PinpressError: there is no row, a row is not a `PermissibleSlope`, lengths are not two positive numbers, or a row has a
+                    force but the slide has no stiffnesses.
         """
         measured = suitable_numbers("lengths", lengths, "two positive lengths [m]", (2,), lambda found: found > 0)
         if not isinstance(permissible, Mapping) or not permissible:
@@ -154,7 +154,7 @@ class SlideParallelism(OfPress, Tabular):
         return FrozenMapping(found)
 
     def _within(self, limits: Array, tilt: Array) -> float:
-        """Share of the presses whose slopes, and a tilt (2,) more, are within limits (2,) in both directions."""
+        """Share of the presses whose slopes + tilt (2,) are within limits (2,) in both directions."""
         deviations = np.array([slope.deviation for slope in self.slopes])
         return float(np.mean(np.all(np.abs(deviations + tilt[:, None]) <= limits[:, None], axis=0)))
 
@@ -164,7 +164,8 @@ class SlideParallelism(OfPress, Tabular):
             return np.zeros(2)
         if self.turning_compliance is None:
             raise PinpressError(
-                f"permissible {name!r} has a force, which tilts a slide by its stiffnesses: give point_stiffness and guide_stiffness to"
+                f"permissible {name!r} has a force, but the slide has no stiffnesses to tilt by: give point_stiffness and guide_stiffness"
+                " to"
                 " parallelism, or the force 0"
             )
         return np.asarray(row.force * self.turning_compliance @ (np.asarray(row.place) - self.places.mean(axis=0)))
@@ -212,33 +213,33 @@ def parallelism(
     samples: int = 100_000,
     seed: int = 0,
 ) -> SlideParallelism:
-    """Find the slopes of a slide on several points by the tolerances of the dimensions of their chains.
+    """Compute the scatter of the slopes of a slide on several points, from the tolerances of the dimensions of the points' chains.
 
     Args:
-        press: a press with one driver whose slide hangs on at least two points that stand apart.
-        parts: name of a point, the bearing of a rod on the slide -> dimensions of its own chain. One that moves what chains share, such as
-            the place of the shaft, moves it for this point alone: the shaft is then askew. Where it is named under several points, by the
-            same name, it moves all of them alike.
-        point_stiffness: stiffness of every point [N/m]; None: points are rigid beside the guides.
-        guide_stiffness: stiffness of the guides against turning of the slide, in both directions [N m/rad]; None: they let it turn. Give
-            both stiffnesses, or none.
-        correlation: between dimensions, as of `bottom_dead_centre`.
-        samples: number of presses that are drawn.
-        seed: of the random numbers.
+        press: a press with one driver, whose slide hangs on at least two points at different places.
+        parts: name of a point (the bearing of a rod on the slide) -> dimensions of its chain. A dimension of a shared part, e.g. the
+            position of the shaft, moves the part for this point only, as if the shaft were tilted. A dimension given for several points
+            moves all of them equally.
+        point_stiffness: stiffness of every point [N/m]; None: points are rigid compared with the guides.
+        guide_stiffness: stiffness of the guides against turning of the slide, in both directions [N m/rad]; None: guides do not resist.
+            Give both stiffnesses or neither.
+        correlation: correlation of dimensions, as in `bottom_dead_centre`.
+        samples: number of presses in the sample.
+        seed: seed of the random numbers.
 
     Raises:
-        UnknownNameError: a bearing or dimension that there is not.
-        PinpressError: the slide hangs on one point, or not all points are named; a chain does not hold the slide alone, or cannot be
-            closed in every press of the sample; two dimensions have one name; a stiffness alone, or not positive; the press has several
-            drivers or no dead centres.
+        UnknownNameError: a bearing or dimension does not exist.
+        PinpressError: the slide hangs on one point, a point is not named, a chain alone does not hold the slide or cannot be closed in
+            every press of the sample, two dimensions have the same name, only one stiffness is given, a stiffness is not positive, or the
+            press has several drivers or no dead centres.
     """
     if (point_stiffness is None) != (guide_stiffness is None):
         raise PinpressError(
-            "point_stiffness and guide_stiffness belong together: a stiff guide holds a slide on soft points; give both, or none"
+            "only one of point_stiffness and guide_stiffness is given, but the slope depends on both: give both, or neither"
         )
     stiffness = None if point_stiffness is None else positive("point_stiffness", point_stiffness, "N/m")
     turning = 0.0 if guide_stiffness is None else positive("guide_stiffness", guide_stiffness, "N m/rad")
-    press.refuse_several_drivers("parallelism is that of a slide with one; see its moment in bearing_moment of inverse_dynamics")
+    press.refuse_several_drivers("parallelism needs a press with one driver; bearing_moment of inverse_dynamics has the slide's moment")
     bottom = dead_centres(press).bottom_angle
     if press.driver_coordinates[0].turns:
         angles = np.linspace(0.0, 2 * np.pi * press.period_turns, STATES, endpoint=False)
@@ -302,12 +303,8 @@ def _turning_compliance(places: Array, stiffness: float, turning: float) -> Arra
 
 
 class _Fit(NamedTuple):
-    """How a slide follows the heights of its m points.
-
-    Attributes:
-        slopes: (2, m) slopes by the heights [1/m].
-        misfit: (m, m) what the plane leaves of the heights, of points that carry no guide [-].
-        forces: (m, m) forces on the points by the heights [N/m].
+    """How a slide follows the heights of its m points: slopes (2, m) [1/m], misfit from the plane without guides (m, m) [-], and forces
+    (m, m) on the points [N/m], per unit of the heights.
     """
 
     slopes: Array
@@ -326,7 +323,7 @@ class _Fit(NamedTuple):
             fitted = np.linalg.solve(stiffness * columns.T @ columns + held, stiffness * columns.T)
         left = np.eye(len(places)) - columns @ fitted
         spread = np.ptp(places, axis=0)
-        fitted[1:][spread <= ONE_PLACE * spread.max()] = 0.0  # points on a line hold no slope across it
+        fitted[1:][spread <= ONE_PLACE * spread.max()] = 0.0  # points on a line do not resist a slope across the line
         return _Fit(fitted[1:], np.eye(len(places)) - columns @ free, (stiffness or 0.0) * left)
 
 
@@ -334,7 +331,7 @@ class _Fit(NamedTuple):
 
 
 def _points(press: Linkage, motion: Motion, parts: Mapping[str, Sequence[Dimension]]) -> tuple[str, ...]:
-    """The bearings through which the drive carries the slide, all of which must be named."""
+    """The bearings through which the drive carries the slide; ``parts`` must name all of them."""
     body = press.slide_guide.joint + 1
     on_slide = [name for name, parent in zip(press.joints, list(press.model.parents)[1:], strict=True) if parent == body]
     on_slide += [loop.name for loop in press.loops if body in (loop.joint1, loop.joint2)]
@@ -344,28 +341,28 @@ def _points(press: Linkage, motion: Motion, parts: Mapping[str, Sequence[Dimensi
         if name not in press.bearings:
             raise UnknownNameError("bearing", name, press.bearings)
     if len(found) < 2:
-        raise PinpressError(f"the slide of {press.name} hangs on one point, {', '.join(found)}: parallelism is that of slides on several")
+        raise PinpressError(f"the slide of {press.name} hangs on one point, {', '.join(found)}: parallelism needs several points")
     if set(parts) != set(found):
         raise PinpressError(
-            f"the slide of {press.name} hangs on {', '.join(found)}: give the dimensions of each of these points, parts={{point: [...]}},"
-            " an empty list where all are exact"
+            f"the slide of {press.name} hangs on {', '.join(found)}, but parts does not name all of them, or names others: give"
+            " parts={point: [...]} for each of these points, with an empty list for exact dimensions"
         )
     return found
 
 
 def _each_once(press: Linkage, parts: Mapping[str, Sequence[Dimension]]) -> tuple[Dimension, ...]:
-    """The dimensions of all chains. One that several points name is one dimension."""
+    """The dimensions of all chains; a dimension of several points counts once."""
     found: dict[str, Dimension] = {}
     for point, of_chain in parts.items():
         if isinstance(of_chain, Dimension) or not isinstance(of_chain, Sequence):
-            raise PinpressError(f"parts of {point!r} is no list: give the dimensions of its chain, {{{point!r}: [...]}}")
+            raise PinpressError(f"parts of {point!r} is not a list: give the dimensions of this point's chain, {{{point!r}: [...]}}")
         for part in checked_dimensions(press, of_chain) if len(of_chain) else ():
             if found.setdefault(part.name, part) is not part:
                 raise PinpressError(
-                    f"two dimensions are named {part.name!r}: give them names by their points, or the same dimension to several points"
+                    f"two different dimensions have the name {part.name!r}: give different names, or give the same dimension to both points"
                 )
     if not found:
-        raise PinpressError("parts has no dimensions: give those of the chains, as tolerances.link_length makes them")
+        raise PinpressError("parts has no dimensions: give dimensions of the chains, e.g. from tolerances.link_length")
     return tuple(found.values())
 
 
@@ -387,18 +384,19 @@ def _places(press: Linkage, motion: Motion, points: Sequence[str]) -> tuple[Arra
     places = np.array([directions @ (everywhere[press.bearings.index(point)] - origin) for point in points])
     apart = min(np.linalg.norm(one - other) for k, one in enumerate(places) for other in places[:k])
     if not apart > ONE_PLACE * press.size:
-        raise PinpressError(f"two of the points {', '.join(points)} of {press.name} are above each other, so that they hold no slope")
+        raise PinpressError(
+            f"two of the points {', '.join(points)} of {press.name} are above each other, so they do not determine a slope: the slide"
+            " must hang"
+            " on points side by side"
+        )
     return places, directions
 
 
 class _Chain(NamedTuple):
-    """The height of a point by the dimensions of its chain.
+    """The height of a point by the m dimensions of its chain: their indices ``own``, and slopes (m, n) of the height in the states of a
+    motion.
 
-    Attributes:
-        own: indices of its dimensions among all, m of them.
-        slopes: (m, n) derivatives of the height in the states of a motion, by virtual work.
-        shapes: the chain alone with its dimensions; None where it has none.
-        ending: where its crank stands at bottom dead centre.
+    ``shapes`` is the chain alone (None without dimensions), and ``ending`` its crank at bottom dead centre.
     """
 
     own: list[int]
@@ -408,23 +406,27 @@ class _Chain(NamedTuple):
 
     @staticmethod
     def of(press: Linkage, motion: Motion, points: Sequence[str], point: str, own: list[int], moved: Sequence[Displacements]) -> _Chain:
-        """The chain of a point, with the dimensions ``own`` of those that displace pivots by ``moved``; the last state of the motion is
-        bottom dead centre.
+        """The chain of a point with its dimensions ``own``; ``moved``: displacements of all dimensions. The motion ends at bottom dead
+        centre.
 
         Raises:
-            PinpressError: the point does not hold the slide alone.
+            PinpressError: the point alone does not hold the slide.
         """
         unit = unit_forces(press, motion, stiffness={other: SOFT for other in points if other != point})
         others = max(float(np.abs(unit.force[other]).max()) for other in points if other != point)
         if not others < ALONE * float(np.abs(unit.force[point]).max()):
-            raise PinpressError(f"point {point!r} of {press.name} does not hold the slide without the others: it is no chain of its own")
+            raise PinpressError(
+                f"point {point!r} of {press.name} alone does not hold the slide, so it has no separate chain: parallelism needs a chain"
+                " for each"
+                " point"
+            )
         alone = SingleChain.of(press, unit, point)
         shapes = shapes_of(alone.press, [alone.displacements(moved[k]) for k in own]) if own else None
         ending = Ending(motion.joint_position[-1][alone.joints], np.zeros(len(own)), "held")
         return _Chain(own, np.array([unit.shift(moved[k]) for k in own]).reshape(len(own), len(motion.v)), shapes, ending)
 
     def heights(self, deviations: Array) -> Array:
-        """Heights (n,) of the point at bottom dead centre above that of the nominal press, of presses with deviations (k, n) [m].
+        """Deviations (n,) of the point's height at bottom dead centre from the nominal press, for dimensions that deviate by (k, n) [m].
 
         Raises:
             PinpressError: some of these presses cannot be closed there.

@@ -1,4 +1,4 @@
-"""A quantity of a press that scatters with its dimensions: what each of them adds, the worst case, and its values in a sample."""
+"""A quantity of a press that scatters with its dimensions: the shares of the dimensions, the worst case, and a sample."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from ..common.results import Tabular
 from ..common.tables import Column
 from .dimensions import Dimension
 
-COVERAGE = 0.9973  # share of the presses in the band that is shown: that of +/- 3 standard deviations of a normal quantity
+COVERAGE = 0.9973  # share of the presses in a printed band: +/- 3 standard deviations of a normal quantity
 COVERAGES = (COVERAGE, 0.95, 0.5)
-LEAST_BEYOND = 5  # presses beyond each end of a band, below which its ends are chance
+LEAST_BEYOND = 5  # least number of presses outside each end of a band: with fewer its ends are random
 ROUNDING = 1e-9
-DECIDES = 0.8  # share of the variance that the dimensions named first in a text make together
+DECIDES = 0.8  # a text names the dimensions that together cause this share of the variance
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -28,17 +28,17 @@ class Scatter(Tabular):
     """A quantity of a press with k dimensions that scatter, in a sample of n presses. All arrays are read-only.
 
     Attributes:
-        quantity: what it is, in words.
-        unit: of the quantity.
-        nominal: its value with nominal dimensions.
+        quantity: name of the quantity.
+        unit: unit of the quantity.
+        nominal: value with nominal dimensions.
         parts: the k dimensions.
-        gradient: (k,) its derivatives by the dimensions, to first order [unit per m, of an angle per rad].
-        share: (k,) of the variance, to first order. They sum to 1; those of correlated dimensions can be negative.
+        gradient: (k,) derivatives of the quantity by the dimensions, to first order [unit per m, of an angle per rad].
+        share: (k,) shares of the dimensions in the variance, to first order [-]. They sum to 1; correlated dimensions can have negative
+            shares.
         first_order_sd: standard deviation to first order.
-        worst_case: largest deviation to first order, with all dimensions at the worst end of their tolerances: sum of abs(gradient) x
-            tolerance.
-        corners: (2,) deviations of the two presses with all dimensions at these ends, as they are: down and up.
-        deviation: (n,) of every press of the sample from ``nominal``.
+        worst_case: largest deviation to first order, with all dimensions at an end of their tolerances: sum of abs(gradient) x tolerance.
+        corners: (2,) exact deviations, lower and upper, of the two presses with all dimensions at these ends.
+        deviation: (n,) deviation of every press of the sample from ``nominal``.
     """
 
     quantity: str
@@ -63,28 +63,30 @@ class Scatter(Tabular):
         return float(self.deviation.std(ddof=1))
 
     def band(self, coverage: float = COVERAGE) -> tuple[float, float]:
-        """The deviations between which this share of the presses lies, with as many below as above them: quantiles of the sample, which
-        need no normal distribution.
+        """The deviations between which this share of the presses lies, with equal numbers of presses below and above.
+
+        They are quantiles of the sample, which do not assume a normal distribution.
 
         Raises:
-            PinpressError: a coverage that is not between 0 and 1, or one that leaves fewer than 5 presses of the sample at each end.
+            PinpressError: coverage is not between 0 and 1, or fewer than 5 presses of the sample are outside each end.
         """
         share = float(suitable_numbers("coverage", coverage, "a number between 0 and 1", suits=lambda found: (found > 0) & (found < 1)))
         beyond = 0.5 * (1.0 - share) * len(self.deviation)
         if beyond < LEAST_BEYOND:
             needed = math.ceil(round(2 * LEAST_BEYOND / (1.0 - share), 6))
             raise PinpressError(
-                f"a band of {100 * share:g} % leaves {beyond:.2g} of {len(self.deviation)} presses at each end, which is chance: give"
-                f" samples={needed} or more, or a smaller coverage"
+                f"a band of {100 * share:g} % leaves {beyond:.2g} of {len(self.deviation)} presses at each end, too few for a reliable end:"
+                f" give samples={needed} or more, or a smaller coverage"
             )
         low, high = np.quantile(self.deviation, [0.5 * (1.0 - share), 0.5 * (1.0 + share)])
         return float(low), float(high)
 
     def within(self, limit: float, upper: float | None = None) -> float:
-        """The yield: share of the presses that deviate by at most ``limit``; with ``upper`` by ``limit`` at least and ``upper`` at most.
+        """The yield: share of the presses that deviate by at most ``limit``; with ``upper``, share of the deviations from ``limit`` to
+        ``upper``.
 
         Raises:
-            PinpressError: a limit that is negative, or an upper one that is not above it.
+            PinpressError: limit is negative, or upper is not above limit.
         """
         first = number("limit", limit, self.unit, positive=upper is None)
         low, high = (-first, first) if upper is None else (first, number("upper", upper, self.unit))
@@ -123,7 +125,7 @@ class Scatter(Tabular):
         return [*lines, f"  {'standard deviation':22}{spread}", f"  {'worst corners':22}{low} and {high} {scale.unit}"]
 
     def ranking(self) -> list[str]:
-        """Lines of all dimensions, those with the largest shares first, and what decides."""
+        """Lines with all dimensions, the largest shares first, and a sentence on the most important dimensions."""
         order = np.argsort(-self.share, kind="stable")
         rows = [["dimension", "tolerance", "gradient", "share"]]
         rows += [
@@ -134,7 +136,7 @@ class Scatter(Tabular):
 
     @property
     def decided(self) -> str:
-        """The dimensions that make most of the variance, in words, and what half of their tolerances brings."""
+        """A sentence on the dimensions that cause most of the variance, and on the effect of halving their tolerances."""
         if not self.first_order_sd:
             return "no dimension changes it to first order"
         order = np.argsort(-self.share, kind="stable")
@@ -157,7 +159,7 @@ def scatter(
     values: Array,
     corners: Array,
 ) -> Scatter:
-    """A `Scatter` from the values (n,) of a sample and those (2,) of both corners; ``correlation``: (k, k) coefficients."""
+    """A `Scatter` from values (n,) of a sample and values (2,) of both corners; ``correlation``: (k, k) coefficients."""
     part = gradient * np.array([each.standard_deviation for each in parts])
     by_dimension = part * (correlation @ part)
     variance = float(by_dimension.sum())
@@ -169,7 +171,7 @@ def scatter(
 
 
 def widest_coverage(found: Scatter) -> float | None:
-    """The share of presses whose band is shown: 99.73 % where the sample is large enough, else less; None of a very small one."""
+    """The share of presses for the printed band: 99.73 %, less for a small sample, None for a very small sample."""
     beyond = 0.5 * len(found.deviation)
     return next((coverage for coverage in COVERAGES if (1.0 - coverage) * beyond >= LEAST_BEYOND), None)
 
@@ -180,7 +182,7 @@ def written_tolerance(part: Dimension) -> str:
 
 
 def scale_of(found: Scatter) -> ShownUnit:
-    """How deviations are written: lengths in um, slopes in um/m."""
+    """The unit in which deviations are written: um for lengths, um/m for slopes."""
     largest = max(float(np.abs(found.deviation).max()), float(np.abs(found.corners).max()))
     if found.unit == "m":
         return ShownUnit("um", 1e6, 1 if largest >= 1e-6 else 4, 0.0)

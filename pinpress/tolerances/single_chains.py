@@ -1,7 +1,7 @@
-"""A press whose slide hangs on one of its points alone: the other chains are left out.
+"""A press whose slide hangs on only one of its points, without the other chains.
 
-Where 1 N on the slide puts no force on a loop, the equations of the other loops alone lead from the crank to the slide, so that the slide
-moves as before without it. Joints that only such loops held are locked where they stand.
+If 1 N on the slide puts no force on a loop, the other loops alone determine the slide's motion, and the slide moves as before without this
+loop. Joints that only such loops determined are locked.
 """
 
 from __future__ import annotations
@@ -18,17 +18,11 @@ from ..engines.structure import configuration
 from ..linkage.linkage import Linkage
 from .virtual_work import UnitForces
 
-CARRIES = 1e-6  # share of the largest force from which on a loop carries
+CARRIES = 1e-6  # a loop with more than this share of the largest force carries the slide
 
 
 class SingleChain(NamedTuple):
-    """One chain of a press, as a press of its own with the same coordinates.
-
-    Attributes:
-        press: the press without the others.
-        joints: indices of its joints in v of the whole press.
-        loops: indices of its loops.
-    """
+    """One chain of a press, as a separate press; ``joints`` and ``loops``: indices of its joints (in v) and loops in the whole press."""
 
     press: Linkage
     joints: list[int]
@@ -39,7 +33,7 @@ class SingleChain(NamedTuple):
         """The chain that carries the unit forces of a point.
 
         Raises:
-            PinpressError: these loops do not lead from the crank to the slide alone.
+            PinpressError: the loops of this chain do not determine the slide's motion.
         """
         largest = max(float(np.abs(force).max()) for force in unit.force.values())
         loops = [k for k, loop in enumerate(press.loops) if float(np.abs(unit.force[loop.name]).max()) > CARRIES * largest]
@@ -67,7 +61,7 @@ class SingleChain(NamedTuple):
         return SingleChain(alone, joints, loops)
 
     def displacements(self, moved: Displacements) -> Displacements:
-        """Those of the whole press, in this chain."""
+        """Displacements of the whole press, in this chain."""
         return Displacements(moved.joints[self.joints], moved.ends[self.loops])
 
 
@@ -81,4 +75,7 @@ def _held(press: Linkage, loops: list[int]) -> list[int]:
 
 
 def _no_chain(press: Linkage, point: str) -> PinpressError:
-    return PinpressError(f"point {point!r} of {press.name} does not hold the slide without the others: it is no chain of its own")
+    return PinpressError(
+        f"point {point!r} of {press.name} alone does not hold the slide, so it has no separate chain: parallelism needs a chain for each"
+        " point"
+    )

@@ -1,11 +1,12 @@
-"""How far a warm press moves its bottom dead centre.
+"""Shift of the bottom dead centre of a warm press.
 
     warm = tolerances.Temperatures({"rocker": 10.0, "rod": 10.0, "frame": 4.0}, table=-1.88)
     tolerances.heat(press, warm).bottom_shift
 
-A link that is warmer by dT grows by a dT in all directions (a: coefficient of linear expansion), and so do the distances of its pins. The
-frame carries bearings and guides away from its table. To first order in a dT, which is some 1e-4, the slide moves as virtual work says, see
-`virtual_work`. What counts is the height of the slide's face above the table: where all parts are equally warm it grows in proportion.
+A link that is warmer by dT grows by the share a dT in all directions, with a the coefficient of linear expansion; so do the distances of
+its pins. A warm frame moves bearings and guides away from its table. To first order in a dT, about 1e-4, the slide's motion follows from
+virtual work, see `virtual_work`. The result is the height of the slide's face above the table, which grows by a dT if all parts are equally
+warm.
 """
 
 from __future__ import annotations
@@ -32,22 +33,21 @@ from .dead_centre_scatter import ends_of, refuse_several_drivers
 from .virtual_work import unit_forces
 
 STEEL = 12e-6  # linear expansion of structural steel up to 100 degrees Celsius, EN 1993-1-1:2005, 3.2.6 [1/K]
-HOTTEST = 100.0  # rise of a temperature that is hardly meant [K]
+HOTTEST = 100.0  # a larger rise of a temperature is probably a mistake [K]
 LARGEST_EXPANSION = 1e-4  # metals have 1e-5 to 3e-5 [1/K]
 
 
 @dataclass(frozen=True, eq=False)
 class Temperatures(Frozen):
-    """By how much parts of a press are warmer than when the press was measured or set.
+    """Temperature rises of the parts of a press since it was measured or set.
 
     Attributes:
-        rise: name of a link -> rise of its temperature [K]; negative where it is colder. The frame is one of them.
-        expansion: coefficient of linear expansion, of all links or by their names; links without a name are of steel [1/K]. The default is
-            that of structural steel in EN 1993-1-1, 3.2.6; grey cast iron has about 1e-5.
-        table: place of the table in world coordinates along `Linkage.slide_direction`, from which the frame grows away; needed where the
-            frame is warm [m].
-        face: place of the slide's face, or of the die that is fixed to it, from the slide's origin along the same direction, so that it is
-            negative below the origin; needed where the slide is warm [m].
+        rise: name of a link, or of the frame -> rise of its temperature, negative if it is colder [K].
+        expansion: coefficient of linear expansion of all links, or name of a link -> its coefficient [1/K]. The default, also for links
+            that are not named, is structural steel of EN 1993-1-1, 3.2.6; grey cast iron has about 1e-5.
+        table: position of the table in world coordinates along `Linkage.slide_direction`, required for a warm frame [m].
+        face: position of the slide's face, or of the die on it, from the slide's origin along the same direction (negative below the
+            origin), required for a warm slide [m].
     """
 
     rise: Mapping[str, float]
@@ -57,20 +57,21 @@ class Temperatures(Frozen):
 
     def __post_init__(self) -> None:
         if not isinstance(self.rise, Mapping) or not self.rise:
-            raise PinpressError(
-                f"Temperatures: rise is {shown(self.rise)}: give a mapping, name of a link: rise [K], such as {{'rod': 10.0}}"
-            )
+            raise PinpressError(f"Temperatures: rise is {shown(self.rise)}: give a mapping, name of a link: rise [K], e.g. {{'rod': 10.0}}")
         for name, value in self.rise.items():
             kelvins = number(f"Temperatures: rise of {shown(name)}", value, "K")
             if abs(kelvins) > HOTTEST:
                 caution(
-                    f"Temperatures: rise of {shown(name)} is {kelvins:g} K: give by how much the link is warmer than when the press was"
-                    " set, not its temperature"
+                    f"Temperatures: rise of {shown(name)} is {kelvins:g} K, more than usual: give the rise since the press was set, not the"
+                    " temperature of the link"
                 )
         coefficients = self.expansion if isinstance(self.expansion, Mapping) else {"all links": self.expansion}
         for name, value in coefficients.items():
             if not 0.0 <= number(f"Temperatures: expansion of {name}", value, "1/K") <= LARGEST_EXPANSION:
-                raise PinpressError(f"Temperatures: expansion of {name} is {value:g} 1/K: steel has 1.2e-5, aluminium 2.4e-5")
+                raise PinpressError(
+                    f"Temperatures: expansion of {name} is {value:g} 1/K: give 0 to {LARGEST_EXPANSION:g} 1/K; steel has 1.2e-5,"
+                    " aluminium 2.4e-5"
+                )
         for name, place in (("table", self.table), ("face", self.face)):
             if place is not None:
                 number(f"Temperatures: {name}", place, "m")
@@ -81,21 +82,21 @@ class Temperatures(Frozen):
         return self.expansion.get(link, STEEL) if isinstance(self.expansion, Mapping) else self.expansion
 
     def times(self, share: float) -> Temperatures:
-        """The same with a share of the rises."""
+        """These temperatures, with all rises multiplied by a share."""
         return Temperatures({name: share * value for name, value in self.rise.items()}, self.expansion, self.table, self.face)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HeatShift(OfPress, Tabular):
-    """What warm links do to the dead centres of a press. Shifts are those of the slide's face against the table, positive upwards.
+    """Shifts of a press's dead centres by warm links. A shift is that of the slide's face from the table, positive upwards.
 
     Attributes:
         press_name: name of the press.
         rise: name of a link -> rise of its temperature [K].
-        bottom_by_link: name of a warm link -> its share of the shift of bottom dead centre [m].
-        top_by_link: name of a warm link -> its share of the shift of top dead centre [m].
-        bottom_per_kelvin: name of a link -> shift of bottom dead centre by a kelvin, also of links that are not warm, but without frame and
-            slide where their table or face is not known [m/K].
+        bottom_by_link: name of a warm link -> its part of the shift of bottom dead centre [m].
+        top_by_link: name of a warm link -> its part of the shift of top dead centre [m].
+        bottom_per_kelvin: name of a link, warm or not -> shift of bottom dead centre per kelvin [m/K]; without frame or slide if the
+            position of table or face is not given.
     """
 
     _press: Linkage
@@ -130,7 +131,7 @@ class HeatShift(OfPress, Tabular):
         return "\n".join([*lines, decides])
 
     def columns(self) -> dict[str, object]:  # type: ignore[override]  # words and numbers
-        """A row for each link whose shift by a kelvin is known."""
+        """A row for each link in ``bottom_per_kelvin``."""
         names = list(self.bottom_per_kelvin)
         return {
             "link": names,
@@ -143,28 +144,27 @@ class HeatShift(OfPress, Tabular):
 
 @typed
 def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = None) -> HeatShift:
-    """Find how far warm links and a warm frame move the dead centres of a press.
+    """Compute the shifts of a press's dead centres by warm links and a warm frame.
 
-    Where parallel rods hold the slide and are not equally warm, the slide takes their mean; see `parallelism` for its tilt.
+    If parallel rods with different temperatures hold the slide, the slide takes their mean; see `parallelism` for the tilt.
 
     Args:
         press: a press with a slide, in a plane or in space.
-        temperatures: of its links.
-        motion: the motion in which its drivers move, as of `bottom_dead_centre`; None: one crank turns through the dead centres.
+        temperatures: temperature rises of the links and the frame.
+        motion: the motion of the drivers, as in `bottom_dead_centre`; None: one crank turns through the dead centres.
 
     Raises:
-        UnknownNameError: the press has no such link.
-        PinpressError: links that are welded together have different temperatures; the frame is warm and the table not given, or the slide
-            is warm and its face not given; the press has no slide, several drivers and no motion, or no dead centres; a motion of
-            another press.
+        UnknownNameError: the press does not have a link with this name.
+        PinpressError: welded links have different temperatures; the frame is warm without a table, or the slide without a face; the press
+            has no slide, several drivers and no motion, or no dead centres; the motion belongs to another press.
     """
     rises = _by_body(press, temperatures.rise)
     coefficients = _by_body(press, temperatures.expansion) if isinstance(temperatures.expansion, Mapping) else {}
     frame, slide = 0, press.slide_guide.joint + 1
     if rises.get(frame) and temperatures.table is None:
-        raise PinpressError(f"{press.root!r} of {press.name} is warm and grows away from its table: give Temperatures(..., table=...) [m]")
+        raise PinpressError(f"{press.root!r} of {press.name} is warm: give the position of its table, Temperatures(..., table=...) [m]")
     if rises.get(slide) and temperatures.face is None:
-        raise PinpressError(f"{press.slide!r} of {press.name} is warm: give the place of its face, Temperatures(..., face=...) [m]")
+        raise PinpressError(f"{press.slide!r} of {press.name} is warm: give the position of its face, Temperatures(..., face=...) [m]")
     for name, place in (("table", temperatures.table), ("face", temperatures.face)):
         if place is not None:
             plausibility.length(f"Temperatures: {name}", abs(float(place)), press.size)
@@ -199,7 +199,7 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
 
 
 def _grown(press: Linkage, body: int) -> Displacements:
-    """Displacements of the pivots of a body that grows by its own size, away from the origin of its frame."""
+    """Displacements of the pivots of a body for a relative growth of 1, from the origin of its frame."""
     moved = nowhere(press)
     for joint, parent in enumerate(list(press.model.parents)[1:]):
         if parent == body:
@@ -212,11 +212,11 @@ def _grown(press: Linkage, body: int) -> Displacements:
 
 
 def _by_body(press: Linkage, by_link: Mapping[str, float]) -> dict[int, float]:
-    """Values of links by the Pinocchio joints whose bodies they are on.
+    """Index of a Pinocchio joint -> the value of its body's links.
 
     Raises:
-        UnknownNameError: the press has no such link.
-        PinpressError: links that are welded together have different values.
+        UnknownNameError: the press does not have a link with this name.
+        PinpressError: welded links have different values.
     """
     found: dict[int, float] = {}
     for name, value in by_link.items():
@@ -225,7 +225,7 @@ def _by_body(press: Linkage, by_link: Mapping[str, float]) -> dict[int, float]:
         body = _body(press, name)
         if found.get(body, value) != value:
             raise PinpressError(
-                f"{shown(name)} of {press.name} is welded to a link with another value: give both the same, or name one of them"
+                f"{shown(name)} of {press.name} is welded to a link with another value: give both links the same value, or name only one"
             )
         found[body] = value
     return found
@@ -236,5 +236,5 @@ def _body(press: Linkage, link: str) -> int:
 
 
 def _named(press: Linkage, body: int, temperatures: Temperatures) -> str:
-    """The name by which a body is warm, else that of its first link."""
+    """The name under which a body has a rise, or the name of its first link."""
     return next((name for name in temperatures.rise if _body(press, name) == body), press.link_of(body))

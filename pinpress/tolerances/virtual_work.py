@@ -1,17 +1,17 @@
-"""How far the slide moves where bearings are displaced, by virtual work.
+"""The shift of the slide by displaced bearings, by virtual work.
 
-The drivers are held at their positions. Let f be the force in a bearing, parent on child (link1 on link2), that 1 N on the slide along its
-guide adds, positive along `Linkage.slide_direction` (upwards). If the child's bearing stands off the parent's by a small u, the virtual
-work of the balanced forces is zero, 1 z + sum f . u = 0, so that the slide stands off by
+The drivers keep their positions. A force of 1 N acts on the slide along its guide, positive along `Linkage.slide_direction` (upwards). It
+causes the force f in a bearing, parent on child (link1 on link2). If the child's bearing is displaced from the parent's by a small u, the
+virtual work of the balanced forces is zero, 1 z + sum f . u = 0, so the slide shifts by
 
     z = - sum f . u
 
 over all bearings (principle of virtual forces; any textbook of mechanics). This is exact to first order in u, for presses in a plane and in
-space, and holds for whatever displaces a bearing: its clearance, a link that has another length, or one that is warm. At a dead centre it
-is also the shift of the dead centre, because there the slide does not move with the crank.
+space. It holds for any cause of the displacement: a clearance, another length of a link, or a warm link. At a dead centre z is also the
+shift of the dead centre, because the slide does not move with the crank there.
 
-Where parallel rods hold the slide, their forces f under the unit load, and with them the shift, depend on how they share it: a rigid slide
-with a displaced rod would jam, and one on springs takes the mean, weighted by their stiffnesses.
+If parallel rods hold the slide, their forces f under the unit load depend on how they share it, and so does the shift. A rigid slide with a
+displaced rod would jam. A slide on springs takes the mean, weighted by the stiffnesses.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ class UnitForces:
     Attributes:
         press: the press.
         motion: the motion.
-        force: name of a bearing -> (n, 3) force by newton, of a planar press in its plane, in world axes [-].
-        moment: name of a bearing -> (n, 3) moment by newton about the origin of its joint's frame, in world axes [m].
+        force: name of a bearing -> (n, 3) force per newton in world axes, for a planar press only in its plane [-].
+        moment: name of a bearing -> (n, 3) moment per newton about the origin of its joint's frame, in world axes [m].
     """
 
     press: Linkage
@@ -50,7 +50,7 @@ class UnitForces:
     moment: Mapping[str, Array]
 
     def shift(self, moved: Displacements) -> Array:
-        """(n,) how far the slide moves where pivots stand elsewhere in their links [m, or per unit of a direction]."""
+        """(n,) shift of the slide by displacements of pivots in their links [m, or per unit of a direction]."""
         press, at = self.press, poses(self.press, self.motion.joint_position)
         total = np.zeros(len(self.motion.crank_angle))
 
@@ -69,20 +69,22 @@ class UnitForces:
 def unit_forces(
     press: Linkage, motion: Motion, reactions: Reactions | None = None, *, stiffness: Mapping[str, float] = NONE_GIVEN
 ) -> UnitForces:
-    """The forces per newton on the slide.
+    """Compute the forces per newton on the slide.
 
     Args:
         press: the press.
-        motion: the motion whose positions count; its speeds make no difference.
-        reactions: those of this motion by its weight and inertia, with or without loads, if they are known.
-        stiffness: stiffnesses by which bearings share forces that rigid mechanics leaves open, as of `inverse_dynamics`.
+        motion: the motion; only its positions count, not its speeds.
+        reactions: reactions of this motion by weight and inertia, with or without loads, if already computed; None otherwise.
+        stiffness: stiffnesses by which redundant bearings share forces, as in `inverse_dynamics`.
 
     Raises:
         PinpressError: as `inverse_dynamics`, or the press has no slide.
     """
     if reactions is None:
         reactions = inverse_dynamics(press, motion, stiffness=stiffness)
-    size = max([1.0, *(float(np.abs(force).max()) for force in reactions.bearing_force.values())])  # not lost in rounding beside the others
+    size = max(
+        [1.0, *(float(np.abs(force).max()) for force in reactions.bearing_force.values())]
+    )  # a force of this size is not lost in rounding error
     loaded = inverse_dynamics(press, motion, [*reactions.loads, force_on_slide(press, size)], stiffness=stiffness)
     difference = {
         name: (
@@ -100,16 +102,16 @@ def unit_forces(
 
 
 def in_plane(press: Linkage, force: Array) -> Array:
-    """A force (n, 3) without its part across the plane of a planar press, which rigid mechanics leaves open and which does no work."""
+    """A force (n, 3) without the part across the plane of a planar press, which is undetermined in rigid mechanics and does no work."""
     directions = press.engine().directions
     return np.asarray(force @ (directions.T @ directions))
 
 
 def forces_by_cause(press: Linkage, motion: Motion, loads: Sequence[Load]) -> tuple[Reactions, list[Reactions]]:
-    """The reactions under weight and inertia, and under them and every load alone.
+    """The reactions under weight alone, under weight and inertia, and under weight, inertia and one load at a time.
 
     Returns:
-        The reactions at standstill in the positions of the motion without loads; those in motion without loads, then with each load.
+        The reactions at standstill without loads, and a list: the reactions in motion without loads, then with each load.
     """
     still = np.zeros_like(motion.v.T)
     at_rest = of_states(press, motion.joint_position.T, still, still.copy(), motion.closure_error, None)

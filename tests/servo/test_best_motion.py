@@ -164,7 +164,7 @@ def test_a_turn_takes_exactly_its_time():
     assert best.motion.duration == pytest.approx(1.0, rel=2e-5)
     assert best.bound < heat
     assert best.gap < 0.2  # the faster turn would leave 0.7
-    assert "a turn that takes 1 s is not convex, since a faster one, of 0.2029 s, would need 71 % less a stroke" in best.notes[0]
+    assert "a turn that takes 1 s is not convex, since a faster turn of 0.2029 s would need 71 % less a stroke" in best.notes[0]
 
 
 @pytest.mark.exhaustive
@@ -179,7 +179,7 @@ def test_a_press_that_may_rest_does_where_that_needs_less():
     assert light.path == servo.Stop()
     assert light.value == stop.value
     assert light.gap < 1e-7
-    assert "path=servo.Turn() gives it" in light.notes[0]
+    assert "path=servo.Turn() gives that turn" in light.notes[0]
     assert turn.value > 1.2 * stop.value
     assert np.abs(turn.speed).min() == pytest.approx(0.1 * np.pi, rel=1e-3)  # a tenth of the mean speed
     heavy = best(5.0)
@@ -291,7 +291,7 @@ def test_friction_settles():
     best = servo.best_motion(press, servo.ServoDrive(inertia=800), DRAWING, time=2.4, limits=[SLOW], friction=friction, points=360)
     assert best.motion.rms_torque / 31330 == pytest.approx(1.13, abs=0.005)
     assert best.motion.heat == pytest.approx(best.value, rel=1e-4)  # its own torques
-    assert "each program is proved" in best.notes[0]
+    assert "the proof holds for this torque" in best.notes[0]
 
 
 @pytest.mark.parametrize(("power", "rms", "gap"), [(280e3, 31530, 5e-4), (240e3, 32340, 5e-4), (200e3, 33970, 1e-3)])
@@ -336,7 +336,7 @@ def test_trade_off():
     assert found[1].peak_power == pytest.approx(best.motion.peak_power, rel=0.1)
     assert found[2].strokes_per_minute == pytest.approx(60.0)
     quick = servo.best_motion(press, drive, COINING, time=0.62, path=servo.Stop(0.15), points=120)
-    assert "is limited there too" in quick.notes[0]
+    assert "is now limited there too" in quick.notes[0]
     assert found[3].rms_motor_torque == pytest.approx(np.sqrt(quick.value / 0.62), rel=2e-4)
 
 
@@ -374,10 +374,10 @@ def proved(task, points):
     usual = servo.evaluate(press, drive, loads, time=constant, angle=angle, speed=FULL / time, acceleration=0.0)
     assert best.gap > -1e-8
     assert best.gap < 1e-7 or any("is not convex" in note or "above its limit between nodes" in note for note in best.notes)
-    assert best.gap < 0.5 or any("which the faster one proves" in note for note in best.notes)
+    assert best.gap < 0.5 or any("proved by the faster turn" in note for note in best.notes)
     assert best.motion.duration == pytest.approx(time, rel=1e-3)
     assert best.value <= usual.heat * (1.0 + 1e-3)
-    assert any("heat between nodes" in note for note in best.notes) == (abs(best.deviation) > 1e-3)
+    assert any("the heat with states between nodes" in note for note in best.notes) == (abs(best.deviation) > 1e-3)
     assert abs(best.deviation) < 1e-2
 
 
@@ -458,7 +458,7 @@ def test_limits_of_the_drive_hold_between_nodes(name, inertia, tmp_path):
     assert free.gap < 1e-7  # nothing is exceeded, and nothing is limited
     for found in (quick, best(peak=1.5 * weight, time=time), best(power=0.9 * free.motion.peak_power, time=time)):
         assert found.missed < 1e-3
-        assert any("is limited there too" in note for note in found.notes)
+        assert any("is now limited there too" in note for note in found.notes)
         assert -1e-8 < found.gap < 0.02
         assert found.motion.peak_motor_torque < 1.5 * weight * 1.001 or found.drive.peak_torque is None
 
@@ -501,12 +501,12 @@ def test_a_least_time_has_the_pause_that_limits_ask_for(limits, drive):
     """To become cool, or to feed: the motion rests so long at top, and no longer where more time is given; a turn cannot."""
     common = {"minimise": "time", "limits": limits, "points": 120}
     best = best_of_a(drive, time=None, path=servo.Stop(), **common)
-    assert any("a pause of" in note and "limits ask for it" in note for note in best.notes)
+    assert any("a pause of" in note and "limits require it" in note for note in best.notes)
     assert best.motion.duration == pytest.approx(best.value)
     assert best.missed < 0.02  # of so few points; without the pause 0.12 and 1.6
     assert best_of_a(drive, time=20.0, path=servo.Stop(), **common).motion.duration == pytest.approx(best.value, rel=1e-6)
     if drive.top_speed:
-        with pytest.raises(pp.PinpressError, match=r"would have to pause for .* path=servo\.Stop"):
+        with pytest.raises(pp.PinpressError, match=r"would need a pause of .* path=servo\.Stop"):
             best_of_a(drive, time=None, path=servo.Turn(), **common)
 
 
@@ -574,24 +574,27 @@ def test_in_words():
         ),
         (
             {"limits": [servo.SlideSpeed(0.01, (0.06, 0.0))]},
-            r"cycle time of 2.4 s and the slide speed of 0.01 m/s from 60 to 0 mm \(6 s\) together: .* take 6 s: give a longer",
+            r"cycle time of 2.4 s and the slide speed of 0.01 m/s from 60 to 0 mm \(6 s\) together: .* take 6 s; give a longer",
         ),
-        ({"time": 1.2, "limits": [servo.SlideSpeed(0.05, (0.06, 0.0))]}, "these speeds take 1.2 s: give a longer time"),
+        ({"time": 1.2, "limits": [servo.SlideSpeed(0.05, (0.06, 0.0))]}, "these speeds take 1.2 s; give a longer time"),
         (
             {"time": 1.0, "limits": [servo.SlideSpeed(0.05, (0.06, 0.0))], "drive": servo.ServoDrive(inertia=800, peak_torque=1.4e6)},
-            r"these speeds take 1.2 s: .*; with all limits a cycle time of 1.2\d+ s would do",
+            r"these speeds take 1.2 s; .*; with all limits a cycle time of 1.2\d+ s would do",
         ),
         (
             {"limits": [servo.SlideSpeed(0.05, (0.06, 0.0)), servo.CrankSpeed(8.0)], "time": 1.5},
             r"60 to 0 mm \(1.183 s\) and crank speed of 8 rad/s \(0.6435 s\) together: .*these speeds take 1.827 s",
         ),
-        ({"limits": [servo.SlideSpeed(0.2, (0.5, 0.0))]}, "500 mm are beyond the stroke"),
-        ({"path": servo.Pendulum(0.05), "limits": [servo.SlideSpeed(0.2, (0.2, 0.1))]}, "the path has no part there on the way down"),
+        ({"limits": [servo.SlideSpeed(0.2, (0.5, 0.0))]}, "500 mm is outside the stroke"),
+        (
+            {"path": servo.Pendulum(0.05), "limits": [servo.SlideSpeed(0.2, (0.2, 0.1))]},
+            "the slide does not pass these heights on the way down",
+        ),
         ({"path": servo.Pendulum(0.5)}, "Pendulum: opening is 0.5 m, not below top dead centre"),
         ({"limits": [servo.SlideSpeed(0.2, (0.06, 0.0), constant=True)]}, "rests or turns back"),
         (
             {"path": servo.Pulse((0.05,), dwell=0.1), "drive": servo.ServoDrive(inertia=800, peak_torque=10.0)},
-            "cannot hold the press at rest .* 10 N m, and .* N m are needed",
+            "cannot hold the press at rest .* 10 N m, but .* N m are needed",
         ),
         ({"time": None}, "time is missing"),
         ({"time": None, "minimise": "time", "path": servo.Stop()}, "nothing limits the speed: .* peak_torque"),
@@ -600,14 +603,14 @@ def test_in_words():
             "nothing limits the speed: a crank that never rests .* top_speed",
         ),
         ({"time": 0.1, "path": servo.Stop(0.2)}, "the path rests for 0.2 s"),
-        ({"limits": [servo.FeedWindow(0.1, 2.5)]}, "time is 2.4 s, and the FeedWindow asks for 2.5 s of it"),
+        ({"limits": [servo.FeedWindow(0.1, 2.5)]}, "time is 2.4 s, but the FeedWindow alone takes 2.5 s"),
         ({"limits": [servo.RmsTorque()]}, "RmsTorque has no torque"),
         ({"limits": SLOW}, "limits is one SlideSpeed"),
         ({"minimise": "price"}, 'give "heat", "time", "energy" or "peak"'),
-        ({"minimise": {"peak": 1.0}}, "leaves open"),
+        ({"minimise": {"peak": 1.0}}, "does not determine the speed elsewhere"),
         ({"limits": [servo.BearingForce("Q", 1.0)]}, "no bearing 'Q'"),
-        ({"loads": [pp.loads.TimeForce(lambda t: 0.0 * t)]}, "a TimeForce acts at an instant"),
-        ({"ratios": [1.0, 2.0], "minimise": "peak"}, "ratios are compared by one quantity"),
+        ({"loads": [pp.loads.TimeForce(lambda t: 0.0 * t)]}, "loads has a TimeForce"),
+        ({"ratios": [1.0, 2.0], "minimise": "peak"}, "ratios cannot be compared by several quantities"),
     ],
 )
 def test_refused(options, words):
@@ -621,7 +624,7 @@ def test_hardly_possible_motions_have_a_caution():
     """In hardly more time than a window takes; just this time is enough where limits hold everywhere and none is wider elsewhere."""
     narrow = [servo.SlideSpeed(0.05, (0.06, 0.0))]
     with pytest.warns(
-        pp.PinpressWarning, match=r"times as much as at an even speed: its limits of speed alone take 1.2 s, slide speed of 0.05"
+        pp.PinpressWarning, match=r"times the torque at an even speed: its limits of speed alone take 1.2 s, slide speed of 0.05"
     ):
         best_of_a(time=1.2001, limits=narrow, points=120)
     even = best_of_a(time=2.4, limits=[servo.CrankSpeed(FULL / 2.4)], points=60)
@@ -631,7 +634,9 @@ def test_hardly_possible_motions_have_a_caution():
 def test_the_wrong_flank_has_a_caution():
     """A load on the way down, and a speed that is limited on the way up alone; not where a speed is limited on the way down too."""
     up = servo.SlideSpeed(0.2, (0.06, 0.0), flank="up")
-    with pytest.warns(pp.PinpressWarning, match='on the way up, and DeepDrawing acts there on the way down only, .* flank="down" is meant'):
+    with pytest.warns(
+        pp.PinpressWarning, match='on the way up, but DeepDrawing acts at these heights on the way down only, .* write flank="down"'
+    ):
         best_of_a(limits=[up], points=60)
     best_of_a(limits=[up, SLOW], points=60)
 
@@ -653,8 +658,8 @@ def test_what_would_do_does():
         (lambda: servo.ServoDrive(inertia=0.0), "inertia is 0"),
         (lambda: servo.ServoDrive(inertia=1.0, regeneration=1.5), "a share from 0 to 1"),
         (lambda: servo.ServoDrive(1.0, curve_speed=[0.0, 9.0]), "one torque for each speed"),
-        (lambda: servo.ServoDrive(1.0, curve_speed=[0.0, 9.0], curve_torque=[1.0, 2.0]), "torques that do not rise"),
-        (lambda: servo.ServoDrive(1.0, curve_speed=[0.0, 9.0], curve_torque=[2.0, 1.0], top_speed=10.0), "carry the curve on to it"),
+        (lambda: servo.ServoDrive(1.0, curve_speed=[0.0, 9.0], curve_torque=[1.0, 2.0]), "torques in curve_torque that do not rise"),
+        (lambda: servo.ServoDrive(1.0, curve_speed=[0.0, 9.0], curve_torque=[2.0, 1.0], top_speed=10.0), "extend the curve to top_speed"),
         (lambda: servo.SlideSpeed(0.0), "positive"),
         (lambda: servo.SlideSpeed(0.1, (0.1, 0.1)), "two different heights"),
         (lambda: servo.SlideSpeed(0.1, flank="left"), 'give "down", "up" or "both"'),

@@ -125,10 +125,10 @@ def test_a_catalogue_is_read_in_any_unit(speed, torque, by, times, tmp_path):
         (HEAD + "a,1,0,0,10,20\na,1,0,zero,10,20\n", r"line 3, speed: 'zero' is no number"),
         (HEAD + "a,1,0,0,10,20\na,2,0,100,10,20\n", "a has several values of its inertia"),
         (HEAD + "a,1,0,0,30,20\na,1,0,100,10,20\n", "at 0 r/min the rated torque is above the peak torque"),
-        (HEAD + "a,1,0,5,10,20\na,1,0,100,10,20\n", "speeds that rise from 0"),
+        (HEAD + "a,1,0,5,10,20\na,1,0,100,10,20\n", "speeds do not rise from 0"),
         (HEAD + "a,1,0,0,10,20\n", "two or more speeds"),
-        (HEAD + "a,1,0,0,9,9\na,1,0,9,9,9\nb,1,0,0,9,9\nb,1,0,9,9,9\na,1,0,0,9,9\na,1,0,9,9,9\n", "do not follow one another"),
-        (HEAD + ",1,0,0,10,20\n", "line 2: the row names no motor"),
+        (HEAD + "a,1,0,0,9,9\na,1,0,9,9,9\nb,1,0,0,9,9\nb,1,0,9,9,9\na,1,0,0,9,9\na,1,0,9,9,9\n", "other rows separate the rows of"),
+        (HEAD + ",1,0,0,10,20\n", "line 2: the row does not name a motor"),
     ],
 )
 def test_what_is_no_catalogue_is_refused(content, words, tmp_path):
@@ -140,7 +140,7 @@ def test_what_is_no_catalogue_is_refused(content, words, tmp_path):
 
 def test_a_motion_of_another_rotor_and_voltages_the_wrong_way_round_are_refused():
     motion = turning(ServoDrive(inertia=3.0), states=41)
-    with pytest.raises(pp.PinpressError, match=r"whose rotor has 3 kg m2, and short has 0\.5"):
+    with pytest.raises(pp.PinpressError, match=r"whose rotor has 3 kg m2, but short has 0\.5"):
         pp.servo.motor_use(MOTOR, motion)
     with pytest.raises(pp.PinpressError, match="not above the lower_voltage"):
         pp.servo.capacitor(motion, 400.0, 500.0)

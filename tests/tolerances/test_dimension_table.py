@@ -65,12 +65,12 @@ def test_a_table_gives_what_the_calls_give(press, tmp_path, name, text):
         ("dimension, tolerance, dimension\n", "two columns are called 'dimension': rename one"),
         ("dimension, tolerance\nlength E F, 0.05\nlength E G, 0.05\n", "line 3: no bearing 'G'"),
         ("dimension, tolerance\nlength E F, 0,05\n", "line 2: 3 cells for 2 columns: write decimals after a point"),
-        ('dimension, tolerance\nlength E F, "0,05"\n', "tolerance '0,05' is no number: write decimals after a point"),
-        ("dimension, tolerance\nlength E F, 0.05 mm\n", "its unit in the column unit"),
+        ('dimension, tolerance\nlength E F, "0,05"\n', "tolerance '0,05' is not a number: write a decimal point"),
+        ("dimension, tolerance\nlength E F, 0.05 mm\n", "with its unit in the column unit"),
         ("dimension, tolerance\nlength E F, -0.05\n", "tolerance is -0.05: give a positive number"),
-        ("dimension, tolerance, unit\nlength E F, 0.05, deg\n", "unit 'deg' is none of a length: write one of mm, um"),
-        ("dimension, tolerance\nwidth E F, 0.05\n", "'width E F' is no dimension: write 'length E F'"),
-        ("dimension, tolerance, smallest\nlength E F, 0.05, 0.01\n", "one bound is given"),
+        ("dimension, tolerance, unit\nlength E F, 0.05, deg\n", "unit 'deg' is not a unit of a length: write one of mm, um"),
+        ("dimension, tolerance\nwidth E F, 0.05\n", "'width E F' is not a dimension: write 'length E F'"),
+        ("dimension, tolerance, smallest\nlength E F, 0.05, 0.01\n", "only one of smallest and largest is given"),
         ("dimension, tolerance\nlength E F, 0.05\nlength E F, 0.04\n", "given twice: EF"),
     ],
 )
@@ -81,11 +81,11 @@ def test_mistakes_are_named_with_their_row(press, tmp_path, text, said):
 
 def test_odd_yaml_is_refused(press, tmp_path):
     for text, said in [
-        ("a: b", "is no list"),
-        ("- [1, 2]", "entry 1: it is no mapping"),
-        ("- {dimension: length E F, tolerance: [1]}", "entry 1: it is no mapping"),
-        ("- {dimension: length E F, tolerance: 0.05, size: 2}", "entry 1: key 'size' is none"),
-        ("- {dimension: [", "it is no YAML"),
+        ("a: b", "does not have a list"),
+        ("- [1, 2]", "entry 1 is not a mapping"),
+        ("- {dimension: length E F, tolerance: [1]}", "entry 1 is not a mapping"),
+        ("- {dimension: length E F, tolerance: 0.05, size: 2}", "entry 1: key 'size' is unknown"),
+        ("- {dimension: [", "it is not YAML"),
     ]:
         with pytest.raises(pp.PinpressError, match=said):
             read(press, tmp_path, text, "table.yml")

@@ -247,7 +247,7 @@ def test_two_servos_that_move_together_and_their_clearances(tmp_path):
         ({"Z": 1e-5}, "no bearing 'Z'"),
         ({"W": 0.0}, "clearance of 'W'"),
         ({"W": 0.5}, "0.5 m: give the radial clearance in m"),
-        ({"W": tolerances.GuideClearance(1e-5, 0.2)}, "it is a pin, no guide"),
+        ({"W": tolerances.GuideClearance(1e-5, 0.2)}, "this bearing is a pin, not a guide"),
     ],
 )
 def test_clearances_that_cannot_be_are_refused_by_name(light, clearance, said):
@@ -257,13 +257,13 @@ def test_clearances_that_cannot_be_are_refused_by_name(light, clearance, said):
 
 def test_clearances_in_millimetres_have_a_warning_and_shares_beyond_one_are_refused(light):
     motion = pp.cycle(light, 9.0, points=8)
-    with pytest.warns(pp.PinpressWarning, match=r"0\.05 if mm are meant|5e-05 if mm are meant"):
+    with pytest.warns(pp.PinpressWarning, match=r"is 0\.05 m \(50 mm\), .*Is it 0\.05 mm\? Write 5e-05"):
         tolerances.play(light, motion, {"W": 0.05})
     with pytest.raises(pp.PinpressError, match="known_to is 5"):
         tolerances.play(light, motion, {"W": 1e-5}, known_to=5)
-    with pytest.raises(pp.PinpressError, match="give both in m"):
+    with pytest.raises(pp.PinpressError, match="on each side, both in m"):
         tolerances.GuideClearance(1e-3, 0.002)
-    with pytest.raises(pp.PinpressError, match="speeds other than zero"):
+    with pytest.raises(pp.PinpressError, match="give speeds other than zero"):
         tolerances.play_over_speeds(light, {"W": 1e-5}, speed=0.0)
 
 

@@ -1,4 +1,4 @@
-"""From limits in the words of press builders to the bounds of the program, and which of them contradict one another."""
+"""Bounds of the program, made from the limits of press builders, and the limits that contradict one another."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ from .torque_curve import hull_bounds
 EDGE = 1e-9  # heights closer than this count as one [m]
 FLAT = 1e-9  # share of the largest travel by crank angle below which the slide turns back
 INVOLVED = 1e-4  # a limit with a smaller part in a contradiction, whose parts sum to one, is not named
-AS_LONG = 1e-6  # share by which a cycle is to be longer than the limits of speed take
-MUCH = 1e3  # limits that would have to be this many times as large are no remedy
+AS_LONG = 1e-6  # share by which a cycle must be longer than the time that limits of speed take
+MUCH = 1e3  # limits that would have to be more than 1000 times as large are not suggested as a remedy
 
 
 def limit_heights(limits: Sequence[Limit]) -> list[float]:
@@ -49,7 +49,7 @@ def limit_heights(limits: Sequence[Limit]) -> list[float]:
 
 
 def bearings_of(press: Linkage, limits: Sequence[Limit]) -> tuple[str, ...]:
-    """Bearings whose forces are limited; raises UnknownNameError for one that the press does not have."""
+    """Names of bearings with limited forces; raises UnknownNameError for a name that the press does not have."""
     for each in limits:
         if isinstance(each, BearingForce) and each.bearing not in press.bearings:
             raise UnknownNameError("bearing", each.bearing, press.bearings)
@@ -57,18 +57,18 @@ def bearings_of(press: Linkage, limits: Sequence[Limit]) -> tuple[str, ...]:
 
 
 def refuse_heights(press: Linkage, limits: Sequence[Limit], stroke: float) -> None:
-    """Raise PinpressError for heights of limits that the slide does not reach."""
+    """Raise PinpressError for a limit at heights that the slide does not reach."""
     for each in limits:
         heights = (each.height,) if isinstance(each, FeedWindow) else each.heights if isinstance(each, Window) else None
         if heights and max(heights) > stroke + EDGE:
             raise PinpressError(
-                f"{in_words(each)}: {1e3 * max(heights):.6g} mm are beyond the stroke of {press.name}: give heights above bottom dead"
+                f"{in_words(each)}: {1e3 * max(heights):.6g} mm is outside the stroke of {press.name}: give heights above bottom dead"
                 f" centre, from 0 to {stroke:.9g} m"
             )
 
 
 def caution_flank(press: Linkage, limits: Sequence[Limit], loads: Sequence[Load]) -> None:
-    """Say where a speed is limited on the way up at heights at which the process acts on the way down alone, and no speed is limited."""
+    """Caution if a speed is limited on the way up only, at heights where the process acts on the way down only."""
     speeds = [each for each in limits if isinstance(each, SlideSpeed | CrankSpeed)]
     upwards = [each for each in speeds if isinstance(each, SlideSpeed) and each.flank == "up" and each.heights is not None]
     if not upwards or any(each.flank != "up" for each in speeds):
@@ -85,8 +85,8 @@ def caution_flank(press: Linkage, limits: Sequence[Limit], loads: Sequence[Load]
         if on[True] and not on[False]:
             names = " and ".join(dict.fromkeys(on[True]))
             caution(
-                f"{in_words(each)} holds on the way up, and {names} acts there on the way down only, where no speed is limited:"
-                ' flank="down" is meant, unless the return is to be slow'
+                f"{in_words(each)} holds on the way up, but {names} acts at these heights on the way down only, where no"
+                ' speed is limited. This is probably a mistake: write flank="down", unless the return must be slow'
             )
 
 
@@ -96,7 +96,7 @@ def motion_problem(
     """The problem of these limits and of those of the drive.
 
     Raises:
-        PinpressError: a window in which the path has no part, a constant speed through a dead centre, a drive that cannot hold a rest.
+        PinpressError: the path has no part in a window, a constant speed goes through a dead centre, or the drive cannot hold a rest.
     """
     all_ = np.arange(len(c.grid.step))
     problem = MotionProblem(c, drive, weights, time, time_name="cycle time" if time is None else f"cycle time of {time:.6g} s")
@@ -131,7 +131,7 @@ def motion_problem(
 
 
 def _of_drive(c: Coefficients, drive: ServoDrive) -> list[Bounded]:
-    """The limits that the drive itself has."""
+    """The limits of the drive."""
     found, n = [], len(c.grid.step)
     if drive.peak_torque is not None:
         _refuse_to_hold(c, drive, float(drive.peak_torque_at(0.0)))
@@ -154,7 +154,7 @@ def _refuse_to_hold(c: Coefficients, drive: ServoDrive, peak: float) -> None:
     for angle, dwell, torque in zip(legs.angles[1:], legs.dwells, c.holding, strict=True):
         if dwell and abs(torque) > peak * drive.ratio:
             raise PinpressError(
-                f"the drive cannot hold the press at rest at crank angle {np.degrees(angle):.6g} deg: its motor gives {peak:.6g} N m, and"
+                f"the drive cannot hold the press at rest at crank angle {np.degrees(angle):.6g} deg: its motor gives {peak:.6g} N m, but"
                 f" {abs(torque) / drive.ratio:.6g} N m are needed; give a larger peak_torque or ratio, or a rest elsewhere"
             )
 
@@ -162,7 +162,7 @@ def _refuse_to_hold(c: Coefficients, drive: ServoDrive, peak: float) -> None:
 def _with_rms(problem: MotionProblem, drive: ServoDrive, limit: RmsTorque) -> MotionProblem:
     torque = drive.rated_torque if limit.torque is None else limit.torque
     if torque is None:
-        raise PinpressError("RmsTorque has no torque, and the drive no rated_torque: give one of them [N m]")
+        raise PinpressError("RmsTorque has no torque, and the drive has no rated_torque: give one of them [N m]")
     rms = torque * drive.ratio
     if problem.rms is not None:
         rms = min(rms, problem.rms)
@@ -178,8 +178,8 @@ def _segments(c: Coefficients, limit: Window) -> NDArray[np.bool_]:
     inside = flank & (middle > low) & (middle < high)
     if not inside.any():
         raise PinpressError(
-            f"{in_words(limit)}: the path has no part there on the way {limit.flank if limit.flank != 'both' else 'down or up'}: the slide"
-            f" goes from {1e3 * c.height.min():.6g} to {1e3 * c.height.max():.6g} mm above bottom dead centre"
+            f"{in_words(limit)}: the slide does not pass these heights on the way {limit.flank if limit.flank != 'both' else 'down or up'};"
+            f" give heights from {1e3 * c.height.min():.6g} to {1e3 * c.height.max():.6g} mm above bottom dead centre, where the path goes"
         )
     return inside
 
@@ -198,8 +198,8 @@ def _slide_speed(c: Coefficients, limit: SlideSpeed) -> Bounded:
         ends = np.append(inside, False) | np.append(False, inside)
         if flat.any() or (ends & c.grid.rest).any():
             raise PinpressError(
-                f"{in_words(limit)}: the slide rests or turns back within these heights, and is not so fast there; give heights away from"
-                " dead centres, or no constant=True"
+                f"{in_words(limit)}: the slide rests or turns back within these heights, so it cannot have this speed; give heights away"
+                " from dead centres, or leave out constant=True"
             )
     moving = nodes[~flat]
     most = (limit.speed / c.travel[moving]) ** 2
@@ -207,7 +207,7 @@ def _slide_speed(c: Coefficients, limit: SlideSpeed) -> Bounded:
 
 
 def _bearing_force(c: Coefficients, limit: BearingForce, place: int) -> Bounded:
-    """The force at one of the inner places of segments, a cone of three components."""
+    """The limit of a bearing's force at one of the inner places of segments, a cone of three components."""
     part, all_ = c.bearings[limit.bearing], np.arange(len(c.grid.step))
     first, second, third = (
         inner_affine(c, place, part.by_acceleration[place, :, k], part.by_square[place, :, k], part.fixed[place, :, k], all_)
@@ -221,12 +221,12 @@ def _bearing_force(c: Coefficients, limit: BearingForce, place: int) -> Bounded:
 
 
 class SpeedTimes(NamedTuple):
-    """The least time that limits of speed leave, however strong the drive is.
+    """The least time of a cycle within limits of speed, for an arbitrarily strong drive.
 
     Attributes:
-        by_limit: name of a limit -> time that its part of the path takes [s]; where several limits hold, the slowest counts.
+        by_limit: name of a limit -> time for its part of the path [s]; where several limits hold, the slowest counts.
         least: least time of a cycle, with the rests and the feed window [s].
-        reachable: whether a motion may take just this time: limits hold wherever the crank goes, and it never rests.
+        reachable: whether a motion may take exactly this time: limits hold on the whole path, and the crank never rests.
     """
 
     by_limit: Mapping[str, float]
@@ -240,7 +240,7 @@ class SpeedTimes(NamedTuple):
 
 
 def speed_times(problem: MotionProblem, limits: Sequence[Limit]) -> SpeedTimes:
-    """What the limits of speed take along a path, by quadrature."""
+    """The times that limits of speed take along a path, by quadrature."""
     c, n = problem.coefficients, len(problem.coefficients.grid.step)
     travel = np.abs(np.stack([c.travel[:-1], *c.inner_travel, c.travel[1:]], axis=1))  # (N, 4)
     slowness: dict[str, Array] = {}  # times by crank angle [s/rad]
@@ -265,9 +265,9 @@ def speed_times(problem: MotionProblem, limits: Sequence[Limit]) -> SpeedTimes:
 
 
 def refuse_short(problem: MotionProblem, limits: Sequence[Limit], press_name: str) -> None:
-    """Raise PinpressError where the cycle is too short for the limits of speed, however strong the drive is.
+    """Raise PinpressError if the cycle is too short for the limits of speed, even with an arbitrarily strong drive.
 
-    A program without a limit of the torque does not find that out: its speeds outside of the windows rise beyond all numbers.
+    A program without a limit of the torque does not detect this: its speeds outside the windows grow without bound.
     """
     if problem.time is None:
         return
@@ -282,8 +282,8 @@ def refuse_short(problem: MotionProblem, limits: Sequence[Limit], press_name: st
     remedy = _remedy(problem, problem.time_name) if any(each.quantity is not None for each in problem.bounds) else ""
     more = f"; with all limits {remedy} would do" if remedy else ""
     raise PinpressError(
-        f"no motion of {press_name} keeps the {problem.time_name} and the {found.words} together: however strong the drive is, these speeds"
-        f" take {found.least:.4g} s{with_}: give a longer time than that, or higher speeds{more}"
+        f"no motion of {press_name} keeps the {problem.time_name} and the {found.words} together: even with the strongest drive these"
+        f" speeds take {found.least:.4g} s{with_}; give a longer time, or higher speeds{more}"
     )
 
 
@@ -299,26 +299,26 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def contradiction(problem: MotionProblem, press_name: str) -> PinpressError:
-    """The error that says which limits contradict one another, and by how much each of them alone must be let out."""
+    """The error that names the limits that contradict one another, and by how much each limit alone must be relaxed."""
     together = _let_out(problem, None)
     if together is None:
         return PinpressError(
-            f"no motion of {press_name} keeps all limits, however far they are let out: a constant slide speed asks for what the path does"
-            " not allow, or numbers are of very different sizes; take limits away one by one"
+            f"no motion of {press_name} keeps all limits, even if all of them are relaxed: a constant slide speed is impossible on this"
+            " path, or numbers differ too much in size; remove limits one by one"
         )
     involved = [name for name, part in together.parts.items() if part > INVOLVED] or list(together.parts)
     remedies = [words for name in involved if (words := _remedy(problem, name))]
     names = _listed(involved)
     remedy = f"{' or '.join(remedies)} would do; " if remedies else ""
     return PinpressError(
-        f"no motion of {press_name} keeps the {names} together: {remedy}let out all {len(involved)} by {100 * together.relaxed:.3g} %"
+        f"no motion of {press_name} keeps the {names} together: {remedy}relax all {len(involved)} by {100 * together.relaxed:.3g} %"
         if len(involved) > 1
-        else f"no motion of {press_name} keeps the {names}: {remedy}it must be let out by {100 * together.relaxed:.3g} %"
+        else f"no motion of {press_name} keeps the {names}: {remedy}relax this limit by {100 * together.relaxed:.3g} %"
     )
 
 
 def _remedy(problem: MotionProblem, name: str) -> str:
-    """What a limit alone would have to be, in words; empty where it helps nothing."""
+    """The value that a limit must have if it alone is relaxed, as text; empty if this does not help."""
     alone = _let_out(problem, name)
     if alone is None or not 0.0 <= alone.relaxed < MUCH:
         return ""
@@ -326,7 +326,7 @@ def _remedy(problem: MotionProblem, name: str) -> str:
     if name == problem.time_name and problem.time is not None:
         return f"a cycle time of {problem.time * grown:.4g} s"
     if name == problem.rms_name and problem.rms is not None:
-        # exact limits are squares: the program lets them out to first order
+        # exact limits are squares: the program relaxes them to first order
         return f"an rms torque of {problem.rms / problem.drive.ratio * np.sqrt(1.0 + 2.0 * alone.relaxed):.4g} N m"
     if name == problem.feed_name:
         return f"a feed window of {max(0.0, problem.feed_time * (1.0 - alone.relaxed)):.4g} s" if alone.relaxed < 1.0 else ""
@@ -341,7 +341,7 @@ def _kind(name: str) -> str:
 
 
 def _let_out(problem: MotionProblem, name: str | None) -> Solution | None:
-    """The least share by which all limits, or the one of this name, must be let out; None where that was not found."""
+    """The least share by which all limits, or the limit with this name, must be relaxed; None if the solver found no answer."""
     sizes = first_sizes(problem)
     for attempt in range(2):
         try:

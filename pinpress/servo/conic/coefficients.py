@@ -1,10 +1,10 @@
-"""What the driving torque of a press takes of a motion along its path, as functions of b, the square of the crank's speed.
+"""The driving torque of a press along a path, as a function of b, the square of the crank's speed.
 
     torque = M b'/2 + M' b/2 + G + F        (b' = db/d(crank angle), acceleration = b'/2)
 
-M is the inertia at the crank, G the torque of weights and springs, F that of the process by the direction of travel. Everything follows
-from inverse dynamics at chosen speeds and accelerations. Nodes stand exactly where a load begins or ends, where a limit's window does and
-where the slide turns back; they are graded towards rests, where b rises from 0.
+M is the inertia at the crank, G the torque of weights and springs, and F the torque of the process, which depends on the direction of
+travel. All three follow from inverse dynamics at chosen speeds and accelerations. Loads and windows of limits begin and end at nodes, and
+the slide turns back at nodes. Nodes are closer to each other near rests, where b rises from 0.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ from ...loads.link import Friction, Load, PointForce, SpringDamper
 from ...loads.process import ProcessLoad, TimeForce, datum
 from ..paths import PathLegs
 
-LOOKED = 256  # steps of a leg between which places are looked for at which the slide passes a height
+LOOKED = 256  # number of steps of a leg in which crossings of a height are searched
 GRADED = 0.9  # share of cosine grading of a leg between rests; the rest is even
-GAUSS = 0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5  # shares of a segment's time at which it is looked at
+GAUSS = 0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5  # nodes of Gauss's rule, as shares of a segment's time
 BRAKED = 0.4  # share of cosine grading between marks: the crank brakes before a load or a window begins
-SHARED = 0.5  # share of a leg's segments that its pieces get alike, however short they are
-APART = 1e-7  # crank angles closer than this are one place [rad]
+SHARED = 0.5  # share of a leg's segments that is divided equally among its pieces, so that short pieces get some
+APART = 1e-7  # crank angles closer than this count as one place [rad]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -73,7 +73,7 @@ class PathGrid:
 
 
 class PathMotion(NamedTuple):
-    """A motion along a path, roughly.
+    """An approximate motion along a path.
 
     Attributes:
         way_gone: (m,) way of the crank from the start of the path [rad].
@@ -103,8 +103,8 @@ class BearingCoefficients:
 class Coefficients:
     """The torque of a press without its drive, along a path of N segments, each with two inner places.
 
-    The inner places are those of Gauss's rule in the time of a motion that is about the one looked for; without one, of a motion whose b
-    rises from rests in proportion to the way, and is even elsewhere.
+    The inner places follow Gauss's rule over the time of an approximate motion. Without such a motion they follow a motion whose b rises
+    from rests in proportion to the distance, and is constant on a path without rests.
 
     Attributes:
         grid: the nodes.
@@ -177,7 +177,7 @@ def load_heights(press: Linkage, loads: Sequence[Load]) -> list[float]:
 
 
 def feels_speed(loads: Sequence[Load], friction: Mapping[str, Friction]) -> list[str]:
-    """What makes the torque depend on the speed in another way than by its square, in words."""
+    """Names of the loads whose torque depends on the speed in another way than by its square."""
     found = ["friction of bearings"] if friction else []
     for load in loads:
         if isinstance(load, SpringDamper):
@@ -185,7 +185,7 @@ def feels_speed(loads: Sequence[Load], friction: Mapping[str, Friction]) -> list
         elif isinstance(load, PointForce):
             found += ["a force that is a function of the motion"] if callable(load.force) else []
         elif isinstance(load, ProcessLoad) and any(each.heeds_velocity for down in (True, False) for each in load.intervals(down)):
-            found.append(f"{type(load).__name__}, which feels the slide's speed")
+            found.append(f"{type(load).__name__}, which depends on the slide's speed")
     return list(dict.fromkeys(found))
 
 
@@ -198,22 +198,22 @@ def coefficients(
     bearings: Sequence[str] = (),
     like: PathMotion | None = None,
 ) -> Coefficients:
-    """What the torque takes of a motion along a path.
+    """Compute the coefficients of the torque along a path.
 
     Args:
         press: the press.
         grid: nodes of the path.
         loads: the loads.
         friction: friction of bearings.
-        speed: of the crank, for what feels the speed in another way than by its square [rad/s].
-        bearings: names of bearings whose forces are wanted.
-        like: a motion that is about the one looked for, or None.
+        speed: speed of the crank, for loads that depend on the speed in another way than by its square [rad/s].
+        bearings: names of bearings whose forces are computed.
+        like: an approximate motion, or None.
 
     Raises:
-        PinpressError: a force in time; and as `inverse_dynamics`.
+        PinpressError: a load is a force in time, or as `inverse_dynamics`.
     """
     if any(isinstance(load, TimeForce) for load in loads):
-        raise PinpressError("a TimeForce acts at an instant, and when the slide is where is what is asked for: give a load by height")
+        raise PinpressError("loads has a TimeForce, but the times of the motion are not yet known: give a load by height")
     inner = _inner_places(grid, like)
     angle = np.empty(3 * len(grid.step) + 1)
     angle[::3] = grid.angle
@@ -264,7 +264,7 @@ def coefficients(
 
 
 def _inner_places(grid: PathGrid, like: PathMotion | None) -> Array:
-    """(2, N) inner places of the segments, as shares of their steps: those of Gauss's rule in the time of a motion like this one."""
+    """(2, N) inner places of the segments, as shares of their steps: Gauss's rule over the time of an approximate motion."""
     if like is None:
         b = np.ones(len(grid.angle)) if grid.legs.closed else np.minimum(grid.share, 1.0 - grid.share)  # b rises like this from a rest
     else:
@@ -278,7 +278,7 @@ def _inner_places(grid: PathGrid, like: PathMotion | None) -> Array:
 
 
 def _inside(values: Array) -> Array:
-    """Values at the inner places, (2, N, ...), of those at nodes and inner places."""
+    """Values at the inner places, (2, N, ...), from the values at nodes and inner places."""
     return np.stack([values[1::3], values[2::3]])
 
 
@@ -296,7 +296,7 @@ def segment_means(values: Array, inner: Array) -> Array:
 
 
 def _feels_travel(load: Load) -> bool:
-    """Whether a load is one of the process or a function of the motion, and not the same in all motions through a state."""
+    """Whether a load depends on the direction of travel: a load of the process, or a function of the motion."""
     return callable(load.force) if isinstance(load, PointForce) else not isinstance(load, SpringDamper)
 
 
@@ -337,13 +337,13 @@ def _marks(press: Linkage, start: float, end: float, positions: Array) -> Array:
 
 
 def _graded(start: float, end: float, marks: Array, count: int, even: bool) -> Array:
-    """About ``count`` + 1 nodes from start to end, through marks; even, or closer to each other towards both ends."""
+    """About ``count`` + 1 nodes from start to end, through the marks; equally spaced, or closer to each other towards both ends."""
     fine = np.linspace(0.0, 1.0, 2049)
     graded = fine if even else _denser_at_ends(fine, GRADED)
     borders = np.concatenate([[0.0], np.interp((marks - start) / (end - start), graded, fine), [1.0]])
     pieces = []
     for low, high in itertools.pairwise(borders.tolist()):
-        # short pieces, between loads and windows, are where the torque changes
+        # the torque changes in short pieces, between loads and windows
         steps = max(1, round(count * ((1.0 - SHARED) * (high - low) + SHARED / (len(borders) - 1))))
         pieces.append(low + (high - low) * _denser_at_ends(np.arange(steps) / steps, BRAKED if len(marks) else 0.0))
     places = np.concatenate([*pieces, [1.0]])
@@ -354,5 +354,5 @@ def _graded(start: float, end: float, marks: Array, count: int, even: bool) -> A
 
 
 def _denser_at_ends(share: Array, grading: float) -> Array:
-    """Places from 0 to 1 that are closer to each other towards both ends, of even ones."""
+    """Places from 0 to 1, moved closer to each other towards both ends."""
     return np.asarray((1.0 - grading) * share + grading * 0.5 * (1.0 - np.cos(np.pi * share)))

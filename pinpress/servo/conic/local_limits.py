@@ -1,14 +1,16 @@
-"""A largest power of the motor: torque x speed is no convex function of b. Found is a motion that keeps it, and a bound for all motions.
+"""Limits that are not convex in b: the largest power of the motor, and the largest rate of its torque.
 
-So is a largest rate of the torque, which is a largest jerk, and a curve of torque that falls with the speed (`torque_curve`).
+Another is a curve of torque that falls with the speed (`torque_curve`). The module finds a motion within the limits, and a bound for all
+motions.
 
-A motion within the limits comes from convex programs: 2 P / (v_i + v_{i+1}), the torque that the power allows at the speeds of a segment's
-ends, is convex in b, so that its tangent at the last motion is below it; each program's motion keeps the limit, and the next is no worse.
-The time between two segments, by which the rate allows a change of torque, is convex too.
+The motion comes from convex programs. At the speeds of a segment's ends the power P allows the torque 2 P / (v_i + v_{i+1}). This is convex
+in b, so its tangent at the last motion is below it. Each program's motion therefore keeps the limit, and no motion is worse than the one
+before. The rate allows a change of torque proportional to the time between two segments, which is convex too.
 
-The bound for the power comes from programs that allow it over the relaxed time 2 h d of a segment, which is at least its time. Alone it is
-weak, because a program may let a segment take longer than its speeds say. So b at the nodes under load is enclosed: the least and the
-largest b of all motions that are no worse than the one found. Within these ranges 1 / v is below its chord, which limits d; and again.
+The bound for the power comes from programs that allow the power over the relaxed time 2 h d of a segment, which is at least its time. This
+bound alone is weak, because a program may give a segment more time than its speeds need. So the programs enclose b at the nodes under load:
+they compute the least and the largest b of all motions that are no worse than the motion found. Within this range 1 / v is below its chord,
+which limits d. The next round starts with these narrower ranges.
 """
 
 from __future__ import annotations
@@ -27,15 +29,15 @@ from .motion_problem import Affine, Bounded, MotionProblem, RelaxedPower, segmen
 from .program import Sizes, Solution, sizes_of, solve
 from .torque_curve import curve_tangents, curve_use
 
-MOST_ROUNDS, FEW_ROUNDS = 40, 3  # of tangents; a few where loads feel the speed, which have rounds of their own
+MOST_ROUNDS, FEW_ROUNDS = 40, 3  # rounds of tangents; few if loads depend on the speed, because those have separate rounds
 SETTLED = 1e-8  # relative change of the value that ends the rounds
 KEPT = 1e-9  # share by which the power may be exceeded
-ENCLOSED = 8  # most rounds in which b is enclosed
-PROVED = 5e-4  # gap below which it is not enclosed more narrowly
-MOST_WORK = 5000  # nodes under load times segments above which speeds are not enclosed: each node takes two programs a round
-NARROW = 1.02  # ratio of the ends of a range of b from which on it is not narrowed
-NEAR = 0.97  # share of the power from which on a segment counts as loaded
-SLOWER = 0.8, 0.7, 0.6, 0.5, 0.3  # by which b is slowed down where tangents at it leave no motion
+ENCLOSED = 8  # most rounds that enclose b
+PROVED = 5e-4  # a gap below this ends the rounds
+MOST_WORK = 5000  # above this product of loaded nodes and segments b is not enclosed: each node takes two programs a round
+NARROW = 1.02  # a range of b whose ends have a smaller ratio is not narrowed further
+NEAR = 0.97  # a segment that uses more than this share of the power counts as loaded
+SLOWER = 0.8, 0.7, 0.6, 0.5, 0.3  # factors of b, tried in turn if tangents at b leave no motion
 RATE = "a rate of torque of {:.6g} N m/s"
 NAME = "power of the motor of {:.6g} W"
 
@@ -46,7 +48,7 @@ class LocalLimits(NamedTuple):
     Attributes:
         power: largest power [W], or None.
         rate: largest rate of the torque at the crank [N m/s], or None.
-        proved: whether a bound for all motions within the power is looked for.
+        proved: whether to compute a bound for all motions within the power.
     """
 
     power: float | None
@@ -61,17 +63,17 @@ def within_local_limits(
     optimum: Callable[[MotionProblem], Solution],
     start: Array | None = None,
 ) -> tuple[Solution, MotionProblem, list[str]]:
-    """A motion that keeps limits that are not convex, with a bound for all motions that do.
+    """Find a motion within limits that are not convex, with a bound for all motions within them.
 
     Args:
         problem: the problem without these limits.
-        free: its optimum.
+        free: the optimum of this problem.
         limits: the limits.
         optimum: solves a convex problem; raises PinpressError where it has no solution.
-        start: (N + 1,) b of a motion about which the first tangents are drawn, or None.
+        start: (N + 1,) b of the motion at which the first tangents touch, or None.
 
     Returns:
-        the motion with the bound, the last convex problem, and what is to be said.
+        The motion with the bound, the last convex problem, and notes on the proof.
 
     Raises:
         PinpressError: no motion within the power or the rate was found.
@@ -86,16 +88,16 @@ def within_local_limits(
     if not powerful or power is None or not proved:
         gap = (answer.value - free.bound) / abs(answer.value)
         note = (
-            f"{' and '.join(words)} {are} not convex: the motion keeps {them}, and is the best near it; of all motions, with or without"
-            f" {them}, none is better by more than {100 * gap:.2g} %{settled}"
+            f"{' and '.join(words)} {are} not convex: the motion keeps {them} and is the best of its neighbours; no motion, even without"
+            f" {them}, is better by more than {100 * gap:.2g} %{settled}"
         )
         return replace(answer, bound=free.bound), limited, [note]
     bound, rounds, loaded = _bound(problem, free, answer, power)
     gap = (answer.value - bound) / abs(answer.value)
     how = f"by {rounds} rounds of enclosing the speeds of {loaded} nodes" if rounds else "by one relaxed program"
-    more = "; fewer points= have it proved more closely" if loaded and not rounds and gap > PROVED else ""
+    more = "; fewer points= give a smaller gap" if loaded and not rounds and gap > PROVED else ""
     note = (
-        f"{' and '.join(words)} {are} not convex: the motion keeps {them}, and is the best near it; of all motions, none is better by more"
+        f"{' and '.join(words)} {are} not convex: the motion keeps {them} and is the best of its neighbours; no motion is better by more"
         f" than {100 * gap:.2g} %, proved {how}{more}{settled}"
     )
     return replace(answer, bound=bound), limited, [note]
@@ -109,10 +111,10 @@ def _by_tangents(
     words: str,
     start: Array | None,
 ) -> tuple[Solution, MotionProblem, str]:
-    """A motion within the limits, the best near it, its last convex problem, and in words that the rounds did not settle."""
+    """The best motion of its neighbours within the limits, its last convex problem, and a text if the rounds did not converge."""
     b = start if start is not None else free.b if limits.power is None else _slower(problem, free.b, limits.power)
     answer, limited, value, slower = None, problem, np.inf, 0
-    settled = "" if start is not None else f"; {MOST_ROUNDS} rounds of tangents did not settle, and one near it may be better"
+    settled = "" if start is not None else f"; {MOST_ROUNDS} rounds of tangents did not converge, so a neighbour may be better"
     for _ in range(MOST_ROUNDS if start is None else FEW_ROUNDS):
         limited = replace(problem, bounds=(*problem.bounds, *tangents(problem, b, limits)))
         try:
@@ -123,9 +125,9 @@ def _by_tangents(
                 b = SLOWER[slower - 1] * b  # the tangents were drawn where the limits are far exceeded
                 continue
             raise PinpressError(
-                f"no motion within {words} was found, which does not prove that there is none; without it the motor has a power of"
+                f"no motion within {words} was found, though one may exist; without this limit the motor has a power of"
                 f" {powers(problem, free.b).max():.6g} W, and its torque changes by"
-                f" {torque_rates(problem, free.b).max() / problem.drive.ratio:.6g} N m/s: allow more of it, or more time"
+                f" {torque_rates(problem, free.b).max() / problem.drive.ratio:.6g} N m/s: give a larger limit, or more time"
             ) from error
         b = answer.b
         if abs(value - answer.value) <= SETTLED * abs(answer.value):
@@ -133,12 +135,14 @@ def _by_tangents(
             break
         value = answer.value
     if answer is None:
-        raise PinpressError(f"no motion within {words} was found near the last one, which does not prove that there is none")
+        raise PinpressError(
+            f"no motion within {words} was found near the last motion, though one may exist: give a larger limit, or more time"
+        )
     return answer, limited, settled
 
 
 def tangents(problem: MotionProblem, b: Array, limits: LocalLimits) -> list[Bounded]:
-    """Limits that are convex, and within these ones, by tangents at a motion."""
+    """Convex limits that lie within these limits, by tangents at a motion."""
     rows = [] if problem.drive.curve_torque is None else curve_tangents(problem, b)
     rows += [] if limits.power is None else _power_tangents(problem, b, limits.power)
     return rows + ([] if limits.rate is None else _rate_tangents(problem, b, limits.rate))
@@ -150,7 +154,7 @@ def exceeded(problem: MotionProblem, b: Array, limits: LocalLimits) -> bool:
 
 
 def words_of(problem: MotionProblem, limits: LocalLimits, b: Array | None = None) -> list[str]:
-    """The limits in words, or those of them that a motion exceeds."""
+    """The limits as text; with b only the limits that this motion exceeds."""
     power, rate, drive = limits.power, limits.rate, problem.drive
     found = []
     if power is not None and (b is None or powers(problem, b).max() > power * (1.0 + KEPT)):
@@ -163,14 +167,14 @@ def words_of(problem: MotionProblem, limits: LocalLimits, b: Array | None = None
 
 
 def powers(problem: MotionProblem, b: Array) -> Array:
-    """(N,) largest size of the mean torque of each segment times the mean speed [W]."""
+    """(N,) largest absolute mean torque of each segment times its mean speed [W]."""
     speed = 0.5 * (np.sqrt(b[1:]) + np.sqrt(b[:-1]))
     torque = problem.mean_torque().at(b) + problem.drive.crank_drag * problem.coefficients.grid.way * speed
     return np.abs(torque) * speed
 
 
 def torque_rates(problem: MotionProblem, b: Array) -> Array:
-    """(N,) sizes of the changes of mean torque from each segment to the next by the time between their middles [N m/s]; 0 over rests."""
+    """(N,) absolute change of mean torque from a segment to the next / time between their middles [N m/s]; 0 over rests."""
     pairs = _Pairs(problem)
     times = segment_times(problem.coefficients, b)
     torque = problem.mean_torque().at(b)
@@ -211,14 +215,14 @@ def _rate_tangents(problem: MotionProblem, b: Array, rate: float) -> list[Bounde
 
 
 def _slower(problem: MotionProblem, b: Array, power: float) -> Array:
-    """A motion about which the first tangents are drawn: as fast as the power allows at the torques of the free motion."""
+    """The motion at which the first tangents touch: as fast as the power allows at the torques of the free motion."""
     over = np.maximum(powers(problem, b) / power, 1.0)
     nodes = np.maximum(np.append(over, 1.0), np.append(1.0, over))
     return np.where(problem.coefficients.grid.rest, 0.0, b / nodes)
 
 
 def _power_tangents(problem: MotionProblem, b: Array, power: float) -> list[Bounded]:
-    """Driving and braking torque below the tangent of what the power allows; the drag of the drive counts at the speed of b."""
+    """Limits of driving and braking torque by the tangent of the torque that the power allows; with the drive's drag at the speed of b."""
     speed = np.sqrt(b)
     total = speed[1:] + speed[:-1]
     allowed = 2.0 * power / total
@@ -251,7 +255,7 @@ def _bound(problem: MotionProblem, free: Solution, best: Solution, power: float)
     rounds, scale = 0, abs(best.value)
     ceiling = best.value + 1e-7 * scale
     while rounds < ENCLOSED and best.value - bound > PROVED * scale:
-        for node in loaded:  # each with the ranges that are known already
+        for node in loaded:  # every node uses the ranges computed so far
             relaxed = _enclosed(replace(problem, power=relaxed, ceiling=ceiling), relaxed, sizes, int(node))
         rounds += 1
         found = _solved(replace(problem, power=relaxed), sizes)
@@ -267,7 +271,7 @@ def _bound(problem: MotionProblem, free: Solution, best: Solution, power: float)
 
 
 def _enclosed(problem: MotionProblem, relaxed: RelaxedPower, sizes: Sizes, node: int) -> RelaxedPower:
-    """The ranges of b with that at a node as narrow as two programs prove it."""
+    """The ranges of b, after two programs have narrowed the range at a node."""
     if relaxed.most[node] < NARROW * relaxed.least[node]:
         return relaxed
     low, high = _solved(problem, sizes, (node, 1.0)), _solved(problem, sizes, (node, -1.0))
@@ -280,7 +284,7 @@ def _enclosed(problem: MotionProblem, relaxed: RelaxedPower, sizes: Sizes, node:
 
 
 def _loaded(problem: MotionProblem, relaxed: Array, best: Array, power: float) -> NDArray[np.intp]:
-    """Nodes of segments that use the power in the motion found, or more than that in the relaxed one, and their neighbours."""
+    """Nodes of segments that use the power in the best or the relaxed motion, and the nodes next to them."""
     segments = (powers(problem, relaxed) > power * (1.0 + 1e-6)) | (powers(problem, best) > NEAR * power)
     nodes = np.append(segments, False) | np.append(False, segments)
     nodes[:-1] |= nodes[1:]  # one more on each side, where a relaxed time would be stretched next

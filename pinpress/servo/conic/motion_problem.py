@@ -1,5 +1,6 @@
-"""The problem of the best motion: what is minimised within which limits, as functions of b, the square of the crank's speed, at the nodes
-of a path; and what a motion costs, computed from b alone.
+"""The problem of the best motion: objective and limits as functions of b, the square of the crank's speed, at the nodes of a path.
+
+The module also computes what a motion costs, from b alone.
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ Index = NDArray[np.intp]
 
 
 class Affine(NamedTuple):
-    """A quantity of each of m segments that is affine in b at the two ends of it: before b_i + after b_{i+1} + fixed, and last x b at one
-    more node where a quantity is one of two segments.
+    """A quantity of each of m segments that is affine in b at the segment's ends: before b_i + after b_{i+1} + fixed.
+
+    A quantity that belongs to two segments also has last x b at one more node.
 
     Attributes:
         before: (m,).
@@ -56,10 +58,10 @@ class Bounded:
     """A named limit: a quantity of segments (an `Affine`), or b at nodes (``nodes``), is at most a bound, or equal to it.
 
     Attributes:
-        name: in words.
-        most: (m,) the bound; it is proportional to the limit to the power of ``power``.
-        limit: the number that the user gave, in ``unit``.
-        unit: its unit.
+        name: the limit as text.
+        most: (m,) the bound, proportional to limit^power.
+        limit: the user's number, in ``unit``.
+        unit: unit of the limit.
         quantity: the quantity of segments; None for b at nodes.
         nodes: (m,) indices of nodes, where ``quantity`` is None.
         power: see ``most``: 2 for a speed, whose square is bounded.
@@ -90,13 +92,13 @@ class Bounded:
 class RelaxedPower:
     """A largest power in a form that is convex and that every motion within the power keeps.
 
-    The torque of a segment is at most the power times its relaxed time by its step. Where b is known to lie in a range, that time is at
-    most what the chord of 1 / speed over the range allows.
+    The torque of a segment is at most power x relaxed time / step. If b lies in a known range, the chord of 1 / speed over this range
+    limits the relaxed time.
 
     Attributes:
         power: largest power [W].
-        least: (N + 1,) b at the nodes that every better motion has at least, 0 where that is not known [rad2/s2].
-        most: (N + 1,) b that it has at most, infinite where that is not known.
+        least: (N + 1,) lower bounds of b at the nodes for every better motion; 0 if unknown [rad2/s2].
+        most: (N + 1,) upper bounds of b at the nodes for every better motion; infinite if unknown [rad2/s2].
     """
 
     power: float
@@ -106,24 +108,24 @@ class RelaxedPower:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionProblem:
-    """What is to be found: the motion along a path with the least objective within limits.
+    """The problem: find the motion along a path with the least objective within limits.
 
     Attributes:
-        coefficients: of the press.
-        drive: of the drive.
+        coefficients: the coefficients of the press.
+        drive: the drive.
         weights: weights of "heat" [1/(N2 m2 s)], "time" [1/s], "energy" [1/J], "peak" [1/(N m)] in the objective.
-        time: most time of a cycle [s]; None: only the objective or other limits limit it.
-        bounds: limits that are proportional to one number each.
+        time: largest time of a cycle [s]; None: only the objective or other limits restrict it.
+        bounds: limits that are each proportional to one number.
         rms: largest root mean square of the torque at the crank [N m], or None.
         below: (N,) whether a segment is outside the feed window, or None.
         feed_time: time of the feed window [s].
         power: a largest power, relaxed, or None.
-        ceiling: largest objective that is looked at, or None.
-        rolled_at: (N + 1,) b of a motion at which losses that grow with the speed are taken by tangents of the root of b, which are above
-            it; None: by c, which is below it.
-        time_name: the time in words.
-        rms_name: the root mean square in words.
-        feed_name: the feed window in words.
+        ceiling: largest objective allowed, or None.
+        rolled_at: (N + 1,) b of the motion at whose speeds losses use the tangents of the root of b, an upper bound; None: losses use c, a
+            lower bound.
+        time_name: the limit of time as text.
+        rms_name: the limit of rms torque as text.
+        feed_name: the feed window as text.
     """
 
     coefficients: Coefficients
@@ -181,7 +183,7 @@ class MotionProblem:
 
     @property
     def resting(self) -> float:
-        """Time of the rests that the path asks for [s]."""
+        """Time of the required rests of the path [s]."""
         return self.coefficients.grid.legs.dwell
 
     @property
@@ -194,9 +196,9 @@ class Figures(NamedTuple):
     """What a motion costs, computed from b alone.
 
     Attributes:
-        time: of moving and of the rests that the path asks for [s].
-        heat: [N2 m2 s].
-        energy: drawn [J].
+        time: time of moving and of the required rests [s].
+        heat: integral of the squared torque over time [N2 m2 s].
+        energy: energy drawn [J].
         peak: largest torque at the ends of the segments [N m].
         below: time outside the feed window [s].
     """
@@ -247,14 +249,16 @@ def rest_below(problem: MotionProblem) -> float:
 
 
 def needed_time(problem: MotionProblem, cost: Figures) -> float:
-    """Time of a cycle with the pause that limits ask for: to feed, or to become cool [s]."""
+    """Time of a cycle with the pause that limits require, for feeding or for cooling [s]."""
     time = cost.time if problem.below is None else max(cost.time, cost.below + problem.feed_time)
     return time if problem.rms is None else max(time, cost.heat / problem.rms**2)
 
 
 def cycle_time(problem: MotionProblem, cost: Figures) -> float:
-    """Time of a cycle with its pause, where the path may have one: up to the time asked for, or where the time is minimised as short as
-    limits allow [s]."""
+    """Time of a cycle with its pause [s].
+
+    The pause fills the cycle up to the given time; if the time is minimised, the pause is as short as limits allow.
+    """
     if problem.coefficients.grid.legs.closed:
         return cost.time
     if problem.time is None or "time" in problem.weights:

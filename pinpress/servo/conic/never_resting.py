@@ -1,16 +1,17 @@
-"""Turns that must take their time: a crank that never rests and makes a stroke every T seconds.
+"""Turns that must take exactly their time: a crank that never rests and makes a stroke every T seconds.
 
-That a cycle takes at most T is convex, that it takes T is not. Mostly it is the same, for less time costs more. But where nothing limits
-the speed, a faster turn stores more energy and needs less heat for each stroke. Then the best motion that takes T is looked for here.
+The condition "a cycle takes at most T" is convex; "a cycle takes exactly T" is not. Usually both have the same optimum, because less time
+costs more. But if nothing limits the speed, a faster turn may store more energy and need less heat for each stroke. Then this module
+searches the best motion that takes T.
 
-It is found by tangents: the time, convex in b, is nowhere below its tangent at the last motion, so that each program's motion takes at
-least T, and the next is no worse. A coarse path is the first, from an even speed and from the motion that the proof leaves; finer ones
-begin with what it found. The crank is nowhere slower than a tenth of its mean speed, or of the limit there: without that, it would all but
-rest wherever resting costs nothing, and a `Stop` is the better question.
+The search uses tangents. The time is convex in b, so it is nowhere below its tangent at the last motion. Each program's motion therefore
+takes at least T, and no motion is worse than the one before. The search starts on a coarse path, from a constant speed and from the motion
+of the proof. Finer paths start from the result of the coarser path. The crank is nowhere slower than a tenth of its mean speed, or of the
+limit there. Without this floor the crank would almost rest where resting costs nothing, and a `Stop` describes that better.
 
-It is proved by the mean speed: a turn that takes T has it somewhere, since its speed goes on steadily, and comes back to where it was. So
-in some segment it falls from the mean speed, or above, to it, or below. For each segment of the coarse path the best motion within T that
-does so there is a convex program, and the least of their bounds is one for all turns that take T.
+The proof uses the mean speed. The speed of a turn is continuous and periodic, so a turn that takes T has its mean speed somewhere. In at
+least one segment the speed falls from the mean speed (or above) to the mean speed (or below). For each segment of the coarse path, a convex
+program finds the best motion within T whose speed falls in this way there. The least of their bounds is a bound for all turns that take T.
 """
 
 from __future__ import annotations
@@ -30,13 +31,13 @@ from .local_limits import LocalLimits, tangents, words_of
 from .motion_problem import Affine, Bounded, MotionProblem, segment_times
 from .program import Sizes, Solution, first_sizes, sizes_of, solve
 
-SHORT = 1e-5  # share by which a cycle may be shorter than asked for
-LATE, TOO_LATE = 1e-5, 1e-4  # shares by which a cycle is longer than asked for that end the rounds, and that are refused after them
-SETTLED, NEARLY = 1e-4, 1e-3  # relative changes of the value that end the rounds, and above which the motion is said not to be settled
-SLOWEST = 0.1  # least speed of the crank, in its mean speed or the limit of speed there
-NO_HURRY = 10.0  # share by which a program may be late
-ROUGH, FINE, CLOSE = 1e-5, 1e-7, 1e-9  # tolerances of programs of the proof, whose bounds are far apart anyhow, and of rounds of tangents
-COARSE, FINER = 36, 4  # segments of the coarse path, and how many times as many the next one has
+SHORT = 1e-5  # share by which a cycle may be shorter than the given time
+LATE, TOO_LATE = 1e-5, 1e-4  # a smaller excess of the time ends the rounds; a larger excess after the rounds is refused
+SETTLED, NEARLY = 1e-4, 1e-3  # a smaller change of the value ends the rounds; a note reports a larger change after the rounds
+SLOWEST = 0.1  # least speed of the crank, as a share of its mean speed or of the limit of speed there
+NO_HURRY = 10.0  # share by which a program may exceed the time
+ROUGH, FINE, CLOSE = 1e-5, 1e-7, 1e-9  # tolerances: of the proof's programs, whose bounds are far apart, of rounds, and of infeasibility
+COARSE, FINER = 36, 4  # segments of the coarse path, and the factor for the next path
 MANY_ROUNDS, SOME_ROUNDS, FEW_ROUNDS = (
     40,
     12,
@@ -45,7 +46,7 @@ MANY_ROUNDS, SOME_ROUNDS, FEW_ROUNDS = (
 
 
 class NoTurnError(PinpressError):
-    """No turn that takes its time was found."""
+    """The search found no turn that takes its time."""
 
 
 class TimedTurn(NamedTuple):
@@ -72,11 +73,11 @@ def is_shorter(problem: MotionProblem, b: Array, time: float) -> bool:
 
 
 class CoarseTurn(NamedTuple):
-    """A motion that takes its time on a coarse path, which every finer path begins with.
+    """A motion that takes its time on a coarse path, the start for every finer path.
 
     Attributes:
         turn: the motion.
-        gap: share by which another turn on this path may be better at most; infinite where no bound was found [-].
+        gap: no turn on this path is better by more than this share [-]; infinite if no bound was found.
     """
 
     turn: TimedTurn
@@ -88,11 +89,11 @@ def coarse_turn(coarse: MotionProblem, faster: float, limits: LocalLimits) -> Co
 
     Args:
         coarse: the problem.
-        faster: time that the best turn takes if it may be faster [s].
-        limits: limits that are not convex beside the time.
+        faster: time of the best turn if it may be faster [s].
+        limits: limits that are not convex, in addition to the time.
 
     Raises:
-        NoTurnError: none was found.
+        NoTurnError: the search found no such turn.
     """
     assert coarse.time is not None
     bound, passing = _passing_the_mean_speed(_never_resting(coarse))
@@ -110,10 +111,10 @@ def coarse_turn(coarse: MotionProblem, faster: float, limits: LocalLimits) -> Co
         found = turn if found is None or turn.answer.value < found.answer.value else found
     if found is None:
         raise NoTurnError(
-            f"no turn that takes {coarse.time:.6g} s was found, which does not prove that there is none; a faster one needs least, of"
-            f" {faster:.6g} s: give this time, wider limits, or path=servo.Stop(), which pauses"
+            f"no turn that takes {coarse.time:.6g} s was found, though one may exist; a faster turn of {faster:.6g} s needs less: give"
+            " this time, wider limits, or path=servo.Stop(), which pauses"
         )
-    if bound > found.answer.value + FINE * abs(found.answer.value):  # a program was said to have no motion, and has one
+    if bound > found.answer.value + FINE * abs(found.answer.value):  # the solver denied a motion that exists
         bound = -np.inf
     return CoarseTurn(found, max(0.0, (found.answer.value - bound) / abs(found.answer.value)))
 
@@ -129,16 +130,16 @@ def turn_in_time(
 
     Args:
         problem: the problem, with the most time of a cycle.
-        free: its optimum, a faster turn.
-        limits: limits that are not convex beside the time.
+        free: the optimum of this problem, a faster turn.
+        limits: limits that are not convex, in addition to the time.
         coarse: the motion on a coarse path.
-        at: makes the problem anew with so many segments, or its own number, for motions about this one.
+        at: makes the problem again with this number of segments (None: unchanged), for motions near this one.
 
     Returns:
-        as `within_local_limits`.
+        As `within_local_limits`.
 
     Raises:
-        NoTurnError: none was found.
+        NoTurnError: the search found no such turn.
     """
     size, found = len(problem.coefficients.grid.step), coarse.turn
     if size > 2 * FINER * COARSE:
@@ -150,12 +151,12 @@ def turn_in_time(
     share = answer.value - gap * abs(answer.value)
     answer = replace(answer, bound=max(share, free.bound) if np.isfinite(share) else free.bound)
     segments = len(coarse.turn.limited.coefficients.grid.step)
-    proof = f"proved on a path of {segments} segments" if answer.bound > free.bound else "which the faster one proves"
+    proof = f"proved on a path of {segments} segments" if answer.bound > free.bound else "proved by the faster turn"
     return answer, found.limited, [_in_words(problem, free, found, answer.gap, limits, proof)]
 
 
 def turn_near(problem: MotionProblem, free: Solution, limits: LocalLimits, start: Array) -> tuple[Solution, MotionProblem, list[str]]:
-    """The best motion that takes the problem's time near one (N + 1,) that does about, with the bound of faster turns.
+    """The best motion that takes the problem's time, near b (N + 1,) of an approximate motion, with the bound of faster turns.
 
     Args and errors are those of `turn_in_time`.
     """
@@ -163,14 +164,14 @@ def turn_near(problem: MotionProblem, free: Solution, limits: LocalLimits, start
     _refuse_late(problem, found)
     answer = replace(found.answer, bound=free.bound)
     note = (
-        f"a turn that takes {problem.time:.6g} s is not convex: the motion is the best near it; a faster one, of"
-        f" {segment_times(problem.coefficients, free.b).sum():.4g} s, would need {100 * answer.gap:.2g} % less a stroke"
+        f"a turn that takes {problem.time:.6g} s is not convex: the motion is the best of its neighbours; a faster turn of"
+        f" {segment_times(problem.coefficients, free.b).sum():.4g} s would need {100 * answer.gap:.2g} % less a stroke"
     )
     return answer, found.limited, [note]
 
 
 def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) -> TimedTurn:
-    """The motion by tangents, from one that is about the one looked for."""
+    """Find the motion by tangents, starting from an approximate motion."""
     assert problem.time is not None
     whole, found, value, least_late = _never_resting(problem), None, np.inf, np.inf
     b = _in_time(problem, b)
@@ -183,24 +184,24 @@ def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) 
         turn = TimedTurn(answer, replace(limited, time=None), abs(value - answer.value) / abs(answer.value))
         value = answer.value
         late = float(segment_times(problem.coefficients, answer.b).sum()) / problem.time - 1.0
-        if late <= max(LATE, least_late):  # where the rounds leave the time again, the one that has met it best counts
+        if late <= max(LATE, least_late):  # a later round may miss the time again: keep the round that met it best
             found, least_late = turn, late
         if late <= LATE and (turn.change <= SETTLED or k + 1 >= rounds):
             break
         b = _in_time(problem, answer.b)
     if found is None:
         raise NoTurnError(
-            f"no turn that takes {problem.time:.6g} s was found, which does not prove that there is none: give another time, wider limits,"
-            " or path=servo.Stop(), which pauses"
+            f"no turn that takes {problem.time:.6g} s was found, though one may exist: give another time, wider limits, or"
+            " path=servo.Stop(), which pauses"
         )
     return found
 
 
 def _with_end(problem: MotionProblem) -> MotionProblem:
-    """The problem of a turn that takes at least its time, with an end of it where one is needed.
+    """The problem of a turn that takes at least its time, with an upper limit of the time if one is needed.
 
-    A feed window is what a cycle leaves over, and a mean torque is one over a cycle, for which a turn could wait if its time had no end.
-    Time outside the window, and heat, are the same wherever this end is.
+    A feed window and an rms torque refer to the time of the cycle. Without an upper limit of this time a turn could keep both by waiting.
+    The limits of the time outside the window, and of the heat, do not depend on this upper limit.
     """
     assert problem.time is not None
     if problem.below is None and problem.rms is None:
@@ -218,8 +219,8 @@ def _refuse_late(problem: MotionProblem, found: TimedTurn) -> None:
     taken = float(segment_times(problem.coefficients, found.answer.b).sum())
     if problem.time is not None and abs(taken / problem.time - 1.0) > TOO_LATE:
         raise NoTurnError(
-            f"no turn that takes {problem.time:.6g} s was found, which does not prove that there is none, but one of {taken:.6g} s: give"
-            " this time, or path=servo.Stop(), which pauses"
+            f"no turn that takes {problem.time:.6g} s was found, though one may exist; a turn of {taken:.6g} s was found: give this time,"
+            " or path=servo.Stop(), which pauses"
         )
 
 
@@ -230,7 +231,7 @@ def _refined(problem: MotionProblem, found: TimedTurn, limits: LocalLimits, most
 
 
 def _in_time(problem: MotionProblem, b: Array) -> Array:
-    """A motion as slow or as fast everywhere as takes its time."""
+    """b, scaled so that the motion takes its time."""
     assert problem.time is not None
     return b * (float(segment_times(problem.coefficients, b).sum()) / problem.time) ** 2
 
@@ -242,7 +243,7 @@ def _mean_square(problem: MotionProblem) -> float:
 
 
 def _most(problem: MotionProblem) -> Array:
-    """(N + 1,) b that limits of speed leave at the nodes, at both ends of a turn alike; infinite where there is none."""
+    """(N + 1,) largest b within limits of speed at the nodes, equal at both ends of a turn; infinite without a limit."""
     most = np.full(len(problem.coefficients.grid.angle), np.inf)
     for each in problem.bounds:
         if each.quantity is None:
@@ -252,7 +253,7 @@ def _most(problem: MotionProblem) -> Array:
 
 
 def _even(problem: MotionProblem) -> Array:
-    """An even speed, where limits of speed allow it; a faster one outside a feed window that it would not keep, and a slower one inside."""
+    """A constant speed within limits of speed; if it does not keep the feed window, faster outside the window and slower inside."""
     mean = np.full(len(problem.coefficients.grid.angle), _mean_square(problem))
     below = problem.below
     if below is not None:
@@ -275,7 +276,7 @@ def _never_resting(problem: MotionProblem) -> MotionProblem:
 
 
 def _time_tangent(problem: MotionProblem, b: Array, time: float) -> Bounded:
-    """The tangent of the time, which is convex in b and so nowhere below it, is at least this time."""
+    """The limit that the tangent of the time is at least this time; the time is convex in b, so it is nowhere below its tangent."""
     speed, h = np.sqrt(b), np.abs(problem.coefficients.grid.step)
     total = speed[1:] + speed[:-1]
     slopes = [-h / (total**2 * each) for each in (speed[:-1], speed[1:])]
@@ -285,7 +286,7 @@ def _time_tangent(problem: MotionProblem, b: Array, time: float) -> Bounded:
 
 
 def _passing_the_mean_speed(problem: MotionProblem) -> tuple[float, Array | None]:
-    """The least bound of all motions within the time whose speed falls past the mean speed in some segment, and the motion that has it."""
+    """The least bound of all motions within the time whose speed falls past the mean speed in a segment, and the motion of this bound."""
     mean, most, sizes = _mean_square(problem), _most(problem), first_sizes(problem)
     least, motion = np.inf, None
     for k in np.flatnonzero(most[:-1] >= mean * (1.0 - 1e-9)).tolist():
@@ -293,7 +294,7 @@ def _passing_the_mean_speed(problem: MotionProblem) -> tuple[float, Array | None
         rows = Bounded("", np.ones(1), 1.0, "", before), Bounded("", np.array([mean]), 1.0, "", nodes=np.array([k + 1]))
         passing = replace(problem, bounds=(*problem.bounds, *rows))
         found = _solved(passing, sizes, ROUGH)
-        if not isinstance(found, Solution):  # that there is none is believed at a close tolerance alone
+        if not isinstance(found, Solution):  # only a tight tolerance proves that there is no motion
             found = _solved(passing, first_sizes(problem), CLOSE)
         if found is None:
             continue
@@ -306,7 +307,7 @@ def _passing_the_mean_speed(problem: MotionProblem) -> tuple[float, Array | None
 
 
 def _solved(problem: MotionProblem, sizes: Sizes, tolerance: float) -> Solution | UnsolvedError | None:
-    """The optimum; None where the solver proved that there is none."""
+    """The optimum; None if the solver proved that no motion keeps the limits."""
     failed: UnsolvedError | None = None
     for times in (1.0, 3.0):
         try:
@@ -324,15 +325,15 @@ def _in_words(problem: MotionProblem, free: Solution, found: TimedTurn, gap: flo
     kept = f", with {' and '.join(beside)}," if beside else ""
     slow = int(b.argmin())
     floor = (
-        f"; it is slowest at crank angle {np.degrees(found.limited.coefficients.grid.angle[slow]):.4g} deg, a tenth of its mean speed or of"
-        " the limit there, below which a turn counts as a rest"
+        f"; the crank is slowest at {np.degrees(found.limited.coefficients.grid.angle[slow]):.4g} deg, at a tenth of its mean speed or of"
+        " the limit there; a slower crank would count as a rest"
         if b[slow] < 1.01 * SLOWEST**2 * _mean_square(problem)
         else ""
     )
-    settled = "" if found.change <= NEARLY else f"; rounds of tangents did not settle to less than {100 * found.change:.2g} %"
+    settled = "" if found.change <= NEARLY else f"; the last round of tangents still changed the value by {100 * found.change:.2g} %"
     less = 100 * (1.0 - free.value / found.answer.value)
     return (
-        f"a turn that takes {problem.time:.6g} s{kept} is not convex, since a faster one, of {faster:.4g} s, would need {less:.2g} % less"
-        f" a stroke: the motion is the best near it; of all turns in this time none is better by more than {100 * gap:.2g} %, {proof}"
+        f"a turn that takes {problem.time:.6g} s{kept} is not convex, since a faster turn of {faster:.4g} s would need {less:.2g} % less"
+        f" a stroke: the motion is the best of its neighbours; no turn in this time is better by more than {100 * gap:.2g} %, {proof}"
         f"{floor}{settled}"
     )

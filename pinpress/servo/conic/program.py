@@ -1,18 +1,18 @@
 """The best motion along a path as a second-order-cone program, with the proof of its optimum.
 
-Unknown are b, the square of the crank's speed, at the nodes, its root c, and for each segment d, 1 / (c_i + c_{i+1}), and e, the square of
-the torque times d; p is the energy drawn. With h the size of a segment's step,
+The unknowns at the nodes are b, the square of the crank's speed, and its root c. The unknowns of each segment are d = 1 / (c_i + c_{i+1})
+and e = torque^2 d. p is the energy drawn. With h, the absolute step of a segment,
 
     c^2 <= b,  1 <= d (c_i + c_{i+1}),  torque^2 <= e (c_i + c_{i+1}),  time = sum 2 h d,  heat = sum 2 h e.
 
-A segment takes the time 2 h / (c_i + c_{i+1}), exactly that of a constant acceleration, from rest too. The square of the torque is the
-mean of its squares at two inner places of a segment, by Gauss's rule; limits of the torque, and work, take its mean over the segment, which
-is exact by the kinetic energies at its ends.
-(Verscheure et al. 2009, IEEE Trans. Automatic Control 54(10), have the convexity; units and cones are scaled by the sizes that each node
-has, without which interior-point methods lose six digits near rests.)
+A segment takes the time 2 h / (c_i + c_{i+1}), which is exact for a constant acceleration, also from rest. The square of the torque is the
+mean of the squares at two inner places of a segment, by Gauss's rule. Limits of the torque, and work, use the mean torque of the segment,
+which follows exactly from the kinetic energies at the segment's ends.
+(The convexity is that of Verscheure et al. 2009, IEEE Trans. Automatic Control 54(10). Units and cones are scaled by the sizes at each
+node; without this, interior-point methods lose six digits near rests.)
 
-Every cone only lets quantities be larger than they are, so that the dual cost is a bound for all motions, whether the cones are tight or
-not; the value is computed from b alone. Their difference is the gap.
+A cone only allows quantities to be larger than their exact values. So the dual cost is a bound for all motions, even if a cone is not
+tight. The value is computed from b alone. The difference of value and bound is the gap.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from ...common.conic_program import AT_MOST, CONE, EQUAL, Rows, minimise
 from ...common.quantities import Array
 from .motion_problem import Affine, Bounded, Index, MotionProblem, RelaxedPower, figures, objective, rest_below
 
-TOLERANCE = 1e-9  # that the solver aims at
-REMEDY = "bring limits, inertia and time to sizes that a press has, or give other points="
+TOLERANCE = 1e-9  # of the solver
+REMEDY = "give limits, inertia and time of a realistic size, or another number of points="
 
 
 class Sizes(NamedTuple):
@@ -48,12 +48,12 @@ class Sizes(NamedTuple):
     speed: float
 
     def with_torques(self, times: float) -> Sizes:
-        """Torques of other sizes."""
+        """These sizes, with torques scaled by a factor."""
         return self._replace(torque=times * self.torque, torques=times * self.torques)
 
 
 def first_sizes(problem: MotionProblem) -> Sizes:
-    """Sizes that are guessed before a motion is known."""
+    """Guessed sizes, before a motion is computed."""
     grid, c = problem.coefficients.grid, problem.coefficients
     length, inertia = float(np.abs(grid.step).sum()), float(np.mean(c.inertia)) + problem.inertia
     if problem.time is None or problem.time <= problem.resting:
@@ -76,7 +76,7 @@ def first_sizes(problem: MotionProblem) -> Sizes:
 
 
 def sizes_of(problem: MotionProblem, b: Array) -> Sizes:
-    """Sizes of a motion that was found."""
+    """Sizes of a computed motion."""
     cost = figures(problem, b)
     moving = cost.time - problem.resting
     least = 1e-9 * float(b.max())
@@ -98,11 +98,11 @@ class Solution:
     Attributes:
         b: (N + 1,) at the nodes [rad2/s2].
         value: objective of b.
-        bound: no motion along these nodes has a lower one.
+        bound: no motion along these nodes has a lower objective.
         prices: name of a limit -> the objective falls by this much for each unit by which the limit is relaxed.
-        where: name of a limit -> (N + 1,) or (N,) bool, nodes or segments at which it acts.
-        relaxed: of a program that lets limits out: the share.
-        parts: of a program that lets limits out: part of each limit in the contradiction.
+        where: name of a limit -> (N + 1,) or (N,) bool, nodes or segments at which the limit is active.
+        relaxed: share by which limits are relaxed, of a program that relaxes limits.
+        parts: name of a limit -> its part in the contradiction, of a program that relaxes limits.
     """
 
     b: Array
@@ -120,13 +120,7 @@ class Solution:
 
 
 class _Limit(NamedTuple):
-    """A limit of which rows of the program are.
-
-    Attributes:
-        rows: the rows; their unit is the change of the limit by the share by which it is let out.
-        slope: by how much the bound grows with that share, one number a row.
-        at: node or segment of each row.
-    """
+    """The rows of a limit; ``slope``: growth of each row's bound by the share of relaxation; ``at``: node or segment of each row."""
 
     rows: int
     slope: Array
@@ -175,7 +169,7 @@ class _Program:
         limit: tuple[str, Array, Index, float] | None = None,
         size: int = 3,
     ) -> None:
-        """Add rows; entries whose column is -1, of what is 0, are left out. ``limit``: name, slope, places and change of the unit."""
+        """Add rows, without entries of column -1, whose unknown is 0. ``limit``: name, slope, places and change of the unit."""
         from scipy import sparse  # to save start-up time
 
         rows, columns, values = (np.concatenate([np.broadcast_to(entry[k], entry[0].shape) for entry in entries]) for k in range(3))
@@ -286,8 +280,8 @@ class _Program:
         return [(np.full(len(columns), row), np.asarray(columns), sign * np.asarray(values)) for columns, values in parts]
 
     def _cycle_time(self) -> None:
-        """The cycle's time, a variable, is at least that of moving and resting, and at least the feed window longer than the rest; it is at
-        most the time given."""
+        """Rows for the cycle's time, a variable: at least moving + resting time, at least feed window + time outside it, at most the given
+        time."""
         problem = self.problem
         cycle = (np.array([self.cycle]), np.array([-1.0]))
         resting = problem.resting / self.unit_time
@@ -305,7 +299,7 @@ class _Program:
             chosen = each.nodes
             rows, size = np.arange(len(chosen)), self.sizes.b[chosen]
             bound, step = each.most / size, np.ones(len(chosen))
-            # the slide hardly moves near its dead centres: rows of a bound of 1e9 cost the solver six digits of its dual
+            # the slide almost rests near dead centres: rows with a bound of 1e9 cost the solver six digits of its dual
             wide = bound > 1.0
             step[wide], bound[wide] = 1.0 / bound[wide], 1.0
             limit = (each.name, each.power * bound, chosen, each.limit)
@@ -339,7 +333,7 @@ class _Program:
         parts, fixed = self.heat()
         most = rms**2 * self.unit_time / self.unit_heat  # heat of the unit of time at this torque
         row = self._row([*((columns, values / most) for columns, values in parts), (np.array([self.cycle]), np.array([-1.0]))])
-        # to first order in the share by which it is let out, at the time of the unit
+        # to first order in the share of relaxation, at the unit of time
         limit = (self.problem.rms_name, np.array([2.0]), np.zeros(1, np.intp), rms)
         self.add(AT_MOST, row, np.array([-fixed / most]), limit)
 
@@ -423,18 +417,18 @@ def solve(
     extreme: tuple[int, float] | None = None,
     tolerance: float = TOLERANCE,
 ) -> Solution:
-    """The optimum, or with ``let_out`` the least share by which limits of these names must be let out.
+    """The optimum, or with ``let_out`` the least share by which limits with these names must be relaxed.
 
     Args:
         problem: the problem.
-        sizes: by which it is scaled.
-        let_out: whether a limit, by its name, may be let out.
-        extreme: a node, and 1 or -1: in place of the objective, b there times this is minimised.
-        tolerance: that the solver aims at; value and bound are those of what it found, whatever it is.
+        sizes: sizes that scale the problem.
+        let_out: name of a limit -> whether it may be relaxed.
+        extreme: a node, and a sign 1 or -1: minimise sign x b at this node instead of the objective.
+        tolerance: tolerance of the solver; value and bound are correct for any tolerance.
 
     Raises:
-        InfeasibleError: there is no motion within the limits.
-        UnsolvedError: the solver did not find out.
+        InfeasibleError: no motion keeps the limits.
+        UnsolvedError: the solver found no answer.
     """
     program = _Program(problem, sizes, let_out)
     cost, fixed = program.write(), program.fixed_cost()
@@ -445,7 +439,7 @@ def solve(
     scale = float(np.abs(cost).max())
     optimum = minimise(cost / scale, program.rows, tolerance=tolerance, equilibrate=False, within=np.inf, remedy=REMEDY)
     x = optimum.x
-    # what is not free keeps its 0; a solver's last digits must not make b negative
+    # b without a column is 0; rounding errors of the solver must not make b negative
     b = np.where(program.column < 0, 0.0, np.maximum(x[program.column], 1e-12) * sizes.b)
     bound = optimum.bound - float(np.abs(optimum.slope) @ np.maximum(1.0 - np.abs(x), 0.0))  # of all unknowns up to their sizes
     prices, where, parts = _prices(program, scale, optimum.prices)

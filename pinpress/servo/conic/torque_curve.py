@@ -1,9 +1,9 @@
-"""A largest torque that falls with the speed, as the curve of a motor has it above its base speed.
+"""A largest torque that falls with the speed, like the curve of a motor above its base speed.
 
-At the crank the curve is a chain of lines, torque <= a - k x speed. With c, the root of b, a line is linear, and what is above the curve's
-hull is above all motions: these rows are in every program and make its bound. They allow c to be smaller than the speed, though, and where
-that pays a motion is above the curve. Then it is held by tangents: a - k x speed is convex in b, so that its tangent is below it. Where a
-curve bends upwards, as one of constant power does, the line at the last motion's speed is below the next ones.
+At the crank the curve is a chain of lines, torque <= a - k x speed. A line is linear in c, the root of b. No motion is above the curve's
+hull, so every program has the hull's rows, which give its bound. These rows allow c to be smaller than the speed. A motion may use this to
+exceed the curve. Tangents then limit it: a - k x speed is convex in b, so its tangent is a lower bound. If a curve bends upwards, as at
+constant power, the line at the last motion's speed is below the other lines.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class TorqueLine(NamedTuple):
 
 
 def curve_name(drive: ServoDrive) -> str:
-    """The curve in words, by its largest torque."""
+    """The curve as text, with its largest torque."""
     return f"curve of torque of the motor of {max(drive.curve_torque or (0.0,)):.6g} N m"
 
 
@@ -47,7 +47,7 @@ def hull_bounds(problem: MotionProblem) -> list[Bounded]:
 
 
 def curve_use(problem: MotionProblem, b: Array) -> Array:
-    """(N,) mean torques of segments as shares of the curve at their mean speeds."""
+    """(N,) mean torque / torque of the curve at the mean speed, of each segment [-]."""
     drive = problem.drive
     speed = 0.5 * (np.sqrt(b[1:]) + np.sqrt(b[:-1]))
     torque = problem.mean_torque().at(b) + drive.crank_drag * problem.coefficients.grid.way * speed
@@ -76,8 +76,8 @@ def tangents_at_states(drive: ServoDrive, torque: Affine, share: Array, speed: A
     Args:
         drive: the drive.
         torque: of each state, its drag included.
-        share: (m,) place of each state in its segment, as a share of its step.
-        speed: (m,) size of the crank's speed there, not 0 [rad/s].
+        share: (m,) place of each state in its segment, as a share of the step [-].
+        speed: (m,) absolute speed of the crank at these states, not 0 [rad/s].
     """
     found = []
     for most, fall in _active_lines(drive, speed):

@@ -1,1 +1,1 @@
-"""A press with many sets of lengths at once: each closed with its own, and followed to where its slide ends."""
+"""A press with many sets of lengths at once: each set is closed and followed to a dead centre or height."""

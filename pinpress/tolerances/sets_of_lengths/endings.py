@@ -1,8 +1,8 @@
-"""Many sets of lengths of a press, each closed with its own and followed to the dead centre or height that is asked of it.
+"""Many sets of lengths of a press, each closed and followed to a dead centre or a height.
 
-Newton's method closes all sets together, and moves the crank of each to where its slide turns back, or stands at a height. It starts
-from the nominal state, carried on to first order, and every set is checked: that its loops are closed, and that it is the nominal
-assembly still, near where first order has it.
+Newton's method closes all sets together, and moves the crank of each set to where its slide turns back or reaches a height. It starts from
+the first-order estimate. Then every set is checked: its loops must be closed, and it must be the nominal assembly, near the first-order
+estimate.
 """
 
 from __future__ import annotations
@@ -24,31 +24,31 @@ from .planar_shapes import PlanarShapes
 from .shapes import Evaluated, Shapes
 from .spatial_shapes import SpatialShapes
 
-PIECE = 2048  # sets that are worked through at a time: their arrays stay in the cache
-TURNED = 1e-9  # last step of the crank [rad, or lengths of the linkage]
-TURNED_BACK = 1e-5  # last step at a dead centre, where what is left after it, its square, moves the slide by no more than rounding
-CORRECTED = 0.25  # share of what first order moves it by, by which Newton's method may correct a joint
-FAR = 0.2  # way of a joint beyond which first order tells nothing, so that the share is of this [rad, or lengths of the linkage]
-NEARLY = 1e-3  # correction that is accepted in any case [rad, or lengths of the linkage]
+PIECE = 2048  # sets of one piece of work: their arrays stay in the cache
+TURNED = 1e-9  # largest last step of the crank [rad, or lengths of the linkage]
+TURNED_BACK = 1e-5  # largest last step at a dead centre: the remaining error, its square, moves the slide only by rounding error
+CORRECTED = 0.25  # largest correction of a joint by Newton's method, as a share of its first-order motion
+FAR = 0.2  # first order does not hold for a larger motion of a joint, so the share refers to this [rad, or lengths of the linkage]
+NEARLY = 1e-3  # a smaller correction is always accepted [rad, or lengths of the linkage]
 
 
 def shapes_of(press: Linkage, moved: Sequence[Displacements]) -> Shapes:
     """A press with dimensions that displace its pivots by ``moved`` per unit.
 
     Raises:
-        PinpressError: it has no slide; a dimension leads out of the plane of a planar press.
+        PinpressError: the press has no slide, or a dimension leads out of the plane of a planar press.
     """
     return PlanarShapes.of(press, moved) if isinstance(press.engine(), PlanarEngine) else SpatialShapes.of(press, moved)
 
 
 class Ending(NamedTuple):
-    """Where the crank of every set ends: one of these three.
+    """Where the crank of every set ends.
 
     Attributes:
-        start: (nv,) joint coordinates of the nominal press there.
+        start: (nv,) joint coordinates of the nominal press at its end.
         angle_slopes: (k,) derivatives of the crank angle by the dimensions, to first order.
-        kind: "dead centre": the slide turns back; "height": it stands at a position; "held": the drivers stand where they are.
-        target: (n,) position of the slide [m]; of a "height" alone.
+        kind: "dead centre": the slide turns back; "height": the slide reaches a position; "held": the drivers keep their positions.
+        target: (n,) positions of the slide, only for "height" [m].
     """
 
     start: Array
@@ -57,18 +57,13 @@ class Ending(NamedTuple):
     target: Array | None = None
 
     def part(self, sets: slice) -> Ending:
-        """The same of some of the sets."""
+        """The end of some of the sets."""
         return self if self.target is None else self._replace(target=self.target[sets])
 
 
 class Ended(NamedTuple):
-    """All sets where they end.
-
-    Attributes:
-        position: (n,) slide position [m].
-        rate: (n,) derivative of the slide position by the crank angle [m/rad].
-        second: (n,) its second derivative.
-        sound: (n,) whether the set is closed, has come to its end, and is the nominal assembly.
+    """All sets at their ends: slide position (n,) [m], its first and second derivative by the crank angle, and ``sound``: (n,) whether the
+    set is closed, has reached its end, and is the nominal assembly.
     """
 
     position: Array
@@ -89,18 +84,18 @@ def sound(shapes: Shapes, deviations: Array, ending: Ending, where: str) -> Ende
 
 
 def refuse_lost(shapes: Shapes, deviations: Array, sound: NDArray[np.bool_], where: str) -> None:
-    """Raise PinpressError where sets of deviations (k, n) are not ``sound`` (n,)."""
+    """Raise PinpressError if some sets of deviations (k, n) are not ``sound`` (n,)."""
     lost = np.flatnonzero(~sound)
     if len(lost):
         first = ", ".join(f"{value:.3g}" for value in deviations[:, lost[0]])
         raise PinpressError(
-            f"{len(lost)} of {deviations.shape[1]} presses, worst corners among them, cannot be closed {where}, or not as"
-            f" {shapes.press.name} is assembled; the first of them deviates by {first} [m or rad]: make the tolerances smaller"
+            f"{len(lost)} of {deviations.shape[1]} presses, worst corners included, cannot be closed {where} in the assembly of"
+            f" {shapes.press.name}; the first of them deviates by {first} [m or rad]: make the tolerances smaller"
         )
 
 
 def followed_to(shapes: Shapes, deviations: Array, ending: Ending) -> Ended:
-    """Every set of deviations (k, n) at its end. It never raises, see `sound`."""
+    """Every set of deviations (k, n) at its end. This function never raises an error, see `sound`."""
     still, first = shapes.joint_slopes(ending.start)
     slopes, count = still + first * ending.angle_slopes, deviations.shape[1]
     whole = Ended(np.empty(count), np.empty(count), np.empty(count), np.empty(count, dtype=bool))
@@ -132,7 +127,7 @@ def _piece(shapes: Shapes, deviations: Array, ending: Ending, slopes: Array) -> 
 
 
 def same_assembly(shapes: Shapes, way: Array, moved: Array) -> NDArray[np.bool_]:
-    """Whether sets (n,) are the nominal assembly still, which have gone by ``way`` (nv, n), where first order has them go by ``moved``."""
+    """Whether sets (n,) are still the nominal assembly; ``way``: their motion (nv, n), ``moved``: their motion to first order."""
     size = 1 + shapes.press.size
     told = np.minimum(np.abs(moved).max(axis=0), FAR * size)
     return np.asarray(np.abs(way - moved).max(axis=0) <= CORRECTED * told + NEARLY * size)

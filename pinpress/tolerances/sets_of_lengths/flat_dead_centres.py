@@ -1,10 +1,10 @@
-"""The outermost place of the slide in sets of lengths that turn back at more places than the nominal press, or at another one.
+"""The outermost slide position in sets of lengths that turn back at more places than the nominal press, or at another place.
 
-A knuckle press turns back where its knuckle is stretched, or short of it. With other lengths the crank takes the knuckle through the
-stretched pose: one turning point becomes three, two outer ones and an inner one between them. A driver that slides may likewise reach a
-turning point short of its limit. There the slide's path is flat, and Newton's method from the nominal place finds the inner one, or none.
-The drivers of such sets are therefore moved on step by step, both ways, as long as the slide hardly moves inwards, and each place where it
-turns back on the way is narrowed down between two steps.
+A knuckle press turns back with a stretched or an almost stretched knuckle. With other lengths the crank may move the knuckle through the
+stretched pose. Then one turning point becomes three: two outer points and an inner one between them. Similarly, a driver that slides may
+reach a turning point before its limit. There the slide's path is flat, and Newton's method from the nominal position finds the inner point,
+or no point. So the drivers of such sets move on step by step, in both directions, as long as the slide moves inwards only slowly. Each
+turning point on the way is then located between two steps.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ from ...engines.engine import ACCEPTED, MOST_NEWTON_STEPS
 from .endings import PIECE, Ending, followed_to, refuse_lost, same_assembly
 from .shapes import Evaluated, Shapes
 
-SHARP = 0.5  # share of the nominal curvature from which on a set turns back as the nominal press does, at one place
-SLOW = 0.03  # share of the slide's mean speed up to which it hardly moves
-NARROW = 1e-8  # bracket of a turning point, as a share of a step
+SHARP = 0.5  # with more than this share of the nominal curvature a set turns back at one place, like the nominal press
+SLOW = 0.03  # largest share of the slide's mean speed that counts as slow
+NARROW = 1e-8  # width of the bracket of a turning point, as a share of a step
 
 
 class TurningPoint(NamedTuple):
-    """A place where the slide of the nominal press turns back, or where its driver that slides is at a limit.
+    """A place where the slide of the nominal press turns back, or where a driver that slides is at a limit.
 
     Attributes:
-        ending: there, a "dead centre" or "held".
-        upwards: whether it is an upper one.
-        ways: in which the driver can go on: both, 1 and -1, or one at a limit; none where it is held.
-        second: second derivative of the slide position by the driver there.
-        speed: mean speed of the slide over its motion, by the driver [m/rad or -].
-        step: of the driver [rad or m].
-        steps: to the end of its motion, a period or a travel.
+        ending: the end there, a "dead centre" or "held".
+        upwards: whether the place is an upper one.
+        ways: directions in which the driver can move on: 1 and -1, one of them at a limit, or empty if the driver is held.
+        second: second derivative of the slide position by the driver.
+        speed: mean speed of the slide over its motion, per speed of the driver [m/rad or -].
+        step: step of the driver [rad or m].
+        steps: number of steps to the end of the motion, a period or a travel.
     """
 
     ending: Ending
@@ -69,14 +69,7 @@ def outermost_positions(shapes: Shapes, deviations: Array, point: TurningPoint) 
 
 
 class _States(NamedTuple):
-    """Some sets, each closed with its driver somewhere.
-
-    Attributes:
-        x: (nv, n) joint coordinates.
-        found: the equations there.
-        deviations: (k, n) of them.
-        closed: (n,) whether they are closed.
-    """
+    """Some sets, closed at positions of their drivers; ``closed``: (n,) whether a set is closed."""
 
     x: Array
     found: Evaluated
@@ -85,7 +78,7 @@ class _States(NamedTuple):
 
     @staticmethod
     def at(shapes: Shapes, x: Array, deviations: Array) -> _States:
-        """Sets that are nearly closed, with their drivers where they are."""
+        """Close sets that are nearly closed, without moving their drivers."""
         added = shapes.added(deviations)
         with np.errstate(all="ignore"):  # a set that fails shows in its gap
             for _ in range(MOST_NEWTON_STEPS + 1):
@@ -97,18 +90,18 @@ class _States(NamedTuple):
         return _States(x + found.step, found, deviations, closed)
 
     def of(self, sets: NDArray[np.intp]) -> _States:
-        """Some of them."""
+        """Some of these sets."""
         found = Evaluated(self.found.gap[sets], *(each[:, sets] for each in self.found[1:]))
         return _States(self.x[:, sets], found, self.deviations[:, sets], self.closed[sets])
 
     def driven(self, shapes: Shapes, by: Array | float) -> _States:
-        """The same with their drivers moved on by ``by``."""
+        """These sets, with their drivers moved by ``by``."""
         x = self.x + by * (self.found.first + 0.5 * by * self.found.second)
         return _States.at(shapes, x, self.deviations)
 
 
 def _followed(shapes: Shapes, deviations: Array, point: TurningPoint, outwards: float) -> tuple[Array, NDArray[np.bool_]]:
-    """Outermost positions (n,) of sets from the nominal place of the driver on, and which of them are closed all the way."""
+    """Outermost positions (n,) of sets, searched from the driver's nominal position, and whether a set is closed on the whole way."""
     guide, _, sign = shapes.press.slide_guide
     start, (still, _) = point.ending.start[:, None], shapes.joint_slopes(point.ending.start)
     moved = product(still, deviations)

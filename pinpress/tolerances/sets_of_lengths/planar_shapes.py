@@ -1,6 +1,6 @@
 """Planar presses with one driver, with many sets of lengths at once.
 
-The rows of a `Plane` follow the pivots in proportion, C(x) = C + sum x_k C'_k. Every set of deviations x_k has rows of its own.
+The rows of a `Plane` are linear in the pivots, C(x) = C + sum x_k C'_k. Every set of deviations x_k has separate rows.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ class PlanarShapes(Shapes):
         guide_slopes: see `Shapes`.
         tolerance: see `Shapes`.
         plane: constants of the nominal linkage.
-        shifts: what each dimension adds to the rows, per unit of it.
-        places: (m, 2) the entries of `Plane.gap_rows` that change.
-        slopes: (m, k) their derivatives by the dimensions.
+        shifts: changes of the rows per unit of each dimension.
+        places: (m, 2) indices of the entries of `Plane.gap_rows` that change.
+        slopes: (m, k) derivatives of these entries by the dimensions.
     """
 
     press: Linkage
@@ -52,7 +52,7 @@ class PlanarShapes(Shapes):
         """The press with dimensions that displace its pivots by ``moved`` per unit.
 
         Raises:
-            PinpressError: a dimension leads out of its plane.
+            PinpressError: a dimension leads out of the press's plane.
         """
         plane, guide = planar(press), press.slide_guide.joint
         shifts = [shift(press, plane, each) for each in moved]
@@ -92,7 +92,7 @@ class PlanarShapes(Shapes):
         coefficients = [dict(gap) for gap in self._nominal]
         order = self._structure.functions.order
         for (loop, place), values in zip(self.places.tolist(), added, strict=True):
-            if place:  # what moves on the frame moves no coordinate
+            if place:  # a pivot that moves on the frame moves no coordinate
                 coefficients[loop][order[place]] = coefficients[loop][order[place]] + values
         return self._structure.with_coefficients(coefficients)
 

@@ -1,6 +1,7 @@
-"""A press with many sets of lengths at once: what Newton's method needs of all of them together.
+"""A press with many sets of lengths at once: the interface for Newton's method.
 
-`planar_shapes` has planar presses with one driver, `spatial_shapes` all others; `endings` follows the sets to where their slides end.
+`planar_shapes` has planar presses with one driver, `spatial_shapes` has all other presses. `endings` follows the sets to dead centres and
+heights.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ class Evaluated(NamedTuple):
 
     Attributes:
         gap: (n,) largest gap of a loop or coupling [m].
-        step: (nv, n) that closes them.
-        first: (nv, n) derivative of the joint coordinates by the crank angle; zero where there are several drivers.
+        step: (nv, n) change of the joint coordinates that closes the gaps.
+        first: (nv, n) derivative of the joint coordinates by the crank angle; zero with several drivers.
         second: (nv, n) second derivative.
     """
 
@@ -36,8 +37,8 @@ class Shapes(ABC):
 
     Attributes:
         press: the press.
-        guide_slopes: (k,) by how much each dimension moves the slide's guide along itself, which no joint coordinate shows.
-        tolerance: gap at which a loop is closed to rounding [m].
+        guide_slopes: (k,) motion of the slide's guide along itself per unit of each dimension, which no joint coordinate includes.
+        tolerance: gap at which a loop counts as closed [m].
     """
 
     press: Linkage
@@ -51,7 +52,7 @@ class Shapes(ABC):
 
     @abstractmethod
     def added(self, deviations: Array) -> Any:
-        """What deviations (k, n) add to the equations of every set, for `evaluated`."""
+        """Changes of the equations of every set by deviations (k, n), for `evaluated`."""
 
     @abstractmethod
     def evaluated(self, x: Array, added: Any) -> Evaluated:
@@ -59,14 +60,15 @@ class Shapes(ABC):
 
     @abstractmethod
     def joint_slopes(self, start: Array) -> tuple[Array, Array]:
-        """Derivatives of joint coordinates (nv,) that close the nominal press: (nv, k) by the dimensions with the drivers at rest, and
-        (nv, 1) by the crank angle, zero where there are several drivers."""
+        """Derivatives of joint coordinates (nv,) that close the nominal press: (nv, k) by the dimensions with drivers at rest, and (nv, 1)
+        by
+        the crank angle, zero with several drivers."""
 
     @abstractmethod
     def slide_slopes(self, position: Array, v: Array) -> tuple[Array, Array]:
-        """Derivatives (k,) of the slide's position and of its velocity by the dimensions, at joint coordinates (nv,) that close the nominal
-        press and joint rates (nv,) that keep it closed. The drivers keep place and speed.
+        """Derivatives (k,) of the slide's position and velocity by the dimensions, at joint coordinates (nv,) and rates (nv,) of the closed
+        nominal press. The drivers keep their positions and speeds.
 
         Raises:
-            PinpressError: a dimension opens bearings that hold each other.
+            PinpressError: a dimension opens redundant bearings.
         """

@@ -1,9 +1,9 @@
 """Presses in space, and presses with several drivers, with many sets of lengths at once.
 
-The gaps of the loops and their Jacobian are linear in the displacements of pivots, which turn no body. So the explicit derivatives by a
-dimension are differences, without error but rounding. With J x' = -g' at fixed drivers, where g' is what a dimension opens per unit, the
-rates v change by J v' = -(J' v + H(x', v)). H is the second derivative of the gaps, whose quadratic form H(v, v) is the loops' drift
-(`engines.spatial.equations.drift`): H(x', v) = (H(v + x', v + x') - H(v - x', v - x')) / 4.
+The gaps of the loops and their Jacobian J are linear in the displacements of pivots, because these do not turn a body. So the explicit
+derivatives by a dimension are differences, exact within rounding error. A dimension opens the gaps by g' per unit. At fixed drivers the
+joint coordinates change by J x' = -g', and the rates v by J v' = -(J' v + H(x', v)). H is the second derivative of the gaps. Its quadratic
+form H(v, v) is the loops' drift (`engines.spatial.equations.drift`): H(x', v) = (H(v + x', v + x') - H(v - x', v - x')) / 4.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class SpatialShapes(Shapes):
         tolerance: see `Shapes`.
         loops: constants of the nominal linkage.
         joints: (nv, 3, k) displacements of joints per unit of the dimensions, in the frames of the bodies that carry them.
-        ends: (2, nl, 3, k) displacements of the ends of loops, likewise.
+        ends: (2, nl, 3, k) displacements of the ends of loops per unit of the dimensions, in the same frames.
     """
 
     press: Linkage
@@ -84,12 +84,12 @@ class SpatialShapes(Shapes):
         return sign * (still[guide] + self.guide_slopes), sign * velocity[guide]
 
     def _at(self, position: Array) -> tuple[Equations, Equations]:
-        """The equations at joint coordinates (nv,), once for each dimension: with nominal lengths, and with its unit displacements."""
+        """The equations at joint coordinates (nv,) for each dimension: with nominal lengths, and with its unit displacements."""
         x = np.repeat(position[:, None], self.joints.shape[-1], axis=1)
         return equations(self.loops, x), equations(self.loops, x, Moved(self.joints, self.ends))
 
     def _by_crank(self, found: Equations, passive: PassiveColumns) -> Array:
-        """(nv, n) derivative of the joint coordinates by the crank angle; zero where there are several drivers."""
+        """(nv, n) derivative of the joint coordinates by the crank angle; zero with several drivers."""
         if len(self.press.drivers) > 1:
             return np.zeros((len(self.press.joints), passive.n))
         first = passive.rates(-found.driving[:, 0])
@@ -97,13 +97,12 @@ class SpatialShapes(Shapes):
         return first
 
     def _refuse_contradiction(self, left: Array) -> None:
-        """Raise PinpressError where no joint rates close what a dimension opens: (rows, k) stay open."""
+        """Raise PinpressError if joint rates cannot close the gaps that a dimension opens; ``left``: (rows, k) gaps that stay open."""
         sizes = np.maximum(np.abs(self.joints).max(axis=(0, 1)), np.abs(self.ends).max(axis=(0, 1, 2), initial=0.0))
         if np.any(np.abs(left).max(axis=0) > CONTRADICTED * sizes):
             raise PinpressError(
-                f"bearings of {self.press.name} that hold each other do not stay closed where a dimension deviates: move the pivots of all"
-                " of them alike, within the plane of a planar press; what single ones of a slide on several points do is found by"
-                " tolerances.parallelism"
+                f"redundant bearings of {self.press.name} do not stay closed if a dimension deviates: move the pivots of all of them"
+                " equally, in the plane of a planar press; for separate points of a slide use tolerances.parallelism"
             )
 
 
