@@ -9,14 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import NamedTuple
 
 from .model import Plane
-
-
-class _Rows(NamedTuple):
-    of_joints: tuple[int, ...]
-    ones: tuple[int, ...]
 
 
 class Functions:
@@ -33,8 +27,15 @@ class Functions:
 
     def __init__(self, plane: Plane) -> None:
         self.plane = plane
-        self.rows, self.ones = _rows(plane)
-        self.count = len(self.rows) + len(self.ones)
+        # Pinocchio's readers bring the joints of a tree one after the other; a model in another order counts as one tree.
+        consecutive = all(plane.parents[j] < 0 or plane.carriers(j)[0] == plane.carriers(j - 1)[0] for j in range(1, len(plane.parents)))
+        rows: list[int] = []
+        ones: list[int] = []
+        for parent in plane.parents:
+            if parent < 0 and (consecutive or not ones):
+                ones.append(len(rows) + len(ones))
+            rows.append(len(rows) + len(ones))
+        self.rows, self.ones, self.count = tuple(rows), tuple(ones), len(rows) + len(ones)
         self.order: tuple[int, ...] = (0, *(self.rows[joint] for joint in (*plane.revolute, *plane.prismatic)))
         self.guides: Mapping[int, int | None] = {self.order[way]: self.order[rotor] if rotor else None for way, _, rotor in plane.guides}
 
@@ -51,15 +52,3 @@ class Functions:
             self.order[carrier] if sense and (carrier := self.plane.rotor(parent)) else None
             for parent, sense in zip(self.plane.parents, self.plane.sense, strict=True)
         )
-
-
-def _rows(plane: Plane) -> _Rows:
-    rows: list[int] = []
-    ones: list[int] = []
-    # Pinocchio's readers bring the joints of a tree one after the other; a model in another order counts as one tree.
-    consecutive = all(plane.parents[j] < 0 or plane.carriers(j)[0] == plane.carriers(j - 1)[0] for j in range(1, len(plane.parents)))
-    for parent in plane.parents:
-        if parent < 0 and (consecutive or not ones):
-            ones.append(len(rows) + len(ones))
-        rows.append(len(rows) + len(ones))
-    return _Rows(tuple(rows), tuple(ones))
