@@ -245,6 +245,7 @@ def test_friction_of_pins_and_guide_goes_with_the_forces_of_the_press_found():
     assert found.torque(motion).mean() > pp.inverse_dynamics(found.press, motion).driving_torque.mean() + 700
 
 
+@pytest.mark.exhaustive
 def test_currents_without_noise_tell_the_motor_constant():
     """The same records with and without a mass on the slide; the constant is far from 1, and the press from what is described."""
     made = {"constant": 95.0, "noise": 0.0, "in_bearings": 0.0}
@@ -254,6 +255,7 @@ def test_currents_without_noise_tell_the_motor_constant():
     assert found.values["crank friction"] == pytest.approx(800.0, rel=1e-2)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore:run. samples are:pinpress.PinpressWarning")  # uneven
 def test_samples_that_a_bus_lost_change_little():
     """A sixth of them, each alone; sums over time take what is left by its distances."""

@@ -49,6 +49,7 @@ def swinging(**more):
     return servo.best_motion(press, drive, load, time=1.6, path=servo.Stop(), **more)
 
 
+@pytest.mark.exhaustive
 def test_nodes_are_refined_until_their_error_is_small():
     """With 720 nodes the heat is 5 % above that of 5760, which is told; without a number of nodes they are refined."""
     told, best = swinging(points=720), swinging()

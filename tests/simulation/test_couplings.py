@@ -135,6 +135,7 @@ SCENES: dict[str, tuple[dict[str, Any], Coupled, tuple[float, float, float | Non
 }
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.filterwarnings("ignore:the press stands from", "ignore:the slide turns down again")
@@ -258,6 +259,7 @@ MOTORS = [
 ]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("motor", MOTORS, ids=lambda motor: type(motor).__name__)
 def test_a_motor_that_turns_the_other_way(press, motor):
     """Its rotating field has one direction. Against that it brakes at every speed, so that there is no steady state; a run may begin so."""

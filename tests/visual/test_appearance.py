@@ -648,6 +648,7 @@ def test_links_in_space_are_rods_from_pin_to_pin(text: str, tmp_path: Path) -> N
     assert len(ends) == press.model.njoints
 
 
+@pytest.mark.exhaustive
 @examples(15)
 @given(spec=linkages())
 def test_pins_join_links_nobody_thought_of(spec: Any, tmp_path: Path) -> None:
