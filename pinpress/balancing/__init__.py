@@ -1,4 +1,4 @@
-"""Counterweights that make shaking forces, torque or bearing forces least, with a proof that none are better.
+"""Counterweights that minimise shaking forces, torques or bearing forces, with a proof of the optimum.
 
     regions = [pp.balancing.CounterweightRegion("crank", radius=0.3), pp.balancing.CounterweightRegion("rod", radius=0.3)]  # m
     vertical = pp.balancing.Range("shaking_force", "z")
@@ -6,8 +6,8 @@
     print(best)  # counterweights, what holds them back, and all forces before and after
     pp.inverse_dynamics(best.press, motion)
 
-Forces are linear in the masses at a given motion, so that the search is a convex program with one optimum. The textbooks' arrangements
-are in `pinpress.balancing.classical`.
+At a given motion all forces are linear in the masses, so the search is a convex program with one optimum. The arrangements of textbooks are
+in `pinpress.balancing.classical`.
 """
 
 from ..common.public_names import public_names

@@ -1,5 +1,7 @@
-"""Balance over changes of die, stroke and speed: what the optimum for one operating condition leaves in the others, and what a compromise
-and counterweights that are set anew make of it. Zhang 2007, 1.2.1: with another upper die balancing gets worse."""
+"""Balance over changes of die, stroke and speed: the optimum for one operating condition, a compromise, and adjustable counterweights.
+
+Zhang 2007, 1.2.1: with another upper die the balance becomes worse.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +25,14 @@ from .result import BalancedPress, condition_name
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ConditionComparison(Tabular):
-    """A criterion in all operating conditions, of designs for one of them each, of a compromise, and of one that is set anew.
+    """A criterion in all operating conditions: for the optimum of a condition, for a compromise, and for adjustable counterweights.
 
     Attributes:
-        criterion: what was minimised.
-        names: names of the designs: "none", the press before balancing; "best for" each operating condition, without regard to the others;
-            "compromise", the least of the worst; and, where regions are set anew, "set anew".
+        criterion: the minimised criterion.
+        names: names of the designs: "none": the press before balancing; "best for" a condition: its optimum, without the other conditions;
+            "compromise": the least worst value; and, with regions to be adjusted, "set anew".
         conditions: names of the operating conditions.
-        values: (designs, conditions) the criterion, in its unit.
+        values: (designs, conditions) values of the criterion [unit of the criterion].
         added_mass: (designs,) mass that balancing adds [kg].
         designs: the balanced presses, without "none".
     """
@@ -69,26 +71,27 @@ def compare_conditions(
     minimise: Criterion,
     limits: Mapping[Target, float] | None = None,
 ) -> ConditionComparison:
-    """Compare the optimum for each die, stroke or speed with a compromise for all of them, and with counterweights that are set anew.
+    """Compare the optimum for each die, stroke or speed with a compromise for all of them, and with adjustable counterweights.
 
-    Each design is a proved optimum of `balance`. Those for one condition give all weight to it, and nothing in them is set anew.
+    Each design is a proved optimum of `balance`. The design for one condition considers only this condition. Its counterweights are not
+    adjustable.
 
     Args:
         press: the press.
-        conditions: two operating conditions or more.
-        regions: where counterweights may be; those with ``reset`` are set anew in the last design alone.
+        conditions: two or more operating conditions.
+        regions: where counterweights may be; regions with ``reset`` are adjusted only in the last design.
         minimise: the criterion.
-        limits: the most of criteria and of added mass, as for `balance`: in all operating conditions.
+        limits: largest values of criteria and of added mass in all operating conditions, as in `balance`.
 
     Raises:
-        UnknownNameError: the press has no such link or bearing.
-        PinpressError: there are fewer than two operating conditions, two have one name, or as `balance`.
+        UnknownNameError: the press does not have a link or bearing with this name.
+        PinpressError: there are fewer than two operating conditions, two have the same name, or as `balance`.
     """
     if not isinstance(minimise, Criterion):
-        raise PinpressError(f"minimise: {shown(minimise)} is no criterion: give Range, Rms or Peak")
+        raise PinpressError(f"minimise: {shown(minimise)} is not a criterion: give Range, Rms or Peak")
     refuse_no_regions(regions)
     if len(conditions) < 2:
-        raise PinpressError("there are fewer than two operating conditions to compare: give two or more")
+        raise PinpressError("conditions has fewer than two operating conditions: give two or more")
     fixed = [replace(each, reset="") for each in regions]
     many = range(len(conditions))
     designs = [
@@ -99,7 +102,9 @@ def compare_conditions(
         designs.append(balance(press, conditions, regions=regions, minimise=minimise, limits=limits))
     names = tuple(condition_name(designs[0], k) for k in many)
     if len(set(names)) < len(names):
-        raise PinpressError(f"two operating conditions have one name among {', '.join(map(repr, names))}: give each its own, name=...")
+        raise PinpressError(
+            f"two operating conditions have the same name among {', '.join(map(repr, names))}: give different names, name=..."
+        )
     changes = [[each for each in design.changes if each.criterion == minimise] for design in designs]
     return ConditionComparison(
         criterion=minimise,

@@ -1,7 +1,7 @@
-"""Masses added to the links of a press: the press with them, and the changes of torques and forces that they cause.
+"""Masses added to the links of a press: the new press, and the changes of torques and forces.
 
-A mass m at a point of a link acts on the link as the force m (g - a) does at that point, where a is its acceleration (d'Alembert). So all
-forces are linear in the masses, and in all that point masses can stand for: a counterweight, a mass moment, a moment of inertia.
+A mass m at a point of a link acts on the link like the force m (g - a) at this point, where a is the point's acceleration (d'Alembert). So
+all forces are linear in the masses, and in quantities that point masses represent: a counterweight, a mass moment, a moment of inertia.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ class Counterweight(Record, units={"mass": "kg", "position": "m", "inertia": "kg
         link: name of the link.
         mass: mass [kg].
         position: (3,) centre of mass in the link's own frame [m].
-        inertia: moment of inertia about the axis through the centre of mass along the normal of a planar press, where the material counts
-            as lying in the plane; in a press that is not planar, about every axis [kg m2]. 0 is a point mass, m_b r_b^2 / 2 a disc as in
-            Zhang 2007, (5-6). It is negative only where the mass is negative.
+        inertia: moment of inertia about the centre of mass: in a planar press about the plane's normal, as of a lamina, in other presses
+            about every axis [kg m2]. 0 is a point mass, m_b r_b^2 / 2 a disc as in Zhang 2007, (5-6). It is negative only for a negative
+            mass.
 
     Raises:
-        PinpressError: a number is not finite, or no body has this inertia at this mass.
+        PinpressError: a number is not finite, or no body can have this inertia with this mass.
     """
 
     link: str
@@ -52,27 +52,29 @@ class Counterweight(Record, units={"mass": "kg", "position": "m", "inertia": "kg
         vars(self)["inertia"] = number(f"{what}: inertia", self.inertia, "kg m2")
         vars(self)["position"] = tuple(numbers(f"{what}: position", self.position, (3,), unit="m").tolist())
         if self.inertia * self.mass < 0 or (self.inertia and not self.mass):
-            raise PinpressError(f"{what}: its inertia is {self.inertia:g} kg m2 at a mass of {self.mass:g} kg, which no body has")
+            raise PinpressError(
+                f"{what}: no body has an inertia of {self.inertia:g} kg m2 with a mass of {self.mass:g} kg: give both the same sign"
+            )
 
 
 @typed
 def with_counterweights(press: Linkage, counterweights: Iterable[Counterweight]) -> Linkage:
     """Fix counterweights to the links of a press.
 
-    Mass, centre of mass and inertia of a link with its counterweight are those of Zhang 2007, (5-3) to (5-6), without their cases: (5-4)
-    finds the centre on one side alone, and (5-5) is 0 / 0 for a counterweight on the line of a rod.
+    Mass, centre of mass and inertia of a link with its counterweight follow Zhang 2007, (5-3) to (5-6), without their special cases: (5-4)
+    finds the centre on one side only, and (5-5) is 0 / 0 for a counterweight on the line of a rod.
 
     Args:
-        press: the press without them.
+        press: the press without the counterweights.
         counterweights: counterweights and holes.
 
     Returns:
         The new press, which `write_urdf` can write.
 
     Raises:
-        UnknownNameError: the press has no such link.
+        UnknownNameError: the press does not have a link with this name.
         PinpressError: a counterweight is on the frame, has a number that is not finite or an inertia without mass, or a hole leaves a link
-            without mass or with an inertia that no body has.
+            without mass or with an inertia that no body can have.
     """
     inertias = list(press.model.inertias)
     changed = set()
@@ -94,7 +96,7 @@ def with_die(press: Linkage, mass: float, slide: str) -> Linkage:
 
 @dataclass(frozen=True)
 class OperatingCondition(Frozen):
-    """A motion of the press and the loads on it, as `inverse_dynamics` takes them, and how the press is then set up.
+    """An operating condition: a motion of the press, the loads on it as in `inverse_dynamics`, and the press with its die or stroke.
 
         die = pp.balancing.Counterweight("slide", 300.0, (0.0, 0.0, -0.4))  # an upper die of 300 kg
         with_die = pp.balancing.with_counterweights(press, [die])
@@ -103,12 +105,11 @@ class OperatingCondition(Frozen):
     Attributes:
         motion: motion of the press.
         loads: loads on the press in this motion.
-        press: the press as it is set up in this condition, with another die or another stroke; None where it is the press itself. It has
-            the links, joints and bearings of the press itself.
-        name: name in tables; empty for its number.
+        press: the press with the die or stroke of this condition, with the same links, joints and bearings; None: the press itself.
+        name: name in tables; empty: the condition's number.
 
     Raises:
-        PinpressError: the motion is none, the press is none, or the name is no text.
+        PinpressError: motion is not a motion, press is not a press, or name is not a text.
     """
 
     motion: Motion
@@ -125,7 +126,7 @@ class OperatingCondition(Frozen):
             raise PinpressError(f"operating condition: name is {shown(self.name)}: give a text")
 
     def set_up(self, press: Linkage) -> Linkage:
-        """The press in this condition, where ``press`` is the press itself."""
+        """The press in this condition; ``press``: the press itself."""
         return press if self.press is None else self.press
 
 
@@ -135,7 +136,7 @@ class PointMasses:
 
     Attributes:
         link: name of the link.
-        masses: (p,) masses [kg]. They may be negative, because several may stand for a mass moment or a moment of inertia.
+        masses: (p,) masses, possibly negative, because several can represent a mass moment or a moment of inertia [kg].
         points: (p, 3) places in the link's own frame [m].
     """
 
@@ -146,12 +147,12 @@ class PointMasses:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MassResponse:
-    """The changes of the forces of `Reactions` by masses, in world axes. Changes that were not asked for are empty.
+    """The changes of the forces of `Reactions` by masses, in world axes. Changes that were not computed are empty.
 
     Attributes:
         shaking_force: (n, 3) change of the shaking force [N].
         shaking_moment: (n, 3) change of the shaking moment about the world origin [N m].
-        driving_torque: (n,), or (n, drivers) where there are several, change of the driving torque [N m].
+        driving_torque: (n,), or (n, drivers) with several drivers, change of the driving torque [N m].
         bearing_force: name of a bearing -> (n, 3) change of its force [N].
         bearing_moment: name of a bearing -> (n, 3) change of its moment [N m].
     """
@@ -166,24 +167,24 @@ class MassResponse:
 def mass_response(
     press: Linkage, condition: OperatingCondition, reactions: Reactions, masses: PointMasses, inner_forces: bool
 ) -> MassResponse:
-    """The changes of the shaking force and moment, and where wanted of the inner forces, by point masses.
+    """Compute the changes of the shaking force and moment, and optionally of the inner forces, by point masses.
 
     Args:
         press: the press without the masses.
         condition: motion and loads.
         reactions: reactions of the press in this condition without the masses.
         masses: the point masses.
-        inner_forces: whether the changes of the driving torque and of the bearings in ``reactions`` are wanted too.
+        inner_forces: whether to compute the changes of the driving torque and of the bearings in ``reactions`` too.
     """
     position, force = _inertia_forces(press, condition.motion, masses)
     shaking = force.sum(axis=0), np.cross(position, force).sum(axis=0)
     if not inner_forces:
         return MassResponse(*shaking, np.zeros((len(condition.motion.crank_angle), 0)), {}, {})
-    # The masses are made as heavy as the press, so that the difference of two reactions loses few digits.
+    # Masses as heavy as the press keep the digits of the difference of two reactions.
     largest = np.abs(masses.masses).max()
     factor = moving_mass(press) / largest if largest > 0 else 1.0
     added = [PointForce(masses.link, factor * f, tuple(p)) for f, p in zip(force, masses.points, strict=True) if f.any()]
-    with cautions_collected():  # a region that is far off, and the loads, are warned of where they are given
+    with cautions_collected():  # the functions that take regions and loads already caution
         after = inverse_dynamics(press, condition.motion, [*condition.loads, *added], bearings=tuple(reactions.bearing_force))
     return MassResponse(
         *shaking,
@@ -194,7 +195,7 @@ def mass_response(
 
 
 def moving_mass(press: Linkage) -> float:
-    """Mass of all links but the frame [kg]."""
+    """Mass of all links except the frame [kg]."""
     return float(sum(inertia.mass for inertia in list(press.model.inertias)[1:]))
 
 
@@ -205,7 +206,7 @@ def carrying_joint(press: Linkage, link: str, position: tuple[float, float, floa
         press: the press.
         link: name of the link.
         position: (3,) point in the link's own frame [m].
-        what: name of what is placed there, for messages.
+        what: name of the placed object, for messages.
 
     Raises:
         PinpressError: the link does not move, or the position is not three finite numbers.
@@ -213,12 +214,12 @@ def carrying_joint(press: Linkage, link: str, position: tuple[float, float, floa
     joint, point = point_on_body(press, link, check_point(f"{what}: position", position), what, "position")
     if joint == 0:
         moving = [name for name in press.links if press.model.frames[press.model.getFrameId(name, pin.BODY)].parentJoint]
-        raise PinpressError(f"{what}: {shown(link)} does not move, so no mass on it balances anything; moving links: {', '.join(moving)}")
+        raise PinpressError(f"{what}: link {shown(link)} does not move, so a mass on it balances nothing: give one of {', '.join(moving)}")
     return joint, point
 
 
 def combined(first: pin.Inertia, second: pin.Inertia) -> pin.Inertia:
-    """The inertia of two bodies fixed together, all in one frame. Either may be a hole; Pinocchio's own sum takes no negative mass."""
+    """The inertia of two bodies fixed together, in one frame. A body may be a hole, which Pinocchio's sum does not accept."""
     mass = first.mass + second.mass
     lever = (first.mass * first.lever + second.mass * second.lever) / mass if mass else np.zeros(3)
     tensor = first.inertia + second.inertia
@@ -230,7 +231,7 @@ def combined(first: pin.Inertia, second: pin.Inertia) -> pin.Inertia:
 
 def rigid_body(mass: float, lever: Array, tensor: Array) -> pin.Inertia:
     """The inertia of a mass [kg] with its centre at ``lever`` (3,) [m] and a tensor (3, 3) about that centre [kg m2]."""
-    result = pin.Inertia.Zero()  # Pinocchio's constructor refuses holes, and what rounding makes of a thin body
+    result = pin.Inertia.Zero()  # Pinocchio's constructor refuses holes, and thin bodies with rounding errors
     result.mass, result.lever, result.inertia = mass, lever, tensor
     return result
 
@@ -238,26 +239,26 @@ def rigid_body(mass: float, lever: Array, tensor: Array) -> pin.Inertia:
 def unit_tensor(press: Linkage, joint: int) -> Array:
     """Inertia tensor (3, 3) in the joint's frame of material whose moment of inertia is one [kg m2].
 
-    In a planar press it is a lamina in the plane, turned about the plane's normal; in any other press a ball.
+    In a planar press the material is a lamina in the plane, with its inertia about the plane's normal; in any other press it is a ball.
     """
     axes = press.engine_of_one_driver.turning_axes(joint)
     return np.asarray(0.5 * (np.eye(3) + axes.T @ axes))
 
 
 def refuse_unphysical(press: Linkage, joint: int, inertia: pin.Inertia) -> None:
-    """Raise PinpressError where counterweights leave a joint with an inertia that no body has."""
+    """Raise PinpressError if counterweights leave a joint with an inertia that no body can have."""
     name = press.model.names[joint]
     if not inertia.mass > 0:
-        raise PinpressError(f"counterweights leave the body on joint {shown(name)} a mass of {inertia.mass:g} kg: take less away")
+        raise PinpressError(f"counterweights leave the body on joint {shown(name)} a mass of {inertia.mass:g} kg: remove less mass")
     if wrong := first_unphysical([inertia]):
-        remedy = "take less away, or nearer to its centre of mass"
+        remedy = "remove less mass, or mass nearer to its centre of mass"
         raise PinpressError(f"counterweights leave the body on joint {shown(name)} {wrong[1]}: {remedy}")
 
 
 def _added_inertia(press: Linkage, weight: Counterweight) -> tuple[int, pin.Inertia]:
     """The Pinocchio joint that carries a counterweight, and its inertia in that joint's frame."""
     if not isinstance(weight, Counterweight):
-        raise PinpressError(f"{shown(weight)} is no counterweight: give Counterweight(link, mass, position)")
+        raise PinpressError(f"{shown(weight)} is not a counterweight: give Counterweight(link, mass, position)")
     what = f"counterweight on {shown(weight.link)}"
     if weight.link not in press.links:
         raise UnknownNameError("link", weight.link, press.links)

@@ -1,9 +1,8 @@
-"""Balancing: the counterweights that make shaking forces, torques or bearing forces least, with the proof, and trade-offs between two
-criteria.
+"""Balancing: counterweights that minimise shaking forces, torques or bearing forces, with a proof, and trade-offs between two criteria.
 
-At a given motion all forces are linear in the mass, mass moment and moment of inertia of every link, and range, rms and peak are convex.
-So the best counterweights are the optimum of a convex program, which needs no starting values and whose dual proves the optimum. (Zhang
-2007, 5.5, searches step by step.)
+At a given motion all forces are linear in the mass, mass moment and moment of inertia of every link. Range, rms and peak are convex. So the
+best counterweights are the optimum of a convex program, which needs no starting values. Its dual proves the optimum. (Zhang 2007, 5.5,
+searches step by step.)
 """
 
 from __future__ import annotations
@@ -34,13 +33,13 @@ from .regions import CounterweightRegion, RegionVariables
 from .result import ActiveConstraint, BalancedPress, CriterionChange
 
 # Shares of values before balancing, unless another reference is named
-NEGLIGIBLE = 1e-5  # counterweights below this share of the moving mass are left out where no criterion grows by more than a trace
-TRACE = 1e-9  # largest growth of a criterion that counts as none
-PRICELESS = 1e-7  # a constraint does not count if the objective falls by less for a limit relaxed by the whole limited quantity
-INERTIA_ROUNDING = 1e-11  # a moment of inertia below this share of the counterweight's mass times its squared distance is rounding
-ENDLESS = 0.999  # a mass above this share of the program's largest grows without end
+NEGLIGIBLE = 1e-5  # counterweights below this share of the moving mass are left out, if no criterion grows by more than TRACE
+TRACE = 1e-9  # a criterion that grows by less counts as unchanged
+PRICELESS = 1e-7  # a constraint is inactive if relaxing it by the whole limited quantity lowers the objective by less
+INERTIA_ROUNDING = 1e-11  # smaller moments of inertia, as a share of mass times squared distance, are rounding error
+ENDLESS = 0.999  # a mass above this share of the program's largest mass grows without limit
 CONFIRMED = 1e-8  # largest difference between the program and inverse dynamics of the balanced press
-GIVEN = 1e-7  # an end of a trade-off may be this much worse than the best, to improve the other criterion
+GIVEN = 1e-7  # share by which an end of a trade-off may be worse than the best, to improve the other criterion
 MOST_POINTS = 10_000  # largest number of points of a trade-off, each an optimisation
 SUFFIX = "_balanced"  # end of a balanced press's name
 
@@ -58,30 +57,31 @@ def balance(
 ) -> BalancedPress:
     """Find the best counterweights of a press, for one motion or for all its dies, strokes and speeds at once.
 
-    Among equally good counterweights the lightest win: saving the whole moving mass of the press counts as 1e-6 of the objective before
-    balancing. What is set anew in each operating condition is the best for that condition, even where another one is the worst: beside the
-    worst, the mean over all conditions counts as 1e-5.
+    Of equally good counterweights the result has the lightest: saving the whole moving mass of the press counts as 1e-6 of the objective
+    before balancing. An adjustable counterweight is the best for every operating condition, not only for the worst: the mean over all
+    conditions counts as 1e-5, in addition to the worst value.
 
-    Ranges and peaks are those of the motion's states; between two states a harmonic of order k may exceed them by up to about
+    Ranges and peaks are those of the motion's states. Between two states a harmonic of order k may exceed them by up to about
     (pi k / states)^2 / 2 of its amplitude.
 
     Args:
         press: the press.
-        motion: its motion, or several operating conditions, each with its speed, loads, die and stroke (`OperatingCondition`). Limits hold
-            in all of them, and each criterion counts in its worst one.
-        regions: where counterweights may be. Those with ``reset`` are set anew in every operating condition; all others are one compromise.
-        minimise: a criterion (`Range`, `Rms`, `Peak`) or `AddedMass`, or several of them with weights. With weights each counts relative to
-            its largest value before balancing (added mass: to the moving mass). The objective of Zhang 2007, (5-14), is
+        motion: a motion of the press, or several operating conditions (`OperatingCondition`), each with its speed, loads, die and stroke.
+            Limits hold in all conditions; a criterion counts with its worst value.
+        regions: where counterweights may be. Regions with ``reset`` are adjusted in every operating condition; other regions are the same
+            in all conditions.
+        minimise: a criterion (`Range`, `Rms`, `Peak`), `AddedMass`, or several of them -> weight, relative to the largest value before
+            balancing (added mass: to the moving mass) [-]. The objective of Zhang 2007, (5-14), is
             ``{Rms("shaking_force", "z"): w1, Range("shaking_force", "z"): w2, Rms("shaking_moment", "y"): w3, ...}``.
-        limits: largest permitted values of criteria and of added mass, in their units. A limit of 0 is met exactly.
-        loads: loads on the one motion, as `inverse_dynamics` takes them; operating conditions have their own.
-        shares: (conditions,) weights of the operating conditions, such as the share of all strokes that is made with each die. Then the
-            weighted mean of a criterion over the conditions counts, and not its worst value.
+        limits: criterion or `AddedMass` -> largest permitted value, in its unit. A limit of 0 is met exactly.
+        loads: loads on the one motion, as in `inverse_dynamics`; operating conditions have separate loads.
+        shares: (conditions,) weights of the operating conditions [-], such as each die's share of all strokes. With weights the weighted
+            mean of a criterion counts instead of its worst value.
 
     Raises:
-        UnknownNameError: the press has no such link or bearing.
-        PinpressError: an operating condition has a press with other links or bearings, the limits cannot be met together (the message
-            names them, and says by how much), a counterweight would grow without end, a minimised criterion is zero before balancing, or an
+        UnknownNameError: the press does not have a link or bearing with this name.
+        PinpressError: an operating condition has a press with other links or bearings, the limits cannot be met together (the message names
+            the limits and the shortfall), a counterweight would grow without limit, a minimised criterion is zero before balancing, or an
             argument is not as described.
     """
     conditions = _conditions(motion, loads)
@@ -92,15 +92,15 @@ def balance(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TradeOffCurve(Tabular):
-    """Balanced presses on the Pareto curve of two criteria: one that is better in one criterion is worse in the other.
+    """Balanced presses on the Pareto curve of two criteria: a design that is better in one criterion is worse in the other.
 
     Attributes:
         first: the first criterion.
         second: the second criterion.
         designs: balanced presses, from the best in the first criterion to the best in the second.
-        values: (designs, 2) values of both criteria in the worst operating condition, in their units.
-        bounds: (designs,) proven lower bounds of the first criterion for all counterweights in these regions with which the second is at
-            most that of the design, in its unit.
+        values: (designs, 2) values of both criteria in the worst operating condition [units of the criteria].
+        bounds: (designs,) proven lower bounds of the first criterion, for all counterweights in these regions that are not worse in the
+            second criterion than the design [unit of the first criterion].
     """
 
     first: Target
@@ -140,21 +140,21 @@ def trade_off(
 ) -> TradeOffCurve:
     """Find the trade-off between two criteria (their Pareto curve), from the least of one to the least of the other.
 
-    Each point is a proved optimum. Between the ends the first criterion is minimised under equally spaced limits of the second.
+    Each point is a proved optimum. Between the ends the first criterion is minimised under equally spaced limits of the second criterion.
 
     Args:
         press: the press.
-        motion: its motion, or several operating conditions, as for `balance`. Each criterion counts in its worst one.
+        motion: a motion of the press, or several operating conditions, as in `balance`. A criterion counts with its worst value.
         regions: where counterweights may be.
         first: the first criterion, or `AddedMass`.
         second: the second criterion, or `AddedMass`.
-        limits: the most of criteria and of added mass along the whole curve, as for `balance`.
-        loads: loads on the one motion; operating conditions have their own.
+        limits: largest values of criteria and of added mass on the whole curve, as in `balance`.
+        loads: loads on the one motion; operating conditions have separate loads.
         points: number of designs, 2 to 10 000.
 
     Raises:
-        UnknownNameError: the press has no such link or bearing.
-        PinpressError: as `balance`, or both criteria are equal, or ``points`` is out of its range.
+        UnknownNameError: the press does not have a link or bearing with this name.
+        PinpressError: both criteria are equal, ``points`` is out of range, or as `balance`.
     """
     _refuse_wrong_criteria(first, second)
     points = whole_number("points", points, 2, MOST_POINTS)
@@ -174,17 +174,17 @@ def _conditions(motion: Motion | Sequence[OperatingCondition], loads: Sequence[L
     if isinstance(motion, Motion):
         return (OperatingCondition(motion, tuple(loads)),)
     if not isinstance(motion, Sequence) or not motion or not all(isinstance(each, OperatingCondition) for each in motion):
-        raise PinpressError("motion is neither a motion, as cycle or simulate return, nor a list of OperatingCondition(motion, loads)")
+        raise PinpressError("motion is not a motion: give a motion of cycle or simulate, or a list of OperatingCondition(motion, loads)")
     if loads:
-        raise PinpressError("loads goes with one motion: give every OperatingCondition its own, OperatingCondition(motion, loads)")
+        raise PinpressError("loads needs one motion: give loads to every OperatingCondition instead, OperatingCondition(motion, loads)")
     return tuple(motion)
 
 
 def _checked_shares(shares: Sequence[float] | None, conditions: int) -> Array | None:
-    """The shares with the sum one.
+    """The shares, scaled to the sum one.
 
     Raises:
-        PinpressError: they are not one number from 0 for each condition, or all zero.
+        PinpressError: the shares are not one number for each condition, a share is negative, or all shares are zero.
     """
     if shares is None:
         return None
@@ -197,22 +197,22 @@ def checked_objective(minimise: Target | Mapping[Target, float]) -> dict[Target,
     """The objective as targets with weights above zero.
 
     Raises:
-        PinpressError: it is no criterion, a weight is no finite number from 0, or no weight is above zero.
+        PinpressError: a key is not a criterion, a weight is negative or not finite, or no weight is above zero.
     """
     if not isinstance(minimise, Mapping | Criterion | AddedMass):
-        raise PinpressError(f"minimise: {shown(minimise)} is no criterion: give Range, Rms, Peak or AddedMass()")
+        raise PinpressError(f"minimise: {shown(minimise)} is not a criterion: give Range, Rms, Peak or AddedMass()")
     objective = dict(minimise) if isinstance(minimise, Mapping) else {minimise: 1.0}
     _refuse_wrong_numbers("minimise", "weight", objective)
     if not any(objective.values()):
-        raise PinpressError("minimise: no weight is above zero, so that all counterweights are equally good: give one")
+        raise PinpressError("minimise: no weight is above zero, so all counterweights are equally good: give a positive weight")
     return {target: float(weight) for target, weight in objective.items() if weight > 0}
 
 
 def checked_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]:
-    """The limits as a dictionary, empty where there are none.
+    """The limits as a dictionary; empty for None.
 
     Raises:
-        PinpressError: a key is no criterion, or a limit is no finite number from 0.
+        PinpressError: a key is not a criterion, or a limit is negative or not finite.
     """
     _refuse_wrong_numbers("limits", "limit", limits or {})
     return dict(limits or {})
@@ -221,7 +221,7 @@ def checked_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]
 def _refuse_wrong_numbers(argument: str, what: str, targets: Mapping[Target, float]) -> None:
     for target, number in targets.items():
         if not isinstance(target, Criterion | AddedMass):
-            raise PinpressError(f"{argument}: {shown(target)} is no criterion: give Range, Rms, Peak or AddedMass()")
+            raise PinpressError(f"{argument}: {shown(target)} is not a criterion: give Range, Rms, Peak or AddedMass()")
         name = f"{argument}: the {what} of the {target.words}"
         suitable_numbers(name, number, "a finite number that is not negative", suits=lambda value: value >= 0)
 
@@ -229,9 +229,9 @@ def _refuse_wrong_numbers(argument: str, what: str, targets: Mapping[Target, flo
 def _refuse_wrong_criteria(first: Target, second: Target) -> None:
     for name, target in (("first", first), ("second", second)):
         if not isinstance(target, Criterion | AddedMass):
-            raise PinpressError(f"{name}: {shown(target)} is no criterion: give Range, Rms, Peak or AddedMass()")
+            raise PinpressError(f"{name}: {shown(target)} is not a criterion: give Range, Rms, Peak or AddedMass()")
     if first == second:
-        raise PinpressError(f"both criteria are the {first.words}: give two")
+        raise PinpressError(f"both criteria are the {first.words}: give two different criteria")
 
 
 def optimal_press(
@@ -242,8 +242,8 @@ def optimal_press(
     Args:
         problem: the problem, with the signals of all criteria.
         objective: targets with their weights.
-        limits: as for `balance`.
-        absolute: whether to give the value in the unit of the objective's one criterion.
+        limits: as in `balance`.
+        absolute: whether the value has the unit of the objective's only criterion.
 
     Raises:
         PinpressError: as `balance`.
@@ -289,17 +289,18 @@ def optimal_press(
 
 
 def _refuse_nothing(problem: BalancingProblem, objective: Mapping[Target, float]) -> None:
-    """Raise where a criterion of the objective is zero before balancing, so that nothing can be said relative to it."""
+    """Raise if a criterion of the objective is zero before balancing, because relative values would be undefined."""
     for criterion in (target for target in objective if isinstance(target, Criterion)):
         size = next(signal.size for signal in problem.signals if signal.criterion == criterion)
         if not max(criterion.value(before) for before in problem.reactions) >= (1 - ROUNDING) * size:
             raise PinpressError(
-                f"the {criterion.words} of {problem.press.name} is zero before balancing: take it out of minimise, or limit it"
+                f"the {criterion.words} of {problem.press.name} is zero before balancing: limit it instead of minimising it, or leave it"
+                " out"
             )
 
 
 def _without_traces(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], best: Array) -> Array:
-    """The best variables, with zeros in regions that are almost empty, as the solver leaves traces of mass where there should be none."""
+    """The best variables, with zeros in regions that are almost empty, because the solver leaves traces of mass in empty regions."""
     u = best.copy()
     for each, filled in _by_setting(problem):
         masses = [float(each.mass @ u[columns]) for columns in filled]
@@ -313,7 +314,7 @@ def _without_traces(problem: BalancingProblem, objective: Mapping[Target, float]
 
 
 def _by_setting(problem: BalancingProblem) -> Iterator[tuple[RegionVariables, list[NDArray[np.intp]]]]:
-    """Each region with the columns of its variables that are emptied together, those of a mass that only moves in all conditions."""
+    """Each region with groups of columns that become zero together: all conditions of a mass that only moves are one group."""
     in_conditions = [[columns for columns, _ in problem.parts(number)] for number in range(len(problem.conditions))]
     for k, each in enumerate(problem.regions[0]):
         columns = [parts[k] for parts in in_conditions]
@@ -324,7 +325,7 @@ def _by_setting(problem: BalancingProblem) -> Iterator[tuple[RegionVariables, li
 
 
 def _no_worse(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], u: Array, best: Array) -> bool:
-    """Whether variables are as good as the best, up to a trace, in the objective and in all limited criteria."""
+    """Whether variables are as good as the best ones in the objective and in all limited criteria, within `TRACE`."""
     limited = [signal for signal in problem.signals if signal.criterion in limits]
     return objective_value(problem, objective, u) <= objective_value(problem, objective, best) + TRACE * sum(objective.values()) and all(
         signal.criterion.of(signal.at(u)) <= max(limits[signal.criterion] / signal.size, signal.criterion.of(signal.at(best))) + TRACE
@@ -336,20 +337,18 @@ def _fillings(problem: BalancingProblem, u: Array) -> list[list[pin.Inertia]]:
     """The inertia of the counterweight in each region, in its joint's frame, for every operating condition.
 
     Raises:
-        PinpressError: a link that loses its own mass would get none, or counterweights grow without end.
+        PinpressError: a link whose own mass is replaced would have no mass, or counterweights grow without limit.
     """
     fillings = [[each.filling(u[columns]) for columns, each in problem.parts(number)] for number in range(len(problem.conditions))]
     by_region = [(each.region, each.replaced, [filled[k] for filled in fillings]) for k, each in enumerate(problem.regions[0])]
     for region, replaced, filled in by_region:
         if replaced is not None and min(filling.mass for filling in filled) <= NEGLIGIBLE * problem.moving_mass:
-            raise PinpressError(
-                f"it would be best to leave {shown(region.link)} without mass: give its region a least mass, mass=(least, most)"
-            )
+            raise PinpressError(f"the best mass of link {shown(region.link)} is zero: give its region a least mass, mass=(least, most)")
     if (problem.unlimited @ u).max() > ENDLESS * LARGEST * problem.moving_mass:
         unlimited = ((max(filling.mass for filling in filled), region) for region, _, filled in by_region if math.isinf(region.mass[1]))
         _, heaviest = max(unlimited, key=lambda pair: pair[0])
         raise PinpressError(
-            f"counterweights grow beyond {LARGEST:g} times the moving mass, above all in the {heaviest.words}: limit it, mass=(0, most)"
+            f"counterweights grow beyond {LARGEST:g} times the moving mass, mostly in the {heaviest.words}: limit its mass, mass=(0, most)"
         )
     return fillings
 
@@ -360,7 +359,7 @@ def _with_fillings(problem: BalancingProblem, number: int, fillings: Sequence[pi
 
 
 def _fitted(press: Linkage, regions: Sequence[RegionVariables], fillings: Sequence[pin.Inertia]) -> Linkage:
-    """The press with the counterweights of all regions, in place of the links' own mass where a region replaces it."""
+    """The press with the counterweights of all regions; a region with ``replaces`` replaces the link's own mass."""
     inertias = list(press.model.inertias)
     for each in regions:
         if each.replaced is not None:
@@ -375,10 +374,10 @@ def _fitted(press: Linkage, regions: Sequence[RegionVariables], fillings: Sequen
 def _confirmed_reactions(problem: BalancingProblem, u: Array, presses: Sequence[Linkage]) -> tuple[Reactions, ...]:
     """Reactions of the balanced press in every operating condition.
 
-    Inverse dynamics is independent of the program, and must agree with it.
+    Inverse dynamics is independent of the program, and must agree with the program.
 
     Raises:
-        PinpressError: it does not agree, or a motion is shorter than the period of the balanced press.
+        PinpressError: both disagree, or a motion is shorter than the period of the balanced press.
     """
     for each, press in zip(problem.conditions, presses, strict=True):
         _refuse_longer_period(each, press)
@@ -393,19 +392,19 @@ def _confirmed_reactions(problem: BalancingProblem, u: Array, presses: Sequence[
         if not missed <= CONFIRMED * max(1.0, float(np.abs(signal.fixed).max())):
             raise PinpressError(
                 f"the {signal.criterion.words} of the balanced press differs from the optimiser's by {missed:.1e} of its value before:"
-                " the masses are out of proportion; bring those of the regions nearer to those of the links"
+                " masses differ too much in size; give regions masses closer to those of the links"
             )
     return reactions
 
 
 def _refuse_longer_period(condition: OperatingCondition, press: Linkage) -> None:
-    """Raise where a motion is one period of the original press, but a counterweight on a geared shaft makes the period longer."""
+    """Raise if a motion is one period of the original press, but a counterweight on a geared shaft makes the period longer."""
     turns = press.turns_until_back
     if is_cycle(condition.motion) and condition.motion.period_turns != turns:
         after = "never" if turns is None else f"only after {turns} turns"
         raise PinpressError(
-            f"with a counterweight on a geared shaft {press.name} repeats itself {after}, and the motion is shorter: give a motion over"
-            " as many turns, servo_cycle(press, angle, speed=...), or no region on that shaft"
+            f"with a counterweight on a geared shaft {press.name} repeats itself {after}, but the motion is shorter: give a motion over"
+            " all these turns, servo_cycle(press, angle, speed=...), or no region on that shaft"
         )
 
 
@@ -435,7 +434,7 @@ def _counterweight(press: Linkage, variables: RegionVariables, filling: pin.Iner
 
 
 def _active(design: ProvenOptimum, scale: float, empty: Sequence[CounterweightRegion]) -> Iterator[ActiveConstraint]:
-    """The named constraints whose dual variables are not zero, without the shapes of regions that stay empty (``empty``)."""
+    """The named constraints with dual variables other than zero, without the shapes of empty regions (``empty``)."""
     for rows, prices in zip(design.rows, design.prices, strict=True):
         price = float(prices[0] if rows.kind == CONE else np.abs(prices).sum())
         if not rows.name or price <= PRICELESS or (not rows.unit and any(region.words in rows.name for region in empty)):
@@ -444,7 +443,7 @@ def _active(design: ProvenOptimum, scale: float, empty: Sequence[CounterweightRe
 
 
 def _end(problem: BalancingProblem, least: Target, other: Target, limits: Mapping[Target, float]) -> tuple[BalancedPress, BalancedPress]:
-    """The best press in one criterion, and among such presses the best in the other. Only one press has no added mass."""
+    """The best press in one criterion and, of equally good presses, the best in the other criterion. Only one press has no added mass."""
     design = _best(problem, least, other, math.inf, limits)
     if isinstance(least, AddedMass) and not design.counterweights and not problem.replaced_mass:
         return design, design

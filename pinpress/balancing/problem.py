@@ -1,9 +1,9 @@
-"""Balancing as a problem: criteria that are minimised or limited, and the series of forces behind them, linear in the variables.
+"""The balancing problem: criteria that are minimised or limited, and their series of forces, which are linear in the variables.
 
-A criterion is the range, rms or peak of a force, moment or torque over a motion; the added mass can be minimised or limited too. All are
-convex functions of the added masses, because every force is linear in the masses. The constant part of a force, which includes the
-weight, shakes nothing: range and rms leave it out, and the peak counts it. The variables are those of the regions for counterweights,
-scaled so that all numbers are about one in size; a counterweight that is set anew in every operating condition has variables for each.
+A criterion is the range, rms or peak of a force, moment or torque over a motion. The added mass can be minimised or limited too. All are
+convex functions of the added masses, because every force is linear in the masses. The constant part of a force, which includes the weight,
+does not shake the press: range and rms exclude it, the peak includes it. The variables describe the counterweights in their regions, scaled
+to a size of about one. An adjustable counterweight has separate variables for every operating condition.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from ..linkage.linkage import Linkage
 from .counterweights import MassResponse, OperatingCondition, mass_response, moving_mass
 from .regions import CounterweightRegion, RegionVariables, points_of, region_variables
 
-ROUNDING = 1e-11  # a criterion below this share of the largest change that the regions can cause is zero
-ALIKE = 1e-12  # a region is the same in two presses up to this share of its masses and places
-NOISE = 1e-12  # a criterion below this share of the vector of which it takes a component is rounding
-DRIVING = {"driving_torque": "N m", "driving_force": "N"}  # the latter of drivers that slide
+ROUNDING = 1e-11  # a criterion below this share of the largest change by the regions counts as zero
+ALIKE = 1e-12  # largest relative difference of masses and places at which a region is the same in two presses
+NOISE = 1e-12  # a component below this share of its vector is rounding error
+DRIVING = {"driving_torque": "N m", "driving_force": "N"}  # driving_force of drivers that slide
 QUANTITIES = {"shaking_force": "N", "shaking_moment": "N m", **DRIVING, "bearing_force": "N", "bearing_moment": "N m"}
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 class ForceSeries(Protocol):
-    """The forces that `Reactions` and their changes by masses (`MassResponse`) have in common."""
+    """The forces that both `Reactions` and their changes by masses (`MassResponse`) have."""
 
     @property
     def shaking_force(self) -> Array: ...
@@ -55,16 +55,16 @@ class Criterion:
     """Base of `Range`, `Rms` and `Peak`: one number for a quantity of `Reactions` over a motion.
 
     Attributes:
-        quantity: "shaking_force", "shaking_moment", "driving_torque", of a driver that slides "driving_force", "bearing_force" or
+        quantity: "shaking_force", "shaking_moment", "driving_torque", "driving_force" (of a driver that slides), "bearing_force" or
             "bearing_moment".
-        axis: "x", "y", "z" or a direction (3,) in world axes, whose component is measured; None for the length of the whole vector, and
-            for the driving torque or force.
+        axis: axis of the measured component, "x", "y", "z" or a direction (3,) in world axes; None: length of the whole vector, or driving
+            torque or force.
         bearing: name of the bearing, for a bearing force or bearing moment.
-        about: point (3,) in world axes that a shaking moment is taken about [m].
+        about: reference point (3,) of a shaking moment, in world axes [m].
 
     Raises:
-        UnknownNameError: there is no such quantity.
-        PinpressError: the quantity and the other arguments do not go together, or an axis or point is not three finite numbers.
+        UnknownNameError: no quantity has this name.
+        PinpressError: the quantity does not take one of the other arguments, or an axis or point is not three finite numbers.
     """
 
     quantity: str
@@ -74,7 +74,7 @@ class Criterion:
 
     def __post_init__(self) -> None:
         if type(self) is Criterion:
-            raise PinpressError("Criterion is what Range, Rms and Peak have in common: write one of these")
+            raise PinpressError("Criterion is only the base of Range, Rms and Peak: write one of these three")
         if not isinstance(self.quantity, str) or self.quantity not in QUANTITIES:
             raise UnknownNameError("quantity", self.quantity, tuple(QUANTITIES))
         self._refuse_wrong_combination()
@@ -83,14 +83,14 @@ class Criterion:
 
     def _refuse_wrong_combination(self) -> None:
         if self.quantity.startswith("bearing") != (self.bearing is not None):
-            raise PinpressError(f"{self.words}: a bearing force or moment needs bearing=, the other quantities have none")
+            raise PinpressError(f"{self.words}: give bearing= for a bearing force or moment, and only for these")
         suitable_numbers(f"{type(self).__name__}: about", self.about, "a point, three numbers [m]", (3,))
         if any(self.about) and self.quantity != "shaking_moment":
-            raise PinpressError(f"{self.words}: about goes with a shaking moment")
+            raise PinpressError(f"{self.words}: about is only for a shaking moment: leave it out")
         if self.quantity in DRIVING and self.axis is not None:
-            raise PinpressError(f"{self.words}: the {self.quantity.replace('_', ' ')} has no axis: leave it out")
+            raise PinpressError(f"{self.words}: the {self.quantity.replace('_', ' ')} has no axis: leave out axis")
         if isinstance(self, Range) and self.quantity not in DRIVING and self.axis is None:
-            raise PinpressError(f"{self.words}: a vector has no range: name an axis, or take Rms or Peak")
+            raise PinpressError(f"{self.words}: a vector has no range: give an axis, or take Rms or Peak")
 
     @property
     def unit(self) -> str:
@@ -123,7 +123,7 @@ class Criterion:
         return np.asarray(values @ (direction / np.linalg.norm(direction)))[:, None]
 
     def varying(self, series: Array) -> Array:
-        """A series (n, components) without its constant part, where that does not count."""
+        """A series (n, components), without its constant part if the criterion excludes it."""
         return np.asarray(series - series.mean(axis=0))
 
     def value(self, forces: ForceSeries) -> float:
@@ -136,7 +136,7 @@ class Criterion:
 
 
 class Range(Criterion):
-    """Largest value less smallest value over the motion's states."""
+    """Largest value - smallest value over the motion's states."""
 
     def of(self, series: Array) -> float:
         return float(np.ptp(series))
@@ -150,7 +150,7 @@ class Rms(Criterion):
 
 
 class Peak(Criterion):
-    """Largest magnitude over the motion's states, constant part included."""
+    """Largest absolute value over the motion's states, constant part included."""
 
     def varying(self, series: Array) -> Array:
         return series
@@ -163,7 +163,7 @@ class Peak(Criterion):
 class AddedMass:
     """The mass that balancing adds to the press [kg].
 
-    Where a region replaces a link's own mass, only the difference from that mass counts.
+    If a region replaces a link's own mass, only the difference from that mass counts.
     """
 
     unit = "kg"
@@ -185,10 +185,10 @@ class Signal:
     Attributes:
         criterion: the criterion.
         condition: number of the operating condition.
-        size: value of the criterion before balancing in its worst condition, in its unit; where that is zero, the most that the regions can
-            change of it.
-        fixed: (n, components) series without counterweights, with what `Criterion.varying` keeps of it [-].
-        effects: (n, components, variables) its change by one of each variable [-].
+        size: value of the criterion before balancing in its worst condition, in its unit; if this is zero, the largest change by the
+            regions.
+        fixed: (n, components) series without counterweights, after `Criterion.varying` [-].
+        effects: (n, components, variables) change of the series per unit of each variable [-].
     """
 
     criterion: Criterion
@@ -204,20 +204,20 @@ class Signal:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BalancingProblem:
-    """A press in its operating conditions, and how all that is measured depends on the variables.
+    """A press in its operating conditions, and how the measured quantities depend on the variables.
 
     Attributes:
         press: the press before balancing.
         conditions: operating conditions.
-        shares: (conditions,) weight of each condition in the objective, with the sum one; None where the worst condition counts.
-        reactions: reactions of the press in every condition, with the bearings that are measured.
-        regions: for every condition the regions, described in the press as it is set up there.
-        columns: for every condition the variables of its regions, one region after the other.
+        shares: (conditions,) weight of each condition in the objective, with the sum one; None if the worst condition counts.
+        reactions: reactions of the press in every condition, with the measured bearings.
+        regions: regions of every condition, described in the press of this condition.
+        columns: columns of the variables of every condition's regions, region by region.
         rows: constraints of the regions on all variables.
         signals: signals of all criteria in all conditions.
-        mass: (settings, variables) mass that one of each variable means, a row for each condition where masses are set anew, else one [kg].
-        replaced_mass: mass of the links' own that regions replace [kg].
-        moving_mass: mass of all links but the frame, before balancing [kg].
+        mass: (settings, variables) mass per unit of each variable, with a row for each condition if masses are adjusted, else one row [kg].
+        replaced_mass: own mass of links that regions replace [kg].
+        moving_mass: mass of all links except the frame, before balancing [kg].
     """
 
     press: Linkage
@@ -246,12 +246,12 @@ class BalancingProblem:
         return self.mass * free
 
     def parts(self, condition: int) -> Iterator[tuple[NDArray[np.intp], RegionVariables]]:
-        """The variables of each region in an operating condition, and the region."""
+        """Columns of the variables of each region in an operating condition, and the region."""
         ends = np.cumsum([len(each.mass) for each in self.regions[condition]])[:-1]
         yield from zip(np.split(self.columns[condition], ends), self.regions[condition], strict=True)
 
     def added_mass(self, u: Array) -> float:
-        """Mass that balancing adds at values (variables,), in the condition where it is most [kg]."""
+        """Mass that balancing adds at values (variables,), in the condition with the largest mass [kg]."""
         return float((self.mass @ u).max()) - self.replaced_mass
 
 
@@ -268,13 +268,13 @@ def build_problem(
         press: the press before balancing.
         conditions: its operating conditions.
         regions: where counterweights may be.
-        targets: all criteria that will be minimised or limited.
-        shares: (conditions,) weight of each condition in the objective, with the sum one; None where the worst condition counts.
+        targets: all criteria that are minimised or limited.
+        shares: (conditions,) weight of each condition in the objective, with the sum one; None if the worst condition counts.
 
     Raises:
-        UnknownNameError: the press has no such link or bearing.
-        PinpressError: there are no regions, a region does not fit the press, a motion is not one of the press, or a press in an operating
-            condition has other links or bearings.
+        UnknownNameError: the press does not have a link or bearing with this name.
+        PinpressError: there are no regions, a region does not suit the press, a motion belongs to another press, or a press in an
+            operating condition has other links or bearings.
     """
     refuse_no_regions(regions)
     criteria = list(dict.fromkeys(target for target in targets if isinstance(target, Criterion)))
@@ -296,7 +296,7 @@ def build_problem(
         for each in _series(presses[number], condition, number, before, variables[number], criteria)
     ]
     signals = [signal for criterion in criteria for signal in _of_one_size([each for each in series if each.criterion == criterion])]
-    # The unit of a region's variables becomes the mass that changes the criteria by about as much as they are.
+    # The unit of a region's variables becomes the mass that changes the criteria by about their own size.
     shares_of_mass = _shares(variables[0], signals)
     variables = _in_all(press, presses, regions, inertia_counts, [moving * share for share in shares_of_mass])
     factors = np.concatenate([np.full(len(each.mass), share) for each, share in zip(variables[0], shares_of_mass, strict=True)])
@@ -317,7 +317,7 @@ def build_problem(
 
 
 def _refuse_other_press(press: Linkage, other: Linkage, condition: OperatingCondition, number: int) -> None:
-    """Raise where the press of an operating condition is another machine than the press itself."""
+    """Raise if the press of an operating condition is not the same machine as the press itself."""
     same = (
         (press.links, other.links, "links"),
         (press.joints, other.joints, "joints"),
@@ -328,45 +328,46 @@ def _refuse_other_press(press: Linkage, other: Linkage, condition: OperatingCond
     if what is not None:
         name = condition.name or f"number {number}"
         raise PinpressError(
-            f"operating condition {name}: its press {other.name} has other {what} than {press.name}: give the same press with"
+            f"operating condition {name}: its press {other.name} differs from {press.name} in: {what}. Give the same press with"
             " another die or stroke, made from the same file or table"
         )
 
 
 def refuse_no_regions(regions: Sequence[CounterweightRegion]) -> None:
-    """Raise PinpressError where there are no regions."""
+    """Raise PinpressError if there are no regions."""
     if not isinstance(regions, list | tuple) or not regions or not all(isinstance(each, CounterweightRegion) for each in regions):
         raise PinpressError(
-            "regions is no list of CounterweightRegion: say on which links counterweights may be,"
+            "regions is not a list of CounterweightRegion: give the links that may have counterweights, e.g."
             " [CounterweightRegion('crank', radius=0.3)]"
         )
 
 
 def _refuse_unknown(criterion: Criterion, press: Linkage) -> None:
-    """Raise where a press does not have what is measured.
+    """Raise if a press does not have the quantity of a criterion.
 
     Raises:
-        UnknownNameError: the press has no such bearing.
-        PinpressError: the driving torque of drivers that slide is asked for, or the force of others; or the range of that of several.
+        UnknownNameError: the press does not have a bearing with this name.
+        PinpressError: the criterion needs the driving torque of drivers that slide, the driving force of drivers that turn, or a range over
+            several drivers.
     """
     if criterion.bearing is not None and criterion.bearing not in press.bearings:
         raise UnknownNameError("bearing", criterion.bearing, press.bearings)
     if criterion.quantity in DRIVING and any(criterion.quantity != f"driving_{each.effort}" for each in press.driver_coordinates):
         given = (f"driver {name!r} takes a {each.effort}" for name, each in zip(press.drivers, press.driver_coordinates, strict=True))
-        remedy = "driving_torque is that of drivers that turn, driving_force that of drivers that slide"
+        remedy = "give driving_torque for drivers that turn, driving_force for drivers that slide"
         raise PinpressError(f"{criterion.words}: {', '.join(given)}; {remedy}")
     if isinstance(criterion, Range) and criterion.quantity in DRIVING and len(press.drivers) > 1:
         efforts = criterion.quantity.replace("_", " ")
-        raise PinpressError(f"{press.name} has {len(press.drivers)} {efforts}s, which have no range as a whole: take Rms or Peak")
+        raise PinpressError(f"{press.name} has {len(press.drivers)} {efforts}s, and several have no common range: take Rms or Peak")
 
 
 def _in_all(
     press: Linkage, presses: Sequence[Linkage], regions: Sequence[CounterweightRegion], inertia_counts: bool, units: Sequence[float]
 ) -> tuple[tuple[RegionVariables, ...], ...]:
-    """Regions as variables in every operating condition; ``units``: for each region the mass that one of its variables means [kg].
+    """Regions as variables in every operating condition; ``units``: for each region the mass per unit of its variables [kg].
 
     Raises:
-        PinpressError: as `region_variables`, or a region is not the same in all of them.
+        PinpressError: a region is not the same in all conditions, or as `region_variables`.
     """
     own = _variables(press, regions, inertia_counts, units)
     found = [own if each is press else _variables(each, regions, inertia_counts, units) for each in presses]
@@ -377,7 +378,7 @@ def _in_all(
 
 
 def _refuse_other_region(press: Linkage, other: Linkage, here: RegionVariables, there: RegionVariables) -> None:
-    """Raise where one of a variable is not the same body in both presses, so that one counterweight cannot be described for both."""
+    """Raise if a unit of a variable is not the same body in both presses, so that one counterweight cannot be described for both."""
     compared = [(a.masses, b.masses) for a, b in zip(here.parts, there.parts, strict=True)]
     compared += [(a.points, b.points) for a, b in zip(here.parts, there.parts, strict=True)]
     compared.append(
@@ -387,35 +388,27 @@ def _refuse_other_region(press: Linkage, other: Linkage, here: RegionVariables, 
         compared.append((np.array([here.replaced.mass]), np.array([there.replaced.mass])))
     if here.joint != there.joint or any(a.shape != b.shape or (np.abs(a - b) > ALIKE * np.abs(a).max()).any() for a, b in compared):
         raise PinpressError(
-            f"{here.region.words}: it is another body in one operating condition than in another, as the link has another frame, or its own"
-            " mass, which is replaced, is another: put the die on a link that keeps its mass, or give at, radius or corners"
+            f"{here.region.words}: operating conditions have different frames or different own masses of this link, so the region is not"
+            " the"
+            " same body in all: put the die on a link that keeps its mass, or give at, radius or corners"
         )
 
 
 def _variables(
     press: Linkage, regions: Sequence[CounterweightRegion], inertia_counts: bool, units: Sequence[float]
 ) -> tuple[RegionVariables, ...]:
-    """Regions as variables; ``units``: for each region the mass that one of its variables means [kg]."""
+    """Regions as variables; ``units``: for each region the mass per unit of its variables [kg]."""
     variables = tuple(region_variables(press, region, inertia_counts, unit) for region, unit in zip(regions, units, strict=True))
     replaced = [each.joint for each in variables if each.replaced is not None]
     for each in variables:
         if each.replaced is not None and replaced.count(each.joint) > 1:
-            raise PinpressError(f"two regions replace the mass of link {shown(each.region.link)}: let one of them add to it")
+            raise PinpressError(f"two regions replace the mass of link {shown(each.region.link)}: leave out replaces=True in one of them")
     return variables
 
 
 class _Series(NamedTuple):
-    """The series of a criterion in one operating condition, in its unit.
-
-    Attributes:
-        criterion: the criterion.
-        condition: number of the operating condition.
-        fixed: (n, components) without counterweights.
-        replaced: (n, components) of the masses that regions replace.
-        effects: (n, components, variables) of one of each of the regions' variables.
-        before: the criterion before balancing.
-        influence: the largest criterion of an effect.
-        noise: what is rounding.
+    """The series (n, components) of a criterion in one operating condition: without counterweights, of replaced masses, and per unit of
+    each variable. ``influence`` is the largest criterion of an effect, and ``noise`` the size of rounding errors.
     """
 
     criterion: Criterion
@@ -453,7 +446,7 @@ def _series_of(
         criterion: the criterion.
         number: number of the operating condition.
         reactions: reactions without counterweights.
-        responses: response to one of each variable.
+        responses: response to a unit of each variable.
         own: response to the masses that regions replace.
     """
     forces: list[ForceSeries] = [reactions, *responses, *own]
@@ -472,8 +465,8 @@ def _series_of(
 
 
 def _of_one_size(series: Sequence[_Series]) -> Iterator[Signal]:
-    """The signals of one criterion in all conditions, divided by the same size, so that the worst is that of the largest value."""
-    # Where the criterion is zero before, the effect of the regions gives the size; where they have none either, all is rounding.
+    """The signals of one criterion in all conditions, divided by the same size, so that the worst condition has the largest value."""
+    # If the criterion is zero before, the effect of the regions gives the size. If that is zero too, all values are rounding errors.
     before, influence, noise = (max(getattr(each, name) for each in series) for name in ("before", "influence", "noise"))
     size = next((size for size in (before, influence) if size > max(noise, ROUNDING * influence)), noise or 1.0)
     for each in series:
@@ -481,14 +474,15 @@ def _of_one_size(series: Sequence[_Series]) -> Iterator[Signal]:
 
 
 def _shares(variables: Sequence[RegionVariables], signals: Sequence[Signal]) -> list[float]:
-    """For every region the inverse of its largest effect, at most one."""
+    """Inverse of the largest effect of every region, at most one."""
     largest = np.max([np.abs(signal.effects).max(axis=(0, 1)) for signal in signals], axis=0) if signals else np.ones(1)
     ends = np.cumsum([len(each.mass) for each in variables])[:-1]
     return [1.0 / max(1.0, float(part.max(initial=0.0))) for part in np.split(largest, ends)]
 
 
 def _columns(variables: Sequence[RegionVariables], conditions: int) -> tuple[tuple[NDArray[np.intp], ...], int]:
-    """For every operating condition the columns of its regions' variables, and the number of all. A region that is set anew has its own in
+    """Columns of the regions' variables for every operating condition, and the number of columns. An adjusted region has separate columns
+    in
     every condition."""
     found, width = [list[NDArray[np.intp]]() for _ in range(conditions)], 0
     for each in variables:
@@ -509,7 +503,7 @@ def _spread(local: Array, columns: NDArray[np.intp], width: int) -> Array:
 
 
 def _masses(variables: Sequence[Sequence[RegionVariables]], columns: Sequence[NDArray[np.intp]], width: int) -> Array:
-    """(settings, width) mass that one of each variable means [kg]."""
+    """(settings, width) mass per unit of each variable [kg]."""
     settings = len(columns) if any(each.region.reset == "mass" for each in variables[0]) else 1
     mass = np.concatenate([each.mass for each in variables[0]])
     return np.array([_spread(mass, columns[number], width) for number in range(settings)])

@@ -1,8 +1,8 @@
 """Balancing as a convex program: the best counterweights within limits, or the limits that contradict one another.
 
-All criteria are convex functions of variables in which the forces are linear. Only the few states in which a range or a peak is reached
-decide its size. So the program begins with some states and takes in those that its solution violates, until there are none: then its
-optimum is that of all states, and its dual cost is a bound for all of them.
+All criteria are convex functions of variables in which the forces are linear. Only a few states determine a range or a peak. So the program
+starts with some states, and adds the states that its solution violates until no state is violated. Then its optimum is the optimum over all
+states, and its dual cost is a bound for all of them.
 """
 
 from __future__ import annotations
@@ -19,26 +19,26 @@ from ..common.quantities import Array
 from .problem import AddedMass, BalancingProblem, Range, Rms, Signal, Target, limit_words
 
 Program = tuple[Array, tuple[Rows, ...]]  # cost and constraints
-FIRST_STATES = 24  # states of a motion with which a program begins, besides the extremes of each signal's parts
-VIOLATED = 1e-10  # a state violates the program's extreme by more than this share of the criterion before balancing
-MOST_ROUNDS = 60  # most rounds of taking in states; ten are many
-LARGEST = 10.0  # times the moving mass: counterweights without limits that would weigh more grow without end
-OTHERS = 1e-5  # worth of the mean over all conditions, beside the worst, where counterweights are set anew in each
-LIGHTER = 1e-6  # worth of saving the whole moving mass, as a share of the objective before balancing; the lightest of equals wins
-ZERO = 1e-10  # values below this share of a criterion before balancing, or of the largest effect on it, are rounding
+FIRST_STATES = 24  # states of a motion with which a program starts, in addition to the extremes of each signal's parts
+VIOLATED = 1e-10  # a state violates the program if it exceeds the extreme by more, as a share of the criterion before balancing
+MOST_ROUNDS = 60  # most rounds of adding states; ten rounds are already many
+LARGEST = 10.0  # unlimited counterweights above 10 times the moving mass count as growing without limit
+OTHERS = 1e-5  # weight of the mean over all conditions, next to the worst, with adjustable counterweights
+LIGHTER = 1e-6  # value of saving the whole moving mass, as a share of the objective before: the lightest of equal optima wins
+ZERO = 1e-10  # values below this share of a criterion before balancing, or of the largest effect on it, are rounding error
 INVOLVED = 1e-6  # a limit with a smaller part in a contradiction, whose parts sum to one, is not named
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ProvenOptimum:
-    """The best values of a problem's variables, with the proof that none are better.
+    """The best values of a problem's variables, with the proof of the optimum.
 
     Attributes:
         variables: (variables,) the best values.
         bound: no values have a lower objective, weighted and relative to before balancing.
         residual: largest violation of the conditions of optimality.
         rows: constraints of the program.
-        prices: dual variables of each constraint: the fall of the objective for a bound that is raised by one.
+        prices: dual variables of each constraint: the fall of the objective per unit by which a bound is raised.
     """
 
     variables: Array
@@ -49,17 +49,17 @@ class ProvenOptimum:
 
 
 def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float]) -> ProvenOptimum:
-    """Find the variables with the least objective within limits, and the lightest of equal ones (`LIGHTER`).
+    """Find the variables with the least objective within limits, and the lightest of equally good variables (`LIGHTER`).
 
-    Where something is set anew in every operating condition and the worst one counts, all others get what is best for them too (`OTHERS`).
+    If the worst condition counts and counterweights are adjusted, the other conditions get their best adjustment too (`OTHERS`).
 
     Args:
         problem: the problem, with the signals of all criteria.
         objective: targets with their weights; each counts relative to its value before balancing in the worst operating condition.
-        limits: the most of each target in all operating conditions, in its unit.
+        limits: largest value of each target in all operating conditions, in its unit.
 
     Raises:
-        InfeasibleError: no variables are within the limits.
+        InfeasibleError: no variables keep the limits.
         PinpressError: the program was not solved.
     """
     problem = _restricted(problem, [*objective, *limits])
@@ -76,17 +76,16 @@ def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: 
 
 
 def infeasible_limits(problem: BalancingProblem, limits: Mapping[Target, float]) -> str:
-    """Say in words which limits cannot be met together, and by how much they must be relaxed.
+    """A text that names the limits that cannot be met together, and by how much they must be relaxed.
 
-    All limits are relaxed by one share of their criteria before balancing (limits of masses: of themselves or the moving mass), the least
-    share that makes them possible. The limits whose dual variables are then not zero are those that contradict one another.
+    All limits are relaxed by the same share of their criteria before balancing (mass limits: of the limit or of the moving mass). The
+    program finds the least possible share. The limits whose dual variables are not zero then contradict one another.
     """
     share, parts = _least_relaxation(problem, limits)
     names = list(dict.fromkeys(name for name, part in parts if part > INVOLVED)) or [name for name, _ in parts]
     return (
-        f"no counterweights in these regions fulfil {' and '.join(f'the {name}' for name in names)}: they would if each were relaxed by"
-        f" {100 * share:.3g} % (of its criterion before balancing; a mass limit: of itself or of the moving mass); allow more, or larger"
-        " regions"
+        f"no counterweights in these regions keep {' and '.join(f'the {name}' for name in names)}: relax each limit by {100 * share:.3g} %"
+        " (of its criterion before balancing; a mass limit: of the limit or of the moving mass), or give larger regions"
     )
 
 
@@ -96,21 +95,21 @@ def objective_value(problem: BalancingProblem, objective: Mapping[Target, float]
 
 
 def over_conditions(problem: BalancingProblem, values: Sequence[float]) -> float:
-    """What counts of the values of a target in all conditions, or of one that is the same in all: the largest, or the weighted mean."""
+    """The value of a target over all conditions: the largest, or the weighted mean; a single value holds for all conditions."""
     if problem.shares is None or len(values) == 1:
         return max(values)
     return float(problem.shares @ values)
 
 
 def _values(problem: BalancingProblem, target: Target, u: Array) -> list[float]:
-    """The values of a target in all conditions, relative to before balancing; one where masses are the same in all."""
+    """The values of a target in all conditions, relative to before balancing; one value for masses that are the same in all."""
     if isinstance(target, AddedMass):
         return [float(mass - problem.replaced_mass) / problem.moving_mass for mass in problem.mass @ u]
     return [target.of(signal.at(u)) for signal in problem.signals if signal.criterion == target]
 
 
 def _least_relaxation(problem: BalancingProblem, limits: Mapping[Target, float]) -> tuple[float, list[tuple[str, float]]]:
-    """The least share by which all numerical limits, those of regions too, must be relaxed, and the name and part of each in it."""
+    """The least share by which all numerical limits (also of regions) must be relaxed, and the name and part of each limit."""
     problem = _restricted(problem, limits)
     states = {signal: _first_states(signal) for signal in problem.signals}
     best, rows = _over_all_states(problem, states, lambda: _relaxed(*_program(problem, {}, limits, states, zero_as_equations=False)))
@@ -119,7 +118,7 @@ def _least_relaxation(problem: BalancingProblem, limits: Mapping[Target, float])
 
 
 def _restricted(problem: BalancingProblem, targets: Collection[Target]) -> BalancingProblem:
-    """The problem with the signals of these targets alone."""
+    """The problem with only the signals of these targets."""
     return replace(problem, signals=tuple(signal for signal in problem.signals if signal.criterion in targets))
 
 
@@ -129,7 +128,7 @@ def _restricted(problem: BalancingProblem, targets: Collection[Target]) -> Balan
 def _over_all_states(
     problem: BalancingProblem, states: dict[Signal, Array], program: Callable[[], Program]
 ) -> tuple[Optimum, tuple[Rows, ...]]:
-    """The optimum over all states. ``program`` makes the program over the states taken in so far, ``states``, which grow here."""
+    """The optimum over all states. ``program`` makes the program over ``states``, to which this function adds states."""
     for _ in range(MOST_ROUNDS):
         cost, rows = program()
         optimum = minimise(cost, rows, remedy="give counterweights a largest mass, and limits that are neither very large nor very small")
@@ -137,18 +136,18 @@ def _over_all_states(
         if not any(len(more) for more in found.values()):
             return optimum, rows
         states.update({signal: np.union1d(states[signal], more) for signal, more in found.items()})
-    raise PinpressError(f"the optimum was not found within {MOST_ROUNDS} rounds: give fewer states or bring limits to sensible sizes")
+    raise PinpressError(f"the optimum was not found within {MOST_ROUNDS} rounds: give fewer states, or limits of a realistic size")
 
 
 def _first_states(signal: Signal) -> Array:
-    """Indices of the states with which a program begins."""
+    """Indices of the states with which a program starts."""
     series = np.concatenate([signal.fixed[:, :, None], signal.effects], axis=2).reshape(len(signal.fixed), -1)
     even = np.linspace(0, len(series) - 1, FIRST_STATES).astype(int)
     return np.unique(np.concatenate([even, series.argmax(axis=0), series.argmin(axis=0)]))
 
 
 def _violated(signal: Signal, u: Array, states: Array) -> Array:
-    """Indices of states beyond the extremes of the states taken in: the local maxima of a signal there, and for a range its minima."""
+    """Indices of states outside the extremes of the program's states: local maxima of a signal, and for a range also local minima."""
     series = signal.at(u)
     if isinstance(signal.criterion, Rms):
         return np.empty(0, int)
@@ -170,10 +169,10 @@ class _Columns:
 
     Attributes:
         regions: number of the regions' variables, which come first.
-        bounds: column of the upper bound of each target of the objective in each condition that counts; one for all where the worst does.
-        worst: column of a bound in one condition -> column of the bound of the worst, where both count.
+        bounds: column of the upper bound of each target of the objective in each condition; one column for all if only the worst counts.
+        worst: column of a bound in one condition -> column of the bound in the worst condition, if both count.
         costs: cost of each of these columns.
-        extremes: column of the largest value of each signal of a range; the smallest value is in the next column.
+        extremes: column of the largest value of each signal of a range; the next column has the smallest value.
         width: number of all variables.
     """
 
@@ -185,7 +184,7 @@ class _Columns:
     width: int
 
     def wide(self, on_regions: Array, more: Mapping[int, float] | None = None) -> Array:
-        """Coefficients (rows, width) from those on the regions' variables (rows, regions), and on others by their columns."""
+        """Coefficients (rows, width) from coefficients of the regions' variables (rows, regions); ``more``: column -> coefficient."""
         coefficients = np.zeros((len(on_regions), self.width))
         coefficients[:, : self.regions] = on_regions
         for column, coefficient in (more or {}).items():
@@ -194,12 +193,8 @@ class _Columns:
 
 
 class _Ceiling(NamedTuple):
-    """A number below which a target must stay, divided by its size.
-
-    Attributes:
-        column: column of a variable that is added to the number; None for a limit.
-        number: the number.
-        name: name of the limit; empty for the bound of a target of the objective.
+    """An upper bound of a target, divided by its size: a number plus the variable in ``column`` (None for a limit); an objective's bound
+    has no name.
     """
 
     column: int | None
@@ -207,7 +202,7 @@ class _Ceiling(NamedTuple):
     name: str
 
     def slope(self, size: float = 1.0) -> dict[int, float]:
-        """Coefficients on the variables beyond the regions' ones, by their columns."""
+        """Column -> coefficient of the variables that do not belong to regions."""
         return {} if self.column is None else {self.column: -1.0 / size}
 
 
@@ -219,15 +214,15 @@ def _program(
     zero_as_equations: bool = True,
     others: bool = False,
 ) -> Program:
-    """Cost and constraints over the states taken in.
+    """Cost and constraints over the program's states.
 
     Args:
         problem: the problem.
         objective: targets with their weights.
-        limits: the most of each target.
+        limits: largest value of each target.
         states: indices of the states of each signal.
         zero_as_equations: whether limits of zero become equations.
-        others: whether the mean over all conditions counts a little, beside the worst.
+        others: whether the mean over all conditions counts a little, in addition to the worst.
     """
     columns = _columns(problem, objective, others)
     rows = [replace(part, matrix=columns.wide(part.matrix)) for part in problem.rows]
@@ -268,14 +263,14 @@ def _columns(problem: BalancingProblem, objective: Mapping[Target, float], other
 
 
 def _preferring_light(problem: BalancingProblem, cost: Array, rows: tuple[Rows, ...]) -> Program:
-    """The program that prefers the lighter of equally good counterweights."""
+    """The program with a small cost of mass, which prefers the lightest of equally good counterweights."""
     mass = np.zeros_like(cost)
     mass[: problem.size] = problem.mass.mean(axis=0) / problem.moving_mass
     return cost + LIGHTER * mass, rows
 
 
 def _relaxed(cost: Array, rows: tuple[Rows, ...]) -> Program:
-    """The program of the least relaxation, one more variable, of all named constraints that are numerical."""
+    """The program of the least relaxation of all named numerical constraints; the share of relaxation is one more variable."""
     more = []
     for part in rows:
         relaxation = np.zeros((len(part.bound), 1))
@@ -286,7 +281,7 @@ def _relaxed(cost: Array, rows: tuple[Rows, ...]) -> Program:
 
 
 def _ceilings(target: Target, condition: int, size: float, columns: _Columns, limits: Mapping[Target, float]) -> Iterator[_Ceiling]:
-    """The bound of a target of the objective in an operating condition, and the limit of a target that is limited."""
+    """The upper bounds of a target in an operating condition: its variable in the objective, and its limit."""
     if (target, condition) in columns.bounds:
         yield _Ceiling(columns.bounds[target, condition], 0.0, "")
     if target in limits:
@@ -296,7 +291,7 @@ def _ceilings(target: Target, condition: int, size: float, columns: _Columns, li
 def _signal_rows(
     signal: Signal, columns: _Columns, states: Array, limits: Mapping[Target, float], zero_as_equations: bool
 ) -> Iterator[Rows]:
-    """The constraints that hold a signal's criterion below its bound and limit."""
+    """The constraints that keep a signal's criterion below its bound and limit."""
     if signal in columns.extremes:
         effects, fixed, high = signal.effects[states], signal.fixed[states], columns.extremes[signal]
         yield Rows(AT_MOST, columns.wide(effects[:, 0], {high: -1.0}), -fixed[:, 0])
@@ -309,7 +304,7 @@ def _signal_rows(
 
 
 def _below(signal: Signal, columns: _Columns, states: Array, ceiling: _Ceiling) -> Iterator[Rows]:
-    """The constraints that hold a signal's criterion below a ceiling over the states taken in."""
+    """The constraints that keep a signal's criterion below a ceiling in the program's states."""
     effects, fixed = signal.effects[states], signal.fixed[states]
     if isinstance(signal.criterion, Range):
         high, nothing = columns.extremes[signal], np.zeros((1, effects.shape[2]))
@@ -325,13 +320,13 @@ def _below(signal: Signal, columns: _Columns, states: Array, ceiling: _Ceiling) 
 
 
 def _cone(columns: _Columns, effects: Array, fixed: Array, ceiling: _Ceiling, unit: float) -> Rows:
-    """The constraint that holds the length of ``fixed + effects @ u`` below a ceiling."""
+    """The constraint that keeps the length of ``fixed + effects @ u`` below a ceiling."""
     coefficients = np.concatenate([columns.wide(np.zeros((1, effects.shape[1])), ceiling.slope()), columns.wide(-effects)])
     return Rows(CONE, coefficients, np.concatenate([[ceiling.number], fixed]), ceiling.name, unit)
 
 
 def _rms_factor(signal: Signal) -> tuple[Array, Array]:
-    """Matrix (r, variables) and vector (r,) with which the length of ``vector + matrix @ u`` is the rms of a signal."""
+    """Matrix (r, variables) and vector (r,) so that the length of ``vector + matrix @ u`` is the rms of a signal."""
     both = np.concatenate([signal.effects, signal.fixed[:, :, None]], axis=2)
     both = both.reshape(-1, both.shape[2]) / np.sqrt(len(both))
     factor = np.asarray(np.linalg.qr(both, mode="r"))
@@ -339,7 +334,7 @@ def _rms_factor(signal: Signal) -> tuple[Array, Array]:
 
 
 def _constant_signal(signal: Signal, columns: _Columns, name: str) -> Rows:
-    """Equations, none of them redundant, that keep a signal constant, or at zero where its peak is measured.
+    """Independent equations that keep a signal constant, or at zero for a peak.
 
     Raises:
         InfeasibleError: no variables fulfil them.
@@ -354,7 +349,7 @@ def _constant_signal(signal: Signal, columns: _Columns, name: str) -> Rows:
 
 
 def _added_mass_rows(problem: BalancingProblem, columns: _Columns, limits: Mapping[Target, float]) -> Iterator[Rows]:
-    """The constraints that hold the added mass below its bound and limit."""
+    """The constraints that keep the added mass below its bound and limit."""
     for condition, added in enumerate(problem.mass):
         for ceiling in _ceilings(AddedMass(), condition, problem.moving_mass, columns, limits):
             most = problem.replaced_mass / problem.moving_mass + ceiling.number

@@ -1,9 +1,9 @@
-"""Regions for counterweights: on which links, where and how heavy counterweights may be, and the linear variables that describe them.
+"""Regions for counterweights: links, places and masses of counterweights, and the linear variables that describe them.
 
-In a planar press a body fixed to a link counts by four numbers: its mass m, its mass moment h = (h1, h2) and its moment of inertia J about
-the region's centre. Material spread over a region can have all values with h in m times the region, and J between that of a point mass,
-h^2 / m, and that of the material at the far end of the region. These values form a convex cone, so that the best of all shapes and places
-is found.
+In a planar press four numbers describe a body on a link: its mass m, its mass moment h = (h1, h2) and its moment of inertia J about the
+region's centre. Material spread over a region can have all values with h in m times the region, and with J between h^2 / m (a point mass)
+and the value for material at the far end of the region. These values form a convex cone, so the program finds the best of all shapes and
+places.
 """
 
 from __future__ import annotations
@@ -26,34 +26,32 @@ from .counterweights import PointMasses, carrying_joint, rigid_body, unit_tensor
 
 Vector = tuple[float, float, float]
 RESETS = ("", "mass", "position")
-FLAT = 1e-9  # corners this close to a plane are in it, as a share of the press's size
+FLAT = 1e-9  # corners closer to a plane, as a share of the press's size, count as in the plane
 
 
 @dataclass(frozen=True)
 class CounterweightRegion:
     """The region of a link in which a counterweight may be, and its mass. All positions are in the link's own frame [m].
 
-    The place is either the point ``at``, or the circle of ``radius`` about ``centre`` in the plane of motion, or the hull of ``corners``
-    (a segment or polygon) in one plane of motion. With ``replaces`` and none of these the counterweight is the link's own mass, which keeps
-    its shape and centre and gets another size.
+    The place is a point ``at``, a circle of ``radius`` about ``centre`` in the plane of motion, or the hull of ``corners`` (a segment or
+    polygon) in a plane of motion. With ``replaces`` and without a place the counterweight is the link's own mass, which keeps its shape and
+    centre but gets another size.
 
     Attributes:
         link: name of the link.
-        mass: least and most mass [kg]. A hole has a negative mass and is possible only ``at`` a point.
+        mass: least and largest mass [kg]. A hole has a negative mass, and is possible only ``at`` a point.
         at: (3,) point [m].
         radius: radius of the circle [m].
         centre: (3,) centre of the circle [m].
         corners: (k, 3) corners of the polygon [m].
-        gyration: radius of gyration of the counterweight's material about the normal of the plane (in a press that is not planar, about
+        gyration: radius of gyration of the counterweight's material about the normal of the plane (in a press that is not planar: about
             every axis), in addition to the spread over circle or polygon [m].
-        replaces: whether the counterweight takes the place of the link's own mass.
-        reset: what is set anew in every operating condition, as with every change of the die: "mass", at a place that stays (``at``, or the
-            link's own shape); "position", where the material of a mass that stays is placed anew within ``radius`` or ``corners``; "" for
-            nothing.
+        replaces: whether the counterweight replaces the link's own mass.
+        reset: what is adjusted in every operating condition, e.g. with each change of the die: "mass": the mass at a fixed place (``at``,
+            or the link's own shape); "position": the position of a fixed mass within ``radius`` or ``corners``; "": nothing.
 
     Raises:
-        PinpressError: the place is missing or given twice, a number is not finite or negative where it must not be, or what is to be set
-            anew does not go with the place.
+        PinpressError: the place is missing or given twice, a number is not finite or negative, or reset does not suit the place.
     """
 
     link: str
@@ -80,7 +78,7 @@ class CounterweightRegion:
                 suitable_numbers(f"{self.words}: {name}", length, "a length that is not negative [m]", suits=lambda size: size >= 0)
         self._refuse_wrong_reset()
         if self.gyration and not places:
-            raise PinpressError(f"{self.words}: the link keeps its own shape, and its radius of gyration with it: leave gyration out")
+            raise PinpressError(f"{self.words}: the link keeps its own shape and radius of gyration: leave out gyration")
 
     def _checked_corners(self) -> tuple[Vector, ...]:
         if isinstance(self.corners, list | tuple) and not self.corners:
@@ -90,11 +88,11 @@ class CounterweightRegion:
 
     def _refuse_wrong_place(self, places: int) -> None:
         if places > 1:
-            raise PinpressError(f"{self.words}: give one of at, radius and corners")
+            raise PinpressError(f"{self.words}: its place is given twice: give one of at, radius and corners")
         truth_value(f"{self.words}: replaces", self.replaces)
         if not places and not self.replaces:
             raise PinpressError(
-                f"{self.words}: give its place: at, radius or corners (or replaces=True, for another mass of the link itself)"
+                f"{self.words}: its place is missing: give at, radius or corners (or replaces=True, for another mass of the link itself)"
             )
 
     def _refuse_wrong_reset(self) -> None:
@@ -103,20 +101,22 @@ class CounterweightRegion:
         has_shape = self.radius is not None or bool(self.corners)
         if self.reset == "mass" and has_shape:
             raise PinpressError(
-                f"{self.words}: a mass that is set anew needs a place that stays, at=...; within a shape reset='position' moves it"
+                f"{self.words}: reset='mass' needs a fixed place: give at=..., or reset='position' for a mass that moves within a shape"
             )
         if self.reset == "position" and not has_shape:
-            raise PinpressError(f"{self.words}: a position that is set anew needs room, radius=... or corners=...; at a point reset='mass'")
+            raise PinpressError(f"{self.words}: reset='position' needs room: give radius=... or corners=..., or reset='mass' at a point")
 
     def _refuse_wrong_mass(self) -> None:
         mass = any_numbers(f"{self.words}: mass", self.mass)
         low, high = map(float, mass) if mass.shape == (2,) else (math.nan, math.nan)
         if not -math.inf < low <= high:
             raise PinpressError(
-                f"{self.words}: mass is {shown(self.mass)}: give the least and the most, as (0, 500) [kg]; the most may be math.inf"
+                f"{self.words}: mass is {shown(self.mass)}: give least and largest mass, e.g. (0, 500) [kg]; the largest may be math.inf"
             )
         if low < 0 and (self.at is None or self.replaces):
-            raise PinpressError(f"{self.words}: its least mass is {low:g} kg, but only a hole at a point, at=..., has a negative one")
+            raise PinpressError(
+                f"{self.words}: its least mass is {low:g} kg, but only a hole at a point may have a negative mass: give at=..."
+            )
 
     @property
     def words(self) -> str:
@@ -129,13 +129,13 @@ class RegionVariables:
     """A region as variables of the convex program, all about one in size.
 
     Attributes:
-        region: the region as it was given.
+        region: the given region.
         joint: Pinocchio joint that carries the link.
-        parts: for each variable, the point masses that one of it stands for.
-        mass: (variables,) mass that one of each variable means [kg].
-        replaced: inertia that the link loses, in the joint's frame; None where the link keeps its mass.
-        rows: constraints on these variables alone; those on the mass have a name.
-        filling: gives the inertia of the counterweight, in the joint's frame, at values (variables,).
+        parts: point masses that a unit of each variable represents.
+        mass: (variables,) mass per unit of each variable [kg].
+        replaced: inertia that the link loses, in the joint's frame; None if the link keeps its mass.
+        rows: constraints on only these variables; constraints on the mass have a name.
+        filling: computes the inertia of the counterweight, in the joint's frame, from values (variables,).
     """
 
     region: CounterweightRegion
@@ -154,11 +154,11 @@ def region_variables(press: Linkage, region: CounterweightRegion, inertia_counts
         press: the press.
         region: the region.
         inertia_counts: whether the measured forces depend on moments of inertia.
-        unit: mass that one of a variable means [kg].
+        unit: mass per unit of a variable [kg].
 
     Raises:
-        UnknownNameError: the press has no such link.
-        PinpressError: the link does not move, the region has a shape in a press that is not planar, or its corners are in different planes.
+        UnknownNameError: the press does not have a link with this name.
+    PinpressError: the link does not move, the region has a shape in a press that is not planar, or its corners are in different planes.
     """
     if region.link not in press.links:
         raise UnknownNameError("link", region.link, press.links)
@@ -187,8 +187,9 @@ def _point_variables(press: Linkage, region: CounterweightRegion, joint: int, re
 def _shape_variables(
     press: Linkage, region: CounterweightRegion, joint: int, replaced: pin.Inertia | None, inertia_counts: bool, unit: float
 ) -> RegionVariables:
-    """A region with a shape. In a circle the variables are mass and mass moment, in a polygon the masses at its corners; where it counts,
-    the moment of inertia about the centre is one more."""
+    """A region with a shape. The variables are mass and mass moment in a circle, or masses at the corners of a polygon. If moments of
+    inertia
+    count, the moment of inertia about the centre is one more variable."""
     shape = _shape(press, region, joint)
     moments = _moments(shape.corners, inertia_counts)
     own_spread = (region.gyration / shape.size) ** 2 * moments[0]
@@ -214,14 +215,7 @@ def _shape_variables(
 
 
 class _RegionShape(NamedTuple):
-    """A circle or polygon in the plane of motion.
-
-    Attributes:
-        centre: (3,) centre in the joint's frame [m].
-        in_plane: (2, 3) directions of the plane in the joint's frame.
-        size: radius of the circle about the centre that holds the region [m].
-        corners: (q, 2) corners from the centre, divided by the size; None for a circle.
-    """
+    """A circle (``corners`` is None) or polygon (``corners`` (q, 2) from the centre, divided by the size) in the plane of motion."""
 
     centre: Array
     in_plane: Array
@@ -230,21 +224,21 @@ class _RegionShape(NamedTuple):
 
 
 def _shape(press: Linkage, region: CounterweightRegion, joint: int) -> _RegionShape:
-    plane = press.plane_of_motion(f"{region.words}: {press.name} is not planar: give a point, at=..., there")
+    plane = press.plane_of_motion(f"{region.words}: {press.name} is not planar: give a point, at=...")
     frame = plane.frames[joint - 1]
     ends = np.array([carrying_joint(press, region.link, end, region.words)[1] for end in region.corners or [region.centre]])
     centre = ends.mean(axis=0)
     arms = (ends - centre) @ frame.T
     if np.abs(arms[:, 2]).max() > FLAT * plane.size:
-        raise PinpressError(f"{region.words}: its corners are in different planes of motion: give them one coordinate along the normal")
+        raise PinpressError(f"{region.words}: its corners are in different planes of motion: give all the same coordinate along the normal")
     size = float(region.radius) if region.radius is not None else float(np.linalg.norm(arms, axis=1).max())
     if not size > 0:
-        raise PinpressError(f"{region.words} has no extent: give a point, at=..., instead")
+        raise PinpressError(f"{region.words}: its size is zero: give a point, at=..., instead")
     return _RegionShape(centre, frame[:2], size, arms[:, :2] / size if region.corners else None)
 
 
 def _moments(corners: Array | None, inertia_counts: bool) -> Array:
-    """Mass, mass moment (two rows) and moment of inertia (4, variables) of one of each variable, in units of mass and size."""
+    """Mass, mass moment (two rows) and moment of inertia (4, variables) per unit of each variable, in units of mass and size."""
     if corners is None:
         return np.eye(4)[:, : 3 + inertia_counts]
     moments = np.zeros((4, len(corners) + inertia_counts))
@@ -272,7 +266,7 @@ def _shape_rows(region: CounterweightRegion, shape: _RegionShape, moments: Array
 
 
 def _mass_rows(region: CounterweightRegion, mass: Array, positive: bool) -> tuple[Rows, ...]:
-    """Constraints by the least and the most mass; ``positive``: other constraints keep the mass from being negative."""
+    """Constraints by the least and the largest mass; ``positive``: other constraints already exclude negative masses."""
     low, high = region.mass
     rows = []
     if low > 0 or not positive:
@@ -285,7 +279,7 @@ def _mass_rows(region: CounterweightRegion, mass: Array, positive: bool) -> tupl
 
 
 def _cross(press: Linkage, link: str, centre: Array, arms: Array, amounts: Array) -> PointMasses:
-    """Five point masses, at a centre (3,) and at both ends of two arms (2, 3) through it, with given moments.
+    """Five point masses with given moments, at a centre (3,) and at both ends of two arms (2, 3) through the centre.
 
     ``amounts``: mass, mass moment along both arms, and moment of inertia (4,), in units of mass and of the arms' length.
     """
@@ -296,7 +290,7 @@ def _cross(press: Linkage, link: str, centre: Array, arms: Array, amounts: Array
 
 
 def points_of(press: Linkage, link: str, inertia: pin.Inertia) -> PointMasses:
-    """Point masses with the mass, centre of mass and inertia tensor of a body; its inertia is in the frame of the link's joint."""
+    """Point masses with the mass, centre of mass and inertia tensor of a body, whose inertia is in the frame of the link's joint."""
     second = 0.5 * np.trace(inertia.inertia) * np.eye(3) - inertia.inertia  # second moments of mass about the centre, the integral of r r'
     spreads, directions = np.linalg.eigh(second)
     if not spreads.max() > 0:

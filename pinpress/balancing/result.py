@@ -23,7 +23,7 @@ from .counterweights import Counterweight, OperatingCondition, moving_mass
 from .problem import AddedMass, Criterion, Peak, Range, Target, limit_words
 
 MASS = AddedMass()
-FINER = 8  # states for each of a motion's, with which criteria are evaluated between these
+FINER = 8  # factor for the number of states with which criteria are evaluated between a motion's states
 
 
 @dataclass(frozen=True, repr=False)
@@ -44,7 +44,7 @@ class CriterionChange(Record):
 
     @property
     def change(self) -> float:
-        """Relative change [-]; NaN where the value before is zero."""
+        """Relative change [-]; NaN if the value before is zero."""
         return self.after / self.before - 1.0 if self.before else float("nan")
 
     @property
@@ -65,12 +65,11 @@ class CriterionChange(Record):
 
 @dataclass(frozen=True, repr=False)
 class ActiveConstraint(Record):
-    """A constraint that holds the optimum back.
+    """A constraint that is active at the optimum.
 
     Attributes:
-        constraint: the constraint in words.
-        price: fall of the objective when the limit is relaxed by one, in the objective's unit per unit of the limit; None where the
-            constraint is the shape of a region, which is not a number.
+        constraint: the constraint as text.
+        price: fall of the objective per unit by which the limit is relaxed; None for the shape of a region, which is not a number.
     """
 
     constraint: str
@@ -83,27 +82,27 @@ class BalancedPress(Tabular):
 
     Attributes:
         original: the press before balancing.
-        press: the press with its counterweights, which `write_urdf` writes; those that are set anew are as in the first condition.
-        presses: the balanced press in every operating condition, with its die and stroke, and the counterweights as they are set there.
-        conditions: operating conditions in which it was balanced.
-        objective: criteria with their weights.
-        limits: limits as they were given.
-        shares: (conditions,) weights of the operating conditions, with the sum one; None where the worst counts.
-        counterweights: counterweights in the first condition in the order of the regions, without those of zero mass. Where a region
-            replaces a link's own mass, its counterweight is all of that mass.
-        settings: counterweights in every condition; they differ where regions are set anew.
-        added_mass: mass that balancing adds in all, in the condition where it is most [kg].
-        value: the objective reached, in the worst condition or as the mean by shares. For one criterion it has the criterion's unit; for
-            several with weights it is their sum, each relative to its largest value before.
-        unit: unit of the value; empty where the value is relative.
+        press: the press with its counterweights, which `write_urdf` writes; adjustable counterweights are those of the first condition.
+        presses: the balanced press in every operating condition, with the die, the stroke and the counterweights of this condition.
+        conditions: operating conditions for which the press was balanced.
+        objective: criterion -> weight.
+        limits: the given limits.
+        shares: (conditions,) weights of the operating conditions, with the sum one; None if the worst condition counts.
+        counterweights: counterweights in the first condition in the order of the regions, without zero masses. If a region replaces a
+            link's own mass, the counterweight is the whole new mass.
+        settings: counterweights in every condition, which differ if regions are adjusted.
+        added_mass: total mass that balancing adds, in the condition with the largest mass [kg].
+        value: objective in the worst condition, or mean by shares. A single criterion has its unit; several criteria are summed with
+            weights, each relative to its largest value before.
+        unit: unit of the value; empty if the value is relative.
         bound: proven lower bound of the objective for all counterweights in these regions, at the states of the motion. The difference from
-            ``value`` is the part left unproved and the cost of preferring lighter counterweights.
+            ``value`` is the unproved part and the cost of preferring lighter counterweights.
         residual: largest violation of the conditions of optimality, relative to before.
-        changes: changes of the criteria of the objective, then of those that are limited, condition by condition.
-        active: constraints that hold the optimum back.
-        reactions_before: reactions of the press before balancing in every operating condition, with the measured bearings alone.
-        reactions_after: reactions of the balanced press in these motions. A run of the balanced press itself, under its drive, has another
-            motion: simulate it.
+        changes: changes of the criteria of the objective, then of the limited criteria, condition by condition.
+        active: constraints that are active at the optimum.
+        reactions_before: reactions of the press before balancing in every operating condition, with only the measured bearings.
+        reactions_after: reactions of the balanced press in the same motions. Under its drive the balanced press has another motion:
+            simulate it for that.
     """
 
     original: Linkage
@@ -127,10 +126,10 @@ class BalancedPress(Tabular):
 
     @cached_property
     def between_states(self) -> float | None:
-        """Share of its value before by which a criterion of the objective or a limit is larger between the states at most [-].
+        """Largest excess of a criterion between the states, as a share of its value before [-].
 
-        The proof is that for the states of the motions; this is with eight times as many. None where a motion is not one period at constant
-        speed, of which nothing is known between its states.
+        The proof holds at the states of the motions. This check uses eight times the number of states. None if a motion is not one period
+        at constant speed: then its positions between states are not known.
         """
         worst = 0.0
         for number, (press, condition) in enumerate(zip(self.presses, self.conditions, strict=True)):
@@ -154,10 +153,10 @@ class BalancedPress(Tabular):
 
     @cached_property
     def side_effects(self) -> Records[CriterionChange]:
-        """Changes of the criteria that were neither minimised nor limited, condition by condition; computed when first asked for.
+        """Changes of the criteria that were neither minimised nor limited, condition by condition; computed at the first access.
 
-        They are the range of the driving torque or force (of several their peak), the peak of every bearing force, and the range of every
-        component of shaking force and shaking moment, without the criteria in `changes`. A value that is rounding is 0, and a criterion
+        They are the range of the driving torque or force (of several drivers the peak), the peak of every bearing force, and the range of
+        every component of shaking force and shaking moment, without the criteria in `changes`. A rounding error counts as 0. A criterion
         that is 0 before and after in all operating conditions is left out.
         """
         return _side_effects(self)
@@ -196,7 +195,7 @@ def _criteria_of(press: Linkage) -> Iterator[Criterion]:
 
 
 def _without_rounding(criterion: Criterion, reactions: Reactions, least: Rounding) -> float:
-    """The value of a criterion, 0 where it is rounding."""
+    """The value of a criterion; 0 for a rounding error."""
     value = criterion.value(reactions)
     return value if value > (least.force if criterion.unit == "N" else least.moment) else 0.0
 

@@ -1,4 +1,4 @@
-"""Lengths of a linkage that meet requirements best.
+"""Find the lengths of a linkage that meet requirements best.
 
     found = pp.synthesis.synthesise(
         press,
@@ -9,7 +9,7 @@
     )
     print(found)
 
-Goals and limits are functions of a `Trial`: the motion and forces of the press with the lengths that are tried. Their gradients are exact.
+Objectives and limits are functions of a `Trial`: the motion and forces of the press with trial lengths. Their gradients are exact.
 """
 
 from ..common.public_names import public_names

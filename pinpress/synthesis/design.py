@@ -1,8 +1,8 @@
-"""A press with one set of variables: the `Trial` that objectives and constraints are functions of, and the `Design` behind it.
+"""A press with one set of variables: the `Trial`, the argument of objectives and constraints, and the `Design` behind it.
 
-An objective is a plain NumPy function of a `Trial`. Its exact gradient is found by a complex step: for each variable the function is called
-once with a trial whose arrays are complex, value + i h derivative, where h is so small that h^2 vanishes in rounding. The imaginary part of
-the returned value is then h times its derivative. The derivatives of motion and reactions are exact (`pinpress.derivatives`).
+An objective is a plain NumPy function of a `Trial`. A complex step gives its exact gradient: for each variable the function is called once
+with a trial whose arrays are complex, value + i h derivative. h is so small that h^2 is less than a rounding error. The imaginary part of
+the result is then h times its derivative. The derivatives of motion and reactions are exact (`pinpress.derivatives`).
 """
 
 from __future__ import annotations
@@ -34,23 +34,23 @@ from ..kinematics.motion import Motion, of_states
 from ..linkage.linkage import Linkage, SlideGuide
 from ..loads.link import Load
 
-SHARED = "several bearings share forces that rigid-body mechanics leaves open, so their derivatives are not known: use driving_torque"
-OUT_OF_PLANE = "the links lie in several planes, so the derivatives of moments are not known: use forces or driving_torque"
+SHARED = "redundant bearings share forces, so the derivatives of these forces are not known: use driving_torque"
+OUT_OF_PLANE = "the links are in several planes, so the derivatives of moments are not known: use forces or driving_torque"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trial(Frozen):
     """A press with one set of variables, from which objectives and constraints are computed.
 
-    Its arrays are complex where a gradient is worked out. Write a function of a trial with NumPy's arithmetic, sums, ``min``, ``max``,
-    ``ptp``, ``sqrt``, ``sin`` and the like, which take complex numbers, and compare real parts. Instead of ``abs(x)``, ``hypot`` and
-    ``arctan2`` write ``np.where(x.real < 0, -x, x)``, ``np.sqrt(x * x + y * y)`` and ``np.arctan(y / x)``. `synthesise` refuses a function
-    whose gradient differs from that of its values.
+    For a gradient the arrays are complex. So write a function of a trial with NumPy functions that take complex numbers: arithmetic, sums,
+    ``min``, ``max``, ``ptp``, ``sqrt``, ``sin`` and similar ones. Compare real parts. Instead of ``abs(x)``, ``hypot`` and ``arctan2``
+    write ``np.where(x.real < 0, -x, x)``, ``np.sqrt(x * x + y * y)`` and ``np.arctan(y / x)``. `synthesise` refuses a function whose
+    gradient differs from difference quotients of its values.
 
     Attributes:
         variables: name -> value of each variable [SI].
-        motion: motion over one period at constant speed; see `cycle`.
-        positions: name of a bearing -> (n, 3) its position in world axes [m].
+        motion: motion over one period at constant speed, see `cycle`.
+        positions: name of a bearing -> (n, 3) position in world axes [m].
     """
 
     variables: Mapping[str, float]
@@ -61,12 +61,12 @@ class Trial(Frozen):
 
     @cached_property
     def press(self) -> Linkage:
-        """The linkage; its numbers are real also where a gradient is worked out."""
+        """The linkage, whose numbers are always real."""
         return self._press()
 
     @cached_property
     def reactions(self) -> TrialReactions:
-        """The reactions of the press, worked out when they are first asked for."""
+        """The reactions of the press, computed at the first access."""
         return self._reactions()
 
 
@@ -90,7 +90,7 @@ class TrialReactions(Frozen):
         """Name of a joint or loop -> (n, 3) force in world axes [N].
 
         Raises:
-            PinpressError: a gradient is worked out, and several bearings of the linkage share forces.
+            PinpressError: the access is for a gradient, and redundant bearings share forces.
         """
         if self._bearing_force is None:
             raise PinpressError(SHARED)
@@ -101,7 +101,7 @@ class TrialReactions(Frozen):
         """Name of a joint or loop -> (n, 3) moment in world axes [N m].
 
         Raises:
-            PinpressError: a gradient is worked out, and several bearings of the linkage share forces, or its links lie in several planes.
+            PinpressError: the access is for a gradient, and redundant bearings share forces, or the links are in several planes.
         """
         if self._bearing_moment is None:
             raise PinpressError(SHARED if self._bearing_force is None else OUT_OF_PLANE)
@@ -112,7 +112,7 @@ class TrialReactions(Frozen):
         """(n, 3) shaking moment about the world origin [N m].
 
         Raises:
-            PinpressError: a gradient is worked out, and the links of the linkage lie in several planes.
+            PinpressError: the access is for a gradient, and the links are in several planes.
         """
         if self._shaking_moment is None:
             raise PinpressError(OUT_OF_PLANE)
@@ -120,7 +120,7 @@ class TrialReactions(Frozen):
 
 
 class Positions(Mapping[str, Array]):
-    """World positions (n, 3) of bearings by their names, worked out when they are asked for."""
+    """Name of a bearing -> world position (n, 3), computed at each access."""
 
     def __init__(self, names: Sequence[str], at: Callable[[int], Array]) -> None:
         self._names, self._at = names, at
@@ -139,14 +139,7 @@ class Positions(Mapping[str, Array]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Start:
-    """The press that a search starts from.
-
-    Attributes:
-        press: the press, planar and drawn closed.
-        plane: constants of its planar equations.
-        motion: its motion over one period, from crank angle 0.
-        loads: loads on it.
-    """
+    """The press at the start of a search, planar and drawn closed, with its planar equations, its motion over one period, and its loads."""
 
     press: Linkage
     plane: Plane
@@ -156,14 +149,14 @@ class Start:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Design:
-    """The press of the start with its pivots displaced, closed at all crank angles, in the joint coordinates of the start.
+    """The starting press with displaced pivots, closed at all crank angles, in the joint coordinates of the start.
 
     Attributes:
-        start: the press that the search starts from.
+        start: the press at the start of the search.
         variables: name -> value of each variable [SI].
         moved: displacements of the pivots from the start.
         slopes: derivatives of these displacements by each variable.
-        plane: constants of its planar equations.
+        plane: constants of the planar equations.
         position: (nv, n) joint coordinates [rad or m].
         first: (nv, n) first influence coefficients, the derivatives of ``position`` by the crank angle.
         second: (nv, n) second influence coefficients, the second derivatives.
@@ -181,15 +174,15 @@ class Design:
     gap: Array
 
     def next(self, variables: dict[str, float], moved: Displacements, slopes: Sequence[Displacements]) -> Design:
-        """Another design, its assembly continued from this one.
+        """Another design, in the assembly continued from this design.
 
         Args:
             variables: name -> value of each variable [SI].
-            moved: displacements of its pivots from the start.
+            moved: displacements of the pivots from the start.
             slopes: derivatives of these displacements by each variable.
 
         Raises:
-            AssemblyError: it cannot be assembled.
+            AssemblyError: the design cannot be assembled.
             SingularityError: two assemblies meet on the way there.
         """
         start = self.start
@@ -217,7 +210,7 @@ class Design:
 
         Args:
             place: index of the variable.
-            step: range by which the variable is scaled [SI].
+            step: range that scales the variable [SI].
         """
         h, name = STEP * step, list(self.variables)[place]
         return Trial(

@@ -1,8 +1,8 @@
-"""Trade-off between two objectives of a synthesis: the designs of which none is better in both (their Pareto curve).
+"""Trade-off between two objectives of a synthesis: designs that no other design beats in both objectives (their Pareto curve).
 
-Each design is an optimum that `synthesise` found: the first objective is minimised under a limit of the second (the epsilon-constraint
-method: Y. Y. Haimes et al., IEEE Transactions on Systems, Man, and Cybernetics 1 (1971) 296-297), which finds designs on dents of the curve
-too, where weighted sums find none.
+Each design is an optimum of `synthesise`: the first objective is minimised under a limit of the second. This epsilon-constraint method
+(Y. Y. Haimes et al., IEEE Transactions on Systems, Man, and Cybernetics 1 (1971) 296-297) finds designs on concave parts of the curve too,
+which weighted sums miss.
 """
 
 from __future__ import annotations
@@ -26,18 +26,17 @@ from .synthesis import UNCONSTRAINED, SynthesisResult, local_optimum, stated_pro
 
 FIRST, SECOND = "first objective", "second objective"  # names of constraints
 GIVEN = 1e-4  # an end of the curve may be worse than the best by this share of the curve's range, to improve the other objective
-SAME = 1e-7  # relative difference below which the values at both ends differ by rounding: there is no conflict
+SAME = 1e-7  # a smaller relative difference between both ends is rounding error: the objectives do not conflict
 MOST_DESIGNS = 1000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DesignTradeOff(Tabular):
-    """Presses on the Pareto curve of two objectives: one that is better in one is worse in the other.
+    """Presses on the Pareto curve of two objectives: a design that is better in one objective is worse in the other.
 
     Attributes:
-        designs: what was found, from the best in the first objective to the best in the second. One design where the objectives do not
-            conflict.
-        values: (designs, 2) values of both objectives; of an array the largest element [SI].
+        designs: the designs, from the best in the first objective to the best in the second; one design if the objectives do not conflict.
+        values: (designs, 2) values of both objectives, for an array its largest element [SI].
     """
 
     designs: tuple[SynthesisResult, ...]
@@ -75,43 +74,43 @@ def trade_off(
 ) -> DesignTradeOff:
     """Find the trade-off between two objectives, from the least of one to the least of the other.
 
-    Between the ends the first objective is minimised under equally spaced limits of the second, each search starting from the design before
-    it. All optima are those next to their start; a third objective is a constraint.
+    Between the ends the first objective is minimised under equally spaced limits of the second. Each search starts from the design before
+    and finds the optimum next to it. Use a constraint for a third objective.
 
     Args:
-        press: a planar press, as for `synthesise`.
+        press: a planar press, as in `synthesise`.
         variables: name -> (lower bound, start, upper bound) [SI].
         first: function of a `Trial` that returns a number, or an array (m,) whose largest element counts.
-        second: the other objective, likewise.
-        subject_to: constraints along the whole curve, as for `synthesise`.
-        geometry: function of the variables that returns pivots, as for `synthesise`.
+        second: the other objective, also a function of a `Trial`.
+        subject_to: constraints on the whole curve, as in `synthesise`.
+        geometry: function of the variables that returns pivots, as in `synthesise`.
         speed: speed of the crank [rad/s].
-        points: number of crank angles of the period at which trials are judged; by default 360 a turn.
+        points: number of crank angles of the period at which trials are evaluated; None: 360 a turn.
         loads: constant forces, and process loads with a datum.
         designs: number of designs, 2 to 1000.
 
     Raises:
-        PinpressError: as `synthesise`; a constraint has the name of an objective; ``designs`` is out of its range.
-        UnknownNameError: the linkage has no such bearing or link.
+        PinpressError: a constraint has the name of an objective, ``designs`` is out of range, or as `synthesise`.
+        UnknownNameError: the linkage does not have a bearing or link with this name.
     """
     count = whole_number("designs", designs, 2, MOST_DESIGNS)
     if not isinstance(subject_to, Mapping):
-        raise PinpressError(f"subject_to is a {type(subject_to).__name__}, no mapping from names")
+        raise PinpressError(f"subject_to is a {type(subject_to).__name__}: give a mapping from names")
     if taken := {FIRST, SECOND} & subject_to.keys():
-        raise PinpressError(f"subject_to: {shown(min(taken))} is the name of an objective here: give the constraint another")
+        raise PinpressError(f"subject_to: {shown(min(taken))} is the name of an objective: give the constraint another name")
     objectives = {FIRST: (first, None, None), SECOND: (second, None, None)}
     asked: dict[str, Any] = {"geometry": geometry, "speed": speed, "points": points, "loads": loads}
     ends = [synthesise(press, variables, minimise=each, subject_to={**subject_to, **objectives}, **asked) for each in (first, second)]
 
     def best(minimise: Function, start: Mapping[str, Any], limits: Mapping[str, Any]) -> SynthesisResult:
-        # at an optimum, where it starts, slopes may be too small to be compared with difference quotients
+        # the search starts at an optimum, where slopes may be too small to compare them with difference quotients
         problem = stated_problem(press, start, minimise, {**subject_to, **objectives, **limits}, geometry)
-        with warnings.catch_warnings():  # the curve bounds an objective where trials judge it, which no caller has asked for
+        with warnings.catch_warnings():  # the bound of an objective is the curve's, not the caller's
             warnings.filterwarnings("ignore", "constraint '(first|second) objective' misses its bound", PinpressWarning)
             return local_optimum(press, problem, speed, points, loads)
 
     at_first, at_second = (_values(end) for end in ends)
-    # Where an objective leaves variables free, the other one decides.
+    # If an objective does not determine all variables, the other objective determines the rest.
     allowed = [low + GIVEN * max(high - low, SAME * abs(low)) for low, high in ((at_first[0], at_second[0]), (at_second[1], at_first[1]))]
     begin = best(second, _from(variables, ends[0]), {FIRST: (first, None, allowed[0])})
     found = [best(first, _from(variables, ends[1]), {SECOND: (second, None, allowed[1])})]
@@ -124,7 +123,7 @@ def trade_off(
 
 
 def _from(variables: Mapping[str, tuple[float, float, float]], found: SynthesisResult) -> dict[str, tuple[float, float, float]]:
-    """The variables with their starts at a design."""
+    """The variables, with a design as their start."""
     return {name: (lower, min(max(found.variables[name], lower), upper), upper) for name, (lower, _, upper) in variables.items()}
 
 
@@ -135,7 +134,7 @@ def _values(found: SynthesisResult) -> tuple[float, float]:
 
 
 def _curve(designs: Sequence[SynthesisResult]) -> DesignTradeOff:
-    """The curve of designs of which none is as good as another in both objectives."""
+    """The curve of the designs that no other design equals or beats in both objectives."""
     values = np.array([_values(each) for each in designs])
     kept = [k for k, (x, y) in enumerate(values) if not any((a <= x) & (b <= y) & ((a < x) | (b < y)) for a, b in values)]
     return DesignTradeOff(tuple(designs[k] for k in kept), values[kept])

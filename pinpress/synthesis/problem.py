@@ -1,6 +1,6 @@
 """A synthesis as a mathematical problem: objective and limits over scaled variables, with their exact gradients.
 
-Variables are scaled to 0 at the lower and 1 at the upper bound, and the objective and every constraint by their size at the start.
+Variables are scaled to 0 at the lower and 1 at the upper bound. The objective and every constraint are scaled by their size at the start.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -16,9 +16,9 @@ from ..common.quantities import Array
 from ..derivatives.motion import STEP, Displacements, Pivots, directed, displaced
 from .design import Design, Trial
 
-STEPS = (1e-6, 1e-5, 1e-7)  # steps of the scaled variables; the second and third are tried where the first meets a kink
-SAME = 1e-3  # relative difference between a gradient and a difference quotient of values
-NOISE = 1e-6  # rounding of a difference quotient, as a share of the value
+STEPS = (1e-6, 1e-5, 1e-7)  # steps of the scaled variables; the second and third are tried if the first meets a kink
+SAME = 1e-3  # largest relative difference between a gradient and a difference quotient of values
+NOISE = 1e-6  # rounding error of a difference quotient, as a share of the value
 Function = Callable[[Trial], ArrayLike]
 
 
@@ -27,7 +27,7 @@ class Variable:
     """A design variable.
 
     Attributes:
-        name: name by which it is passed to the geometry.
+        name: name of the geometry's argument.
         lower: lower bound [SI].
         start: value at the start [SI].
         upper: upper bound [SI].
@@ -40,7 +40,7 @@ class Variable:
 
     @property
     def range(self) -> float:
-        """Upper less lower bound, by which the variable is scaled; one where the bounds are equal [SI]."""
+        """Upper bound - lower bound, which scales the variable; one if both are equal [SI]."""
         return (self.upper - self.lower) or 1.0
 
 
@@ -53,7 +53,7 @@ class Requirement:
         function: function of a `Trial`.
         lower: lower bound of the constraint [SI].
         upper: upper bound of the constraint [SI].
-        scale: size by which its values are divided [SI].
+        scale: size that divides the values [SI].
     """
 
     name: str
@@ -68,19 +68,21 @@ class Requirement:
         return f"constraint {shown(self.name)}" if self.name else "the objective"
 
     def of(self, trial: Trial) -> Array:
-        """The elements (m,) for a trial, complex where the trial is.
+        """The elements (m,) for a trial, complex for a complex trial.
 
         Raises:
-            PinpressError: the function fails, or returns something else than finite numbers.
+            PinpressError: the function fails, or does not return finite numbers.
         """
         try:
             values = np.atleast_1d(np.asarray(self.function(trial)))
         except TypeError as error:
-            raise PinpressError(f"{self.title} cannot be worked out: {error}; see `Trial` for how to write it") from error
+            raise PinpressError(f"{self.title} cannot be computed: {error}; see `Trial` for how to write it") from error
         if values.ndim != 1 or not values.size or values.dtype.kind not in "fciu":
-            raise PinpressError(f"{self.title} returns {values.dtype} of shape {values.shape}: return a number, or (m,) of them")
+            raise PinpressError(f"{self.title} returns {values.dtype} of shape {values.shape}: return a number, or an array (m,)")
         if not np.isfinite(values).all():
-            raise PinpressError(f"{self.title} is not finite with {_listed(trial.variables)}")
+            raise PinpressError(
+                f"{self.title} is not finite with {_listed(trial.variables)}: return finite numbers within the variables' bounds"
+            )
         return values
 
 
@@ -89,7 +91,7 @@ class Limit:
     """A bound of a constraint.
 
     Attributes:
-        requirement: index in `Problem.requirements`, where the constraints begin at 1.
+        requirement: index in `Problem.requirements`, in which constraints start at 1.
         side: "lower", "upper" or "equal".
         bound: the bound [SI].
     """
@@ -100,7 +102,7 @@ class Limit:
 
     @property
     def sign(self) -> float:
-        """Sign of the value minus the bound where the bound is kept."""
+        """Sign of value - bound if the bound is kept."""
         return -1.0 if self.side == "upper" else 1.0
 
 
@@ -131,7 +133,7 @@ class Problem:
         return tuple(found)
 
     def values(self, z: Array) -> dict[str, float]:
-        """Values of the variables by name, from scaled ones (k,) [SI]."""
+        """Name -> value of each variable, from scaled variables (k,) [SI]."""
         return {v.name: float(v.lower * (1.0 - share) + v.upper * share) for v, share in zip(self.variables, z, strict=True)}
 
     def scaled(self, values: Mapping[str, float]) -> Array:
@@ -139,10 +141,10 @@ class Problem:
         return np.array([(values[v.name] - v.lower) / v.range for v in self.variables])
 
     def at(self, z: Array, near: Design) -> "Point":
-        """Objective and constraints at scaled variables (k,), the assembly continued from a design nearby.
+        """Objective and constraints at scaled variables (k,), in the assembly continued from a design nearby.
 
         Raises:
-            AssemblyError: the geometry has numbers that are NaN, or cannot be assembled.
+            AssemblyError: the geometry has a NaN, or cannot be assembled.
             SingularityError: two assemblies meet on the way there.
             PinpressError: a function fails.
         """
@@ -150,7 +152,7 @@ class Problem:
         press = near.start.press
         pivots = self.pivots(values)
         if any(np.asarray(position).dtype.kind == "f" and np.isnan(position).any() for position in pivots.values()):
-            raise AssemblyError("the geometry has no numbers for these variables", 0.0, np.inf, 0)  # e.g. the root of a negative number
+            raise AssemblyError("the geometry is NaN for these variables", 0.0, np.inf, 0)  # e.g. the root of a negative number
         moved = displaced(press, pivots)
         design = near.next(values, moved, [self._slope(near, values, v.name) for v in self.variables])
         trial = design.trial()
@@ -165,14 +167,14 @@ class Problem:
         """The pivots at values by name.
 
         Raises:
-            PinpressError: the geometry fails, or returns no mapping.
+            PinpressError: the geometry fails, or does not return a mapping.
         """
         try:
             pivots = self.geometry(**values)
         except TypeError as error:
             raise PinpressError(f"geometry cannot be called with {', '.join(values)}: {error}; write it with NumPy's functions") from error
         if not isinstance(pivots, Mapping):
-            raise PinpressError("geometry returns no mapping: return {(bearing, link): (x, y, z)}, in the links' own frames [m]")
+            raise PinpressError("geometry does not return a mapping: return {(bearing, link): (x, y, z)}, in the links' own frames [m]")
         return pivots
 
 
@@ -197,7 +199,7 @@ class Point:
         """Derivatives (m, k) of every requirement by the scaled variables.
 
         Raises:
-            PinpressError: a function fails for complex numbers, or returns another number of elements for them.
+            PinpressError: a function fails for complex numbers, or returns another number of elements than for real numbers.
         """
         variables = self.problem.variables
         trials = [self.design.trial_towards(place, variable.range) for place, variable in enumerate(variables)]
@@ -205,17 +207,19 @@ class Point:
         for requirement, values in zip(self.problem.requirements, self.values, strict=True):
             columns = [np.imag(requirement.of(trial)) / STEP for trial in trials]
             if any(column.shape != values.shape for column in columns):
-                raise PinpressError(f"{requirement.title} returns another number of elements for complex numbers; see `Trial`")
+                raise PinpressError(
+                    f"{requirement.title} returns another number of elements for complex numbers: write it as `Trial` describes"
+                )
             result.append(np.stack(columns, axis=1))
         return tuple(result)
 
     @property
     def objective(self) -> float:
-        """The largest element of the objective, which is minimised [SI]."""
+        """The largest element of the objective, which the search minimises [SI]."""
         return float(self.values[0].max())
 
     def slacks(self, limit: Limit) -> Array:
-        """Scaled slacks (m,) of a bound, negative where it is missed; for an equation the differences."""
+        """Scaled slacks (m,) of a bound, negative if the bound is missed; for an equation the differences."""
         return np.asarray(limit.sign * (self.values[limit.requirement] - limit.bound) / self.problem.requirements[limit.requirement].scale)
 
     def slack_slopes(self, limit: Limit) -> Array:
@@ -223,7 +227,7 @@ class Point:
         return np.asarray(limit.sign * self.slopes[limit.requirement] / self.problem.requirements[limit.requirement].scale)
 
     def violation(self, limit: Limit) -> float:
-        """Scaled amount by which a bound is missed; 0 where it is kept."""
+        """Scaled amount by which a bound is missed; 0 if it is kept."""
         slacks = self.slacks(limit)
         return float(np.abs(slacks).max() if limit.side == "equal" else max(0.0, -slacks.min()))
 
@@ -234,7 +238,7 @@ class Point:
 
 
 def missed(point: Point) -> str:
-    """List the constraints whose bounds are missed, worst first, in words."""
+    """A text with the constraints whose bounds are missed, the worst first."""
     found = sorted(((point.violation(limit), limit) for limit in point.problem.limits), key=lambda each: -each[0])
     return ", ".join(_missed_by(point.problem, limit, violation) for violation, limit in found if violation > 0)
 
@@ -249,11 +253,11 @@ def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
     """Check the gradients of all requirements against differences of their values.
 
     Args:
-        point: where they are checked.
-        directions: directions (k,) of the scaled variables along which both are taken.
+        point: the point of the check.
+        directions: directions (k,) of the scaled variables for both derivatives.
 
     Raises:
-        PinpressError: a function's gradient differs from that of its values.
+        PinpressError: a function's gradient differs from the difference quotients of its values.
     """
     problem = point.problem
     for direction in directions:
@@ -265,7 +269,7 @@ def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
                 break
         else:
             raise PinpressError(
-                f"{problem.requirements[wrong[0]].title} has a gradient that is not that of its values: it drops the imaginary part of"
+                f"{problem.requirements[wrong[0]].title} has a gradient that differs from its values: it removes the imaginary part of"
                 " complex numbers, or jumps at the start; see `Trial` for how to write it"
             )
 

@@ -1,10 +1,10 @@
-"""Search for an optimum by sequential quadratic programming (SciPy's SLSQP), from one design or many; and the conditions of an optimum.
+"""Search for an optimum by sequential quadratic programming (SciPy's SLSQP), from one design or many, and check its conditions.
 
-The largest of several elements is minimised as one more variable that is above all of them, because a maximum itself is not smooth.
+A maximum of several elements is not smooth. So the search minimises one more variable, an upper bound of all elements.
 
-At an optimum the gradients of the bounds and constraints that hold it balance the gradient of the objective, with multipliers of the right
-sign (the conditions of Karush, Kuhn and Tucker). For an objective that is the largest of several elements, this is a weighted mean of the
-gradients of the largest ones. Multipliers are found by nonnegative least squares; their residual is zero at an optimum.
+At an optimum the gradients of active bounds and constraints balance the gradient of the objective, with multipliers of the right sign (the
+conditions of Karush, Kuhn and Tucker). If the objective is the largest of several elements, its gradient is a weighted mean of the
+gradients of the largest elements. Nonnegative least squares give the multipliers. Their residual is zero at an optimum.
 """
 
 from collections.abc import Sequence
@@ -19,28 +19,28 @@ from ..common.results import Record, Records
 from .problem import Limit, Point, Problem, missed
 
 CONVERGED = 1e-6  # scaled residual of the conditions of an optimum
-DESCENTS = 12  # runs of SLSQP, which begins each with new estimates of curvature
+DESCENTS = 12  # runs of SLSQP; each run starts with new estimates of curvature
 ROUNDS = 100  # iterations of a descent
-MOST_LOST = 10  # designs of a descent that cannot be assembled, after which it gives up: it creeps along the border of such designs
-ALL_LOST = 30  # designs of all descents that cannot be assembled, after which the search gives up
-NARROWED = 0.2  # factor on the reach after a descent without progress
-SHORTEST_REACH = 1e-3  # the search gives up with a reach shorter than this
+MOST_LOST = 10  # a descent stops after more designs that cannot be assembled, because it creeps along their border
+ALL_LOST = 30  # the search stops after more designs of all descents that cannot be assembled
+NARROWED = 0.2  # factor of the reach after a descent without progress
+SHORTEST_REACH = 1e-3  # the search stops at a shorter reach
 PRECISION = 1e-15  # change of the scaled objective at which a descent stops
-ROUNDING = 1e-12  # error of SLSQP in keeping the bounds of scaled variables
+ROUNDING = 1e-12  # error with which SLSQP keeps the bounds of scaled variables
 NO_WAY = 1e6  # scaled objective of a design that cannot be assembled: the line search steps back from it
-STARTS = 16  # starts of a global search besides the given one, a power of two as Sobol's sequence needs
-TOUCHED = 1e-6  # scaled distance at which a bound counts as met
-WITHOUT = 1e-9  # scaled gradient below which a variable has no influence
+STARTS = 16  # random starts of a global search, a power of two because of Sobol's sequence
+TOUCHED = 1e-6  # a bound counts as reached at a smaller scaled distance
+WITHOUT = 1e-9  # a variable with a smaller scaled gradient has no influence
 
 
 class Search:
-    """A search for the optimum of a problem, which counts designs as it goes.
+    """A search for the optimum of a problem, which counts its designs.
 
     Attributes:
         problem: the problem.
-        evaluations: number of designs that were judged.
-        infeasible: number of designs that could not be assembled or judged.
-        why: error of the last of these.
+        evaluations: number of evaluated designs.
+        infeasible: number of designs that could not be assembled or evaluated.
+        why: error of the last design that could not be assembled or evaluated.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -69,24 +69,24 @@ class Search:
                 break
         if point.widest_violation > CONVERGED:
             raise PinpressError(
-                f"no design keeps the constraints: {missed(point)}; loosen them, widen the variables' bounds, or start elsewhere"
+                f"no design keeps the constraints: {missed(point)}; relax these, widen the variables' bounds, or start elsewhere"
             )
         if lost:
             raise PinpressError(
-                f"the search ends at {_listed(point)}, beside designs that cannot be assembled, or not be judged: {self.why}; keep away"
-                " from them by a constraint, on a transmission or pressure angle, or by narrower bounds"
+                f"the search ends at {_listed(point)}, next to designs that cannot be assembled or evaluated: {self.why}; exclude them by a"
+                " constraint on a transmission or pressure angle, or by narrower bounds"
             ) from self.why
         raise PinpressError(
             f"the search does not converge: residual {optimality(point).residual:.2g} of the optimum's conditions, more than {CONVERGED:g};"
-            " functions of a trial must be smooth (return an array, of which the largest element is minimised, instead of its maximum), or"
-            " start elsewhere"
+            " write smooth functions of a trial (return an array instead of its maximum: its largest element is minimised), or start"
+            " elsewhere"
         )
 
     def best(self, start: Point, seed: int) -> Point:
-        """The best of the optima reached from a design and from others spread over the bounds.
+        """The best of the optima reached from a design and from random designs within the bounds.
 
         Raises:
-            PinpressError: None is reached; the error is the first that `local` raised.
+            PinpressError: no optimum is reached; this is the first error of `local`.
         """
         from scipy.stats import qmc  # slow to import
 
@@ -107,9 +107,9 @@ class Search:
         return min(found, key=lambda point: point.objective)
 
     def at(self, z: Array, near: Point) -> Point | None:
-        """The problem at scaled variables (k,); None where the linkage cannot be assembled there, or a function fails.
+        """The problem at scaled variables (k,); None if the linkage cannot be assembled or a function fails.
 
-        An error that all designs have was raised for the start already.
+        An error that all designs have was already raised for the start.
         """
         try:
             point = self.problem.at(z, near.design)
@@ -122,14 +122,14 @@ class Search:
 
 @dataclass(frozen=True, repr=False)
 class ActiveBound(Record):
-    """A bound that holds the optimum.
+    """A bound that is active at the optimum.
 
     Attributes:
         name: name of the variable or constraint.
         side: "lower", "upper" or "equal".
         bound: the bound [SI].
-        multiplier: derivative of the optimal objective by the bound [SI]. It is negative for an upper bound, because raising it widens the
-            search, and positive for a lower bound.
+        multiplier: derivative of the optimal objective by the bound [SI]: negative for an upper bound, because raising this bound widens
+            the search; positive for a lower bound.
     """
 
     name: str
@@ -143,7 +143,7 @@ class OptimalityConditions(NamedTuple):
 
     Attributes:
         residual: scaled residual of the conditions.
-        active: bounds that hold the point, with their multipliers.
+        active: bounds that are active at the point, with their multipliers.
         idle: names of the variables without influence.
     """
 
@@ -153,7 +153,7 @@ class OptimalityConditions(NamedTuple):
 
 
 def optimality(point: Point) -> OptimalityConditions:
-    """Multipliers of all bounds that may hold a point, and the residual of the conditions of an optimum there."""
+    """Multipliers of all bounds that may be active at a point, and the residual of the conditions of an optimum."""
     from scipy.optimize import nnls  # slow to import
 
     problem = point.problem
@@ -175,14 +175,14 @@ def optimality(point: Point) -> OptimalityConditions:
 
 
 class _CreepingError(Exception):
-    """Too many designs of a descent cannot be assembled."""
+    """A descent met too many designs that cannot be assembled."""
 
 
 class _Descent:
     """One run of SLSQP.
 
-    Its variables x are the scaled ones, at most ``reach`` away from the start. Where the objective has several elements, the level above
-    all of them is the last variable.
+    The variables x are the scaled variables, at most ``reach`` away from the start. If the objective has several elements, their upper
+    bound is the last variable.
 
     Attributes:
         lost: number of designs that could not be assembled.
@@ -198,7 +198,7 @@ class _Descent:
         self.limits = start.problem.limits
 
     def end(self) -> Point:
-        """The design at which the descent stops."""
+        """Run the descent, and return the design at which it stops."""
         from scipy.optimize import minimize  # slow to import
 
         start = self.here
@@ -225,12 +225,12 @@ class _Descent:
         Args:
             kind: "eq" or "ineq".
             limits: the limits.
-            below: whether to keep all elements of the objective below the level, too.
+            below: whether to keep all elements of the objective below their upper bound too.
         """
         return {"type": kind, "fun": lambda x: self._slacks(x, limits, below), "jac": lambda x: self._slack_slopes(x, limits, below)}
 
     def _at(self, x: Array) -> Point:
-        """The problem at x, or at the last x before where the linkage cannot be assembled."""
+        """The problem at x, or at the last valid x if the linkage cannot be assembled at x."""
         z = x[: len(self.here.z)]
         z = np.where(z < ROUNDING, 0.0, np.where(z > 1.0 - ROUNDING, 1.0, z))
         if not np.array_equal(z, self.tried):
@@ -272,14 +272,14 @@ class _Descent:
 
 
 def _better(point: Point, before: Point) -> bool:
-    """Whether a point is an improvement: nearer to the constraints, or with a lower objective."""
+    """Whether a point is an improvement: closer to the constraints, or with a lower objective."""
     if max(point.widest_violation, before.widest_violation) > CONVERGED:
         return point.widest_violation < before.widest_violation
     return point.objective < before.objective
 
 
 class _Force(NamedTuple):
-    """A bound that may hold a point, with the direction in which it pushes.
+    """A bound that may be active at a point, with the direction in which it pushes.
 
     Attributes:
         gradient: (k,) gradient of the scaled slack.
@@ -287,8 +287,8 @@ class _Force(NamedTuple):
         name: as in `ActiveBound`.
         side: as in `ActiveBound`.
         bound: as in `ActiveBound`.
-        unit: size by which it is scaled [SI].
-        rising: +1 where raising the bound narrows the search, else -1.
+        unit: size that scales the bound [SI].
+        rising: +1 if raising the bound narrows the search, else -1.
     """
 
     gradient: Array
@@ -326,12 +326,12 @@ def _of_limits(point: Point) -> list[_Force]:
 
 
 def _active(forces: list[_Force], multipliers: Array, size: float) -> Records[ActiveBound]:
-    """The bounds whose multipliers are more than rounding; the multipliers of all elements of a constraint are added.
+    """The bounds whose multipliers exceed rounding errors, with the sum of the multipliers over the elements of a constraint.
 
     Args:
-        forces: bounds that may hold the point.
-        multipliers: their scaled multipliers.
-        size: size by which the objective is scaled [SI].
+        forces: bounds that may be active at the point.
+        multipliers: scaled multipliers of these bounds.
+        size: size that scales the objective [SI].
     """
     sums: dict[tuple[str, str, float, float], float] = {}
     for force, share in zip(forces, multipliers, strict=True):
@@ -342,7 +342,7 @@ def _active(forces: list[_Force], multipliers: Array, size: float) -> Records[Ac
 
 
 def _idle(point: Point) -> tuple[str, ...]:
-    """The variables on which neither the objective nor a constraint depends, up to rounding."""
+    """Names of the variables that influence neither the objective nor a constraint, within rounding error."""
     slopes = [np.abs(s).max(axis=0) / m.scale for s, m in zip(point.slopes, point.problem.requirements, strict=True)]
     strongest = np.max(slopes, axis=0)
     return tuple(v.name for v, slope in zip(point.problem.variables, strongest, strict=True) if slope <= WITHOUT)

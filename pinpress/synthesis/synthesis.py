@@ -11,7 +11,7 @@
     found.press, found.variables, found.active
 
 All gradients are exact (`pinpress.derivatives`), and the assembly is continued from design to design. The result meets the conditions of an
-optimum, or an error says why there is none.
+optimum; otherwise an error explains why the search found no optimum.
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ from .design import Design, Start
 from .problem import Function, Point, Problem, Requirement, Variable, verify_gradients
 from .search import ActiveBound, Search, optimality
 
-SYNTHESISED = "_synthesised"  # end of the name of a press that was found
+SYNTHESISED = "_synthesised"  # end of the name of the resulting press
 UNCONSTRAINED: Mapping[str, Any] = FrozenMapping({})
-SAME = 1e-9  # largest difference between the motions of the found press and its trial, as a share of the linkage's size
-FINER = 8  # crank angles at which the design that was found is judged, for each of those at which trials are
+SAME = 1e-9  # largest difference between the motions of the resulting press and its trial, as a share of the linkage's size
+FINER = 8  # factor for the number of crank angles at which the result is checked
 NOTICED = 1e-3  # share of a constraint's size by which it may be missed between the crank angles of trials
-WIDE = 14  # letters of a number's column
+WIDE = 14  # characters of a number's column
 
 
 @typed
@@ -69,29 +69,28 @@ def synthesise(
         press: a planar press. It keeps all lengths that no variable changes.
         variables: name -> (lower bound, start, upper bound) [SI].
         minimise: function of a `Trial` that returns a number, or an array (m,) whose largest element is minimised.
-        subject_to: name -> (function of a `Trial`, lower bound, upper bound). None or infinity stands for no bound, and equal bounds for an
-            equation. Where the function returns an array, every element keeps the bounds.
-        geometry: function of the variables, by their names, that returns pivots as `reshaped` takes them, written with NumPy's functions.
-            Design rules belong here. By default variables are single coordinates, named bearing.link.axis as in "B.crank.x".
+        subject_to: name -> (function of a `Trial`, lower bound, upper bound). None or infinity means no bound, and equal bounds mean an
+            equation. If the function returns an array, every element keeps the bounds.
+        geometry: function of the variables, with their names as arguments, that returns pivots as for `reshaped`, written with NumPy's
+            functions. Write design rules here. None: variables are single coordinates, named bearing.link.axis, e.g. "B.crank.x".
         speed: speed of the crank [rad/s].
-        points: number of crank angles of the period at which trials are judged; by default 360 a turn.
+        points: number of crank angles of the period at which trials are evaluated; None: 360 a turn.
         method: "local" for the optimum next to the start, "global" for the best of the optima next to many starts within the bounds.
         loads: constant forces, and process loads with a datum.
         seed: seed of the random starts of a global search.
 
     Returns:
-        The press that was found, with the bounds that hold the optimum.
+        The resulting press, with the bounds that are active at the optimum.
 
     Raises:
         PinpressError: the linkage is not planar, an argument is not as described, the start cannot be assembled or its crank does not turn
-            fully, a function fails or has a gradient that differs from that of its values, no design keeps the constraints, or the search
-            does not converge.
-        UnknownNameError: the linkage has no such bearing or link.
+            fully, a function fails or has a wrong gradient, no design keeps the constraints, or the search does not converge.
+        UnknownNameError: the linkage does not have a bearing or link with this name.
     """
     problem = stated_problem(press, variables, minimise, subject_to, geometry)
     refuse_unknown(loads)
     if not isinstance(method, str) or method not in ("local", "global"):
-        raise PinpressError(f"unknown method {shown(method)}: write 'local' or 'global'")
+        raise PinpressError(f"method is {shown(method)}: write 'local' or 'global'")
     start = _start(press, problem, speed, points, loads)
     verify_gradients(start, [np.random.default_rng(0).uniform(0.5, 1.0, len(problem.variables))])
     search = Search(start.problem)
@@ -99,7 +98,7 @@ def synthesise(
 
 
 def local_optimum(press: Linkage, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> SynthesisResult:
-    """The optimum next to the start of a problem whose gradients are known to be right. Raises as `synthesise`."""
+    """The optimum next to the start of a problem whose gradients are already checked. Raises as `synthesise`."""
     start = _start(press, problem, speed, points, loads)
     search = Search(start.problem)
     return _found(start, search, search.local(start), speed, points)
@@ -107,22 +106,22 @@ def local_optimum(press: Linkage, problem: Problem, speed: float, points: int | 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SynthesisResult(Tabular):
-    """The optimum that was found.
+    """The optimum of a synthesis.
 
     Attributes:
-        press: the linkage with the lengths found, as `reshaped` makes it.
+        press: the linkage with the optimal lengths, as from `reshaped`.
         variables: name -> value of each variable [SI].
         value: value of the objective at the optimum [SI].
         start_value: value of the objective at the start [SI].
         constraints: name -> value of each constraint at the optimum, a number or (m,) [SI].
-        active: the bounds of variables and constraints that hold the optimum, with their multipliers.
-        idle: names of the variables on which neither the objective nor a constraint depends, so that any value is as good.
-        missed: share of its size by which the worst constraint is beyond its bounds with eight times as many crank angles [-].
-        finer_value: value of the objective with so many crank angles [SI].
-        kkt: residual of the conditions of Karush, Kuhn and Tucker, at most 1e-6 [-]: the change of the objective, divided by its size, that
-            remains unbalanced for a change of a variable over its whole range.
-        evaluations: number of designs that were judged.
-        infeasible: number of designs that could not be assembled or judged.
+        active: the active bounds of variables and constraints, with their multipliers.
+        idle: names of the variables that influence neither the objective nor a constraint; any value of these is optimal.
+        missed: how far the worst constraint is outside its bounds at eight times the crank angles, as a share of the constraint's size [-].
+        finer_value: value of the objective at eight times the crank angles [SI].
+        kkt: residual of the conditions of Karush, Kuhn and Tucker, at most 1e-6 [-]: the unbalanced change of the objective, divided by
+            its size, for a change of a variable over its whole range.
+        evaluations: number of evaluated designs.
+        infeasible: number of designs that could not be assembled or evaluated.
     """
 
     press: Linkage
@@ -152,21 +151,21 @@ class SynthesisResult(Tabular):
         return self._rows
 
     def columns(self) -> dict[str, Column]:
-        """The columns of `table`; None where there is no bound."""
+        """The columns of `table`; None for a missing bound."""
         return self._rows.columns()
 
 
 @dataclass(frozen=True, repr=False)
 class BoundedQuantity(Record):
-    """A variable or constraint in the table of a synthesis. For a constraint with several elements it shows the one nearest to a bound.
+    """A variable or constraint in the table of a synthesis; for a constraint with several elements the one nearest to a bound.
 
     Attributes:
         name: name of the variable or constraint.
         kind: "variable" or "constraint".
-        lower: lower bound [SI]; None: there is none.
+        lower: lower bound [SI]; None: no lower bound.
         start: value at the start [SI].
         value: value at the optimum [SI].
-        upper: upper bound [SI]; None: there is none.
+        upper: upper bound [SI]; None: no upper bound.
     """
 
     name: str
@@ -178,13 +177,13 @@ class BoundedQuantity(Record):
 
 
 def stated_problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geometry: Any) -> Problem:
-    """The problem that a caller's arguments state, after checking them; its requirements are not scaled yet."""
+    """The problem of checked arguments, with requirements that are not yet scaled."""
     planar(press)
     for name, mapping in (("variables", variables), ("subject_to", subject_to)):
         if not isinstance(mapping, Mapping):
-            raise PinpressError(f"{name} is a {type(mapping).__name__}, no mapping from names")
+            raise PinpressError(f"{name} is a {type(mapping).__name__}: give a mapping from names")
     if geometry is not None and not callable(geometry):
-        raise PinpressError(f"geometry is a {type(geometry).__name__}, no function of the variables that returns pivots")
+        raise PinpressError(f"geometry is a {type(geometry).__name__}: give a function of the variables that returns pivots")
     known = tuple(_variable(name, bounds) for name, bounds in variables.items())
     if not known:
         raise PinpressError("variables is empty: give {name: (lower bound, start, upper bound)}")
@@ -193,12 +192,14 @@ def stated_problem(press: Linkage, variables: Any, minimise: Any, subject_to: An
 
 
 def _variable(name: str, bounds: Any) -> Variable:
-    wanted = "(lower bound, start, upper bound), finite numbers, which scale it"
+    wanted = "(lower bound, start, upper bound), three finite numbers"
     lower, start, upper = suitable_numbers(f"variable {shown(name)}", bounds, wanted, (3,)).tolist()
     if lower > upper:
-        raise PinpressError(f"variable {shown(name)}: its lower bound {lower:g} is above its upper bound {upper:g}")
+        raise PinpressError(f"variable {shown(name)}: its lower bound {lower:g} is above its upper bound {upper:g}: exchange them")
     if not lower <= start <= upper:
-        raise PinpressError(f"variable {shown(name)} starts at {start:g}, outside its bounds {lower:g} to {upper:g}")
+        raise PinpressError(
+            f"variable {shown(name)} starts at {start:g}, outside its bounds {lower:g} to {upper:g}: give a start between them"
+        )
     return Variable(name, lower, start, upper)
 
 
@@ -208,7 +209,7 @@ def _constraint(name: str, given: Any) -> Requirement:
     open_bounds = [-math.inf if given[1] is None else given[1], math.inf if given[2] is None else given[2]]
     lower, upper = (float(any_numbers(f"constraint {shown(name)}", bound, ())) for bound in open_bounds)
     if math.isnan(lower) or math.isnan(upper) or lower > upper:
-        raise PinpressError(f"constraint {shown(name)}: its lower bound {lower:g} is above its upper bound {upper:g}")
+        raise PinpressError(f"constraint {shown(name)}: its lower bound {lower:g} is above its upper bound {upper:g}: exchange them")
     return Requirement(name, given[0], lower, upper)
 
 
@@ -242,7 +243,7 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int | None, l
         motion = cycle(drawn, speed, points=points)
     except (AssemblyError, SingularityError) as error:
         listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
-        raise PinpressError(f"the start, {listed}, is no press: {error}; start elsewhere") from error
+        raise PinpressError(f"the start, {listed}, is not a valid press: {error}; start elsewhere") from error
     design = _closed(drawn, motion, values, loads)
     point = problem.at(problem.scaled(values), design)
     scaled = tuple(_scaled(requirement, found) for requirement, found in zip(problem.requirements, point.values, strict=True))
@@ -250,7 +251,7 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int | None, l
 
 
 def _closed(drawn: Linkage, motion: Motion, values: dict[str, float], loads: Sequence[Load]) -> Design:
-    """The design of a press as it is drawn, closed at the crank angles of a motion."""
+    """The design of a drawn press, closed at the crank angles of a motion."""
     plane = planar(drawn)
     closure = drawn.engine().close(motion.crank_angle, motion.joint_position.T)
     state = closure.position, closure.first, closure.second, closure.gap
@@ -258,7 +259,7 @@ def _closed(drawn: Linkage, motion: Motion, values: dict[str, float], loads: Seq
 
 
 def _scaled(requirement: Requirement, values: Array) -> Requirement:
-    """The requirement, scaled by the size of its values, or of its bounds where these are larger."""
+    """The requirement, scaled by the larger of the sizes of its values and its bounds."""
     sizes = [float(np.abs(values).max()), *(abs(bound) for bound in (requirement.lower, requirement.upper) if math.isfinite(bound))]
     return Requirement(requirement.name, requirement.function, requirement.lower, requirement.upper, max(sizes) or 1.0)
 
@@ -267,19 +268,19 @@ def _found(start: Point, search: Search, found: Point, speed: float, points: int
     """The result of a search.
 
     Raises:
-        PinpressError: the press that was found does not move as its trial did, because it locks between two points.
+        PinpressError: the resulting press moves in another way than its trial, because it locks between two points.
     """
     motion, trial = period_at(found.design.press, speed, points), found.design.motion
     if not np.abs(motion.joint_position - trial.joint_position).max() <= SAME * (1 + found.design.plane.size):
-        raise PinpressError("the press that was found moves in another assembly than it was drawn in: narrow the variables' bounds")
+        raise PinpressError("the resulting press moves in another assembly than its drawn pose: give narrower bounds of the variables")
     return _result(start, found, search, _finer(found, speed))
 
 
 def _finer(found: Point, speed: float) -> Point:
-    """The design that was found, with more crank angles.
+    """The resulting design, with more crank angles.
 
     Raises:
-        PinpressError: it locks between the crank angles of its trial, or a function fails.
+        PinpressError: the design locks between the crank angles of its trial, or a function fails.
     """
     design, problem = found.design, found.problem
     drawn = replace(problem, variables=tuple(replace(each, start=design.variables[each.name]) for each in problem.variables))
@@ -290,7 +291,7 @@ def _finer(found: Point, speed: float) -> Point:
 
 
 def _missed_between(found: Point, finer: Point) -> tuple[float, str]:
-    """Share of a constraint's size by which the worst is beyond its bounds between the crank angles of trials, and that in words."""
+    """The largest excess of a constraint between the crank angles of trials, as a share of the constraint's size, and as text."""
     worst, words = 0.0, ""
     for requirement, values in zip(found.problem.requirements[1:], finer.values[1:], strict=True):
         for bound, beyond in ((requirement.lower, requirement.lower - values.min()), (requirement.upper, values.max() - requirement.upper)):
@@ -333,7 +334,7 @@ def _result(start: Point, found: Point, search: Search, finer: Point) -> Synthes
 
 
 def _nearest(requirement: Requirement, values: Array) -> float:
-    """The element that is nearest to a bound, or furthest beyond it."""
+    """The element that is nearest to a bound, or furthest outside its bounds."""
     return float(values[np.argmin(np.minimum(values - requirement.lower, requirement.upper - values))])
 
 

@@ -127,8 +127,8 @@ class SlideParallelism(OfPress, Tabular):
         Args:
             permissible: largest permissible slope, from the standard or the customer [m/m].
 
-            Raises:
-                PinpressError: the slope is not positive.
+        Raises:
+            PinpressError: the slope is not positive.
         """
         return self._within(np.full(2, positive("permissible", permissible, "-")), np.zeros(2))
 
@@ -139,9 +139,9 @@ class SlideParallelism(OfPress, Tabular):
             permissible: name of a row, e.g. a grade -> its permissible slope.
             lengths: (2,) measured lengths along both directions, e.g. width and depth of the slide less the margins [m].
 
-            Raises:
-                PinpressError: there is no row, a row is not a `PermissibleSlope`, lengths are not two positive numbers, or a row has a
-                    force but the slide has no stiffnesses.
+        Raises:
+            PinpressError: there is no row, a row is not a `PermissibleSlope`, lengths are not two positive numbers, or a row has a
+                force but the slide has no stiffnesses.
         """
         measured = suitable_numbers("lengths", lengths, "two positive lengths [m]", (2,), lambda found: found > 0)
         if not isinstance(permissible, Mapping) or not permissible:

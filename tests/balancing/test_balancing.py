@@ -233,9 +233,9 @@ AT = pp.balancing.CounterweightRegion("crank", at=(-0.1, 0, 0))
         ([AT], {X: -1.0}, {}, ["weight", "shaking force, x", "-1.0", "not negative"]),
         ([AT], {X: float("nan")}, {}, ["weight", "nan"]),
         ([AT], X, {Z: -1}, ["limit", "shaking force, z", "-1"]),
-        ([AT], pp.balancing.Range("shaking_force", "y"), {}, ["shaking force, y", "zero before balancing", "take it out"]),
+        ([AT], pp.balancing.Range("shaking_force", "y"), {}, ["shaking force, y", "zero before balancing", "leave it out"]),
         ([AT], pp.balancing.Rms("bearing_moment", bearing="C"), {}, ["bearing moment of C", "zero before balancing"]),
-        (DISCS, Z, {X: 10.0, MASS: 100.0}, ["shaking force, x, 10 N", "added mass, 100 kg", "relaxed by"]),
+        (DISCS, Z, {X: 10.0, MASS: 100.0}, ["shaking force, x, 10 N", "added mass, 100 kg", "relax each limit by"]),
         (DISCS[:1], Z, {X: 0.0}, ["shaking force, x, 0 N"]),
         (
             [pp.balancing.CounterweightRegion("crank", mass=(200, 300), radius=0.3)],
@@ -245,8 +245,8 @@ AT = pp.balancing.CounterweightRegion("crank", at=(-0.1, 0, 0))
         ),
         ([pp.balancing.CounterweightRegion("slide", radius=0.1, replaces=True)] * 2, X, {}, ["two regions", "'slide'"]),
         ([pp.balancing.CounterweightRegion("crank", corners=((0.1, 0, 0), (0.1, 0.2, 0)))], X, {}, ["'crank'", "different planes"]),
-        ([pp.balancing.CounterweightRegion("crank", corners=((0.1, 0, 0),) * 2)], X, {}, ["'crank'", "no extent", "at="]),
-        ([pp.balancing.CounterweightRegion("crank", at=(-0.1, 0, 0), mass=(-5000.0, 0.0))], MASS, {}, ["mass of", "take less away"]),
+        ([pp.balancing.CounterweightRegion("crank", corners=((0.1, 0, 0),) * 2)], X, {}, ["'crank'", "its size is zero", "at="]),
+        ([pp.balancing.CounterweightRegion("crank", at=(-0.1, 0, 0), mass=(-5000.0, 0.0))], MASS, {}, ["mass of", "remove less mass"]),
         # A bearing's peak goes on falling for ever smaller lifts of ever heavier rockers.
         (DISCS, pp.balancing.Peak("bearing_force", bearing="A"), {}, ["'rocker'", "grow beyond", "mass=(0, most)"]),
     ],
@@ -265,7 +265,7 @@ def test_what_cannot_be_is_refused_by_name(six_bar, turn, regions, minimise, lim
         (lambda: pp.balancing.CounterweightRegion("crank", radius=-0.1), ["'crank'", "radius", "-0.1"]),
         (lambda: pp.balancing.CounterweightRegion("crank", radius=float("nan")), ["'crank'", "radius is nan"]),
         (lambda: pp.balancing.CounterweightRegion("crank", at=(0, 0, 0), gyration=-1.0), ["'crank'", "gyration", "-1.0"]),
-        (lambda: pp.balancing.CounterweightRegion("crank", radius=0.1, mass=(5, 1)), ["'crank'", "(5, 1)", "least and the most"]),
+        (lambda: pp.balancing.CounterweightRegion("crank", radius=0.1, mass=(5, 1)), ["'crank'", "(5, 1)", "least and largest mass"]),
         (lambda: pp.balancing.CounterweightRegion("crank", radius=0.1, mass=(float("nan"), 1)), ["'crank'", "nan"]),
         (lambda: pp.balancing.CounterweightRegion("crank", radius=0.1, mass=7.0), ["'crank'", "7.0"]),
         (lambda: pp.balancing.CounterweightRegion("crank", radius=0.1, mass=(-5, 1)), ["'crank'", "-5 kg", "at=..."]),
@@ -291,7 +291,7 @@ def test_motions_and_loads_that_do_not_belong_are_refused(six_bar, turn, jf75g):
         (pp.cycle(jf75g, 1.0), (), "jf75g_125"),
         ([turn], (), "OperatingCondition"),
         ([], (), "OperatingCondition"),
-        ([pp.balancing.OperatingCondition(turn)], [pp.loads.PointForce("slide", (0, 0, 1.0))], "every OperatingCondition its own"),
+        ([pp.balancing.OperatingCondition(turn)], [pp.loads.PointForce("slide", (0, 0, 1.0))], "loads to every OperatingCondition"),
     ):
         with pytest.raises(pp.PinpressError, match=said):
             pp.balancing.balance(six_bar, motion, regions=DISCS, minimise=X, loads=loads)
@@ -404,5 +404,5 @@ def test_the_force_of_a_driver_that_slides_is_in_newtons():
     assert f"{np.ptp(pp.inverse_dynamics(toggle, motion).driving_torque):.5g} N " in str(found)
     assert "driving force [N]" in str(found)
     assert "torque" not in str(found)
-    with pytest.raises(pp.PinpressError, match="driver 'screw' takes a force; driving_torque is that of drivers that turn"):
+    with pytest.raises(pp.PinpressError, match="driver 'screw' takes a force; give driving_torque for drivers that turn"):
         pp.balancing.balance(toggle, motion, regions=regions, minimise=pp.balancing.Range("driving_torque"))

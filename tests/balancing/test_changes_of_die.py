@@ -237,8 +237,8 @@ def test_a_comparison_is_a_table(plain, tmp_path):
         ({"shares": (1.0,)}, "one for each operating condition"),
         ({"shares": (0.0, 0.0)}, "not all zero"),
         ({"shares": (1.0, -1.0)}, "not negative"),
-        ({"other": "zxn2_3000b"}, "has other links than jf75g_125_plain"),
-        ({"regions": [pp.balancing.CounterweightRegion("slide", replaces=True)]}, "another body in one operating condition"),
+        ({"other": "zxn2_3000b"}, "differs from jf75g_125_plain in: links"),
+        ({"regions": [pp.balancing.CounterweightRegion("slide", replaces=True)]}, "so the region is not the same body in all"),
     ],
 )
 def test_what_does_not_fit_is_refused(plain, arguments, says):
@@ -255,7 +255,7 @@ def test_what_does_not_fit_is_refused(plain, arguments, says):
 @pytest.mark.parametrize(
     ("place", "reset", "says"),
     [
-        ({"radius": 0.1}, "mass", "needs a place that stays"),
+        ({"radius": 0.1}, "mass", "needs a fixed place"),
         ({"at": (0.1, 0, 0)}, "position", "needs room"),
         ({"replaces": True}, "position", "needs room"),
         ({"radius": 0.1}, "shape", "reset is 'shape'"),
@@ -268,6 +268,6 @@ def test_a_region_says_what_can_be_set_anew(place, reset, says):
 
 def test_conditions_are_two_with_names(plain):
     regions = [pp.balancing.CounterweightRegion("crank", radius=0.15)]
-    for cases, says in ((conditions(plain, (0.0,)), "fewer than two"), (conditions(plain, (100.0, 100.0)), "have one name")):
+    for cases, says in ((conditions(plain, (0.0,)), "fewer than two"), (conditions(plain, (100.0, 100.0)), "have the same name")):
         with pytest.raises(pp.PinpressError, match=says):
             pp.balancing.compare_conditions(plain, cases, regions=regions, minimise=Z)

@@ -109,7 +109,7 @@ def test_one_condition_is_the_motion():
     np.testing.assert_array_equal(found[0].values, found[1].values)
     np.testing.assert_array_equal(found[0].bounds, found[1].bounds)
     assert found[0].bounds[-1] == found[0].values[-1, 0]
-    with pytest.raises(pp.PinpressError, match="loads goes with one motion"):
+    with pytest.raises(pp.PinpressError, match="loads needs one motion"):
         pp.balancing.trade_off(PRESS, [one], regions=[region], first=X, second=MASS, loads=[pp.loads.Idle()])
 
 
@@ -139,7 +139,7 @@ def test_what_is_no_curve_is_refused():
         pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second=X)
     with pytest.raises(pp.PinpressError, match="whole number from 2"):
         pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second=Z, points=1)
-    with pytest.raises(pp.PinpressError, match="no criterion"):
+    with pytest.raises(pp.PinpressError, match="not a criterion"):
         pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second="z")
     with pytest.raises(pp.PinpressError, match="no curve"):
         pp.plots.trade_offs({})

@@ -254,8 +254,8 @@ def test_a_constraint_that_no_design_keeps_beside_another_is_named():
         ("lower bound, start, upper bound", {"P.crank.x": 0.1}),
         ("variables is empty", {}),
         ("no coordinate 'P.crank.w'", {"P.crank.w": (0.1, 0.2, 0.3)}),
-        ("the start, P.crank.x = 0.3, W.rod.x = 0.25, is no press", {"P.crank.x": (0.1, 0.3, 0.4), "W.rod.x": (0.2, 0.25, 0.8)}),
-        ("the start, W.rod.x = 0.05, is no press", {"W.rod.x": (0.02, 0.05, 0.8)}),
+        ("the start, P.crank.x = 0.3, W.rod.x = 0.25, is not a valid press", {"P.crank.x": (0.1, 0.3, 0.4), "W.rod.x": (0.2, 0.25, 0.8)}),
+        ("the start, W.rod.x = 0.05, is not a valid press", {"W.rod.x": (0.02, 0.05, 0.8)}),
     ],
 )
 def test_variables_that_make_no_sense_are_refused(words, variables):
@@ -342,7 +342,7 @@ def test_geometries_that_fail_are_refused():
     one = {"r": (0.05, 0.1, 0.2)}
     refused("NumPy's functions", one, geometry=lambda r: {("P", "crank"): (math.sqrt(r), 0, 0)})
     refused("geometry cannot be called", one, geometry=lambda q: {("P", "crank"): (q, 0, 0)})
-    refused("returns no mapping", one, geometry=lambda r: [r])
+    refused("does not return a mapping", one, geometry=lambda r: [r])
     refused("origin of link 'rod'", one, geometry=lambda r: {("P", "rod"): (r, 0, 0)})
 
 

@@ -8,18 +8,18 @@
     classical.with_opposed_balancer(press, crank_radius=0.03, die_mass=300.0)
     classical.mirrored(press, shaft_distance=0.5)
 
-| arrangement | Zhang 2007 | what is left of the shaking force, beside the weight | and of the moment |
+| arrangement | Zhang 2007 | remaining shaking force, without the weight | remaining moment |
 |---|---|---|---|
 | `static_balance`, `two_plane_balance` of a rotor | 3.1.1 | nothing | a couple; nothing |
 | `complete_balance` | 3.3 | nothing | larger than before |
 | `approximate_balance` | 3.4 | first order (1 - share) along, share across; higher orders along | changed |
-| `with_balance_shafts` for the orders 1 and 2 | 1.2.1 | fourth and higher orders along | as before, but for the rotating masses |
+| `with_balance_shafts` for the orders 1 and 2 | 1.2.1 | fourth and higher orders along | as before, except for the rotating masses |
 | `with_opposed_balancer`, same ratio of rod and crank | 3.5 | nothing | odd orders, from the rods' inertia |
 | `mirrored` crank-slider | 3.6 | all along the slide, nothing across | nothing |
 | `mirrored` press with opposed balancer | 3.6 | nothing | nothing |
 
-`as_crank_slider` reads lengths and masses, `unbalance` that of a rotor in a model; `harmonic_coefficients` gives the orders of a
-crank-slider's forces, and `compare_harmonics` compares those of two presses.
+`as_crank_slider` reads lengths and masses of a press, and `unbalance` the unbalance of a rotor. `harmonic_coefficients` computes the orders
+of a crank-slider's forces, and `compare_harmonics` compares the orders of two presses.
 """
 
 from ...common.public_names import public_names

@@ -1,11 +1,11 @@
-"""Arrangements that balance a whole press, made from a press without them.
+"""Arrangements that balance a whole press, added to a press.
 
-In one an auxiliary crank-slider moves a counterweight against the slide (`with_opposed_balancer`, Zhang 2007, 3.5). In another geared pairs
-of shafts with eccentric blocks turn against each other (`with_balance_shafts`, as those of Lanchester). In the third two halves stand on
-two shafts that turn against each other (`mirrored`, Zhang 2007, 3.6).
+- `with_opposed_balancer` (Zhang 2007, 3.5): an auxiliary crank-slider moves a counterweight against the slide.
+- `with_balance_shafts` (Lanchester): geared pairs of shafts with eccentric blocks turn against each other.
+- `mirrored` (Zhang 2007, 3.6): two halves of the press have two shafts that turn against each other.
 
-All draw up the plan of a planar press (`PressPlan`). In a plan every part has its place in the world, in the closed drawn pose, so that
-parts can be added, shifted and mirrored without regard to which carries which. The new press is written as a URDF and loaded from that.
+All three work on the plan of a planar press (`PressPlan`). In a plan every part has its place in the world, in the closed drawn pose. So
+parts can be added, shifted and mirrored independently of the joint tree. The new press is written as a URDF and loaded from it.
 """
 
 from __future__ import annotations
@@ -57,35 +57,35 @@ def with_opposed_balancer(
         (m_counterweight + m_rod2 a2 / l2) r2 = (m_slide + m_die + m_rod1 a1 / l1) r1    reciprocating masses
 
     The centre of mass of the auxiliary rod divides its length as that of the main rod does. The auxiliary crank has the mass
-    m_crank1 r1 / r2, its centre where the first equation puts it (beyond the shaft for a heavy rod), and the moment of inertia of a crank
-    of this mass with the main crank's shape. By default the auxiliary crank-slider is the main one with lengths times r2 / r1 and masses
-    times r1 / r2.
+    m_crank1 r1 / r2. Its centre follows from the first equation (beyond the shaft for a heavy rod), and its moment of inertia is that of a
+    crank of this mass with the main crank's shape. By default the auxiliary crank-slider has the main lengths times r2 / r1 and the main
+    masses times r1 / r2.
 
-    With equal lambda the shaking force is the weight alone, in all orders and directions, however the crank turns. With another rod length,
-    at constant speed w, the even orders k from 2 along the slide's line remain: m_C r1 w^2 |A_k(lambda1) - A_k(lambda2)|, with the main
-    reciprocating mass m_C (`harmonic_coefficients`).
+    With equal lambda the shaking force is only the weight, in all orders and directions and for any motion of the crank. With another rod
+    length, at constant speed w, the even orders k from 2 along the slide's line remain: m_C r1 w^2 |A_k(lambda1) - A_k(lambda2)|, with the
+    main reciprocating mass m_C (`harmonic_coefficients`).
 
-    The moment with which the guides' forces tilt the frame remains, and by default grows: it is - (J1 + J2) times the angular acceleration
-    of the rods, in the odd orders, with J of `CrankSlider.residual_inertia` (from eq. 3.5.20 on the thesis takes that acceleration as
-    zero). It vanishes too with rod_inertia = m_rod2 a2 (l2 - a2) - J1, where the lambdas are equal and the rods' centres are on their
-    lines; such a rod has mass beyond its pins.
+    The moment of the guides' forces on the frame remains, and by default grows. It is - (J1 + J2) times the angular acceleration of the
+    rods, in the odd orders, with J of `CrankSlider.residual_inertia` (the thesis neglects this acceleration from eq. 3.5.20 on). With equal
+    lambdas and rods whose centres are on their lines, it vanishes for rod_inertia = m_rod2 a2 (l2 - a2) - J1. Such a rod has mass beyond
+    its pins.
 
     Args:
         press: a centred crank-slider.
         crank_radius: radius r2 of the auxiliary crank [m].
-        rod_length: length l2 of the auxiliary rod [m]; by default l1 r2 / r1, which keeps lambda.
+        rod_length: length l2 of the auxiliary rod [m]; by default l1 r2 / r1, for equal lambda.
         rod_mass: mass of the auxiliary rod [kg]; by default m_rod1 r1 / r2.
         rod_inertia: moment of inertia of the auxiliary rod about its centre of mass [kg m2]; by default that of a rod with the main rod's
             shape, J_rod1 m_rod2 / m_rod1 (l2 / l1)^2.
-        die_mass: mass of an upper die, m7 of the thesis, which is fixed to the slide in its centre of mass and balanced with it [kg].
+        die_mass: mass of an upper die (m7 of the thesis) in the slide's centre of mass, which is balanced too [kg].
 
     Returns:
-        The new press, in memory alone (`write_urdf` writes it). It keeps the drawn pose, crank angle, gravity, names and inertias of
+        The new press, only in memory (`write_urdf` writes it). It keeps the drawn pose, crank angle, gravity, names and inertias of
         ``press``, but has no visuals.
 
     Raises:
-        PinpressError: the press is not a centred crank-slider (see `as_crank_slider`), a size is not positive, or the rod is not longer
-            than its crank, or so heavy that no mass is left for the counterweight.
+        PinpressError: the press is not a centred crank-slider (see `as_crank_slider`), a size is not positive, the rod is not longer than
+            its crank, or the rod is so heavy that the counterweight would have no mass.
     """
     main = as_crank_slider(press)
     die = float(suitable_numbers("die_mass", die_mass, "a mass that is not negative [kg]", suits=lambda mass: mass >= 0))
@@ -106,31 +106,31 @@ def with_balance_shafts(
     """Add pairs of shafts with eccentric blocks, which gears turn against each other at the crank's speed or a multiple of it.
 
     A counterweight on the crank balances the rotating masses (`approximate_balance` with the share 0). The forces of a pair for the order k
-    add up along the slide's line and cancel across it. Its blocks turn at k times the speed of the crank, opposite to the slide at bottom
-    dead centre (where A_k is negative, with it), and each has the product of mass and radius
+    add along the slide's line and cancel across it. The blocks turn at k times the speed of the crank. At bottom dead centre they point
+    away from the slide (towards it for negative A_k). Each block has the product of mass and radius
 
-        m_block radius = m_C r |A_k| / (2 k^2)
+    m_block radius = m_C r |A_k| / (2 k^2)
 
-    with the reciprocating mass m_C, the crank radius r and A_k of `harmonic_coefficients`. At any constant speed the orders of the pairs
-    vanish from the shaking force, and all across the slide's line; the other even orders stay along it. The pairs make no moment about the
-    crankshaft. F. W. Lanchester's balancer is that for the second order. (Fig. 1-2 of Zhang 2007 has blocks of the first order on the
-    cranks of two halves instead: `mirrored` of a press with `approximate_balance`, share 1.)
+    with the reciprocating mass m_C, the crank radius r and A_k of `harmonic_coefficients`. At any constant speed the shaking force has no
+    component across the slide's line and none of the pairs' orders; the other even orders along the line remain. The pairs have no moment
+    about the crankshaft. F. W. Lanchester's balancer is the pair for the second order. (Fig. 1-2 of Zhang 2007 has blocks of the first
+    order on the cranks of two halves instead: `mirrored` of a press with `approximate_balance`, share 1.)
 
     Args:
         press: a centred crank-slider.
-        radius: from the shafts to the blocks' centres of mass [m]. The blocks are discs of half that radius.
-        shaft_distance: distance of the shafts of the first pair, whose middle is the crankshaft; those of the n-th are n times as far apart
-            [m]. Collisions are not checked.
-        orders: orders that are cancelled, a pair for each: 1 and even numbers.
-        crank_radius: from the crankshaft to the counterweight of the rotating masses [m]; by default ``radius``.
+        radius: distance from the shafts to the blocks' centres of mass [m]. The blocks are discs of half this radius.
+        shaft_distance: distance of the first pair's shafts, with the crankshaft in the middle; the shafts of the n-th pair are n times as
+            far apart [m]. Collisions are not checked.
+        orders: orders to cancel, with a pair for each: 1 and even numbers.
+        crank_radius: distance from the crankshaft to the counterweight of the rotating masses [m]; None: ``radius``.
 
     Returns:
-        The new press, in memory alone, with the drawn pose, crank angle, gravity and names of ``press``, but without visuals. The shafts
+        The new press, only in memory, with the drawn pose, crank angle, gravity and names of ``press``, but without visuals. The shafts
         are the links "balance_shaft_1_left" and so on, by order and side.
 
     Raises:
-        PinpressError: the press is no centred crank-slider (see `as_crank_slider`), a length is not positive, or an order is neither 1 nor
-            an even number, or stands twice.
+        PinpressError: the press is not a centred crank-slider (see `as_crank_slider`), a length is not positive, or an order is neither 1
+            nor an even number, or is given twice.
     """
     main = as_crank_slider(press)
     arm, distance = positive("radius", radius, "m"), positive("shaft_distance", shaft_distance, "m")
@@ -138,7 +138,7 @@ def with_balance_shafts(
         plausibility.length(f"with_balance_shafts: {name}", value, press.size)
     wanted = [whole_number("orders", order, 1, HIGHEST_ORDER) for order in orders]
     if not wanted or len(set(wanted)) < len(wanted) or any(order % 2 and order > 1 for order in wanted):
-        raise PinpressError(f"orders is {shown(orders)}: give each once; a crank-slider shakes in the orders 1, 2, 4, 6 and so on")
+        raise PinpressError(f"orders is {shown(orders)}: give orders of a crank-slider (1, 2, 4, 6 and so on), each once")
     rotating = approximate_balance(press, arm if crank_radius is None else crank_radius, share=0.0)
     drawn = plan_of(with_counterweights(press, [rotating]))
     shafts = [
@@ -152,26 +152,26 @@ def with_balance_shafts(
 
 @typed
 def mirrored(press: Linkage, shaft_distance: float) -> Linkage:
-    """Make a press of two halves, mirror images of each other, on two shafts that a gear pair turns against each other.
+    """Make a press of two mirrored halves, on two shafts that a gear pair turns against each other.
 
-    Zhang 2007, 3.6. The left half is the press shifted by half the distance of the shafts, against the direction in which the crank leaves
-    bottom dead centre. The right half is its mirror image about the line on which the shaft was. The slide (and the counterweight) is
-    common to both halves. All other links and joints exist twice, with "_left" and "_right" behind their names and half of their mass. The
-    left shaft is driven; the right one mimics it by -1.
+    Zhang 2007, 3.6. The left half is the press, shifted by half the distance of the shafts against the direction in which the crank leaves
+    bottom dead centre. The right half is the mirror image about the original line of the shaft. Both halves share the slide (and the
+    counterweight). All other links and joints exist twice, with half of their mass and with "_left" and "_right" after their names. The
+    left shaft is driven. The right shaft mimics it by -1.
 
     Forces across the slide's line and moments about the middle vanish at any speed, also under a central load on the slide. Forces along
-    the line stay as they are. A slide whose centre of mass is beside the line of its pin keeps its own moment.
+    the line do not change. A slide whose centre of mass is off the line of its pin keeps the moment of this offset.
 
     Args:
         press: a centred crank-slider, or a press made from one by `with_opposed_balancer`.
         shaft_distance: distance of the shafts [m]. Collisions of the halves are not checked.
 
     Returns:
-        The new press, in memory alone, with the crank angle, gravity, names, masses and stroke of ``press``, but without visuals.
+        The new press, only in memory, with the crank angle, gravity, names, masses and stroke of ``press``, but without visuals.
 
     Raises:
-        PinpressError: the press is not planar with one driver on the frame, has gear pairs, no slide, guides in several directions, or a
-            slide whose pin does not move on a line through the shaft; or the distance is not positive.
+        PinpressError: the press is not planar with one driver on the frame; it has gear pairs, no slide, or guides in several directions;
+            the slide's pin does not move on a line through the shaft; or the distance is not positive.
     """
     distance, drawn = positive("shaft_distance", shaft_distance, "m"), plan_of(press)
     plausibility.length("mirrored: shaft_distance", distance, press.size)
@@ -196,7 +196,7 @@ class PlanBody:
         parent: name of the link that the joint is fixed to.
         axis: (3,) axis of the joint in the frame.
         limits: lower and upper limit [m], effort [N] and velocity [m/s] of a joint that slides; empty for a joint that turns.
-        leader: name of the joint that this joint mimics; None where it mimics none.
+        leader: name of the joint that this joint mimics; None if it does not mimic a joint.
         ratio: turns of this joint for one of the leader.
     """
 
@@ -266,7 +266,7 @@ class PressPlan:
 def plan_of(press: Linkage) -> PressPlan:
     """The plan of a planar press without gear pairs.
 
-    Links that are welded together are one body, with the name of the slide or else of the first of them.
+    Welded links are one body, with the name of the slide, or of the first link if the slide is not one of them.
 
     Raises:
         PinpressError: the press is not planar, or has gear pairs or several drivers.
@@ -278,7 +278,7 @@ def plan_of(press: Linkage) -> PressPlan:
     model, at = press.model, poses(press, press.closed[None])
     links = {joint: press.link_of(joint) for joint in range(model.njoints)}
     if press.slide is not None:
-        links[press.slide_guide.joint + 1] = press.slide  # not one that it is welded to: positions are the slide's own
+        links[press.slide_guide.joint + 1] = press.slide  # not the name of a welded link: positions refer to the slide
     bodies = []
     for j, (name, axis, start) in enumerate(zip(press.joints, press.axes, press.closed, strict=True), 1):
         at_q, at_v = model.idx_qs[j], model.idx_vs[j]
@@ -295,7 +295,7 @@ def plan_of(press: Linkage) -> PressPlan:
 
 
 def press_of(plan: PressPlan, comment: str) -> Linkage:
-    """Load the press of a plan from a URDF with a comment, which is written in memory. Raises as `load`."""
+    """Write the press of a plan as a URDF in memory, with a comment, and load it. Raises as `load`."""
     places = {plan.frame: pin.SE3.Identity()} | {body.link: body.place for body in plan.bodies}
     content = [_link(plan.frame, plan.frame_inertia, plan.size)]
     content += [_link(body.link, body.inertia, plan.size) for body in plan.bodies]
@@ -313,7 +313,7 @@ def press_of(plan: PressPlan, comment: str) -> Linkage:
 
 
 def _balance_shaft(drawn: PressPlan, main: CrankSlider, order: int, side: str, radius: float, beside: float) -> PlanBody:
-    """A shaft with a block for an order, ``beside`` the crankshaft [m]; see `with_balance_shafts`."""
+    """A shaft with a block for an order, at the distance ``beside`` from the crankshaft [m]; see `with_balance_shafts`."""
     crank, coefficient = drawn.body(main.crank), float(harmonic_coefficients(main.ratio, order)[order])
     mass = abs(main.reciprocating_mass) * main.crank_radius * abs(coefficient) / (2 * order**2 * radius)
     # Where the rod's centre is off its line, the force of the reciprocating mass is turned by the angle of that complex mass.
@@ -341,8 +341,8 @@ def _auxiliary(
     counterweight = (main.reciprocating_mass / scale - mass * share).real
     if not counterweight > 0:
         raise PinpressError(
-            f"rod_mass is {mass:g} kg: its share at the far pin is more than the {main.reciprocating_mass.real / scale:g} kg that balance"
-            " the slide; take a lighter rod or a smaller crank_radius"
+            f"rod_mass is {mass:g} kg, too much: its share at the far pin exceeds the {main.reciprocating_mass.real / scale:g} kg that"
+            " balance the slide; give a lighter rod or a smaller crank_radius"
         )
     crank_mass = main.crank_mass / scale
     return replace(
@@ -372,14 +372,16 @@ def _auxiliary_sizes(
     scale = radius / main.crank_radius
     length = main.rod_length * scale if rod_length is None else positive("rod_length", rod_length, "m")
     if not length > radius:
-        raise PinpressError(f"rod_length is {length:g} m, crank_radius {radius:g} m: for a full turn the rod must be longer")
+        raise PinpressError(
+            f"rod_length is {length:g} m, but crank_radius is {radius:g} m: give a longer rod, for a full turn of the crank"
+        )
     return radius, length, main.rod_mass / scale if rod_mass is None else positive("rod_mass", rod_mass, "kg")
 
 
 def _with_auxiliary(drawn: PressPlan, main: CrankSlider, auxiliary: CrankSlider) -> PressPlan:
-    """The plan of a crank-slider with an auxiliary one on its crank, whose slide is the counterweight.
+    """The plan of a crank-slider with an auxiliary crank-slider on its crank, whose slide is the counterweight.
 
-    Both crank-sliders have one drawn angle and opposite directions.
+    Both crank-sliders have the same drawn angle and opposite directions.
     """
     crank, slide = drawn.body(main.crank), drawn.body(main.slide)
     added = _auxiliary_crank(crank, auxiliary)
@@ -427,7 +429,7 @@ def _shaft(press: Linkage, drawn: PressPlan) -> Array:
     crank = next(each for each in drawn.bodies if each.joint == drawn.driver)
     if crank.parent != drawn.frame or drawn.slide is None:
         raise PinpressError(
-            f"{press.name} has no crank on the frame, or no slide: give a crank-slider or what with_opposed_balancer() makes of it"
+            f"{press.name} has no crank on the frame, or no slide: give a crank-slider, or the result of with_opposed_balancer()"
         )
     return np.asarray(crank.place.translation)
 
@@ -436,7 +438,7 @@ def _across(press: Linkage, drawn: PressPlan, guided: Sequence[str], shaft: Arra
     """The unit vector (3,) across the slide's line, in the direction in which the crank leaves bottom dead centre.
 
     Raises:
-        PinpressError: the links that are guided on the frame do not all move on the slide's line through the shaft.
+        PinpressError: a link that is guided on the frame does not move on the slide's line through the shaft.
     """
     assert drawn.slide is not None
     slide = drawn.body(drawn.slide)
@@ -448,12 +450,14 @@ def _across(press: Linkage, drawn: PressPlan, guided: Sequence[str], shaft: Arra
     for each in map(drawn.body, guided):
         if abs(each.place.rotation @ each.axis @ across) > CENTRED:
             raise PinpressError(
-                f"{press.name}: joint {each.joint!r} guides in another direction than the slide's; only one can be mirrored"
+                f"{press.name}: joint {each.joint!r} does not guide in the direction of the slide: give a press with one direction of"
+                " guides"
             )
     for name, _, point in ends:
         if abs((point - shaft) @ across) > CENTRED * press.size:
             raise PinpressError(
-                f"{press.name}: bearing {name!r} moves {abs((point - shaft) @ across):.6g} m beside the shaft; give a centred crank-slider"
+                f"{press.name}: the line of bearing {name!r} passes the shaft at {abs((point - shaft) @ across):.6g} m; give a centred"
+                " crank-slider"
             )
     return np.asarray(across)
 
@@ -463,7 +467,7 @@ def _doubled(drawn: PressPlan, shared: Sequence[str], shaft: Array, across: Arra
 
     Args:
         drawn: the plan of the press.
-        shared: names of the links that both halves have in common.
+        shared: names of the links that both halves share.
         shaft: (3,) point on the shaft, through which the mirror plane passes [m].
         across: (3,) unit normal of the mirror plane; the left half is shifted against it.
         distance: distance of the shafts [m].

@@ -1,10 +1,9 @@
-"""The centred crank-slider: its lengths and masses, the harmonics of its slide, its counterweights, and a comparison of the harmonics of
-shaking force and tilting moment before and after a change.
+"""The centred crank-slider: its lengths and masses, the harmonics of its slide, its counterweights, and a comparison of harmonics.
 
-Points of a link are complex numbers along the line of its pins: the real part points to the far pin, the imaginary part across the line, to
-the side to which the line would turn with the crank. By static substitution a rod of mass m with its centre at the share k of its length
-(complex where it lies off the line) counts as m (1 - k) at the crank pin and m k at the slide's pin. The inertia force of these masses is
-exactly that of the rod; their moment is not (`CrankSlider.residual_inertia`).
+Points of a link are complex numbers along the line of its pins. The real part points to the far pin. The imaginary part points across the
+line, to the side to which the line would turn with the crank. Static substitution replaces a rod of mass m, whose centre is at the share k
+of its length (complex if it is off the line), by m (1 - k) at the crank pin and m k at the slide's pin. The inertia force of these masses
+equals that of the rod. Their moment does not (`CrankSlider.residual_inertia`).
 """
 
 from __future__ import annotations
@@ -26,10 +25,10 @@ from ...linkage.linkage import Linkage
 from ..counterweights import Counterweight
 from .rotor import Correction
 
-CENTRED = 1e-9  # rounding may put the slide's pin this far beside the shaft, as a share of the linkage's size
+CENTRED = 1e-9  # a smaller offset of the slide's line from the shaft, as a share of the linkage's size, is rounding error
 LARGEST_RATIO = 1 - 1e-9  # largest ratio of crank radius to rod length; nearer to 1 the series below has millions of terms
 SMALLEST_TERM = 1e-18  # smallest term of that series, divided by its first
-ROUNDING = 1e-12  # harmonics below this share of the largest bearing force are rounding
+ROUNDING = 1e-12  # harmonics below this share of the largest bearing force are rounding error
 UNCHANGED = 1e-9  # a harmonic that changes by less than this share of its amplitude is unchanged
 SAME_SPEED = 1e-9  # speeds are equal up to this relative difference
 LINE, SPACE = ("along", "across"), "xyz"  # parts of a complex number and of a vector in a table
@@ -46,22 +45,22 @@ class CrankSlider(
     },
     parts={"crank_centre": LINE, "rod_centre": LINE, "shaft": SPACE, "direction": SPACE, "across": SPACE},
 ):
-    """A centred crank-slider: lengths, masses and centres of mass as its balancing needs them.
+    """Lengths, masses and centres of mass of a centred crank-slider, for its balancing.
 
     Attributes:
         crank: name of the crank's link.
         rod: name of the rod's link.
         slide: name of the slide's link.
-        crank_radius: from the shaft to the crank pin [m].
-        rod_length: from the crank pin to the slide's pin [m].
-        crank_mass: mass of the crank, with all that is welded to it [kg].
-        rod_mass: mass of the rod, with all that is welded to it [kg].
-        slide_mass: mass of the slide, with all that is welded to it [kg].
+        crank_radius: distance from the shaft to the crank pin [m].
+        rod_length: distance from the crank pin to the slide's pin [m].
+        crank_mass: mass of the crank with the parts welded to it [kg].
+        rod_mass: mass of the rod with the parts welded to it [kg].
+        slide_mass: mass of the slide with the parts welded to it [kg].
         crank_centre: centre of mass of the crank from the shaft, complex along the line to the crank pin [m].
         rod_centre: centre of mass of the rod from the crank pin, complex along the line to the slide's pin [m].
-        crank_inertia: moment of inertia of the crank about its centre of mass, about the shaft's direction [kg m2].
-        rod_inertia: moment of inertia of the rod about its centre of mass, about the shaft's direction [kg m2].
-        drawn_angle: angle of the crank in the drawn pose, in its positive sense from where its pin points at the slide [rad].
+        crank_inertia: moment of inertia of the crank about the shaft's direction through its centre of mass [kg m2].
+        rod_inertia: moment of inertia of the rod about the shaft's direction through its centre of mass [kg m2].
+        drawn_angle: positive angle of the crank in the drawn pose, 0 with the crank pin towards the slide [rad].
         shaft: (3,) point on the shaft's axis at the height of the crank pin, in world axes [m].
         direction: (3,) unit vector from the shaft to the slide's pin, in world axes.
         across: (3,) unit vector ``direction`` turned by 90 degrees with the crank, in world axes.
@@ -117,30 +116,30 @@ class CrankSlider(
 
     @property
     def rotating_product(self) -> complex:
-        """Mass times radius of the rotating masses: of the crank, and of the rod's share at the crank pin [kg m]."""
+        """Mass times radius of the rotating masses: the crank, and the rod's share at the crank pin [kg m]."""
         return self.crank_mass * self.crank_centre + self.crank_radius * self.rod_mass * (1 - self.rod_share)
 
     @property
     def reciprocating_mass(self) -> complex:
-        """Mass of the slide and of the rod's share at its pin [kg]; complex where the rod's centre is off its line."""
+        """Mass of the slide and of the rod's share at the slide's pin [kg]; complex if the rod's centre is off its line."""
         return self.slide_mass + self.rod_mass * self.rod_share
 
     @property
     def residual_inertia(self) -> float:
         """J - m a (l - a) for a rod with its centre at a on its line [kg m2].
 
-        Times the rod's angular acceleration it is the moment that static substitution leaves out. It is negative for rods whose mass is
-        between the pins: - m l^2 / 6 for a uniform rod.
+        This number times the rod's angular acceleration is the moment that static substitution neglects. It is negative for rods whose
+        mass is between the pins: - m l^2 / 6 for a uniform rod.
         """
         return self.rod_inertia - self.rod_mass * (self.rod_centre.real * self.rod_length - abs(self.rod_centre) ** 2)
 
 
 @typed
 def as_crank_slider(press: Linkage) -> CrankSlider:
-    """Read a press as a centred crank-slider. It may be drawn in any pose, and its slide may move in any direction.
+    """Read lengths and masses of a centred crank-slider, in any drawn pose and with any direction of the slide.
 
     Raises:
-        PinpressError: the press is not a centred crank-slider; the message says what differs.
+        PinpressError: the press is not a centred crank-slider; the message names the difference.
     """
     plane, at = press.plane_or_refuse(str(_refusal(press, "it is not planar, or has several drivers"))), poses(press, press.closed[None])
     crank, rod, slide = _bodies(press)
@@ -149,7 +148,7 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
     guide = complex(to_complex(plane, at.rotation[slide, 0] @ press.axes[slide - 1].direction))
     along = (radius + length) / guide
     if abs(along.imag) > CENTRED * abs(length):
-        raise _refusal(press, f"its slide's pin moves {abs(along.imag):.6g} m beside the shaft")
+        raise _refusal(press, f"the line of its slide's pin passes the shaft at {abs(along.imag):.6g} m")
     if not 0 < abs(radius) < abs(length):
         raise _refusal(press, f"its crank, {abs(radius):.6g} m, is not shorter than its rod, {abs(length):.6g} m")
     towards = guide * np.sign(along.real)
@@ -183,11 +182,11 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
 def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
     """Harmonics A_k of the slide's acceleration r w^2 (cos q + A_2 cos 2q + A_4 cos 4q + ...) in a centred crank-slider.
 
-    The crank turns at constant speed w. The acceleration is positive towards the shaft; q = 0 where the slide is farthest from it.
+    The crank turns at constant speed w. The acceleration is positive towards the shaft; at q = 0 the slide is farthest from the shaft.
 
-    The coefficients are exact up to rounding for every lambda: with z = exp(2 i q) and b = (lambda / (1 + sqrt(1 - lambda^2)))^2,
-    sqrt(1 - lambda^2 sin^2 q) is sqrt(1 + b z) sqrt(1 + b / z) / (1 + b), and the binomial series of both roots are multiplied.
-    A_2 = lambda + lambda^3 / 4 + ..., A_4 = - lambda^3 / 4 - ...; Zhang 2007, eq. 3.2.2, has A_2 = lambda alone.
+    The coefficients are exact within rounding error for every lambda. With z = exp(2 i q) and b = (lambda / (1 + sqrt(1 - lambda^2)))^2,
+    sqrt(1 - lambda^2 sin^2 q) is sqrt(1 + b z) sqrt(1 + b / z) / (1 + b). The function multiplies the binomial series of both roots:
+    A_2 = lambda + lambda^3 / 4 + ..., A_4 = - lambda^3 / 4 - ... Zhang 2007, eq. 3.2.2, has only A_2 = lambda.
 
     Args:
         ratio: lambda, the crank radius divided by the rod length, between 0 and 1 [-].
@@ -197,12 +196,13 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
         (orders + 1,) A_0 to A_orders [-]; A_1 = 1.
 
     Raises:
-        PinpressError: the ratio is not between 0 and 1, or orders is no whole number from 1.
+        PinpressError: the ratio is not between 0 and 1, or orders is not a whole number of at least 1.
     """
     ratio = positive("ratio of crank radius to rod length", ratio, "-")
     if not ratio <= LARGEST_RATIO:
         raise PinpressError(
-            f"ratio is {shown(ratio)}: for a full turn the crank must be shorter than the rod; give at most {LARGEST_RATIO!r}"
+            f"ratio is {shown(ratio)}, too large for a full turn, in which the crank must be shorter than the rod: give at most"
+            f" {LARGEST_RATIO!r}"
         )
     orders = whole_number("orders", orders, 1, 10**5)
     root = ratio / (1 + np.sqrt((1 - ratio) * (1 + ratio)))
@@ -218,23 +218,23 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
 
 @typed
 def complete_balance(press: Linkage, *, rod_radius: float, crank_radius: float) -> Records[Counterweight]:
-    """Find the counterweights on rod and crank that keep the press's centre of mass at rest, so that it shakes with its weight alone.
+    """Compute counterweights on rod and crank that keep the press's centre of mass at rest, so the shaking force is only the weight.
 
     Zhang 2007, 3.3, with m' corrected. The counterweight on the rod, opposite to the slide, has m'' r2 = m2 h2 + m3 l2. Then rod and slide
     act on the crank pin as the mass m_B = m'' + m2 + m3. The counterweight on the crank, opposite to the pin, has m' r1 = m_B l1 + m1 h1
-    (our copy of the thesis prints m2 l1 for m_B l1). Where centres of mass are off the lines, these are sums of vectors. Moment and driving
-    torque are not balanced, and mostly grow.
+    (our copy of the thesis prints m2 l1 for m_B l1). If centres of mass are off the lines, these are sums of vectors. Moment and driving
+    torque are not balanced and usually grow.
 
     Args:
         press: a centred crank-slider.
-        rod_radius: from the crank pin to the rod's counterweight [m].
-        crank_radius: from the shaft to the crank's counterweight [m].
+        rod_radius: distance from the crank pin to the rod's counterweight [m].
+        crank_radius: distance from the shaft to the crank's counterweight [m].
 
     Returns:
         Point masses on rod and crank, for `with_counterweights`.
 
     Raises:
-        PinpressError: the press is no centred crank-slider (see `as_crank_slider`), or a radius is not positive.
+        PinpressError: the press is not a centred crank-slider (see `as_crank_slider`), or a radius is not positive.
     """
     main = as_crank_slider(press)
     product = -(main.rod_mass * main.rod_centre + main.slide_mass * main.rod_length) * main.drawn_rod
@@ -246,24 +246,24 @@ def complete_balance(press: Linkage, *, rod_radius: float, crank_radius: float) 
 
 @typed
 def approximate_balance(press: Linkage, radius: float, *, share: float = 0.5) -> Counterweight:
-    """Find the counterweight on the crank for all rotating masses and a share of the reciprocating ones. Zhang 2007, 3.4.
+    """Compute the counterweight on the crank for all rotating masses and a share of the reciprocating mass. Zhang 2007, 3.4.
 
     Opposite to the crank pin, it has m r = m1 e + k m2 b / l + share k m_C (a sum of vectors), with the crank radius k and the
-    reciprocating mass m_C = m3 + m2 a / l. At constant speed w the shaking force keeps, beside the weight, the first order with
+    reciprocating mass m_C = m3 + m2 a / l. At constant speed w the shaking force keeps the weight, the first order with
     (1 - share) m_C k w^2 along the slide's line and share m_C k w^2 across it, and all higher orders along the line, m_C k w^2 A_2 and so
-    on (`harmonic_coefficients`). Where the rod's centre is off its line, m_C is complex, and both directions are turned by its angle.
+    on (`harmonic_coefficients`). If the rod's centre is off its line, m_C is complex, and its angle turns both directions.
 
     Args:
         press: a centred crank-slider.
-        radius: from the shaft to the counterweight [m].
-        share: share of the reciprocating mass that is balanced, from 0 (rotating masses alone) to 1 (the first order is all across) [-].
+        radius: distance from the shaft to the counterweight [m].
+        share: balanced share of the reciprocating mass, from 0 (only rotating masses) to 1 (the whole first order is across the line) [-].
 
     Returns:
         A point mass on the crank, for `with_counterweights`.
 
     Raises:
-        PinpressError: the press is no centred crank-slider (see `as_crank_slider`), the radius is not positive, or the share is not from
-            0 to 1.
+        PinpressError: the press is not a centred crank-slider (see `as_crank_slider`), the radius is not positive, or the share is not
+            from 0 to 1.
     """
     wanted = "the part of the reciprocating mass to be balanced, from 0 to 1"
     suitable_numbers("share", share, wanted, suits=lambda part: 0 <= part <= 1)
@@ -278,10 +278,10 @@ class HarmonicChange(Record):
     Attributes:
         quantity: "force along the slide" (vertical in an upright press), "force across the slide" (lateral) or "tilting moment".
         unit: "N" or "N m".
-        order: frequency divided by that of the crank; a fraction is possible where a press repeats itself only after several turns [-].
-        before: amplitude before, in the unit.
-        after: amplitude after, in the unit.
-        change: "cancelled" where only rounding is left, "reduced", "unchanged", "raised", or "none" where both amplitudes are rounding.
+        order: frequency / frequency of the crank, possibly a fraction for a press that repeats only after several turns [-].
+        before: amplitude before the change [unit].
+        after: amplitude after the change [unit].
+        change: "cancelled" (only rounding error remains), "reduced", "unchanged", "raised", or "none" (both amplitudes are rounding error).
     """
 
     quantity: str
@@ -301,27 +301,27 @@ class HarmonicChange(Record):
 def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -> Records[HarmonicChange]:
     """Compare the harmonics of the shaking force and of the tilting moment of two presses.
 
-    The moment is about the shaft of the press before the change. Amplitudes below 1e-12 of the largest bearing force, or of its moment at
-    an arm of the linkage's size, count as rounding.
+    The moment is about the shaft of the press before the change. An amplitude is rounding error below 1e-12 of the largest bearing force,
+    or of this force times the linkage's size.
 
     Args:
-        before: reactions of a planar press over a period or more.
-        after: reactions of the changed press, at that speed too.
+        before: reactions of a planar press over at least one period.
+        after: reactions of the changed press at the same speed.
         orders: highest order.
 
     Returns:
         Changes by quantity, then by order.
 
     Raises:
-        PinpressError: a press is not planar or has no slide, or the motions are at different speeds, without a full period, or with too few
-            states for the orders.
+        PinpressError: a press is not planar or has no slide; the motions have different speeds, no full period, or too few states for the
+            orders.
     """
     for reactions in (before, after):
         expect("reactions", reactions, Reactions, "inverse_dynamics")
     press, (speed, other) = before._press, (np.abs(reactions.motion.crank_speed).max() for reactions in (before, after))
-    normal = press.plane_or_refuse(f"{press.name} is not planar: look at the harmonics of its shaking force one axis at a time").normal
+    normal = press.plane_or_refuse(f"{press.name} is not planar: take the harmonics of its shaking force axis by axis").normal
     if not abs(other - speed) <= SAME_SPEED * speed:
-        raise PinpressError("before and after are at different speeds, and forces grow with the speed squared: use one speed for both")
+        raise PinpressError("before and after have different speeds, but forces grow with speed squared: give both the same speed")
     at, along = poses(press, press.closed[None]), press.slide_direction
     axes = np.array([along, np.cross(normal, along)])
     shaft = at.position[press.driver_indices[0] + 1, 0]
@@ -374,7 +374,7 @@ def _inertia(plane: Plane, press: Linkage, body: int) -> float:
 def _refusal(press: Linkage, problem: str) -> PinpressError:
     """The error that a press is not a centred crank-slider."""
     return PinpressError(
-        f"{press.name} is no centred crank-slider: {problem}; give a press of crank, rod and slide, guided through the shaft"
+        f"{press.name} is not a centred crank-slider: {problem}; give a press of crank, rod and slide whose line passes through the shaft"
     )
 
 
@@ -404,7 +404,8 @@ def _amplitudes(
     turns = reactions.motion.period_turns or 1
     if found is None or len(found.orders) <= orders * turns:
         raise PinpressError(
-            f"the motion of {reactions.motion.linkage} has no full period of {2 * orders * turns + 1} states: use cycle(..., points=...)"
+            f"the motion of {reactions.motion.linkage} does not have a full period of {2 * orders * turns + 1} states: use cycle(...,"
+            " points=...)"
         )
     least = ROUNDING * max(float(np.abs(each).max()) for each in (force, *reactions.bearing_force.values()))
     by_order = {int(o) if o.is_integer() else float(o): at for o, at in zip(found.orders[1:], found.amplitude[1:], strict=True)}
@@ -412,7 +413,7 @@ def _amplitudes(
 
 
 def _change(before: float, after: float, least: float) -> str:
-    """The word for a change of an amplitude, as in `HarmonicChange`; below ``least`` an amplitude is rounding."""
+    """The word for a change of an amplitude, as in `HarmonicChange`; below ``least`` an amplitude is rounding error."""
     if after <= least:
         return "none" if before <= least else "cancelled"
     if abs(after - before) <= max(least, UNCHANGED * before):

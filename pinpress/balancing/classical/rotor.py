@@ -1,9 +1,9 @@
 """Balancing of rigid rotors: cranks, crankshafts, flywheels, gears. Zhang 2007, 3.1.1.
 
-A mass m at a radius r on a shaft that turns at the speed w pulls it outwards with m w^2 r. The sum of these forces vanishes where the sum
-of m r does (static balance, eq. 3.1.5), and their couples vanish too where the sum of a m r does, a being the place of the mass along the
-shaft (dynamic balance). One correction is enough for static balance; dynamic balance takes two in different planes. A mass is added
-opposite to the unbalance; a hole is drilled on its side.
+A mass m at a radius r on a shaft with the speed w pulls the shaft outwards with the force m w^2 r. In static balance the sum of these
+forces, and so the sum of m r, is zero (eq. 3.1.5). In dynamic balance their couples are zero too: the sum of a m r, where a is the place of
+the mass along the shaft. Static balance needs one correction. Dynamic balance needs two corrections in different planes. A mass is added
+opposite to the unbalance; a hole is drilled on the side of the unbalance.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Correction(Record, units={"product": "kg m", "centre": "m"}, parts={"produ
     """A mass times radius that balances a rotor, in one plane across its axis.
 
     Attributes:
-        product: (3,) mass times radius vector of the mass to be added, in the rotor's frame [kg m].
+        product: (3,) mass times radius vector of the added mass, in the rotor's frame [kg m].
         centre: (3,) point where the plane meets the axis, in the rotor's frame [m].
     """
 
@@ -69,15 +69,15 @@ class Correction(Record, units={"product": "kg m", "centre": "m"}, parts={"produ
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RotorUnbalance(Record, units={"static": "kg m", "couple": "kg m2"}, parts={"axis": "xyz", "static": "xyz", "couple": "xyz"}):
-    """The unbalance of a rotor whose axis passes through the origin of its frame. Vectors are in that frame.
+    """The unbalance of a rotor whose axis passes through the origin of its frame. Vectors are in this frame.
 
-    At the speed w the rotor pulls at its bearings with the force ``w**2 * static`` and, about the origin, the moment
-    ``w**2 * cross(axis, couple)``.
+    At the speed w the rotor pulls its bearings with the force ``w**2 * static`` and the moment ``w**2 * cross(axis, couple)`` about the
+    origin.
 
     Attributes:
-        axis: (3,) unit vector along the shaft; places along it are measured from the origin.
+        axis: (3,) unit vector along the shaft; places along the shaft are measured from the origin.
         static: (3,) sum of m r, across the axis [kg m].
-        couple: (3,) sum of a m r, a being the place along the axis [kg m2].
+        couple: (3,) sum of a m r, where a is the place along the axis [kg m2].
     """
 
     axis: Array
@@ -85,10 +85,10 @@ class RotorUnbalance(Record, units={"static": "kg m", "couple": "kg m2"}, parts=
     couple: Array
 
     def static_balance(self, plane: float = 0.0) -> Correction:
-        """The correction with which the rotor rests at any angle.
+        """The correction after which the rotor rests at any angle.
 
         Args:
-            plane: place of its plane along the axis [m].
+            plane: place of the correction's plane along the axis [m].
 
         Raises:
             PinpressError: the place is not a finite number.
@@ -97,10 +97,9 @@ class RotorUnbalance(Record, units={"static": "kg m", "couple": "kg m2"}, parts=
         return _correction(-self.static, centre)
 
     def two_plane_balance(self, planes: Sequence[float]) -> Records[Correction]:
-        """The corrections in two planes that leave neither force nor couple.
+        """The corrections in two planes that cancel force and couple.
 
-        From u_a + u_b = -static and a u_a + b u_b = -couple follow u_a = (b static - couple) / (a - b) and
-        u_b = (couple - a static) / (a - b).
+        u_a + u_b = -static and a u_a + b u_b = -couple give u_a = (b static - couple) / (a - b) and u_b = (couple - a static) / (a - b).
 
         Args:
             planes: places a and b of the two planes along the axis [m].
@@ -112,19 +111,19 @@ class RotorUnbalance(Record, units={"static": "kg m", "couple": "kg m2"}, parts=
         if len(centres) != 2 or not np.ptp(planes) > 0:
             raise PinpressError(f"planes is {shown(planes)}: give the places of two different planes along the shaft [m]")
         a, b = (float(place) for place in planes)
-        with np.errstate(all="ignore"):  # what overflows is refused
+        with np.errstate(all="ignore"):  # an overflow is refused below
             first, second = (b * self.static - self.couple) / (a - b), (self.couple - a * self.static) / (a - b)
         return Records(Correction, (_correction(first, centres[0]), _correction(second, centres[1])))
 
     def _centres(self, planes: Sequence[float]) -> Array:
         places = numbers("balancing of a rotor: planes", planes)
         if places.ndim != 1:
-            raise PinpressError(f"planes is {shown(planes)}: give places along the shaft, one number each [m]")
+            raise PinpressError(f"planes is {shown(planes)}: give one number for each plane, its place along the shaft [m]")
         return np.multiply.outer(places, self.axis)
 
 
 def static_balance(masses: ArrayLike, positions: ArrayLike) -> Correction:
-    """The correction that puts a rotor's centre of mass on its axis: minus the sum of m r. Zhang 2007, eq. 3.1.5.
+    """The correction that moves a rotor's centre of mass to its axis: minus the sum of m r. Zhang 2007, eq. 3.1.5.
 
     Args:
         masses: (k,) masses on an otherwise balanced rotor, negative for holes [kg].
@@ -138,10 +137,10 @@ def static_balance(masses: ArrayLike, positions: ArrayLike) -> Correction:
 
 @typed
 def two_plane_balance(masses: ArrayLike, positions: ArrayLike, *, planes: Sequence[float]) -> Records[Correction]:
-    """The two corrections that leave a rotor neither force nor couple. Zhang 2007, 3.1.1 (2).
+    """The two corrections that cancel force and couple of a rotor. Zhang 2007, 3.1.1 (2).
 
-    Each mass is shared between the planes a and b like a force on a beam, m (b - y) / (b - a) and m (y - a) / (b - a), and each share is
-    balanced in its plane.
+    The planes a and b share a mass like a force on a beam, m (b - y) / (b - a) and m (y - a) / (b - a). The correction in a plane balances
+    the shares in this plane.
 
     Args:
         masses: (k,) masses on an otherwise balanced rotor, negative for holes [kg].
@@ -156,30 +155,29 @@ def two_plane_balance(masses: ArrayLike, positions: ArrayLike, *, planes: Sequen
 
 @typed
 def unbalance(press: Linkage, link: str) -> RotorUnbalance:
-    """The unbalance of a link that turns on the frame, with all that is welded to it, from its inertia in the model.
+    """The unbalance of a link that turns on the frame, with the parts welded to it, from its inertia in the model.
 
-    ``static`` is the mass times the centre of mass across the axis; ``couple`` is minus the products of inertia with the axis, about the
-    link's origin. The axis points along positive coordinates of the link's frame (y in the shipped presses), regardless of the joint's
-    sense.
+    ``static`` is mass times centre of mass across the axis. ``couple`` is minus the products of inertia with the axis, about the link's
+    origin. The axis points in the positive direction of the link's frame (y in the shipped presses), independent of the joint's sense.
 
     Args:
         press: the press.
         link: name of the link.
 
     Raises:
-        UnknownNameError: the press has no such link.
+        UnknownNameError: the press does not have a link with this name.
         PinpressError: no joint turns the link on the frame.
     """
     if not isinstance(link, str) or link not in press.links:
         raise UnknownNameError("link", link, press.links)
     rotors = _rotors(press)
     if link not in rotors:
-        raise PinpressError(f"link {shown(link)} is no rotor; links that joints turn on the frame: {', '.join(rotors) or 'none'}")
+        raise PinpressError(f"link {shown(link)} does not turn on the frame: give one of {', '.join(rotors) or 'no links in this press'}")
     joint = rotors[link]
     axis, body = press.axes[joint - 1].direction, press.model.inertias[joint]
     axis = axis * math.copysign(1.0, axis[np.abs(axis).argmax()])
     across = np.eye(3) - np.outer(axis, axis)
-    about_origin = body.inertia @ axis - body.mass * (body.lever @ axis) * body.lever  # its part along the axis is dropped below
+    about_origin = body.inertia @ axis - body.mass * (body.lever @ axis) * body.lever  # the part along the axis is removed below
     return RotorUnbalance(axis + 0.0, body.mass * across @ body.lever, -across @ about_origin)
 
 
@@ -194,13 +192,13 @@ def _of_masses(masses: ArrayLike, positions: ArrayLike) -> RotorUnbalance:
 
 
 def _rotors(press: Linkage) -> dict[str, int]:
-    """The links that joints turn on the frame, with these joints. Links welded to them have other frames and are left out."""
+    """Name of a link that turns on the frame -> its joint, without links that are welded to it, which have other frames."""
     turning = [j for j, axis in enumerate(press.axes, 1) if axis.turns and press.model.parents[j] == 0]
     return {press.link_of(joint): joint for joint in turning}
 
 
 def _correction(product: Array, centre: Array) -> Correction:
-    """A correction; raises PinpressError where it is not finite."""
+    """A correction; raises PinpressError if it is not finite."""
     if not np.isfinite(product).all():
-        raise PinpressError("the correction of a rotor is not finite: its masses are too large, or its planes too close together")
+        raise PinpressError("the correction of a rotor is not finite: give smaller masses, or planes that are further apart")
     return Correction(product + 0.0, centre + 0.0)  # + 0.0: no -0.0
