@@ -202,7 +202,9 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
             f"the bearing forces of {press.name} grow without bounds at its change point at {place}: simulate it without friction"
         )
     with_friction = np.flatnonzero((law.arm > 0) | (law.viscous > 0))
-    kept_law = FrictionLaw(*(values[with_friction] for values in (law.arm, law.viscous, law.preload, law.turns)), law.size)
+    kept_law = FrictionLaw(
+        law.arm[with_friction], law.viscous[with_friction], law.preload[with_friction], law.turns[with_friction], law.size
+    )
     count, sampling = len(with_friction), _Sampling(press, with_friction, unit_forces)
     sampled, _ = resolve(sampling.rows, reduced.borders, sampling.missed)
     coefficients = sampled.coefficients

@@ -202,7 +202,8 @@ def _observe(task: Task, solution: ElasticSolution, start: float) -> Plan | None
     driving = [_mode(task, beyond[k]) for k in rows]
     segments, modes, knots, events = [acting[0]], [driving[0]], [float(mesh.knots[0])], dict[int, MotionEvent]()
     for i in range(1, len(rows)):
-        k, event, share = rows[i], None, None
+        k, share = rows[i], None
+        event: MotionEvent | None = None
         if driving[i] != modes[-1]:
             jump = int(np.argmax((beyond[k] > 0) != (beyond[k - 1] > 0)))
             event, share = TrainEvent("jumps", number=jump), crossing(beyond[k - 1, jump], beyond[k, jump])
@@ -211,9 +212,10 @@ def _observe(task: Task, solution: ElasticSolution, start: float) -> Plan | None
         elif i in turnings:
             event, share = Event(CRANK_ANGLE, turnings[i]), crossing(angles[k - 1] - turnings[i], angles[k] - turnings[i])
         else:
-            for event in strokes.borders:
-                share = crossing(places[k - 1, event.path] - event.value, places[k, event.path] - event.value)
+            for border in strokes.borders:
+                share = crossing(places[k - 1, border.path] - border.value, places[k, border.path] - border.value)
                 if share is not None:
+                    event = border
                     break
         if event is None or share is None:
             return None

@@ -184,7 +184,7 @@ class Strokes:
         events: dict[int, MotionEvent] = {}
         for knot, row in enumerate(changes, 1):
             ahead, border = stops[row - 1]
-            events[knot] = border or Event(CRANK_ANGLE, start + self.direction * ahead)
+            events[knot] = Event(CRANK_ANGLE, start + self.direction * ahead) if border is None else border
         return Plan(tuple(segments[row] for row in (0, *changes)), events, ends[[0, *changes, -1]])
 
     def crossed(self, places: Array) -> NDArray[np.bool_]:
