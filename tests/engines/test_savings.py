@@ -1,5 +1,4 @@
-"""What is left out costs nothing and changes nothing: results with fewer bearings against those with all, and what a scene does not need
-against functions that fail when they are called.
+"""What is left out changes nothing: results with fewer bearings against those with all.
 
 Bounds are 1e-12 of the peaks: the same equations are solved from sums taken in another order, and rounding is conditioned as they are.
 """
@@ -12,7 +11,6 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -26,12 +24,6 @@ from support.texts import load as read
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.dynamics import inverse_dynamics, reactions
-from pinpress.dynamics.shaking import shaking as shaking_of_bodies
-from pinpress.engines.friction import FrictionLaw
-from pinpress.engines.planar import bodies, out_of_plane
-from pinpress.engines.planar import inverse_dynamics as plane_dynamics
-from pinpress.engines.spatial import inverse_dynamics as spatial_dynamics
 
 LEAST = "lexicographic_least_squares"
 
@@ -323,113 +315,6 @@ def test_another_linkage_is_refused(six_bar, turn, engine):
     longer = replace(six_bar, model=model)
     with pytest.raises(pp.AssemblyError):
         pp.inverse_dynamics(longer, turn, engine=engine, bearings=())
-
-
-# ---------------------------------------------------------------------------------------------------------- what is not there costs nothing
-
-
-class CalledError(Exception):
-    pass
-
-
-def fail(*_, **__):
-    raise CalledError
-
-
-def calls(monkeypatch, owner, name, *arguments, **more):
-    """Whether inverse dynamics with these arguments call a function."""
-    with monkeypatch.context() as patch:
-        patch.setattr(owner, name, fail)
-        try:
-            pp.inverse_dynamics(*arguments, **more)
-        except CalledError:
-            return True
-        return False
-
-
-def counted_solutions(monkeypatch):
-    """A list that grows with every solution by an engine."""
-    solved, find = [], reactions.find_wrenches
-    for module in (inverse_dynamics, reactions):
-        monkeypatch.setattr(module, "find_wrenches", lambda *given, **more: solved.append(1) or find(*given, **more))
-    return solved
-
-
-def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, six_bar, turn):
-    stacked = case("two_point")
-    pp.inverse_dynamics(*stacked)  # what the press keeps is made
-    along, across = (pp.loads.PointForce("slide", force) for force in ((0.0, 0.0, 1e5), (0.0, 10.0, 0.0)))
-    on_frame = pp.loads.PointForce("frame", (0.0, 10.0, 0.0))
-    for function in ("forces", "add"):
-        assert not calls(monkeypatch, out_of_plane, function, six_bar, turn, [along, on_frame])
-        assert calls(monkeypatch, out_of_plane, function, six_bar, turn, [across])
-        assert calls(monkeypatch, out_of_plane, function, *stacked)
-        assert not calls(monkeypatch, out_of_plane, function, *stacked, bearings=())
-
-
-def test_torque_alone_needs_no_forces_from_link_to_link(monkeypatch, six_bar, turn):
-    for bearings, walked in (((), False), (("A", "C"), True), (None, True)):
-        assert calls(monkeypatch, plane_dynamics, "add_moments_of_guides", six_bar, turn, bearings=bearings) == walked
-
-
-def test_gear_torques_that_share_with_rods_are_computed_when_they_are_asked_for(monkeypatch, engine):
-    press, motion = case("symmetric")
-    result = pp.inverse_dynamics(press, motion, engine=engine, bearings=())
-    solved = counted_solutions(monkeypatch)
-    assert any(result.indeterminate_coupling.values())
-    assert solved == []
-    assert result.coupling_torque is result.coupling_torque
-    assert solved == [1]
-    solved.clear()
-    assert pp.inverse_dynamics(press, motion, engine=engine).coupling_torque is not None
-    assert solved == [1]
-
-
-def test_what_is_not_redundant_shares_nothing(monkeypatch, six_bar, turn):
-    stacked, across = case("two_point"), pp.loads.PointForce("slide", (0.0, 10.0, 0.0))
-    pp.inverse_dynamics(*stacked, loads=[across])  # what the press keeps is made
-    for bearings, shared in ((None, True), (("O",), True), ((), False)):
-        assert calls(monkeypatch, spatial_dynamics, "share", *stacked, engine="pinocchio", bearings=bearings) == shared
-        stiff = {"stiffness": dict.fromkeys(stacked[0].bearings, 1e9)}
-        assert calls(monkeypatch, bodies, LEAST, *stacked, [across], **stiff, bearings=bearings) == shared
-        assert not calls(monkeypatch, bodies, LEAST, *stacked, **stiff, bearings=bearings)  # nothing acts along the normal
-        assert not calls(monkeypatch, bodies, LEAST, *stacked, [across], bearings=bearings)  # that is the press's, made once
-    assert not calls(monkeypatch, plane_dynamics, "add_idle_forces", six_bar, turn)
-    assert calls(monkeypatch, plane_dynamics, "add_idle_forces", *case("three_rods"))
-    assert not calls(monkeypatch, plane_dynamics, "add_idle_forces", *case("three_rods"), bearings=())
-    rubbing = {"friction": {"O": pp.loads.Friction(0.1, 0.1)}}
-    assert not calls(monkeypatch, plane_dynamics, "add_idle_forces", six_bar, turn, friction={"A": pp.loads.Friction(0.1, 0.1)})
-    assert calls(monkeypatch, plane_dynamics, "add_idle_forces", *case("three_rods"), **rubbing)
-
-
-def test_no_friction_is_no_iteration(monkeypatch, six_bar, turn, engine):
-    rubbing = {"A": pp.loads.Friction(0.1, 0.1)}
-    assert not calls(monkeypatch, FrictionLaw, "efforts", six_bar, turn, engine=engine)
-    assert not calls(monkeypatch, FrictionLaw, "efforts", six_bar, turn, engine=engine, friction={"A": pp.loads.Friction(0.0, 0.1)})
-    assert calls(monkeypatch, FrictionLaw, "efforts", six_bar, turn, engine=engine, friction=rubbing)
-
-
-def test_the_tree_is_walked_once(monkeypatch, six_bar, turn):
-    """By Pinocchio: the forces of the joints under those of the loops follow without another walk."""
-    rnea, walks = pin.rnea, []
-    monkeypatch.setattr(pin, "rnea", lambda *arguments: walks.append(1) or rnea(*arguments))
-    for bearings in ((), ("A",), None):
-        walks.clear()
-        pp.inverse_dynamics(six_bar, turn, engine="pinocchio", bearings=bearings)
-        assert len(walks) == len(turn.q), bearings
-
-
-def test_shaking_is_computed_when_it_is_asked_for_and_once(monkeypatch, six_bar, turn):
-    summed, solved, shaking = [], counted_solutions(monkeypatch), shaking_of_bodies
-    monkeypatch.setattr(reactions, "shaking", lambda *arguments: summed.append(1) or shaking(*arguments))
-    for bearings, solutions in ((None, 1), (("B",), 1), ((), 2)):
-        summed.clear(), solved.clear()
-        result = pp.inverse_dynamics(six_bar, turn, bearings=bearings)
-        assert (len(summed), len(solved)) == (0, 1)
-        _ = result.power_residual, result.driving_torque, result.friction_power
-        assert (len(summed), len(solved)) == (0, 1)
-        _ = result.shaking_force, result.shaking_moment, result.shaking_force
-        assert (len(summed), len(solved)) == (1, solutions), bearings
 
 
 @pytest.mark.exhaustive

@@ -1,17 +1,15 @@
-"""Linkages larger than a press: what is computed stays right, and planar ones need none of Pinocchio's data. Times are printed by
-`tests/benchmarks/speed/sizes.py`."""
+"""Linkages larger than a press: what is computed stays right. Times are printed by `tests/benchmarks/speed/sizes.py`."""
 
 import dataclasses
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support import texts
 from support.exploring import examples
 from support.generators import large_linkages
-from support.oracles import cassie, n_four_bar
+from support.oracles import n_four_bar
 
 import pinpress as pp
 from pinpress.engines.constraints import gear
@@ -22,17 +20,9 @@ ANGLES = np.linspace(0.05, 1.2, 7)
 KINDS = {"dyads": n_four_bar.urdf, "gears": large_linkages.gear_train}
 
 
-@pytest.fixture
-def datas(monkeypatch):
-    """A list that grows with every `pin.Data`, whose memory grows as the joints cubed."""
-    made, create = [], pin.Model.createData
-    monkeypatch.setattr(pin.Model, "createData", lambda model: made.append(model) or create(model))
-    return made
-
-
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", KINDS)
-def test_planar_linkages_need_no_pinocchio_data(datas, kind):
+def test_power_and_idle_forces_of_a_linkage_of_many_joints(kind):
     press = large_linkages.load(KINDS[kind](20))
     motion = pp.servo_cycle(press, angle=ANGLES, speed=3.0)
     result = pp.inverse_dynamics(press, motion)
@@ -41,7 +31,6 @@ def test_planar_linkages_need_no_pinocchio_data(datas, kind):
     loop_forces = [flags[:3].tolist() for name, flags in result.indeterminate.items() if name not in press.joints]
     assert loop_forces == [[False, True, False]] * len(press.loops)
     assert pp.visual_model(press, motion).ngeoms > len(press.joints)
-    assert not datas
 
 
 def test_a_row_of_links_with_ties_is_one_linkage_however_its_tree_is_written():
@@ -51,17 +40,6 @@ def test_a_row_of_links_with_ties_is_one_linkage_however_its_tree_is_written():
     np.testing.assert_allclose(short.driving_torque, long.driving_torque, rtol=0, atol=1e-12 * np.abs(long.driving_torque).max())
 
 
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("kind", KINDS)
-def test_checking_planar_linkages_needs_no_pinocchio_data(datas, kind, tmp_path):
-    file = tmp_path / "linkage.urdf"
-    file.write_text(KINDS[kind](20), encoding="utf-8")
-    report = pp.check(file)
-    assert report.errors == ()
-    assert report.facts.mobility == 1
-    assert not datas
-
-
 @pytest.mark.parametrize("name", [*pp.presses(), "geared"])
 def test_gaps_as_drawn_are_those_of_the_pinocchio_engine(name):
     press = large_linkages.load(large_linkages.gear_train(3)) if name == "geared" else texts.shipped(name)
@@ -69,11 +47,6 @@ def test_gaps_as_drawn_are_those_of_the_pinocchio_engine(name):
     np.testing.assert_allclose(press.assembly.gaps, press.equations(press.assembly.start).gaps, rtol=0, atol=1e-15 * size)
     beside = dataclasses.replace(press, loops=tuple(dataclasses.replace(loop, point1=loop.point1 + MOVED) for loop in press.loops))
     np.testing.assert_allclose(beside.assembly.gaps, beside.equations(beside.assembly.start).gaps, rtol=0, atol=1e-15 * size)
-
-
-def test_the_pinocchio_engine_needs_one_data_to_load(datas):
-    large_linkages.load(cassie.urdf())
-    assert len(datas) == 1
 
 
 def test_chain_of_dyads_in_closed_form():

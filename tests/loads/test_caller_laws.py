@@ -15,7 +15,6 @@ from support.texts import without_mass
 
 import pinpress as pp
 from pinpress.loads.process import ForceInterval
-from pinpress.simulation import batch
 from pinpress.simulation.law_trials import tried
 
 pytestmark = pytest.mark.usefixtures("time_limit")
@@ -577,13 +576,3 @@ def test_equal_intervals_both_ways_have_no_direction(press):
     """So a press that swings against them repeats itself, and needs to be followed for one swing alone."""
     run = pp.simulate(press, 40.0, angle=2.0, loads=[Stop(1e5)], points=11)
     assert "repetition" in run.stats.solvers
-
-
-def test_a_contact_without_a_damper_is_solved_for_all_scenarios_at_once(press, monkeypatch):
-    alone, solve_alone = [], batch._solve_alone
-    monkeypatch.setattr(batch, "_solve_alone", lambda scenarios, k, times: alone.append(k) or solve_alone(scenarios, k, times))
-    speeds = np.array([20.0, 25.0])
-    pp.simulate_batch(press, 0.3, speed=speeds, flywheel=pp.drives.Flywheel(30.0), loads=[Stop(1e4)])
-    assert alone == []
-    pp.simulate_batch(press, 0.3, speed=speeds, flywheel=pp.drives.Flywheel(30.0), loads=[Stop(1e4, 10.0, heeds_velocity=True)])
-    assert alone == [0, 1]

