@@ -300,7 +300,7 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
         (["--limit", "mass=5"], ["no criterion 'mass'; there are: range, rms, peak, added_mass"]),
         (
             ["--limit", "range:shaking_force:z=1"],
-            ["no counterweights in these regions fulfil the limit of the range of the shaking force, z, 1 N"],
+            ["no counterweights in these regions keep the limit of the range of the shaking force, z, 1 N"],
         ),
         (["--load", "sawing:force=1"], ["no kind 'sawing'"]),
         (["--speed", "0"], ["speed is 0"]),

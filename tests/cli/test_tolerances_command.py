@@ -91,7 +91,7 @@ def test_the_picture(capsys, asked, tmp_path):
         (["--force", "6mm=3m"], "write it as in"),
         (["--speed", "6deg=3"], "write it as in --speed 50mm=70rpm"),
         (["--force", "6mm=3e6", "--force", "0.006=2e6"], "0.006 is given twice"),
-        (["--force", "400mm=3e6"], "is above the stroke"),
+        (["--force", "400mm=3e6"], "is not within the stroke of 301.261 mm"),
         (["--target", "hight=50um"], "there are height (bottom dead centre), top (top dead centre), stroke (the stroke)"),
         (["--target", "height=1um"], "misses its target of 1 um by"),
     ],
