@@ -285,7 +285,7 @@ def test_bounds_of_constraints_that_contradict_each_other_are_refused():
 @pytest.mark.exhaustive
 def test_a_search_that_runs_into_designs_that_lock_says_so():
     """The stroke grows with the crank up to the length of the rod, where the slide stops."""
-    refused("beside designs that cannot be assembled, or not be judged: ", {"P.crank.x": (0.05, 0.2, 0.5)}, lambda t: -travel(t), points=36)
+    refused("next to designs that cannot be assembled or evaluated: ", {"P.crank.x": (0.05, 0.2, 0.5)}, lambda t: -travel(t), points=36)
 
 
 @pytest.mark.exhaustive
