@@ -10,24 +10,18 @@ import pinpress as pp
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-MOST_LINES = 135  # two screens, a picture, a table of pins, and how a press is computed
+MOST_LINES = 125  # two screens, a picture, a table of pins, and how a press is computed
 
 
 def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     (shown,) = page_blocks.run(README, names)
-    drop, utilisation = map(float, shown.printed.split())
-    assert 0.0 < drop < 0.2
-    assert 0.0 < utilisation < 1.0
-    assert (tmp_path / "cycle.csv").stat().st_size > 100_000
+    assert shown.same, shown.printed
     assert (tmp_path / "report.html").stat().st_size > 1_000_000
-    reactions, best = names["reactions"], names["best"]
+    reactions = names["reactions"]
     assert isinstance(reactions, pp.Reactions)
-    assert isinstance(best, pp.balancing.BalancedPress)
     assert reactions.process_force.max() == pytest.approx(1e6, rel=1e-3)
-    assert best.changes[0].after < best.changes[0].before
-    assert pp.load("balanced.urdf").bearings == pp.load("zxn2_3000b").bearings
 
 
 def test_table_of_pins_is_the_crank_press_that_it_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -86,7 +86,7 @@ def test_the_paper_has_the_sections_and_the_length_that_joss_asks_for() -> None:
 
 
 def test_the_papers_findings_are_those_of_the_pages() -> None:
-    page = text("docs/kong2025.md")
+    page = text("tests/validation/kong2025.md")
     assert re.search(r"^\| least shaking force, x, none higher \| 218 kg on the crank \| none \|.*\| -88\.", page, flags=re.MULTILINE)
     assert "| range of the shaking force, x, change [%] | -49.4824 | -47." in page
     balancing = text("docs/balancing.md")

@@ -271,6 +271,22 @@ PARTS = (
     ),
 )
 NO_RESULTS = "Fig. 1"  # a scheme
+# Rows of the page for readers: quantities by the number of their part, all of a part if none is named.
+MAIN: dict[str, tuple[str, ...]] = {
+    "Fig. 2": ("crank angle at the start of the working stroke [deg]", "crank angle at its end [deg]"),
+    "Fig. 3": ("largest speed of the working stroke [mm/s]", "largest speed of the return stroke [mm/s]"),
+    "Example": (
+        "time ratio K",
+        "stroke [mm]",
+        "crank l1 by (20) from l6 = 350 mm [mm]",
+        "bar l3 by (21) [mm]",
+        "height h by (19) [mm]",
+        "largest pressure angle, (18) [deg]",
+    ),
+    "Uniform section": ("travel from 60 to 120 deg [mm]", "drop of speed within it [%]", "least drop of speed over any 120 mm [%]"),
+    "(22), (23)": ("f = v_max / v_mean, printed lengths", "f, l4 = 400 mm", "l4 that the search within 150 to 220 mm ends at [mm]"),
+    "Even speed": ("least drop, pressure angle up to 40 deg [%]", "least drop, pressure angle up to 10 deg [%]"),
+}
 
 
 def speed_picture() -> "Figure":

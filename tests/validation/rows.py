@@ -1,10 +1,9 @@
 """Rows of evidence: a number that a document prints, ours next to it, and the tables of a page that are made of them."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from pathlib import Path
 from typing import Any
 
 from pinpress.common.errors import PinpressError
@@ -13,6 +12,7 @@ FORMULA, SOLVER = "formula", "solver"  # sources of numbers that the document do
 REPRODUCED, PARTLY, NOT = "reproduced", "partly reproduced", "not reproducible"
 CONFIRMED, UNPRINTED = "formulas confirmed, no printed numbers", "no printed numbers"
 DATA, FINDINGS, BEYOND = "data", "findings only", "not in the document"
+HEADS = ("document", "formula or solver", "pinpress", "deviation", "tolerance")  # of the columns behind the quantity
 VERDICTS = (REPRODUCED, PARTLY, NOT, CONFIRMED, UNPRINTED, DATA, FINDINGS, BEYOND)
 BLOCK = re.compile(r"(<!-- rows: [^\n]* -->\n).*(<!-- end of rows -->)", re.DOTALL)  # what `fill` replaces in a page
 
@@ -117,10 +117,7 @@ class Part:
         """Heading, verdict, note and tables."""
         blocks = [f"### {self.title}", f"{self.verdict[0].upper()}{self.verdict[1:]}. {self.note}".strip()]
         if self.rows:
-            heads = ("", "document", "formula or solver", "pinpress", "deviation", "tolerance")
-            cells = [row.cells() for row in self.rows]
-            kept = [k for k, head in enumerate(heads) if not head or any(row[k] for row in cells)]
-            blocks.append(markdown([heads[k] for k in kept], [[row[k] for k in kept] for row in cells]))
+            blocks.append(table_of([row.cells() for row in self.rows], ("", *HEADS)))
         tables = [table() for table in self.tables]
         return "\n\n".join(blocks + [markdown(table.heads, table.rows) for table in tables])
 
@@ -145,21 +142,47 @@ def markdown(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(lines)
 
 
-def fill(page: str, parts: Sequence[Part]) -> str:
-    """The text of a page with the tables of all parts between its marks."""
-    held = [row for row in rows_of(parts) if row.holds]
-    printed = sum(not row.source for row in held)
-    count = (
-        f"{printed} printed numbers agree within the tolerance next to them, and so do {len(held) - printed} numbers of formulas and of"
+def table_of(cells: Sequence[Sequence[str]], heads: Sequence[str]) -> str:
+    """A table of rows in Markdown, without the columns that are empty."""
+    kept = [k for k, head in enumerate(heads) if not head or any(row[k] for row in cells)]
+    return markdown([heads[k] for k in kept], [[row[k] for k in kept] for row in cells])
+
+
+def counted(parts: Sequence[Part]) -> str:
+    """How many numbers agree within their tolerances, as a sentence."""
+    agreeing = [row for row in rows_of(parts) if row.holds]
+    printed = sum(not row.source for row in agreeing)
+    return (
+        f"{printed} printed numbers agree within the tolerance next to them, and so do {len(agreeing) - printed} numbers of formulas and of"
         " solvers that share no code with pinpress. Rows without a tolerance claim nothing."
     )
-    tables = "\n\n".join([count, *(part.markdown() for part in parts)])
-    text, replaced = BLOCK.subn(lambda marks: f"{marks[1]}\n{tables}\n\n{marks[2]}", page)
+
+
+def fill(page: str, parts: Sequence[Part], main: Mapping[str, Sequence[str]]) -> str:
+    """The text of a page with its main table between its marks.
+
+    Args:
+        page: text of the page.
+        parts: all parts of the document.
+        main: quantities of the table by the number of their part; an empty sequence takes all rows of the part.
+    """
+    by_number = {part.title.partition(": ")[0]: part.rows for part in parts}
+    chosen = []
+    for number, names in main.items():
+        if missing := [name for name in names if [row.quantity for row in by_number[number]].count(name) != 1]:
+            raise PinpressError(f"{number} must have each of these quantities once: {', '.join(missing)}")
+        chosen += [(number, row) for row in by_number[number] if not names or row.quantity in names]
+    table = table_of([(number, *row.cells()) for number, row in chosen], ("place", "", *HEADS))
+    text, replaced = BLOCK.subn(lambda marks: f"{marks[1]}\n{counted(parts)}\n\n{table}\n\n{marks[2]}", page)
     if replaced != 1:
         raise PinpressError("the page needs a line <!-- rows: ... --> and behind it a line <!-- end of rows -->, once")
     return text
 
 
-def write(path: Path, parts: Sequence[Part]) -> None:
-    """Rewrite the tables of a page in place."""
-    path.write_text(fill(path.read_text(encoding="utf-8"), parts), encoding="utf-8")
+def complete(name: str, parts: Sequence[Part], no_results: str) -> str:
+    """The text of the file that has all rows of a document."""
+    head = (
+        f"# All rows of {name}\n\nWritten by `python tests/validation/validate.py {name} --write`. Causes, errata and the main rows are in"
+        f" [docs/{name}.md](../../docs/{name}.md).\n\nWithout results: {no_results}."
+    )
+    return "\n\n".join([head, counted(parts), *(part.markdown() for part in parts)]) + "\n"

@@ -164,6 +164,31 @@ PARTS = (
 )
 # photographs, schemes, drawings of models, screenshots, a flow chart
 NO_RESULTS = "Fig. 2-1 to 2-6, Fig. 2-16, Fig. 4-4 to 4-9, Fig. 5-1 to 5-7"
+# Rows of the page for readers: quantities by the number of their part, all of a part if none is named.
+MAIN: dict[str, tuple[str, ...]] = {
+    "Fig. 3-6": ("m6 with an auxiliary rod of 113.31 kg [kg]", "range of the vertical shaking force without [N]", "range of the vertical shaking force with it [N]"),
+    "Fig. 3-8": ("range of the lateral shaking force, opposed [N]", "range of the lateral shaking force, symmetric [N]"),
+    "Fig. 4-10, Fig. 4-11, Fig. 4-12 (captioned 4-11)": ("crank angle [rad] after 0.6 s", "rise of the crank speed in 1 s [%]"),
+    "Table 5-1": (
+        "step 1, m5 = 100 kg, m6 = 1000 kg [N]",
+        "step 4, m5 = 114.095 kg, m6 = 1044.6 kg [N]",
+        "step 17, m5 = 113.31 kg, m6 = 1045 kg [N]",
+        "optimum, m5 [kg]",
+        "optimum, m6 [kg]",
+        "optimum, range [N]",
+    ),
+    "Table 5-2": (
+        "original, 300 r/min, vertical maximum [N]",
+        "original, 300 r/min, vertical minimum [N]",
+        "original, 300 r/min, vertical range [N]",
+        "original, 300 r/min, lateral range [N]",
+        "improved, 300 r/min, vertical range [N]",
+        "improved, 300 r/min, lateral range [N]",
+        "300 r/min, vertical range before by after",
+        "300 r/min, lateral range before by after",
+    ),
+    **{f"Fig. 5-{k}": ("peak of the vertical force [N], with 1250 kN", "peak of the vertical force [N], with 1250 N") for k in (13, 14, 15)},
+}
 
 
 def search_picture() -> "Figure":

@@ -215,7 +215,7 @@ def opposed_rows() -> Iterator[Row]:
         ours,
         ("m6 with an auxiliary rod of 113.31 kg [kg]", f"{by_hand:.2f}", 1e-2, FORMULA),
         ("range of the vertical shaking force without [N]", "", None, "", 0),
-        ("with it [N]", "", None, "", 2),
+        ("range of the vertical shaking force with it [N]", "", None, "", 2),
         ("range of the lateral shaking force with it [N]", "", None, "", 2),
         ("masses of table 5-1 instead, vertical [N]", "", None, "", 2),
         ("masses of table 5-1 instead, lateral [N]", "", None, "", 2),
@@ -231,11 +231,11 @@ def guide_rows() -> Iterator[Row]:
 
 def symmetric_rows() -> Iterator[Row]:
     yield Row("range of the lateral shaking force, opposed [N]", "", lambda: lateral(opposed()), places=1)
-    yield Row("the same, symmetric [N]", "0", lambda: lateral(symmetric()), 0, FORMULA)
+    yield Row("range of the lateral shaking force, symmetric [N]", "0", lambda: lateral(symmetric()), 0, FORMULA)
     yield Row("range of the tilting moment, opposed [N m]", "", lambda: tilting(opposed()), places=1)
-    yield Row("the same, symmetric [N m]", "0", lambda: tilting(symmetric()), 0, FORMULA)
+    yield Row("range of the tilting moment, symmetric [N m]", "0", lambda: tilting(symmetric()), 0, FORMULA)
     yield Row("range of the vertical shaking force, opposed [N]", "", lambda: vertical(opposed()), places=2)
-    yield Row("the same, symmetric [N]", "", lambda: vertical(symmetric()), places=2)
+    yield Row("range of the vertical shaking force, symmetric [N]", "", lambda: vertical(symmetric()), places=2)
 
 
 # ---------------------------------------------------------------------------------------------------------- chapter 5, masses and forces

@@ -264,7 +264,7 @@ def case_rows(name: str) -> Iterator[Row]:
         return float(np.abs(frame_forces(symmetric(), laws(force)[name]).vertical).max())
 
     yield Row("peak of the vertical force [N], with 1250 kN", PEAKS[name], lambda: largest(NOMINAL), places=0)
-    yield Row("with 1250 N", PEAKS[name], lambda: largest(ALLEGED), places=0)
+    yield Row("peak of the vertical force [N], with 1250 N", PEAKS[name], lambda: largest(ALLEGED), places=0)
     yield from rows_from(
         lambda: in_five_strokes(name),
         (f"{AS_PRINTED}: peak [N]", PEAKS[name], None, "", 1),
