@@ -348,8 +348,18 @@ def weight_rows() -> Iterator[Row]:
     for words, weight in (("with G1", 1.0), ("without G1", 0.0)):
         ours = f"rms deviation from tables 2 and 3, {words}, our inertias [%]"
         yield Row(ours, "", lambda weight=weight: rms_deviation(both(), weight, np.ones(4)), places=2)
-        yield Row(f"rms deviation from tables 2 and 3, {words}, inertias zero [%]", "", lambda weight=weight: rms_deviation(both(), weight, np.zeros(4)), places=2)
-        yield Row(f"rms deviation from tables 2 and 3, {words}, the best of all inertias [%]", "", lambda weight=weight: least_deviation(both(), weight), places=2)
+        yield Row(
+            f"rms deviation from tables 2 and 3, {words}, inertias zero [%]",
+            "",
+            lambda weight=weight: rms_deviation(both(), weight, np.zeros(4)),
+            places=2,
+        )
+        yield Row(
+            f"rms deviation from tables 2 and 3, {words}, the best of all inertias [%]",
+            "",
+            lambda weight=weight: least_deviation(both(), weight),
+            places=2,
+        )
     by_10 = "acceleration of the slide by (10) as printed"
     yield Row(f"largest {by_10} [m/s2]", "8.7040", lambda: kong2025_as_printed.slide_acceleration(before().press).max(), places=4)
     yield Row(f"smallest {by_10} [m/s2]", "-17.8620", lambda: kong2025_as_printed.slide_acceleration(before().press).min(), places=4)
@@ -520,7 +530,10 @@ MAIN: dict[str, tuple[str, ...]] = {
     ),
     "Fig. 5, Table 2": tuple(f"driving torque M_b [N m], {row}" for row in CHANGES),
     "Table 3": tuple(f"bearing A, {axis} [N], {row}" for axis in ("x", "vertical") for row in CHANGES),
-    "(18)": ("rms deviation from tables 2 and 3, with G1, our inertias [%]", "rms deviation from tables 2 and 3, without G1, inertias zero [%]"),
+    "(18)": (
+        "rms deviation from tables 2 and 3, with G1, our inertias [%]",
+        "rms deviation from tables 2 and 3, without G1, inertias zero [%]",
+    ),
 }
 
 

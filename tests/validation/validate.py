@@ -25,7 +25,9 @@ def main(words: Sequence[str] | None = None, quick: bool = False) -> int:
     """Print or write the tables; ``quick`` takes the first document alone."""
     parser = argparse.ArgumentParser(prog="validate.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("documents", nargs="*", metavar="DOCUMENT", help=f"of {', '.join(DOCUMENTS)}; default: all")
-    parser.add_argument("--write", action="store_true", help="write all rows next to this file, and the main rows and pictures of the pages in docs")
+    parser.add_argument(
+        "--write", action="store_true", help="write all rows next to this file, and the main rows and pictures of the pages in docs"
+    )
     options = parser.parse_args([DOCUMENTS[0]] if quick else words)
     if unknown := set(options.documents) - set(DOCUMENTS):
         parser.error(f"there is no document {', '.join(sorted(unknown))}: write {', '.join(DOCUMENTS)}")

@@ -166,7 +166,11 @@ PARTS = (
 NO_RESULTS = "Fig. 2-1 to 2-6, Fig. 2-16, Fig. 4-4 to 4-9, Fig. 5-1 to 5-7"
 # Rows of the page for readers: quantities by the number of their part, all of a part if none is named.
 MAIN: dict[str, tuple[str, ...]] = {
-    "Fig. 3-6": ("m6 with an auxiliary rod of 113.31 kg [kg]", "range of the vertical shaking force without [N]", "range of the vertical shaking force with it [N]"),
+    "Fig. 3-6": (
+        "m6 with an auxiliary rod of 113.31 kg [kg]",
+        "range of the vertical shaking force without [N]",
+        "range of the vertical shaking force with it [N]",
+    ),
     "Fig. 3-8": ("range of the lateral shaking force, opposed [N]", "range of the lateral shaking force, symmetric [N]"),
     "Fig. 4-10, Fig. 4-11, Fig. 4-12 (captioned 4-11)": ("crank angle [rad] after 0.6 s", "rise of the crank speed in 1 s [%]"),
     "Table 5-1": (
@@ -187,7 +191,9 @@ MAIN: dict[str, tuple[str, ...]] = {
         "300 r/min, vertical range before by after",
         "300 r/min, lateral range before by after",
     ),
-    **{f"Fig. 5-{k}": ("peak of the vertical force [N], with 1250 kN", "peak of the vertical force [N], with 1250 N") for k in (13, 14, 15)},
+    **{
+        f"Fig. 5-{k}": ("peak of the vertical force [N], with 1250 kN", "peak of the vertical force [N], with 1250 N") for k in (13, 14, 15)
+    },
 }
 
 
