@@ -170,7 +170,7 @@ def test_a_page_needs_its_marks_and_its_quantities_once():
     with pytest.raises(pp.PinpressError, match="end of rows"):
         rows.fill("words\n", (), {})
     twice = Part("Fig. 1: twice", UNPRINTED, [Row("a", "", lambda: 1.0), Row("a", "", lambda: 2.0)])
-    with pytest.raises(pp.PinpressError, match="Fig. 1 must have each of these quantities once: a"):
+    with pytest.raises(pp.PinpressError, match=r"Fig\. 1 must have each of these quantities once: a"):
         rows.fill("words\n", [twice], {"Fig. 1": ("a",)})
 
 
