@@ -55,6 +55,7 @@ SAVED = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("how", SAVED)
 @pytest.mark.parametrize(
     ("text", "read"),

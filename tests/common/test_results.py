@@ -72,6 +72,7 @@ def test_columns_have_one_length_and_names_of_their_own(result):
     assert all(isinstance(name, str) and name == name.strip() for name in columns)
 
 
+@pytest.mark.one_in(3)
 def test_csv(tmp_path, result):
     result.to_csv(tmp_path / "table.csv")
     with open(tmp_path / "table.csv", newline="", encoding="utf-8") as file:
@@ -83,6 +84,7 @@ def test_csv(tmp_path, result):
             assert word == "" if value is None else (float(word) == value if type(value) is float else word == str(value))
 
 
+@pytest.mark.one_in(3)
 def test_frame(result):
     frame, columns = result.to_frame(), result.columns()
     assert list(frame.columns) == list(columns)
@@ -122,6 +124,7 @@ def test_printed(result):
     assert len(str(result).splitlines()) > 1 or type(result).__name__ in ("SnapThroughResponse", "DeflectedSlide")
 
 
+@pytest.mark.one_in(3)
 def test_shown_in_a_notebook(result):
     shown = ET.fromstring(result._repr_html_())
     table = shown if shown.tag == "table" else shown.find("table")
@@ -135,6 +138,7 @@ def test_shown_in_a_notebook(result):
     assert len(rows) == min(len(plain(next(iter(columns.values())))), 21)
 
 
+@pytest.mark.one_in(3)
 def test_main_curves_are_shown_as_pictures(result):
     names, charts = result._pictured, charts_of(result.described())
     assert set(names) <= set(result.columns())

@@ -334,6 +334,7 @@ def test_all_laws_over_a_turn(name, engine):
 # --------------------------------------------------------------------------------------------------------------------- dead centres, rest
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "angle",
     [[0.0], [np.pi], [-np.pi], [0.0, np.pi], [0.0, 1.0, np.pi], [-np.pi, 0.3, 3 * np.pi], [2 * np.pi]],

@@ -102,6 +102,7 @@ def test_dead_centres(presses, name, engine):
     np.testing.assert_allclose(motion.crank_angle / SPEED, expected["t"], rtol=1e-12)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(
     ("key", "quantity", "sign"),

@@ -34,6 +34,7 @@ def test_kinematics_equal_the_reference_at_every_row(name):
     np.testing.assert_allclose(result[KINEMATICS[name]], [row[name] for row in TABLE], rtol=1e-12, atol=0.0)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("balanced", "column"), [(False, "before"), (True, "after")])
 @pytest.mark.parametrize("name", hand_script.UNKNOWNS)
 def test_torque_and_forces_equal_the_reference_at_every_row(name, balanced, column):

@@ -114,6 +114,7 @@ def test_pins_f_and_e(press, simulated, method, time):
         assert abs(point - complex(*expected)) < 0.035 * 16 * CLOSE[method][0]
 
 
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize(("when", "state"), [(0, 0), (1, -1)])
 @pytest.mark.parametrize("bearing", andrews.PINS)
 @pytest.mark.parametrize("method", METHODS)

@@ -448,7 +448,7 @@ def carried_driver(slides, follower, drives_more):
     return mimicking(drawing.urdf("driver"), "follower", "driver", ratio)
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("drives_more", [False, True])
 @pytest.mark.parametrize("follower", ["none", "pinion", "rack"])
 @pytest.mark.parametrize("slides", [True, False])

@@ -104,6 +104,7 @@ def test_the_torque_of_a_gear_pair_is_open_where_rods_could_carry_it():
         assert set(flags.values()) == {opened}, name
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("name", "engine"), BOTH)
 def test_momentum(name, engine):
     """What reaches the foundation is weight and loads less the rate of momentum, gear pairs or not; 1e-12 of the peak."""

@@ -83,6 +83,7 @@ PARTS = {
 }
 
 
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize("times", [even, uneven])
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("part", PARTS)

@@ -115,6 +115,7 @@ def test_bodies(press):
     assert set(press.bearings) == {"A", "C", "slot", "D", "slide_guide", "B", "E"}
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", ["th3", "w3", "a3", "th4", "w4", "a4", "s3", "ds3", "dds3", "x", "v", "a"])
 def test_kinematics_equal_the_reference(press, engine, name):
     """At every row, 1e-12 of the peak: both sides close to rounding."""
@@ -122,6 +123,7 @@ def test_kinematics_equal_the_reference(press, engine, name):
     assert np.abs(values - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", ["A", "B", "C", "D", "E"])
 def test_pin_forces_equal_the_reference(press, engine, name):
     """At every row, 1e-13 of the peak; a pin turns freely, so only the drive's torque is a moment."""

@@ -72,6 +72,7 @@ def test_a_least_peak_is_held_between_nodes():
     assert best.value * (1.0 - best.node_error - best.gap) < finer.value <= best.value
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("drag", "least"), [(18.0, 879.0313262), (19.0, 882.7709463), (20.5, 888.4724784)])
 @pytest.mark.parametrize("path", [servo.Turn(), None])
 def test_drag_of_the_motor_leaves_the_motion_without_it_possible(drag, least, path):

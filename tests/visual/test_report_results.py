@@ -461,6 +461,7 @@ def test_the_drawing_of_a_frame_of_beams(tmp_path: Path) -> None:
 BENDING = Path(__file__).parents[2] / "docs" / "jf75g_125_frame.yaml"
 
 
+@pytest.mark.exhaustive
 def test_points_and_modes_of_a_frame_that_bends(tmp_path: Path) -> None:
     """Interfaces, points that move with them and with the motor are named on the command line; the page of modes is that of Python."""
     page, swinging = tmp_path / "page.html", tmp_path / "modes.html"
