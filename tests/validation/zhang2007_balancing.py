@@ -372,8 +372,8 @@ def comparison_rows() -> Iterator[Row]:
     """Table 5-2, the weights that its extremes hold, and how its ranges grow with the speed."""
     for name, printed, ours in (("original", BEFORE, original), ("improved", AFTER, improved)):
         for rpm, numbers in printed.items():
-            words = (f"{name}, {rpm} r/min, {quantity} [N]" for quantity in QUANTITIES)
-            yield from rows_from(lambda ours=ours, rpm=rpm: ours(rpm), *zip(words, numbers, strict=True))
+            quantities = (f"{name}, {rpm} r/min, {quantity} [N]" for quantity in QUANTITIES)
+            yield from rows_from(lambda ours=ours, rpm=rpm: ours(rpm), *zip(quantities, numbers, strict=True))
     for rpm in BEFORE:
         words = f"original, {rpm} r/min, weight by the middle of the printed extremes [N]"
         yield Row(words, "", lambda rpm=rpm: middle_weight(rpm), places=0)
@@ -386,10 +386,10 @@ def comparison_rows() -> Iterator[Row]:
     counterweighted = "original with its counterweight, 300 r/min"
     yield Row(f"{counterweighted}, vertical range [N]", BEFORE[300][2], lambda: vertical(opposed()))
     yield Row(f"{counterweighted}, lateral range [N]", BEFORE[300][5], lambda: lateral(opposed()))
-    for place, way, printed in ((2, "vertical", "24.57"), (5, "lateral", "75.19")):
+    for place, way, gained in ((2, "vertical", "24.57"), (5, "lateral", "75.19")):
         words = f"300 r/min, {way} range before by after"
-        yield Row(f"{words}, from the printed ranges", printed, lambda place=place: float(BEFORE[300][place]) / float(AFTER[300][place]))
-        yield Row(words, printed, lambda place=place: gain(place))
+        yield Row(f"{words}, from the printed ranges", gained, lambda place=place: float(BEFORE[300][place]) / float(AFTER[300][place]))
+        yield Row(words, gained, lambda place=place: gain(place))
     yield from growth_rows()
 
 
