@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from .quantities import Array
 if TYPE_CHECKING:
     from scipy import sparse
 
-    Matrix = Array | sparse.sparray | sparse.spmatrix
+    Matrix: TypeAlias = Array | sparse.csc_array | sparse.csc_matrix
 
 EQUAL, AT_MOST, CONE, SEMIDEFINITE = "equal", "at most", "cone", "semidefinite"
 TOLERANCE = 1e-12  # that the solver aims at, for programs scaled to numbers about one

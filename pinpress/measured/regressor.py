@@ -156,7 +156,7 @@ class InertialEquations(Frozen):
         for basis, *motion in zip(self.bases, *bodies, strict=True):
             moving = _Body(*motion)
             if "torque" in found:
-                found["torque"].append(tuple(part @ basis for part in moving.energy(gravity)))  # type: ignore[arg-type]
+                found["torque"].append(tuple(part @ basis for part in moving.energy(gravity)))
             if any(name != "torque" for name in wanted):
                 momentum = moving.momentum(gravity)
                 for name in wanted:

@@ -70,7 +70,7 @@ def _tried_load(load: Any) -> Any:
         times, remedy = np.array([0.0, *TIMES]), "let it depend on the time alone"
         first = _in_turn("TimeForce: force", asked.force, [(t,) for t in times.tolist()], remedy)
         _as_numbers("TimeForce: force", first, asked.force(times))
-    elif asked is not load:
+    elif isinstance(asked, AskedLoad):
         _try_load(asked)
     return asked
 

@@ -48,7 +48,7 @@ def frame_rows() -> Iterator[Row]:
         torques = [np.ptp(inverse_dynamics(plain(), turn(), loads=loads).driving_torque) for loads in ([], [CYLINDERS])]
         return [pulled, pressed, 1e-3 * TIE_RODS.opening_load, *stiffness, *map(float, torques)]
 
-    names = (
+    of_rods = (
         "tie rods under the nominal force [kN]",
         "uprights under the nominal force [kN]",
         "force at which the uprights lift off [kN]",
@@ -57,7 +57,7 @@ def frame_rows() -> Iterator[Row]:
         "range of the driving torque, idle, 300 strokes/min [N m]",
         "range of the driving torque with balance cylinders [N m]",
     )
-    yield from rows_from(rods, *((name, "", None, "", 0) for name in names))
+    yield from rows_from(rods, *((name, "", None, "", 0) for name in of_rods))
     for preload in (GIB_PRELOAD, 0.1 * GIB_PRELOAD):
         words = f"nominal force 30 mm beside the axis, gibs with {1e-3 * preload:.0f} kN each"
         names = (f"{words}: slide tilts by [1e-6 rad]", f"{words}: they touch on at least [% of their length]")

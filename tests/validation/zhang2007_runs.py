@@ -7,6 +7,7 @@ from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from validation.rows import FORMULA, SOLVER, Row, rows_from
 from validation.zhang2007_balancing import (
     AUXILIARY,
@@ -287,7 +288,7 @@ def window_rows() -> Iterator[Row]:
     """Both readings of the window of 5.7.4: the sine at its end, and the crank radius that follows from a sheet of 5 mm."""
 
     @cache
-    def heights() -> tuple[Array, Array, Array]:
+    def heights() -> tuple[Array, Array, NDArray[np.bool_]]:
         turn = cycle(symmetric(), SPEED, points=7200)
         return turn.time, turn.slide_position - turn.slide_position[0], turn.slide_velocity < 0
 

@@ -119,7 +119,8 @@ class Vibration:
     def findings(self) -> tuple[VibrationFinding, ...]:
         """The findings of chapter 2, next to ours."""
         answers = (*self._idle_findings(), self._piling(), *self._advice())
-        return tuple(VibrationFinding(*said.split(": ", 1), *answer) for said, answer in zip(SAID, answers, strict=True))
+        pairs = ((said.partition(": "), answer) for said, answer in zip(SAID, answers, strict=True))
+        return tuple(VibrationFinding(place, says, gives, agrees) for (place, _, says), (gives, agrees) in pairs)
 
     def _idle_findings(self) -> Iterator[tuple[str, str]]:
         alone, moving = _size(flywheel_alone(self.machines[REAL])), _size(self.idle.rms("top beam"))

@@ -183,8 +183,8 @@ class Strokes:
         changes = [row for row in range(1, len(segments)) if segments[row] != segments[row - 1]]
         events: dict[int, MotionEvent] = {}
         for knot, row in enumerate(changes, 1):
-            ahead, border = stops[row - 1]
-            events[knot] = Event(CRANK_ANGLE, start + self.direction * ahead) if border is None else border
+            ahead, met = stops[row - 1]
+            events[knot] = Event(CRANK_ANGLE, start + self.direction * ahead) if met is None else met
         return Plan(tuple(segments[row] for row in (0, *changes)), events, ends[[0, *changes, -1]])
 
     def crossed(self, places: Array) -> NDArray[np.bool_]:

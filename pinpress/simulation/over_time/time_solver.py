@@ -413,7 +413,7 @@ class Pace:
         return self.slow >= 3  # a hard place may be passed
 
 
-def _eigenvalues(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> Array:
+def _eigenvalues(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> NDArray[Any]:
     """Rates of the motion's modes [1/s], complex; none if the equations are not finite near the vector."""
     size = len(y) - len(INTEGRALS)
     jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size], rounding(integrator.fun, time, y, integrator.f))[:size]

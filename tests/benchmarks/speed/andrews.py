@@ -19,6 +19,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from benchmarks.stopwatch import least as least_seconds
 from support.oracles import andrews
+from support.oracles.exudyn_solver import solve
 
 import pinpress as pp
 
@@ -71,7 +72,7 @@ def exudyn_runs(press: pp.Linkage) -> list[Contestant]:
 
     def run(step: float) -> Array:
         exudyn_press.begin(press, system, 0.0, 0.0)
-        exudyn_press.solve(system.mbs, exudyn_press.settings(DURATION, round(DURATION / step)))
+        solve(system.mbs, exudyn_press.settings(DURATION, round(DURATION / step)))
         turned = np.concatenate([[0.0], mbs.systemData.GetODE2Coordinates().reshape(-1, 3)[:, 2]])
         parents = list(press.model.parents)[1:]
         return system.signs[1:] * (turned[1:] - turned[parents])
