@@ -223,9 +223,9 @@ def permitted(process: Reactions, found: PressRatings | MotionRatings) -> Sectio
     shares = found.utilisation(peaks)
     at = int(np.argmax(shares))
     figures = [Number("of the permissible force", float(shares[at]), "share", Places.of(process._press, peaks.motion).said(at))]
-    for name, energy in found.energies.items() if isinstance(found, PressRatings) else ():
+    if isinstance(found, PressRatings):
         work = process.process_work * found.turns / (process.motion.period_turns or 1)
-        figures.append(Number(f"of the {name}", work / energy, "share", "by its work in a stroke"))
+        figures += [Number(f"of the {name}", work / energy, "share", "by its work in a stroke") for name, energy in found.energies.items()]
     return Section("Process by what is permitted", figures)
 
 

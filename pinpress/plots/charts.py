@@ -90,8 +90,8 @@ def _chosen(result: Tabular, names: Sequence[str], page: Reactions | None) -> li
     if not known:
         raise PinpressError(f"{shown(result)} has no charts")
     if not names:
-        plain_ones = [chart for chart in known.values() if not isinstance(chart, Polar) and not getattr(chart, "detail", False)]
-        return plain_ones or list(known.values())
+        every: list[Drawn] = list(known.values())
+        return [chart for chart in every if not isinstance(chart, Polar) and not getattr(chart, "detail", False)] or every
     found: list[Drawn] = []
     for name in names:
         some = [known[name]] if name in known else [chart for key, chart in known.items() if key.startswith(f"{name} ")]
@@ -234,7 +234,7 @@ def _chart(axes: Axes, chart: Chart, old: Chart | None) -> None:
         if old is not None and base in before:
             other = before[base]
             earlier = _closed(old.along.values if other.x is None else other.x, other.y, _period(old.along, other), other.x is None)
-            dashes = {"color": GREY if len(chart.curves) == 1 else colour, "linestyle": DASHED, "alpha": 0.7}
+            dashes: dict[str, Any] = {"color": GREY if len(chart.curves) == 1 else colour, "linestyle": DASHED, "alpha": 0.7}
             axes.plot(across.factor * earlier[0], up.factor * earlier[1], **dashes)
         drawn = axes.plot(across.factor * x, up.factor * y, **style)
         if curve.look != "guide":
@@ -415,9 +415,8 @@ def _bars(axes: Axes, chart: Bars, old: Bars | None) -> None:
         kept = [k for k, place in enumerate(chart.places) if place in old.places]
         if not kept:
             raise PinpressError(f"the two have no place of {chart.title.lower()} of one name: there is nothing to compare")
-        chart = replace(
-            chart, places=[chart.places[k] for k in kept], series={name: v[kept] for name, v in chart.series.items()}, band=None
-        )  # type: ignore[arg-type]
+        places: list[Any] = [chart.places[k] for k in kept]
+        chart = replace(chart, places=places, series={name: values[kept] for name, values in chart.series.items()}, band=None)
     values = [float(value) for series in chart.series.values() for value in series]
     scale = quantity(chart.quantity).scale([*values, *(float(each) for series in known.values() for each in series.values())])
     flat = _words(chart)
@@ -442,7 +441,7 @@ def _bars(axes: Axes, chart: Bars, old: Bars | None) -> None:
         if name in known:
             for spot, old_size, new_size in zip(place, pale, sizes, strict=True):
                 words = change(float(old_size), float(new_size))
-                where = {"textcoords": "offset points", "va": "center", "fontsize": SMALL}
+                where: dict[str, Any] = {"textcoords": "offset points", "va": "center", "fontsize": SMALL}
                 plain(axes.annotate(words, (max(old_size, new_size), spot), (4, 0), **where))
         high, low = (np.maximum(high, start + sizes), np.minimum(low, start + sizes)) if chart.stacked else (high, low)
         row += 0 if chart.stacked else 1

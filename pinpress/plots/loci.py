@@ -37,7 +37,7 @@ def draw_loci(drawn: Panels, axes: Sequence[Axes], loci: Sequence[Polar], before
     """
     marked: list[tuple[int, int]] = []
     for place, locus in zip(axes, loci, strict=True):
-        width = float(place.get_position().width) * float(place.figure.get_figwidth()) / CENTIMETRE
+        width = float(place.get_position().width) * float(drawn.figure.get_figwidth()) / CENTIMETRE
         if not drawn.own:
             width = float(place.get_window_extent().width) / float(place.figure.dpi) / CENTIMETRE
         motion = locus.of

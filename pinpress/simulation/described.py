@@ -273,7 +273,8 @@ def elastic_run(result: ElasticRun, page: Reactions | None = None) -> tuple[Sect
     largest = sorted(result.peaks, key=lambda name: -result.peaks[name])
     sizes = {name: np.linalg.norm(result.bearing_force[name], axis=1) for name in largest}
     blocks.append(Chart("forces", "Bearing forces on its springs", "N", along, [Curve(name, size) for name, size in sizes.items()]))
-    for name in largest[:MOST_BEARINGS] if forces is not None else []:
+    for name in largest[:MOST_BEARINGS] if forces is not None else ():
+        assert forces is not None
         both = [Curve("on its springs", sizes[name]), Curve("rigid", np.linalg.norm(forces[name], axis=1), look="limit")]
         blocks.append(Chart(f"forces {name}", f"Force in {name}", "N", along, both))
     blocks.append(_peaks(result, largest, forces))

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -331,7 +332,7 @@ def test_a_run_has_its_drive_and_speed():
     result = loaded_run()
     found = named(result)
     assert [curve.name for curve in found["torque"].curves] == ["driving torque", "drive"]
-    drawn = charts.drawn_states(result).motion
+    drawn: Any = charts.drawn_states(result).motion  # a Run
     np.testing.assert_allclose(raw(found["torque"])["drive"], drawn.drive_torque, rtol=1e-14)
     assert row_of(found["speed"].quantity).scale([1.0]).unit == "r/min"
     np.testing.assert_allclose(raw(found["speed"])["crank speed"], drawn.crank_speed, rtol=1e-14)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common import tables
 from ...common.outlets import described, text
 from ...common.quantities import Array, quantity
 from ...kinematics.motion import Motion
@@ -85,7 +86,7 @@ def table(block: described.Table) -> Table:
     heads, rows = text.cells(block, DIGITS)
     words = [all(cell is None or isinstance(cell, str) for cell in column.cells) for column in block.columns]
     left = next((k for k, flush in enumerate(words) if not flush), len(words))
-    shortened = [row if row is not None else ["...", *[""] * (len(heads) - 1)] for row in text.tables.shortened(rows, block.most)]
+    shortened = [row if row is not None else ["...", *[""] * (len(heads) - 1)] for row in tables.shortened(rows, block.most)]
     return Table(block.title, heads, shortened, words=left, note=block.note)
 
 
@@ -174,7 +175,7 @@ def _line(
     follows: Follows,
     shown: Shown,
 ) -> Line:
-    looks = {key: curve.look == look for key, look in LOOKS.items()}
+    looks: dict[str, Any] = {key: curve.look == look for key, look in LOOKS.items()}
     if states is not None and curve.x is None:
         band = None if curve.band is None else up * curve.band[states.drawn]
         return Line(curve.name, up * curve.y[states.drawn], states.x, band=band, **looks)
@@ -223,7 +224,7 @@ def _across(chart: described.Chart, follows: Follows) -> tuple[float, str]:
 def _bars(chart: described.Bars, old: described.Bars | None) -> BarChart:
     places = list(chart.places)
     if old is not None and places and not isinstance(places[0], str):
-        places = sorted({*places, *old.places})  # type: ignore[type-var]  # numbers; one may repeat itself after more turns
+        places = sorted({*places, *old.places})  # numbers; one may repeat itself after more turns
 
     def at_places(bars: described.Bars) -> dict[str, list[float]]:
         known = {name: dict(zip(bars.places, values, strict=True)) for name, values in bars.series.items()}
@@ -242,14 +243,16 @@ def _bars(chart: described.Bars, old: described.Bars | None) -> BarChart:
 
 def _map(chart: described.Map) -> ColourMap:
     scale = quantity(chart.quantity).scale(np.abs(chart.values[np.isfinite(chart.values)]).tolist())
-    named, places = [], []
+    names: list[str] = []
+    places: list[Any] = []
     for along in (chart.across, chart.up):
         assert along.values is not None
         row = along.values if along.values.ndim == 1 else along.values[-1]
         its = quantity(along.quantity).scale(np.abs(row).tolist(), digits=4)
-        named.append(f"{along.name} [{its.unit}]" if its.unit else along.name)
+        names.append(f"{along.name} [{its.unit}]" if its.unit else along.name)
         places.append([its.shown(float(value)) for value in row] if chart.written else (its.factor * row).tolist())
-    return ColourMap(chart.title, scale.unit, *named, *places, scale.factor * chart.values, chart.written, chart.note)
+    (across, up), (x, y) = names, places
+    return ColourMap(chart.title, scale.unit, across, up, x, y, scale.factor * chart.values, chart.written, chart.note)
 
 
 @dataclass(frozen=True, eq=False)
