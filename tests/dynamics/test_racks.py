@@ -6,6 +6,7 @@ nut.
 
 import numpy as np
 import pytest
+from support.generators import same_linkage
 from support.texts import load
 
 import pinpress as pp
@@ -100,3 +101,15 @@ def test_a_screw(engine):
     expected = np.stack([0 * lifted, tilting, -0.004 * lifted], axis=1)
     np.testing.assert_allclose(found.bearing_moment["guide"], expected, rtol=0, atol=1e-10)
     np.testing.assert_allclose(found.bearing_moment["spindle"][:, 2], found.driving_torque, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_teeth_of_a_press_whose_frame_is_turned(engine):
+    """The file of a frame that is fixed to a turned link has turned frames of all joints: forces and moments turn with it."""
+    press = arbor(0.024, 60)
+    same = same_linkage.turned(press, np.random.default_rng(3))
+    given = {"angle": np.radians([0.0, -5.0, 7.0]), "speed": -1.0, "acceleration": [0.0, 3.0, -20.0]}
+    upright, turned = (pp.inverse_dynamics(each, pp.servo_cycle(each, **given), engine=engine) for each in (press, same.press))
+    for name in press.bearings:
+        np.testing.assert_allclose(upright.bearing_force[name] @ same.vectors.T, turned.bearing_force[name], rtol=0, atol=1e-10)
+        np.testing.assert_allclose(same.moments(upright.bearing_moment[name]), turned.bearing_moment[name], rtol=0, atol=1e-10)
