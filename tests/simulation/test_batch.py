@@ -571,6 +571,7 @@ BAD = {
     "flywheel": ({"flywheel": 136.0}, "flywheel is a float"),
     "no loads": ({"loads": None}, "loads"),
     "a number of loads": ({"loads": 3}, "loads"),
+    "one load": ({"loads": BLANK}, "give a list"),
     "a prescribed speed": ({"drive": pp.drives.PrescribedSpeed(30.0)}, "prescribes"),
     "loads at a prescribed speed": (
         {"drive": pp.drives.PrescribedSpeed(30.0), "speed": 30.0, "loads": [pp.loads.ConstantForce(np.ones(2), 0.01)]},
@@ -589,20 +590,20 @@ def test_bad_arguments(press, name):
         pp.simulate_batch(**good | change)
 
 
-def test_one_load_is_no_list(press):
-    with pytest.raises(pp.PinpressError, match="give a list"):
-        pp.simulate_batch(press, 0.1, speed=[30.0, 31.0], flywheel=WHEEL, loads=BLANK)
-
-
-def test_bad_values_in_an_array():
-    """Refused where drives and loads are made."""
-    for wrong in (math.nan, -1.0):
-        with pytest.raises(pp.PinpressError, match="force"):
-            pp.loads.ConstantForce(np.array([1.0, wrong]), 0.01)
-        with pytest.raises(pp.PinpressError, match="rated_power"):
-            pp.drives.InductionMotor(np.array([1.0, wrong]), 150.0)
-    with pytest.raises(pp.PinpressError, match="inertia"):
-        pp.drives.Flywheel(np.array([1.0, math.nan]))
+@pytest.mark.parametrize(
+    ("make", "named"),
+    [
+        *((lambda wrong=wrong: pp.loads.ConstantForce(np.array([1.0, wrong]), 0.01), "force") for wrong in (math.nan, -1.0)),
+        *((lambda wrong=wrong: pp.drives.InductionMotor(np.array([1.0, wrong]), 150.0), "rated_power") for wrong in (math.nan, -1.0)),
+        (lambda: pp.drives.Flywheel(np.array([1.0, math.nan])), "inertia"),
+        (lambda: pp.drives.parameter("kg m2", "huge", scenarios=True, axes=0), "sign is 'huge'; give one of finite"),
+        (lambda: pp.drives.parameter("kg m2", "positive", scenarios=True, axes=-1), "axes is -1"),
+        (lambda: pp.drives.parameter("kg m2", "positive", scenarios=True, axes=True), "axes is True"),
+    ],
+)
+def test_bad_values_are_refused_where_a_part_is_made(make, named):
+    with pytest.raises(pp.PinpressError, match=named):
+        make()
 
 
 def test_no_inertia_in_one(press):
@@ -732,15 +733,6 @@ def test_a_drive_that_declares_its_scenarios(press):
     build = lambda j: blanked(None, drive=pp.drives.Geared(Scaled(POINTS, TORQUES, j), 1.2))  # noqa: E731
     runs = alike(press, 0.3, build, {"j": [0.0, 5.0, 50.0]})
     assert np.ptp(runs.drive_work) > 10.0
-
-
-@pytest.mark.parametrize(
-    ("sign", "axes", "message"),
-    [("huge", 0, "sign is 'huge'; give one of finite"), ("positive", -1, "axes is -1"), ("positive", True, "axes is True")],
-)
-def test_declarations_that_make_no_sense(sign, axes, message):
-    with pytest.raises(pp.PinpressError, match=message):
-        pp.drives.parameter("kg m2", sign, scenarios=True, axes=axes)
 
 
 def test_a_declared_field_of_another_shape(press):

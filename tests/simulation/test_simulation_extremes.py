@@ -708,8 +708,9 @@ def test_a_step_longer_than_the_run(press, method):
 
 NUMBERS = [True, "1", "abc", None, [1.0, 2.0], np.array([[1.0]]), math.nan, math.inf, 1j, object(), {}]
 NAMES_OF_NUMBERS = ("duration", "speed", "angle", "step", "tolerance", "points")
+SAID = {("speed", list): "scenarios"}
 NO_NUMBERS = [
-    pytest.param(method, name, value, id=f"{method}-{name}-{str(value)[:12]}")
+    pytest.param(method, name, value, SAID.get((name, type(value)), name), id=f"{method}-{name}-{str(value)[:12]}")
     for method in METHODS
     for name in NAMES_OF_NUMBERS
     for value in NUMBERS
@@ -718,50 +719,27 @@ NO_NUMBERS = [
 ]
 
 
-@pytest.mark.parametrize(("method", "name", "value"), NO_NUMBERS)
-def test_numbers_that_are_none(press, method, name, value):
-    several = isinstance(value, list) and name == "speed"
-    with pytest.raises(pp.PinpressError, match="scenarios" if several else name):
-        pp.simulate(**({"press": press, "duration": 0.1, "speed": 1.0, "method": method} | {name: value}))
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("duration", 0.0),
-        ("duration", -1.0),
-        ("duration", 1e308),
-        ("speed", 1e99),
-        ("tolerance", 0.0),
-        ("tolerance", 1e-20),
-        ("tolerance", 1e5),
-        ("step", 1e-9),
-        ("step", -1.0),
-        ("points", 1),
-        ("points", 10**12),
-        ("points", 2.0),
-    ],
-)
-def test_numbers_out_of_all_reason(press, method, name, value):
-    with pytest.raises(pp.PinpressError):
-        pp.simulate(**({"press": press, "duration": 0.1, "speed": 1.0, "method": method} | {name: value}))
-
-
+OUT_OF_ALL_REASON = {
+    "duration": [0.0, -1.0, 1e308],
+    "speed": [1e99],
+    "tolerance": [0.0, 1e-20, 1e5],
+    "step": [1e-9, -1.0],
+    "points": [1, 10**12, 2.0],
+}
 THINGS = [True, 1.0, "1", object(), pp.drives.Flywheel, [1.0], [None], np.array([1.0]), ForceInterval(1.0, 0.0, lambda h, v: 0.0)]
-
-
 NAMES_OF_THINGS = ("drive", "flywheel", "loads", "method", "clutch", "brake", "press", "progress")
 OTHER_THINGS = [
-    pytest.param(name, value, id=f"{name}-{str(value)[:12]}")
-    for name in NAMES_OF_THINGS
-    for value in THINGS
+    pytest.param(method, name, value, None, id=f"{method}-{name}-{str(value)[:12]}")
+    for method in METHODS
+    for name, values in [*OUT_OF_ALL_REASON.items(), *dict.fromkeys(NAMES_OF_THINGS, THINGS).items()]
+    for value in values
     if not (name == "progress" and callable(value))  # a function, as far as one can see
 ]
 
 
-@pytest.mark.parametrize(("name", "value"), OTHER_THINGS)
-def test_things_of_another_kind(press, method, name, value):
-    with pytest.raises(pp.PinpressError):
+@pytest.mark.parametrize(("method", "name", "value", "named"), NO_NUMBERS + OTHER_THINGS)
+def test_arguments_of_another_kind_or_out_of_all_reason_are_refused(press, method, name, value, named):
+    with pytest.raises(pp.PinpressError, match=named):
         pp.simulate(**({"press": press, "duration": 0.1, "speed": 1.0, "method": method} | {name: value}))
 
 
@@ -817,24 +795,21 @@ STRETCHES = {
 }
 
 
-@pytest.mark.parametrize("name", STRETCHES)
-def test_broken_loads(press, method, name):
-    with pytest.raises(pp.PinpressError, match="Load"):
-        pp.simulate(press, 1.0, **BOTH_WAYS, loads=[Load(STRETCHES[name])], method=method)
+EVEN = [ForceInterval(0.05, 0.02, lambda h, v: 1.0 + 0 * h)]
+BROKEN_LOADS = {
+    **{name: (Load(intervals), "Load") for name, intervals in STRETCHES.items()},
+    **{f"datum {datum}": (Load(EVEN, datum=datum), "datum") for datum in ("x", math.nan, math.inf)},
+    "time nan": (pp.loads.TimeForce(lambda t: t * math.nan), "TimeForce"),
+    "time None": (pp.loads.TimeForce(lambda t: None), "TimeForce"),
+    "time error": (pp.loads.TimeForce(broken), "TimeForce"),
+}
 
 
-@pytest.mark.parametrize("datum", ["x", math.nan, math.inf])
-def test_broken_datum(press, method, datum):
-    with pytest.raises(pp.PinpressError, match="datum"):
-        pp.simulate(
-            press, 1.0, **BOTH_WAYS, loads=[Load([ForceInterval(0.05, 0.02, lambda h, v: 1.0 + 0 * h)], datum=datum)], method=method
-        )
-
-
-@pytest.mark.parametrize("force", [lambda t: t * math.nan, lambda t: None, broken], ids=["nan", "None", "error"])
-def test_broken_forces_in_time(press, method, force):
-    with pytest.raises(pp.PinpressError, match="TimeForce"):
-        pp.simulate(press, 1.0, **BOTH_WAYS, loads=[pp.loads.TimeForce(force)], method=method)
+@pytest.mark.parametrize("name", BROKEN_LOADS)
+def test_broken_loads_are_refused_by_name(press, method, name):
+    load, named = BROKEN_LOADS[name]
+    with pytest.raises(pp.PinpressError, match=named):
+        pp.simulate(press, 1.0, **BOTH_WAYS, loads=[load], method=method)
 
 
 class Drive:

@@ -72,14 +72,16 @@ def test_methods_agree_on_a_law_that_is_hardly_stiff(method):
     assert np.abs(ours.crank_speed - other.crank_speed).max() < 1e-7
 
 
-def test_implicit_has_no_fixed_step():
-    with pytest.raises(pp.PinpressError, match="leave it out with method='implicit'"):
-        run("implicit", step=1e-3)
-
-
-def test_unknown_method():
-    with pytest.raises(pp.PinpressError, match="'auto', 'reduced', 'implicit' or 'constraint'"):
-        run("explicit")
+@pytest.mark.parametrize(
+    ("method", "more", "message"),
+    [
+        ("implicit", {"step": 1e-3}, "leave it out with method='implicit'"),
+        ("explicit", {}, "'auto', 'reduced', 'implicit' or 'constraint'"),
+    ],
+)
+def test_methods_that_cannot_be_are_refused(method, more, message):
+    with pytest.raises(pp.PinpressError, match=message):
+        run(method, **more)
 
 
 # ---------------------------------------------------------------------------------------------------------------- swings, and standstill
