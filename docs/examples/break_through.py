@@ -20,7 +20,7 @@ angle = pp.dead_centres(press).bottom_angle - np.radians(20)  # on the way down
 states = pp.elasticity.compliance(press, springs, angle=[angle])
 mass, stiffness = states.effective_mass[0] + 1500, 1 / states.compliance[0]  # kg with the upper die, N/m
 snap = pp.elasticity.snap_through(1.5e6, stiffness, mass=mass, damping_ratio=0.04, break_time=1e-3, clearance=1e-4)
-print(str(snap).replace(", ", ",\n  "))
+print(snap)
 allowed = pp.elasticity.permissible_breakthrough(300e3, 1 / states.compliance, mass=mass, damping_ratio=0.04, break_time=1e-3)
 print(f"a reverse load of 300 kN, 10 % of nominal, allows a break-through at {allowed[0] / 1e3:.0f} kN")
 
