@@ -66,7 +66,7 @@ PRESSES = (
     ),
     Shown("toggle", "Hydraulic toggle press", "A cylinder pushes the knee. The driver slides between its ends of travel.", 50, (400, 20)),
     Shown("link-drive", "Link-drive press", "A plate between crank, rocker and rod slows the slide where it works.", 40, (2000, 15)),
-    Shown("zxn2_3000b", "Six-bar press", "The ZXN2-3000(B), 3000 kN (Kong 2025). Its slide goes down slowly and returns quickly.", 70, (2000, 20)),
+    Shown("zxn2_3000b", "Six-bar press", "The ZXN2-3000(B), 3000 kN (Kong 2025): it goes down slowly and returns quickly.", 70, (2000, 20)),
     Shown("drawing-8-bar", "Eight-bar drawing press", "Its speed is nearly constant over the whole draw.", 20, (3000, 120)),
     Shown("guide-bar", "Guide-bar press", "A block swings a bar, for quick return and an even speed over the draw.", 72, (5, 120)),
     Shown(
