@@ -92,25 +92,26 @@ def compare_conditions(
     refuse_no_regions(regions)
     if len(conditions) < 2:
         raise PinpressError("conditions has fewer than two operating conditions: give two or more")
-    fixed = [replace(each, reset="") for each in regions]
+    fixed = [replace(region, reset="") for region in regions]
     many = range(len(conditions))
     designs = [
-        balance(press, conditions, regions=fixed, minimise=minimise, limits=limits, shares=[float(k == own) for k in many]) for own in many
+        balance(press, conditions, regions=fixed, minimise=minimise, limits=limits, shares=[float(k == number) for k in many])
+        for number in many
     ]
     designs.append(balance(press, conditions, regions=fixed, minimise=minimise, limits=limits))
-    if any(each.reset for each in regions):
+    if any(region.reset for region in regions):
         designs.append(balance(press, conditions, regions=regions, minimise=minimise, limits=limits))
     names = tuple(condition_name(designs[0], k) for k in many)
     if len(set(names)) < len(names):
         raise PinpressError(
             f"two operating conditions have the same name among {', '.join(map(repr, names))}: give different names, name=..."
         )
-    changes = [[each for each in design.changes if each.criterion == minimise] for design in designs]
+    changes = [[region for region in design.changes if region.criterion == minimise] for design in designs]
     return ConditionComparison(
         criterion=minimise,
         names=("none", *(f"best for {name}" for name in names), "compromise", "set anew")[: len(designs) + 1],
         conditions=names,
-        values=np.array([[each.before for each in changes[0]], *([each.after for each in rows] for rows in changes)]),
+        values=np.array([[region.before for region in changes[0]], *([region.after for region in rows] for rows in changes)]),
         added_mass=np.array([0.0, *(design.added_mass for design in designs)]),
         designs=tuple(designs),
     )

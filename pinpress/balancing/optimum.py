@@ -85,9 +85,9 @@ def balance(
             argument is not as described.
     """
     conditions = _conditions(motion, loads)
-    objective, held = checked_objective(minimise), checked_limits(limits)
-    problem = build_problem(press, conditions, regions, [*objective, *held], _checked_shares(shares, len(conditions)))
-    return optimal_press(problem, objective, held, absolute=not isinstance(minimise, Mapping))
+    objective, checked = checked_objective(minimise), checked_limits(limits)
+    problem = build_problem(press, conditions, regions, [*objective, *checked], _checked_shares(shares, len(conditions)))
+    return optimal_press(problem, objective, checked, absolute=not isinstance(minimise, Mapping))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -158,11 +158,11 @@ def trade_off(
     """
     _refuse_wrong_criteria(first, second)
     points = whole_number("points", points, 2, MOST_POINTS)
-    held = checked_limits(limits)
-    problem = build_problem(press, _conditions(motion, loads), regions, [first, second, *held])
-    (least, start), (_, end) = _end(problem, first, second, held), _end(problem, second, first, held)
+    checked = checked_limits(limits)
+    problem = build_problem(press, _conditions(motion, loads), regions, [first, second, *checked])
+    (least, start), (_, end) = _end(problem, first, second, checked), _end(problem, second, first, checked)
     between = np.linspace(_value(start, second), _value(end, second), points)[1:-1]
-    designs = (start, *(_best(problem, first, second, float(most), held) for most in between), end)
+    designs = (start, *(_best(problem, first, second, float(most), checked) for most in between), end)
     values = np.array([[_value(design, target) for target in (first, second)] for design in designs])
     bounds = np.array([least.bound, *(design.bound for design in designs[1:])])
     if next(iter(end.objective)) != first:  # the press as it is
@@ -189,8 +189,8 @@ def _checked_shares(shares: Sequence[float] | None, conditions: int) -> Array | 
     if shares is None:
         return None
     words = f"{conditions} numbers that are not negative, one for each operating condition, and not all zero"
-    given = suitable_numbers("shares", shares, words, (conditions,), lambda each: (each >= 0).all() and each.any())
-    return np.asarray(given / given.sum())
+    weights = suitable_numbers("shares", shares, words, (conditions,), lambda each: (each >= 0).all() and each.any())
+    return np.asarray(weights / weights.sum())
 
 
 def checked_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, float]:
@@ -261,11 +261,11 @@ def optimal_press(
     settings = tuple(
         Records(
             Counterweight,
-            (_counterweight(problem.press, each, filling) for each, filling in zip(regions, filled, strict=True) if filling.mass),
+            (_counterweight(problem.press, variables, filling) for variables, filling in zip(regions, filled, strict=True) if filling.mass),
         )
         for regions, filled in zip(problem.regions, fillings, strict=True)
     )
-    empty = [each.region for k, each in enumerate(problem.regions[0]) if not any(filled[k].mass for filled in fillings)]
+    empty = [variables.region for k, variables in enumerate(problem.regions[0]) if not any(filled[k].mass for filled in fillings)]
     return BalancedPress(
         original=problem.press,
         press=presses[0] if problem.conditions[0].press is None else _fitted(problem.press, problem.regions[0], fillings[0]),
@@ -302,9 +302,9 @@ def _refuse_nothing(problem: BalancingProblem, objective: Mapping[Target, float]
 def _without_traces(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], best: Array) -> Array:
     """The best variables, with zeros in regions that are almost empty, because the solver leaves traces of mass in empty regions."""
     u = best.copy()
-    for each, filled in _by_setting(problem):
-        masses = [float(each.mass @ u[columns]) for columns in filled]
-        if each.replaced is None and each.region.mass[0] <= 0 and max(map(abs, masses)) <= NEGLIGIBLE * problem.moving_mass:
+    for region, filled in _by_setting(problem):
+        masses = [float(region.mass @ u[columns]) for columns in filled]
+        if region.replaced is None and region.region.mass[0] <= 0 and max(map(abs, masses)) <= NEGLIGIBLE * problem.moving_mass:
             empty = u.copy()
             for columns in filled:
                 empty[columns] = 0.0
@@ -316,12 +316,12 @@ def _without_traces(problem: BalancingProblem, objective: Mapping[Target, float]
 def _by_setting(problem: BalancingProblem) -> Iterator[tuple[RegionVariables, list[NDArray[np.intp]]]]:
     """Each region with groups of columns that become zero together: all conditions of a mass that only moves are one group."""
     in_conditions = [[columns for columns, _ in problem.parts(number)] for number in range(len(problem.conditions))]
-    for k, each in enumerate(problem.regions[0]):
+    for k, region in enumerate(problem.regions[0]):
         columns = [parts[k] for parts in in_conditions]
-        if each.region.reset == "mass":
-            yield from ((each, [own]) for own in columns)
+        if region.region.reset == "mass":
+            yield from ((region, [setting]) for setting in columns)
         else:
-            yield each, columns if each.region.reset else columns[:1]
+            yield region, columns if region.region.reset else columns[:1]
 
 
 def _no_worse(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], u: Array, best: Array) -> bool:
@@ -361,13 +361,13 @@ def _with_fillings(problem: BalancingProblem, number: int, fillings: Sequence[pi
 def _fitted(press: Linkage, regions: Sequence[RegionVariables], fillings: Sequence[pin.Inertia]) -> Linkage:
     """The press with the counterweights of all regions; a region with ``replaces`` replaces the link's own mass."""
     inertias = list(press.model.inertias)
-    for each in regions:
-        if each.replaced is not None:
-            inertias[each.joint] = pin.Inertia.Zero()
-    for each, filling in zip(regions, fillings, strict=True):
-        inertias[each.joint] = combined(inertias[each.joint], filling)
-    for each in regions:
-        refuse_unphysical(press, each.joint, inertias[each.joint])
+    for region in regions:
+        if region.replaced is not None:
+            inertias[region.joint] = pin.Inertia.Zero()
+    for region, filling in zip(regions, fillings, strict=True):
+        inertias[region.joint] = combined(inertias[region.joint], filling)
+    for region in regions:
+        refuse_unphysical(press, region.joint, inertias[region.joint])
     return press.with_inertias(inertias, name=press.name.removesuffix(SUFFIX) + SUFFIX)
 
 
@@ -379,16 +379,16 @@ def _confirmed_reactions(problem: BalancingProblem, u: Array, presses: Sequence[
     Raises:
         PinpressError: both disagree, or a motion is shorter than the period of the balanced press.
     """
-    for each, press in zip(problem.conditions, presses, strict=True):
-        _refuse_longer_period(each, press)
+    for condition, press in zip(problem.conditions, presses, strict=True):
+        _refuse_longer_period(condition, press)
     reactions = tuple(
-        inverse_dynamics(press, as_prescribed(each.motion, press), each.loads, bearings=tuple(before.bearing_force))
-        for press, each, before in zip(presses, problem.conditions, problem.reactions, strict=True)
+        inverse_dynamics(press, as_prescribed(condition.motion, press), condition.loads, bearings=tuple(before.bearing_force))
+        for press, condition, before in zip(presses, problem.conditions, problem.reactions, strict=True)
     )
     for signal in problem.signals:
         series = signal.criterion.series(reactions[signal.condition])
-        promised, found = signal.at(u), signal.criterion.varying(series) / signal.size
-        missed = float(np.abs(found - promised).max())
+        promised, computed = signal.at(u), signal.criterion.varying(series) / signal.size
+        missed = float(np.abs(computed - promised).max())
         if not missed <= CONFIRMED * max(1.0, float(np.abs(signal.fixed).max())):
             raise PinpressError(
                 f"the {signal.criterion.words} of the balanced press differs from the optimiser's by {missed:.1e} of its value before:"

@@ -241,13 +241,13 @@ class BalancingProblem:
     def unlimited(self) -> Array:
         """(settings, variables) `mass` in regions whose mass has no upper limit, zero in the others."""
         free = np.zeros(self.size)
-        for columns, each in (part for condition in range(len(self.conditions)) for part in self.parts(condition)):
-            free[columns] = math.isinf(each.region.mass[1])
+        for columns, region in (part for condition in range(len(self.conditions)) for part in self.parts(condition)):
+            free[columns] = math.isinf(region.region.mass[1])
         return self.mass * free
 
     def parts(self, condition: int) -> Iterator[tuple[NDArray[np.intp], RegionVariables]]:
         """Columns of the variables of each region in an operating condition, and the region."""
-        ends = np.cumsum([len(each.mass) for each in self.regions[condition]])[:-1]
+        ends = np.cumsum([len(region.mass) for region in self.regions[condition]])[:-1]
         yield from zip(np.split(self.columns[condition], ends), self.regions[condition], strict=True)
 
     def added_mass(self, u: Array) -> float:
@@ -281,8 +281,8 @@ def build_problem(
     for criterion in criteria:
         _refuse_unknown(criterion, press)
     presses = [each.set_up(press) for each in conditions]
-    for number, other in enumerate(presses):
-        _refuse_other_press(press, other, conditions[number], number)
+    for number, condition_press in enumerate(presses):
+        _refuse_other_press(press, condition_press, conditions[number], number)
     bearings = tuple(dict.fromkeys(criterion.bearing for criterion in criteria if criterion.bearing is not None))
     reactions = tuple(
         inverse_dynamics(each, condition.motion, condition.loads, bearings=bearings)
@@ -353,9 +353,9 @@ def _refuse_unknown(criterion: Criterion, press: Linkage) -> None:
     if criterion.bearing is not None and criterion.bearing not in press.bearings:
         raise UnknownNameError("bearing", criterion.bearing, press.bearings)
     if criterion.quantity in DRIVING and any(criterion.quantity != f"driving_{each.effort}" for each in press.driver_coordinates):
-        given = (f"driver {name!r} takes a {each.effort}" for name, each in zip(press.drivers, press.driver_coordinates, strict=True))
+        efforts_ = (f"driver {name!r} takes a {each.effort}" for name, each in zip(press.drivers, press.driver_coordinates, strict=True))
         remedy = "give driving_torque for drivers that turn, driving_force for drivers that slide"
-        raise PinpressError(f"{criterion.words}: {', '.join(given)}; {remedy}")
+        raise PinpressError(f"{criterion.words}: {', '.join(efforts_)}; {remedy}")
     if isinstance(criterion, Range) and criterion.quantity in DRIVING and len(press.drivers) > 1:
         efforts = criterion.quantity.replace("_", " ")
         raise PinpressError(f"{press.name} has {len(press.drivers)} {efforts}s, and several have no common range: take Rms or Peak")
@@ -369,12 +369,12 @@ def _in_all(
     Raises:
         PinpressError: a region is not the same in all conditions, or as `region_variables`.
     """
-    own = _variables(press, regions, inertia_counts, units)
-    found = [own if each is press else _variables(each, regions, inertia_counts, units) for each in presses]
-    for other, variables in zip(presses, found, strict=True):
-        for here, there in zip(own, variables, strict=True):
-            _refuse_other_region(press, other, here, there)
-    return tuple(found)
+    variables_here = _variables(press, regions, inertia_counts, units)
+    by_press = [variables_here if each is press else _variables(each, regions, inertia_counts, units) for each in presses]
+    for other, variables in zip(presses, by_press, strict=True):
+        for here, variable_there in zip(variables_here, variables, strict=True):
+            _refuse_other_region(press, other, here, variable_there)
+    return tuple(by_press)
 
 
 def _refuse_other_region(press: Linkage, other: Linkage, here: RegionVariables, there: RegionVariables) -> None:
@@ -382,7 +382,7 @@ def _refuse_other_region(press: Linkage, other: Linkage, here: RegionVariables, 
     compared = [(a.masses, b.masses) for a, b in zip(here.parts, there.parts, strict=True)]
     compared += [(a.points, b.points) for a, b in zip(here.parts, there.parts, strict=True)]
     compared.append(
-        tuple(each.model.frames[each.model.getFrameId(here.region.link, pin.BODY)].placement.homogeneous for each in (press, other))
+        tuple(press_.model.frames[press_.model.getFrameId(here.region.link, pin.BODY)].placement.homogeneous for press_ in (press, other))
     )
     if here.replaced is not None and there.replaced is not None:
         compared.append((np.array([here.replaced.mass]), np.array([there.replaced.mass])))
@@ -433,8 +433,8 @@ def _series(
     inner_forces = any(not criterion.quantity.startswith("shaking") for criterion in criteria)
     responses = [mass_response(press, condition, reactions, part, inner_forces) for each in variables for part in each.parts]
     replaced = [points_of(press, each.region.link, each.replaced) for each in variables if each.replaced is not None]
-    own = [mass_response(press, condition, reactions, masses, inner_forces) for masses in replaced]
-    return [_series_of(criterion, number, reactions, responses, own) for criterion in criteria]
+    replaced_responses = [mass_response(press, condition, reactions, masses, inner_forces) for masses in replaced]
+    return [_series_of(criterion, number, reactions, responses, replaced_responses) for criterion in criteria]
 
 
 def _series_of(
@@ -467,10 +467,18 @@ def _series_of(
 def _of_one_size(series: Sequence[_Series]) -> Iterator[Signal]:
     """The signals of one criterion in all conditions, divided by the same size, so that the worst condition has the largest value."""
     # If the criterion is zero before, the effect of the regions gives the size. If that is zero too, all values are rounding errors.
-    before, influence, noise = (max(getattr(each, name) for each in series) for name in ("before", "influence", "noise"))
+    before, influence, noise = (
+        max(getattr(condition_series, name) for condition_series in series) for name in ("before", "influence", "noise")
+    )
     size = next((size for size in (before, influence) if size > max(noise, ROUNDING * influence)), noise or 1.0)
-    for each in series:
-        yield Signal(each.criterion, each.condition, size, (each.fixed - each.replaced) / size, each.effects / size)
+    for condition_series in series:
+        yield Signal(
+            condition_series.criterion,
+            condition_series.condition,
+            size,
+            (condition_series.fixed - condition_series.replaced) / size,
+            condition_series.effects / size,
+        )
 
 
 def _shares(variables: Sequence[RegionVariables], signals: Sequence[Signal]) -> list[float]:
@@ -484,15 +492,15 @@ def _columns(variables: Sequence[RegionVariables], conditions: int) -> tuple[tup
     """Columns of the regions' variables for every operating condition, and the number of columns. An adjusted region has separate columns
     in
     every condition."""
-    found, width = [list[NDArray[np.intp]]() for _ in range(conditions)], 0
+    by_condition, width = [list[NDArray[np.intp]]() for _ in range(conditions)], 0
     for each in variables:
         count = len(each.mass)
-        for number, columns in enumerate(found):
+        for number, columns in enumerate(by_condition):
             if number and each.region.reset:
                 width += count
             columns.append(np.arange(width, width + count))
         width += count
-    return tuple(np.concatenate(columns) for columns in found), width
+    return tuple(np.concatenate(columns) for columns in by_condition), width
 
 
 def _spread(local: Array, columns: NDArray[np.intp], width: int) -> Array:
@@ -504,26 +512,26 @@ def _spread(local: Array, columns: NDArray[np.intp], width: int) -> Array:
 
 def _masses(variables: Sequence[Sequence[RegionVariables]], columns: Sequence[NDArray[np.intp]], width: int) -> Array:
     """(settings, width) mass per unit of each variable [kg]."""
-    settings = len(columns) if any(each.region.reset == "mass" for each in variables[0]) else 1
-    mass = np.concatenate([each.mass for each in variables[0]])
+    settings = len(columns) if any(region.region.reset == "mass" for region in variables[0]) else 1
+    mass = np.concatenate([region.mass for region in variables[0]])
     return np.array([_spread(mass, columns[number], width) for number in range(settings)])
 
 
 def _joined(variables: Sequence[Sequence[RegionVariables]], columns: Sequence[NDArray[np.intp]], width: int) -> tuple[Rows, ...]:
     """The constraints of all regions, on the variables of all conditions."""
-    ends, rows = np.cumsum([len(each.mass) for each in variables[0]])[:-1], list[Rows]()
-    first, *others = [np.split(each, ends) for each in columns]
-    for k, each in enumerate(variables[0]):
-        rows += (replace(part, matrix=_spread(part.matrix, first[k], width)) for part in each.rows)
-        for number, columns_of in enumerate(others if each.region.reset else (), 1):
+    ends, rows = np.cumsum([len(region.mass) for region in variables[0]])[:-1], list[Rows]()
+    first, *others = [np.split(region, ends) for region in columns]
+    for k, region in enumerate(variables[0]):
+        rows += (replace(part, matrix=_spread(part.matrix, first[k], width)) for part in region.rows)
+        for number, columns_of in enumerate(others if region.region.reset else (), 1):
             in_condition = f", condition {number}"
             rows += (
                 replace(part, matrix=_spread(part.matrix, columns_of[k], width), name=part.name and part.name + in_condition)
-                for part in each.rows
+                for part in region.rows
             )
-            if each.region.reset == "position":  # the mass stays
-                unit = np.abs(each.mass).max()
-                difference = _spread(each.mass[None] / unit, columns_of[k], width) - _spread(each.mass[None] / unit, first[k], width)
+            if region.region.reset == "position":  # the mass stays
+                unit = np.abs(region.mass).max()
+                difference = _spread(region.mass[None] / unit, columns_of[k], width) - _spread(region.mass[None] / unit, first[k], width)
                 rows.append(Rows(EQUAL, difference, np.zeros(1)))
     return tuple(rows)
 

@@ -132,10 +132,10 @@ def _over_all_states(
     for _ in range(MOST_ROUNDS):
         cost, rows = program()
         optimum = minimise(cost, rows, remedy="give counterweights a largest mass, and limits that are neither very large nor very small")
-        found = {signal: _violated(signal, optimum.x[: problem.size], taken) for signal, taken in states.items()}
-        if not any(len(more) for more in found.values()):
+        violated = {signal: _violated(signal, optimum.x[: problem.size], taken) for signal, taken in states.items()}
+        if not any(len(more) for more in violated.values()):
             return optimum, rows
-        states.update({signal: np.union1d(states[signal], more) for signal, more in found.items()})
+        states.update({signal: np.union1d(states[signal], more) for signal, more in violated.items()})
     raise PinpressError(f"the optimum was not found within {MOST_ROUNDS} rounds: give fewer states, or limits of a realistic size")
 
 
@@ -152,12 +152,12 @@ def _violated(signal: Signal, u: Array, states: Array) -> Array:
     if isinstance(signal.criterion, Rms):
         return np.empty(0, int)
     sides = [series[:, 0], -series[:, 0]] if isinstance(signal.criterion, Range) else [np.linalg.norm(series, axis=1)]
-    found = []
+    violated = []
     for side in sides:
         around = np.concatenate([[-np.inf], side, [-np.inf]])
         top = (side >= around[:-2]) & (side >= around[2:]) & (side > side[states].max() + VIOLATED)
-        found.append(np.flatnonzero(top))
-    return np.concatenate(found)
+        violated.append(np.flatnonzero(top))
+    return np.concatenate(violated)
 
 
 # ------------------------------------------------------------------------------------------------------- the program over some states
@@ -231,7 +231,7 @@ def _program(
         rows += _signal_rows(signal, columns, states[signal], limits, zero_as_equations)
     rows += _added_mass_rows(problem, columns, limits)
     nothing = np.zeros((1, problem.size))
-    rows += (Rows(AT_MOST, columns.wide(nothing, {own: 1.0, worst: -1.0}), np.zeros(1)) for own, worst in columns.worst.items())
+    rows += (Rows(AT_MOST, columns.wide(nothing, {bound: 1.0, worst: -1.0}), np.zeros(1)) for bound, worst in columns.worst.items())
     cost = np.zeros(columns.width)
     for column, share in columns.costs.items():
         cost[column] = share

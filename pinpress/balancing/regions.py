@@ -175,13 +175,13 @@ def _point_variables(press: Linkage, region: CounterweightRegion, joint: int, re
     """A region with one variable, the mass."""
     if region.at is None:
         assert replaced is not None  # a region without a place replaces the link's mass
-        one = _scaled(replaced, unit / replaced.mass)
+        unit_body = _scaled(replaced, unit / replaced.mass)
     else:
         _, point = carrying_joint(press, region.link, region.at, region.words)
-        one = rigid_body(unit, point, region.gyration**2 * unit * unit_tensor(press, joint))
-    parts = (points_of(press, region.link, one),)
+        unit_body = rigid_body(unit, point, region.gyration**2 * unit * unit_tensor(press, joint))
+    parts = (points_of(press, region.link, unit_body),)
     rows = _mass_rows(region, np.array([unit]), positive=False)
-    return RegionVariables(region, joint, parts, np.array([unit]), replaced, rows, lambda u: _scaled(one, float(u[0])))
+    return RegionVariables(region, joint, parts, np.array([unit]), replaced, rows, lambda u: _scaled(unit_body, float(u[0])))
 
 
 def _shape_variables(
@@ -301,10 +301,10 @@ def points_of(press: Linkage, link: str, inertia: pin.Inertia) -> PointMasses:
 
 def _in_link(press: Linkage, link: str, masses: Array, points: Array) -> PointMasses:
     """Point masses whose points (p, 3) are given in the joint's frame; masses of zero are left out."""
-    there = press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
-    some = masses != 0.0
-    some[0] |= not some.any()
-    return PointMasses(link, masses[some], np.array([there.actInv(point) for point in points[some]]))
+    placement = press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
+    used = masses != 0.0
+    used[0] |= not used.any()
+    return PointMasses(link, masses[used], np.array([placement.actInv(point) for point in points[used]]))
 
 
 def _scaled(inertia: pin.Inertia, factor: float) -> pin.Inertia:

@@ -137,10 +137,10 @@ class BalancedPress(Tabular):
             if motion.period_turns is None or np.ptp(motion.crank_speed) > 0:
                 return None
             finer = cycle(press, float(motion.crank_speed[0]), points=FINER * len(motion.time))
-            changes = [each for each in self.changes if each.condition == number]
-            bearings = {each.criterion.bearing for each in changes} - {None}
+            changes = [change for change in self.changes if change.condition == number]
+            bearings = {change.criterion.bearing for change in changes} - {None}
             reactions = inverse_dynamics(press, finer, condition.loads, bearings=sorted(map(str, bearings)))
-            shares = ((each.criterion.value(reactions) - each.after) / each.before for each in changes if each.before)
+            shares = ((change.criterion.value(reactions) - change.after) / change.before for change in changes if change.before)
             worst = max(worst, *shares, 0.0)
         return worst
 
@@ -169,20 +169,23 @@ class BalancedPress(Tabular):
 
 def _side_effects(balanced: BalancedPress) -> Records[CriterionChange]:
     asked = {change.criterion for change in balanced.changes}
-    originals = [each.set_up(balanced.original) for each in balanced.conditions]
+    originals = [condition.set_up(balanced.original) for condition in balanced.conditions]
     before, after = (
-        [inverse_dynamics(press, some.motion, each.loads) for press, some, each in zip(presses, known, balanced.conditions, strict=True)]
+        [
+            inverse_dynamics(press, some.motion, condition.loads)
+            for press, some, condition in zip(presses, known, balanced.conditions, strict=True)
+        ]
         for presses, known in ((originals, balanced.reactions_before), (balanced.presses, balanced.reactions_after))
     )
-    least_of, found = [rounding(reactions) for reactions in before], list[CriterionChange]()
+    least_of, effects = [rounding(reactions) for reactions in before], list[CriterionChange]()
     for criterion in _criteria_of(balanced.original):
         rows = [
             CriterionChange(criterion, number, _without_rounding(criterion, then, least), _without_rounding(criterion, now, least))
             for number, (then, now, least) in enumerate(zip(before, after, least_of, strict=True))
         ]
         if criterion not in asked and any(row.before or row.after for row in rows):
-            found += rows
-    return Records(CriterionChange, found)
+            effects += rows
+    return Records(CriterionChange, effects)
 
 
 def _criteria_of(press: Linkage) -> Iterator[Criterion]:

@@ -88,18 +88,18 @@ def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen:
         chosen: the segments to limit.
     """
     grid, drive, motion = problem.coefficients.grid, problem.drive, full.motion
-    found = []
+    bounds = []
     for name, segments in (("torque of the motor", chosen.torque), ("power", chosen.power)):
         states = np.flatnonzero((full.segment >= 0) & segments[full.segment])
         if name == "power":
             states = states[np.abs(motion.speed[states]) > SLOW * np.abs(motion.speed).max()]
         if not len(states):
             continue
-        at = full.segment[states]
-        share = (motion.angle[states] - grid.angle[at]) / grid.step[at]
-        before, after, fixed = problem.torque_at(share, at)[:3]
+        places = full.segment[states]
+        share = (motion.angle[states] - grid.angle[places]) / grid.step[places]
+        before, after, fixed = problem.torque_at(share, places)[:3]
         # the error of coefficients between the inner places also grows with b, except near rests
-        left = motion.torque[states] - before * b[at] - after * b[at + 1] - fixed
+        left = motion.torque[states] - before * b[places] - after * b[places + 1] - fixed
         square = motion.speed[states] ** 2
         fast = square > SLOW * square.max()
         by_square = np.where(fast, left, 0.0) / np.where(fast, square, 1.0)
@@ -110,19 +110,19 @@ def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen:
             speed = np.abs(motion.speed[states])
             fall, level = 0.5 * drive.power / speed**3, 1.5 * drive.power / speed
             for sign in (1.0, -1.0):
-                torque = Affine(sign * before + fall * (1.0 - share), sign * after + fall * share, sign * fixed, at)
-                found.append(Bounded(f"power of the motor of {drive.power:.6g} W", level, drive.power, "W", torque))
+                torque = Affine(sign * before + fall * (1.0 - share), sign * after + fall * share, sign * fixed, places)
+                bounds.append(Bounded(f"power of the motor of {drive.power:.6g} W", level, drive.power, "W", torque))
         else:
             assert drive.peak_torque is not None
-            most = np.full(len(at), drive.peak_torque * drive.ratio)
+            most = np.full(len(places), drive.peak_torque * drive.ratio)
             words = f"torque of the motor of {drive.peak_torque:.6g} N m"
-            torque = Affine(before, after, fixed, at)
+            torque = Affine(before, after, fixed, places)
             if not (drive.curve_torque and drive.curve_torque[0] <= drive.peak_torque):
-                found.append(Bounded(words, most, drive.peak_torque, "N m", torque, both=True))
+                bounds.append(Bounded(words, most, drive.peak_torque, "N m", torque, both=True))
             if drive.curve_torque is not None:
                 slow = np.maximum(np.abs(motion.speed[states]), SLOW * np.abs(motion.speed).max())
-                found += tangents_at_states(drive, torque, share, slow)
-    return found
+                bounds += tangents_at_states(drive, torque, share, slow)
+    return bounds
 
 
 def full_motion(press: Linkage, loads: Sequence[Load], friction: Mapping[str, Friction], problem: MotionProblem, b: Array) -> FullMotion:
@@ -156,8 +156,8 @@ def full_motion(press: Linkage, loads: Sequence[Load], friction: Mapping[str, Fr
     for k in np.flatnonzero(rests)[::-1]:
         at, ends = (k + 1) * len(nodes), np.array([start[k] + durations[k], start[k + 1]])
         # a brake holds the press in a pause that the path does not ask for
-        held = 0.5 * grid.legs.dwells[grid.leg[k]]
-        rest = (ends, np.full(2, held), np.full(2, grid.angle[k + 1]), np.zeros(2), np.zeros(2))
+        half_dwell = 0.5 * grid.legs.dwells[grid.leg[k]]
+        rest = (ends, np.full(2, half_dwell), np.full(2, grid.angle[k + 1]), np.zeros(2), np.zeros(2))
         parts = [np.concatenate([part[:at], more, part[at:]]) for part, more in zip(parts, rest, strict=True)]
         segment = np.insert(segment, at, (-1, -1))
     time_, weight_, angle_, rate_, acceleration_ = parts
@@ -179,25 +179,25 @@ def largest_excess(problem: MotionProblem, limits: Sequence[Limit], time: float 
         b: (N + 1,) squares of the crank's speed at the nodes [rad2/s2].
     """
     motion, reactions, cost = full.motion, full.reactions, figures(problem, b)
-    drive, found = problem.drive, [0.0]
+    drive, excesses = problem.drive, [0.0]
     if time is not None:
-        found.append(abs(cost.time / time - 1.0) if problem.time is None else cost.time / time - 1.0)
+        excesses.append(abs(cost.time / time - 1.0) if problem.time is None else cost.time / time - 1.0)
     if drive.peak_torque is not None:
-        found.append(float((np.abs(motion.motor_torque) / drive.peak_torque_at(motion.motor_speed)).max()) - 1.0)
+        excesses.append(float((np.abs(motion.motor_torque) / drive.peak_torque_at(motion.motor_speed)).max()) - 1.0)
     if drive.top_speed is not None:
-        found.append(float(np.abs(motion.motor_speed).max()) / drive.top_speed - 1.0)
+        excesses.append(float(np.abs(motion.motor_speed).max()) / drive.top_speed - 1.0)
     if drive.power is not None:
-        found.append(motion.peak_power / drive.power - 1.0)
+        excesses.append(motion.peak_power / drive.power - 1.0)
     if problem.rms is not None:
-        found.append(motion.rms_torque / problem.rms - 1.0)
+        excesses.append(motion.rms_torque / problem.rms - 1.0)
     if problem.below is not None:
-        found.append((cost.below + problem.feed_time) / motion.duration - 1.0)
-    for each in limits:
-        if isinstance(each, limits_.BearingForce):
-            found.append(float(np.linalg.norm(reactions.bearing_force[each.bearing], axis=1).max()) / each.force - 1.0)
-        elif isinstance(each, limits_.TorqueRate):
-            found.append(float(torque_rates(problem, b).max()) / drive.ratio / each.rate - 1.0)
-        elif isinstance(each, limits_.StateLimit):
-            value, most = largest_size(motion, each)
-            found.append(value / most - 1.0)
-    return max(found)
+        excesses.append((cost.below + problem.feed_time) / motion.duration - 1.0)
+    for limit in limits:
+        if isinstance(limit, limits_.BearingForce):
+            excesses.append(float(np.linalg.norm(reactions.bearing_force[limit.bearing], axis=1).max()) / limit.force - 1.0)
+        elif isinstance(limit, limits_.TorqueRate):
+            excesses.append(float(torque_rates(problem, b).max()) / drive.ratio / limit.rate - 1.0)
+        elif isinstance(limit, limits_.StateLimit):
+            value, most = largest_size(motion, limit)
+            excesses.append(value / most - 1.0)
+    return max(excesses)

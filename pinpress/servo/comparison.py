@@ -116,14 +116,14 @@ def compare_motions(motions: Mapping[str, ServoMotion], limits: Sequence[Limit] 
         PinpressError: there is no motion, a value is not a `ServoMotion`, the motions belong to several presses, or neither `RmsTorque` nor
             the drive gives a torque.
     """
-    if not motions or not all(isinstance(each, ServoMotion) for each in motions.values()):
+    if not motions or not all(isinstance(motion_, ServoMotion) for motion_ in motions.values()):
         raise PinpressError("motions has no motions to compare: give them with their names, {'least heat': best.motion, ...}")
     first = next(iter(motions.values()))._press
-    if not all(is_same_press(each._press, first) for each in motions.values()):
+    if not all(is_same_press(motion_._press, first) for motion_ in motions.values()):
         raise PinpressError("the motions belong to several presses: compare motions of one press")
-    wanted = checked(limits)
-    broken = {name: _broken(each, wanted) for name, each in motions.items()}
-    keeping = [each.rms_motor_torque for name, each in motions.items() if not broken[name]]
+    checked_limits = checked(limits)
+    broken = {name: _broken(motion_, checked_limits) for name, motion_ in motions.items()}
+    keeping = [motion_.rms_motor_torque for name, motion_ in motions.items() if not broken[name]]
     least = min(keeping) if keeping else None
 
     def row(name: str, motion: ServoMotion) -> ComparedMotion:
@@ -139,12 +139,12 @@ def compare_motions(motions: Mapping[str, ServoMotion], limits: Sequence[Limit] 
             breaks="; ".join(broken[name]),
         )
 
-    return MotionComparison(FrozenMapping(dict(motions)), wanted, Records(ComparedMotion, [row(*item) for item in motions.items()]))
+    return MotionComparison(FrozenMapping(dict(motions)), checked_limits, Records(ComparedMotion, [row(*item) for item in motions.items()]))
 
 
 def _broken(motion: ServoMotion, limits: Sequence[Limit]) -> list[str]:
     """The limits that a motion breaks, as text."""
-    drive, found = motion.drive, []
+    drive, texts = motion.drive, []
     of_drive = (
         ("peak torque", motion.peak_motor_torque, None if drive.curve_torque else drive.peak_torque, "N m"),
         ("top speed", float(np.abs(motion.motor_speed).max()), drive.top_speed, "rad/s"),
@@ -152,25 +152,25 @@ def _broken(motion: ServoMotion, limits: Sequence[Limit]) -> list[str]:
     )
     for name, value, most, unit in of_drive:
         if most is not None and value > (1 + KEPT) * most:
-            found.append(f"{name} of {most:.6g} {unit}: {value:.4g}")
+            texts.append(f"{name} of {most:.6g} {unit}: {value:.4g}")
     if drive.curve_torque is not None:
         use = np.abs(motion.motor_torque) / drive.peak_torque_at(motion.motor_speed)
         k = int(use.argmax())
         if use[k] > 1 + KEPT:
             speed = abs(float(motion.motor_speed[k])) / RPM
-            found.append(f"curve of torque at {speed:.4g} r/min: {abs(float(motion.motor_torque[k])):.4g} N m")
+            texts.append(f"curve of torque at {speed:.4g} r/min: {abs(float(motion.motor_torque[k])):.4g} N m")
     for limit in limits:
         if isinstance(limit, NOT_SEEN):
             continue
         if isinstance(limit, FeedWindow):
             above = motion.duration - float(motion.weight @ (motion.height < limit.height))  # pauses with them
             if above < (1 - KEPT) * limit.time:
-                found.append(f"{in_words(limit)}: {above:.4g} s")
+                texts.append(f"{in_words(limit)}: {above:.4g} s")
             continue
         value, most = _size(motion, limit)
         if value > (1 + KEPT) * most:
-            found.append(f"{in_words(limit)}: {value:.4g}")
-    return found
+            texts.append(f"{in_words(limit)}: {value:.4g}")
+    return texts
 
 
 def _size(motion: ServoMotion, limit: StateLimit | RmsTorque) -> tuple[float, float]:

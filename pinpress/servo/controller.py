@@ -77,5 +77,5 @@ def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e
     time, end = width * np.arange(count + 1), float(motion.time[-1] - start)
     if time[-1] > end * (1 + SAME):
         time[-1] = end
-    found = CubicHermiteSpline(motion.time[kept] - start, values[kept], rates[kept])(np.minimum(time, end))
-    return MotionTable(motion.press_name, of, time, scale * found)  # type: ignore[arg-type]  # checked above
+    sampled = CubicHermiteSpline(motion.time[kept] - start, values[kept], rates[kept])(np.minimum(time, end))
+    return MotionTable(motion.press_name, of, time, scale * sampled)  # type: ignore[arg-type]  # checked above

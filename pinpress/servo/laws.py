@@ -79,9 +79,9 @@ class MotionLaw(Record):
         return (*first, *(1.0 - time for time in reversed(first[:-1])))
 
     def _values(self, time: ArrayLike) -> tuple[Array, Array, Array]:
-        given = suitable_numbers("time", time, "times from 0 to 1, as shares of the whole", None, lambda t: (t >= 0) & (t <= 1))
-        late = given > 0.5
-        position, speed, acceleration = _half(self._first_half, np.where(late, 1 - given, given))
+        times = suitable_numbers("time", time, "times from 0 to 1, as shares of the whole", None, lambda t: (t >= 0) & (t <= 1))
+        late = times > 0.5
+        position, speed, acceleration = _half(self._first_half, np.where(late, 1 - times, times))
         position, acceleration = self.peak_acceleration * position, self.peak_acceleration * acceleration
         return np.where(late, 1 - position, position), self.peak_acceleration * speed, np.where(late, -acceleration, acceleration)
 
@@ -115,7 +115,7 @@ def _law(name: str) -> MotionLaw:
     position, speed, _ = _half(half, np.array(0.5))
     largest = 0.5 / float(position)
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
-    squares = [0.5 * each.duration * weights @ each.gains(0.5 * each.duration * (1 + nodes))[2] ** 2 for each in half]
+    squares = [0.5 * piece.duration * weights @ piece.gains(0.5 * piece.duration * (1 + nodes))[2] ** 2 for piece in half]
     return MotionLaw(name, largest * float(speed), largest, 2 * largest**2 * float(sum(squares)), half)
 
 

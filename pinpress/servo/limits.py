@@ -150,14 +150,14 @@ Limit = SlideSpeed | CrankSpeed | SlideAcceleration | CrankAcceleration | Bearin
 
 def checked(limits: object) -> tuple[Limit, ...]:
     """The limits as a tuple; raises PinpressError for an object that is not a limit."""
-    found = tuple(limits)  # type: ignore[arg-type, var-annotated]  # a sequence, as `typed` has seen
-    for each in found:
-        if not isinstance(each, Limit):
+    limits_ = tuple(limits)  # type: ignore[arg-type, var-annotated]  # a sequence, as `typed` has seen
+    for limit in limits_:
+        if not isinstance(limit, Limit):
             raise PinpressError(
-                f"limits has {shown(each)}, which is not a limit: give servo.SlideSpeed, CrankSpeed, SlideAcceleration,"
+                f"limits has {shown(limit)}, which is not a limit: give servo.SlideSpeed, CrankSpeed, SlideAcceleration,"
                 " CrankAcceleration, BearingForce, RmsTorque, TorqueRate or FeedWindow"
             )
-    return found
+    return limits_
 
 
 def span(limit: Window) -> tuple[float, float]:
@@ -168,9 +168,9 @@ def span(limit: Window) -> tuple[float, float]:
 def _check_window(limit: Window, flank: object) -> None:
     name = type(limit).__name__
     if limit.heights is not None:
-        wanted = "two different heights above bottom dead centre, not negative [m], e.g. (0.06, 0)"
+        expected = "two different heights above bottom dead centre, not negative [m], e.g. (0.06, 0)"
         heights: Array = suitable_numbers(
-            f"{name}: heights", limit.heights, wanted, (2,), lambda h: np.all(h >= 0) and h[0] != h[1] and np.all(h < 1e12)
+            f"{name}: heights", limit.heights, expected, (2,), lambda h: np.all(h >= 0) and h[0] != h[1] and np.all(h < 1e12)
         )
         set_field(limit, "heights", tuple(heights.tolist()))
     if not isinstance(flank, str) or flank not in ("down", "up", "both"):

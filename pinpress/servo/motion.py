@@ -136,8 +136,8 @@ class ServoMotion(OfPress, Tabular):
     @property
     def energy_drawn(self) -> float:
         """Energy drawn from the mains in the cycle, less the share ``regeneration`` of the energy given back [J]."""
-        given = np.minimum(self.mains_power, 0.0)
-        return float(self.weight @ (np.maximum(self.mains_power, 0.0) + self.drive.regeneration * given))
+        returned = np.minimum(self.mains_power, 0.0)
+        return float(self.weight @ (np.maximum(self.mains_power, 0.0) + self.drive.regeneration * returned))
 
     @property
     def _pictured(self) -> tuple[str, ...]:
@@ -260,9 +260,10 @@ def _refuse_misfit(time: Array, angle: Array, speed: Array, acceleration: Array)
         off = np.abs(values - values[0] - summed)
         range_ = max(float(np.ptp(values)), float(np.abs(values).max()) if name == "speed" else 0.0)
         if not off.max() <= AMISS * range_ and off.max() > 0:
-            at = int(off.argmax())
+            worst = int(off.argmax())
             raise PinpressError(
-                f"{name} and {rate_name} do not fit together: at {time[at]:.6g} s {name} differs by {off[at]:.3g} {unit} from the integral"
+                f"{name} and {rate_name} do not fit together: at {time[worst]:.6g} s {name} differs by {off[worst]:.3g} {unit} from the"
+                " integral"
                 f" of {rate_name}; give more states, or the {rate_name} of this {name}"
             )
 

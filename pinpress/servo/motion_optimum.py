@@ -147,9 +147,9 @@ class MotionOptimum(OfPress, Tabular):
             damping: damping of the control, at the motor's shaft [N m s/rad]; None: critical damping.
         """
         ratio = self.drive.ratio
-        own = 2.0 * np.pi * FOLLOWED / self.motion.duration
-        stiff = self._stiff * own**2 / ratio**2 if stiffness is None else stiffness
-        damp = 2.0 * self._stiff * own / ratio**2 if damping is None else damping
+        frequency = 2.0 * np.pi * FOLLOWED / self.motion.duration
+        stiff = self._stiff * frequency**2 / ratio**2 if stiffness is None else stiffness
+        damp = 2.0 * self._stiff * frequency / ratio**2 if damping is None else damping
         time, angle = self.motion.time, self.motion.angle
         kept = np.append(True, np.diff(time) > 1e-6 * self.motion.duration)
         time, angle = time[kept], angle[kept]

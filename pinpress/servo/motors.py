@@ -69,7 +69,7 @@ class CatalogueMotor(Checked):
         super().__post_init__()
         if not isinstance(self.name, str) or not self.name:
             raise PinpressError(f"CatalogueMotor: name is {shown(self.name)}; give the name of the motor as text")
-        speed, rated, peak = (np.asarray(each) for each in (self.speed, self.rated_torque, self.peak_torque))
+        speed, rated, peak = (np.asarray(column_) for column_ in (self.speed, self.rated_torque, self.peak_torque))
         if len({len(speed), len(rated), len(peak)}) > 1:
             raise PinpressError(
                 f"{self.name}: there are {len(speed)} speeds, {len(rated)} rated and {len(peak)} peak torques; give both at each speed"

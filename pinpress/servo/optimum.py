@@ -101,19 +101,19 @@ def trade_off(
     Raises:
         PinpressError: as `best_motion`, except that a time at which no motion keeps the limits raises no error.
     """
-    wanted = "a list of positive times [s], e.g. numpy.linspace(2, 4, 20)"
-    given = suitable_numbers(
-        "times", in_unit("times", times, "s"), wanted, (None,), lambda t: len(t) > 0 and np.all((t >= 1e-9) & (t <= 1e9))
+    expected = "a list of positive times [s], e.g. numpy.linspace(2, 4, 20)"
+    cycle_times = suitable_numbers(
+        "times", in_unit("times", times, "s"), expected, (None,), lambda t: len(t) > 0 and np.all((t >= 1e-9) & (t <= 1e9))
     )
-    asked = _asked(press, drive, loads, minimise, float(given.max()), path, limits, friction, points)
-    caution_flank(press, asked.limits, loads)
-    found, near = [], None
-    for time in given.tolist():
-        strokes = 60.0 * asked.coefficients.grid.legs.strokes / time
+    task = _asked(press, drive, loads, minimise, float(cycle_times.max()), path, limits, friction, points)
+    caution_flank(press, task.limits, loads)
+    curve, near = [], None
+    for time in cycle_times.tolist():
+        strokes = 60.0 * task.coefficients.grid.legs.strokes / time
         try:
-            solved = replace(asked, time=time, explained=False).solved(drive, near)
+            solved = replace(task, time=time, explained=False).solved(drive, near)
         except (NoMotionError, NoTurnError):
-            found.append(TradeOffPoint(time, strokes, None, None, None, None, None, None))
+            curve.append(TradeOffPoint(time, strokes, None, None, None, None, None, None))
             continue
         near = solved.answer.b if solved.problem.time != time else None
         solved, node_error = solved.task.on_enough_nodes(solved, points is None)
@@ -122,8 +122,8 @@ def trade_off(
         rms = np.sqrt(cost.heat / cycle_time(problem, cost)) / drive.ratio
         peak = cost.peak / drive.ratio
         power = float(powers(problem, answer.b).max())
-        found.append(TradeOffPoint(time, strokes, float(rms), peak, power, cost.energy, answer.gap, node_error))
-    return Records(TradeOffPoint, found)
+        curve.append(TradeOffPoint(time, strokes, float(rms), peak, power, cost.energy, answer.gap, node_error))
+    return Records(TradeOffPoint, curve)
 
 
 @typed
@@ -168,23 +168,23 @@ def best_motion(
             contradict one another, or the program was not solved.
         UnknownNameError: the press does not have a bearing with this name.
     """
-    asked = _asked(press, drive, loads, minimise, time, path, limits, friction, points)
-    if ratios is not None and len(asked.wanted) > 1:
+    task = _asked(press, drive, loads, minimise, time, path, limits, friction, points)
+    if ratios is not None and len(task.wanted) > 1:
         raise PinpressError("ratios cannot be compared by several quantities: minimise one of heat, time and energy, or give one ratio")
-    caution_flank(press, asked.limits, loads)
+    caution_flank(press, task.limits, loads)
     drives = [drive] if ratios is None else [replace(drive, ratio=ratio) for ratio in _ratios(ratios)]
     stopping = cache(lambda: _asked(press, drive, loads, minimise, time, Stop(), limits, friction, points)) if path is None else None
     tried: dict[float, float] = {}
     best: _Solved | None = None
     failed: PinpressError | None = None
-    for each in drives:
+    for candidate in drives:
         try:
-            answer = asked.solved(each) if stopping is None else _turning_or_stopping(asked, stopping, each)
+            answer = task.solved(candidate) if stopping is None else _turning_or_stopping(task, stopping, candidate)
         except PinpressError as error:
-            tried[each.ratio], failed = np.inf, error
+            tried[candidate.ratio], failed = np.inf, error
             continue
-        tried[each.ratio] = answer.answer.value / (each.ratio**2 if "heat" in asked.wanted else 1.0)
-        best = answer if tried[each.ratio] <= min(tried.values()) else best
+        tried[candidate.ratio] = answer.answer.value / (candidate.ratio**2 if "heat" in task.wanted else 1.0)
+        best = answer if tried[candidate.ratio] <= min(tried.values()) else best
     if best is None:
         assert failed is not None
         raise failed
@@ -198,10 +198,10 @@ def least_heat(
 
     Args and errors are those of `best_motion`.
     """
-    asked = _asked(press, drive, loads, "heat", time, path, limits, NONE_GIVEN, points)
+    task = _asked(press, drive, loads, "heat", time, path, limits, NONE_GIVEN, points)
     if feels_speed(loads, NONE_GIVEN):
         return 0.0
-    return _optimum(motion_problem(asked.coefficients, drive, asked.limits, {"heat": 1.0}, asked.time), press.name, True).bound
+    return _optimum(motion_problem(task.coefficients, drive, task.limits, {"heat": 1.0}, task.time), press.name, True).bound
 
 
 def _asked(
@@ -219,24 +219,24 @@ def _asked(
     expect("drive", drive, ServoDrive, "servo.ServoDrive")
     press.refuse_sliding_driver("servo motions need a crank")
     legs = legs_of(Turn() if path is None else path, press)
-    chosen = limits_.checked(limits)
-    wanted = _objective(minimise)
+    checked = limits_.checked(limits)
+    weights = _objective(minimise)
     most = None if time is None else float(_positive("time", time, "s"))
     if most is not None:
         plausibility.stroke_time("time", most)
     count = POINTS if points is None else whole_number("points", points, FEWEST_POINTS, MOST_POINTS)
-    _refuse_open(drive, wanted, most, chosen, legs.dwell, legs.closed)
-    refuse_heights(press, chosen, dead_centres(press).stroke)
-    bearings = bearings_of(press, chosen)
-    grid = path_grid(press, legs, [*load_heights(press, loads), *limit_heights(chosen)], count)
+    _refuse_open(drive, weights, most, checked, legs.dwell, legs.closed)
+    refuse_heights(press, checked, dead_centres(press).stroke)
+    bearings = bearings_of(press, checked)
+    grid = path_grid(press, legs, [*load_heights(press, loads), *limit_heights(checked)], count)
     speed = float(np.abs(grid.step).sum()) / (most - legs.dwell if most else 1.0)
     like = None
-    if count >= ROUGHLY * LEAST_ROUGH and ("time" not in wanted or any(isinstance(each, limits_.RmsTorque) for each in chosen)):
-        rough = path_grid(press, legs, [*load_heights(press, loads), *limit_heights(chosen)], count // ROUGHLY)
+    if count >= ROUGHLY * LEAST_ROUGH and ("time" not in weights or any(isinstance(limit, limits_.RmsTorque) for limit in checked)):
+        rough = path_grid(press, legs, [*load_heights(press, loads), *limit_heights(checked)], count // ROUGHLY)
         of_press = coefficients(press, rough, loads, friction, speed, bearings)
-        like = _roughly(motion_problem(of_press, drive, chosen, wanted, most), press.name)
-    found = coefficients(press, grid, loads, friction, speed, bearings, like)
-    return _Task(press, loads, friction, Turn() if path is None else path, found, chosen, wanted, most)
+        like = _roughly(motion_problem(of_press, drive, checked, weights, most), press.name)
+    of_path = coefficients(press, grid, loads, friction, speed, bearings, like)
+    return _Task(press, loads, friction, Turn() if path is None else path, of_path, checked, weights, most)
 
 
 def _turning_or_stopping(turning: _Task, stopping: Callable[[], _Task], drive: ServoDrive) -> _Solved:
@@ -255,11 +255,11 @@ def _turning_or_stopping(turning: _Task, stopping: Callable[[], _Task], drive: S
     except PinpressError:  # the drive is too weak for it
         return turn
     more = turn.answer.value / stop.answer.value - 1.0
-    wanted = " and ".join(turning.wanted)
+    quantities = " and ".join(turning.wanted)
     if more <= 0:
-        return turn.saying(f"a stop at top dead centre, path=servo.Stop(), would need {100 * (1 / (1 + more) - 1):.2g} % more {wanted}")
+        return turn.saying(f"a stop at top dead centre, path=servo.Stop(), would need {100 * (1 / (1 + more) - 1):.2g} % more {quantities}")
     return stop.saying(
-        f"the crank rests at top dead centre: the best turn found without a rest needs {100 * more:.2g} % more {wanted} in this time;"
+        f"the crank rests at top dead centre: the best turn found without a rest needs {100 * more:.2g} % more {quantities} in this time;"
         " path=servo.Turn() gives that turn"
     )
 
@@ -286,15 +286,15 @@ def _objective(minimise: object) -> dict[str, float]:
 
 
 def _positive(name: str, value: object, unit: str) -> Array:
-    wanted = f"a positive number [{unit}]"
-    return suitable_numbers(name, in_unit(name, value, unit), wanted, suits=lambda given: (given >= 1e-9) & (given <= 1e9))
+    expected = f"a positive number [{unit}]"
+    return suitable_numbers(name, in_unit(name, value, unit), expected, suits=lambda given: (given >= 1e-9) & (given <= 1e9))
 
 
 def _ratios(ratios: object) -> list[float]:
-    given = numbers("ratios", ratios, (None,))
-    if not len(given) or not np.all((given > 0) & (given < 1e9)):
+    values = numbers("ratios", ratios, (None,))
+    if not len(values) or not np.all((values > 0) & (values < 1e9)):
         raise PinpressError(f"ratios is {shown(ratios)}: give one or more positive gear ratios")
-    return list(dict.fromkeys(given.tolist()))
+    return list(dict.fromkeys(values.tolist()))
 
 
 def _refuse_open(
@@ -305,7 +305,7 @@ def _refuse_open(
         raise PinpressError('time is missing: give the time of a cycle [s], e.g. time=60 / 25; or minimise="time"')
     if time is not None and not time > dwell:
         raise PinpressError(f"time is {time:g} s, but the path rests for {dwell:g} s: give a longer time")
-    feeding = max((each.time for each in limits if isinstance(each, limits_.FeedWindow)), default=0.0)
+    feeding = max((limit.time for limit in limits if isinstance(limit, limits_.FeedWindow)), default=0.0)
     if time is not None and not time > feeding:
         raise PinpressError(f"time is {time:g} s, but the FeedWindow alone takes {feeding:g} s: give a longer time, or a shorter window")
     if time is None and len(wanted) > 1:
@@ -313,14 +313,14 @@ def _refuse_open(
     if wanted != {"time": 1.0}:
         return
     speeds = limits_.SlideSpeed, limits_.CrankSpeed, limits_.SlideAcceleration, limits_.BearingForce, limits_.FeedWindow
-    fast = drive.top_speed or any(isinstance(each, speeds) for each in limits)
+    fast = drive.top_speed or any(isinstance(limit, speeds) for limit in limits)
     if closed and not fast:
         raise PinpressError(
             "nothing limits the speed: a crank that never rests can turn arbitrarily fast with almost no torque; give the drive a"
             " top_speed, or limits=[servo.CrankSpeed(...)], or path=servo.Stop()"
         )
     torques = limits_.RmsTorque, limits_.CrankAcceleration
-    if not (fast or drive.peak_torque or drive.power or any(isinstance(each, torques) for each in limits)):
+    if not (fast or drive.peak_torque or drive.power or any(isinstance(limit, torques) for limit in limits)):
         raise PinpressError("nothing limits the speed: give the drive a peak_torque or top_speed, or limits=[servo.RmsTorque(...)]")
 
 
@@ -349,9 +349,9 @@ class _Task:
     def solved(self, drive: ServoDrive, start: Array | None = None) -> _Solved:
         """Solve the task with this drive; ``start``: b of a motion near the solution."""
         feels = feels_speed(self.loads, self.friction)
-        found, value, last = self.coefficients, np.inf, start
+        of_press, value, last = self.coefficients, np.inf, start
         for rounds in range(1, MOST_ROUNDS + 1):
-            problem, answer, notes = self._once(found, drive, last)
+            problem, answer, notes = self._once(of_press, drive, last)
             last = answer.b
             if not feels:
                 break
@@ -359,8 +359,8 @@ class _Task:
             if change <= (SETTLED if problem.time == self.time else NEARLY_SETTLED) * abs(value):
                 notes = [*notes, _fixed_point(feels, rounds)]
                 break
-            found = self._with_speeds(problem, answer.b)
-            if _same_torque(found, problem.coefficients):  # as of preloaded gibs, whose friction is one force at all speeds
+            of_press = self._with_speeds(problem, answer.b)
+            if _same_torque(of_press, problem.coefficients):  # as of preloaded gibs, whose friction is one force at all speeds
                 notes = [*notes, _fixed_point(feels, rounds)]
                 break
         else:
@@ -449,20 +449,20 @@ class _Task:
                 break
         if best[2] is full:
             return *best, []
-        found = replace(best[1], bound=answer.bound)
+        amended = replace(best[1], bound=answer.bound)
         note = (
             f"torque or power was up to {100 * first.share:.2g} % above its limit between nodes and is now limited there too; compared with"
-            f" all motions whose mean values from node to node keep the limit, this motion costs at most {100 * found.gap:.2g} % more"
+            f" all motions whose mean values from node to node keep the limit, this motion costs at most {100 * amended.gap:.2g} % more"
         )
-        return best[0], found, best[2], [note]
+        return best[0], amended, best[2], [note]
 
     def _limited_at_states(
         self, problem: MotionProblem, answer: Solution, full: FullMotion, chosen: Excess
     ) -> tuple[MotionProblem, Solution]:
         """The best motion that keeps limits of torque and power within the chosen segments too, by tangents at the last motion."""
         feels = feels_speed(self.loads, self.friction)
-        found = self._with_speeds(problem, answer.b) if feels else problem.coefficients
-        whole = motion_problem(found, problem.drive, self.limits, dict(problem.weights), self.time)
+        of_press = self._with_speeds(problem, answer.b) if feels else problem.coefficients
+        whole = motion_problem(of_press, problem.drive, self.limits, dict(problem.weights), self.time)
         narrow = replace(whole, bounds=(*whole.bounds, *limits_at_states(whole, full, answer.b, chosen)))
         new = _optimum(narrow, self.press.name, False)
         new, narrow, _ = replace(self, proved=False)._within_local_limits(narrow, new, answer.b)
@@ -476,13 +476,13 @@ class _Task:
         motion = moved(self.press, self.press.branch, angle, speed, np.tile(0.5 * np.diff(b) / grid.step, 2), None, "auto")
         reactions = inverse_dynamics(self.press, motion, self.loads, self.friction, bearings=None)
         torque = (reactions.driving_torque + problem.inertia * motion.crank_acceleration).reshape(2, -1)
-        other = torque - np.stack([each.at(b) for each in problem.inner_torques()])
+        by_speed = torque - np.stack([each.at(b) for each in problem.inner_torques()])
         rate, square = (values.reshape(2, -1, 1) for values in (motion.crank_acceleration, speed**2))
         bearings = {}
         for name, part in c.bearings.items():
             force = reactions.bearing_force[name].reshape(2, -1, 3)
             bearings[name] = replace(part, fixed=force - part.by_acceleration * rate - part.by_square * square)
-        return replace(c, inner_torque=c.inner_torque + other, mean_torque=c.mean_torque + other.mean(axis=0), bearings=bearings)
+        return replace(c, inner_torque=c.inner_torque + by_speed, mean_torque=c.mean_torque + by_speed.mean(axis=0), bearings=bearings)
 
     def on_enough_nodes(self, found: _Solved, refined: bool) -> tuple[_Solved, float]:
         """The motion with limits between nodes too, and its node error.
@@ -527,26 +527,26 @@ class _Task:
         motion, reactions, time = full.motion, full.reactions, full.time
         cost = figures(problem, answer.b)
         self._caution_absurd(problem, answer, cost)
-        said = [*found.notes, *found.choice]
+        notes = [*found.notes, *found.choice]
         pause, faster = cycle_time(problem, cost) - cost.time, (problem.time or 0.0) - cost.time
         if pause > SLACK * cost.time:
-            said.append(_pause_in_words(pause, "time" in self.wanted))
+            notes.append(_pause_in_words(pause, "time" in self.wanted))
         elif faster > SLACK * cost.time and "time" not in self.wanted:
-            said.append(f"the motion is {faster:.4g} s faster than the given time: a slower motion would cost more")
+            notes.append(f"the motion is {faster:.4g} s faster than the given time: a slower motion would cost more")
         missed = largest_excess(problem, self.limits, self.time, full, answer.b)
         if raw_gap > PROVED and _loses_by_speed(problem):
-            said.append(
+            notes.append(
                 "losses that grow with the speed are not convex if the crank could be slower at no cost: another motion may be better by up"
                 f" to {100 * answer.gap:.2g} %"
             )
         if missed > 1e-3:
-            said.append(f"between nodes the motion exceeds limits by up to {100 * missed:.2g} %: give more points=")
+            notes.append(f"between nodes the motion exceeds limits by up to {100 * missed:.2g} %: give more points=")
         deviation = motion.heat / cost.heat - 1.0 if cost.heat else 0.0
         if abs(deviation) > 1e-3:
-            said.append(f"the heat with states between nodes differs from the program's by {100 * deviation:+.2g} %: give more points=")
+            notes.append(f"the heat with states between nodes differs from the program's by {100 * deviation:+.2g} %: give more points=")
         if error > NODES_SAID:
             more = ": give more points=" if error > NODE_ERROR else ""
-            said.append(f"finer nodes may change the objective by {100 * error:.2g} %{more}")
+            notes.append(f"finer nodes may change the objective by {100 * error:.2g} %{more}")
         grid = problem.coefficients.grid
         return MotionOptimum(
             _press=self.press,
@@ -559,7 +559,7 @@ class _Task:
             missed=missed,
             deviation=deviation,
             node_error=error,
-            notes=tuple(said),
+            notes=tuple(notes),
             angle=grid.angle,
             speed=np.append(grid.way, grid.way[-1]) * np.sqrt(answer.b),
             time=time,
@@ -582,8 +582,8 @@ class _Task:
             return
         what = f"a torque of {rms:.3g} N m rms at the crank, {rms / usual:.2g} times the torque at an even speed"
         what = what if absurd else f"a bound above its value (gap {answer.gap:.1e}), so its proof fails"
-        found = speed_times(problem, self.limits)
-        why = f": its limits of speed alone take {found.least:.6g} s, {found.words}" if found.by_limit else ""
+        taken = speed_times(problem, self.limits)
+        why = f": its limits of speed alone take {taken.least:.6g} s, {taken.words}" if taken.by_limit else ""
         caution(f"the best motion of {self.press.name}, {cost.time:.6g} s a cycle, has {what}{why}; give more time, or wider limits")
 
 
@@ -708,14 +708,14 @@ def _active(problem: MotionProblem, answer: Solution) -> Records[ActiveLimit]:
     grid = problem.coefficients.grid
     unit = UNITS[next(iter(problem.weights))] if len(problem.weights) == 1 else "-"
     units: dict[str, Any] = {each.name: each.unit for each in problem.bounds}
-    found = []
+    active = []
     for name, price in answer.prices.items():
         gain = answer.parts[name] / max(abs(answer.value), 1e-300)
         if gain <= 1e-6:
             continue
-        at = np.flatnonzero(answer.where[name])
+        active_places = np.flatnonzero(answer.where[name])
         whole = name in (problem.time_name, problem.rms_name, problem.feed_name)
-        first, last = (0, len(grid.angle) - 1) if whole or not len(at) else (at[0], at[-1])
+        first, last = (0, len(grid.angle) - 1) if whole or not len(active_places) else (active_places[0], active_places[-1])
         of = units.get(name, "N m" if name == problem.rms_name else "s")
-        found.append(ActiveLimit(name, price, f"{unit} per {of}", gain, float(grid.angle[first]), float(grid.angle[last])))
-    return Records(ActiveLimit, sorted(found, key=lambda each: -each.gain))
+        active.append(ActiveLimit(name, price, f"{unit} per {of}", gain, float(grid.angle[first]), float(grid.angle[last])))
+    return Records(ActiveLimit, sorted(active, key=lambda each: -each.gain))

@@ -85,8 +85,8 @@ def capacitor(motion: ServoMotion, upper_voltage: float = 750.0, lower_voltage: 
         raise PinpressError(f"upper_voltage is {upper:g} V, not above the lower_voltage of {lower:g} V: exchange them")
     power = motion.mains_power
     mean = float(motion.weight @ power) / motion.duration
-    given = np.concatenate([[0.0], np.cumsum(motion.weight * (power - mean))])
-    swing = float(np.ptp(given))
+    supplied = np.concatenate([[0.0], np.cumsum(motion.weight * (power - mean))])
+    swing = float(np.ptp(supplied))
     peak, returned = max(float(power.max()), 0.0), max(float(-power.min()), 0.0)
     return EnergyStore(mean, peak, returned, swing, upper, lower, 2 * swing / (upper**2 - lower**2))
 
@@ -201,11 +201,11 @@ def choose_motor(
     Raises:
         PinpressError: there is no motor or no ratio, no motion keeps the limits, or as `best_motion`.
     """
-    given = list(motors)
-    if not given or not all(isinstance(each, CatalogueMotor) for each in given):
+    catalogue = list(motors)
+    if not catalogue or not all(isinstance(each, CatalogueMotor) for each in catalogue):
         raise PinpressError(f"motors is {shown(motors)}: give one or more motors, e.g. servo.read_motors(path)")
-    chosen = numbers("ratios", ratios, (None,))
-    if not len(chosen) or not np.all((chosen > 0) & (chosen <= LARGEST_RATIO)):
+    gear_ratios = numbers("ratios", ratios, (None,))
+    if not len(gear_ratios) or not np.all((gear_ratios > 0) & (gear_ratios <= LARGEST_RATIO)):
         raise PinpressError(f"ratios is {shown(ratios)}: give one or more positive gear ratios, up to {LARGEST_RATIO:g}")
     at_crank = number("gear_inertia", gear_inertia, "kg m2")
     if not 0 <= at_crank <= LARGEST:
@@ -215,14 +215,14 @@ def choose_motor(
     if points is not None:
         whole_number("points", points, FEWEST_POINTS, MOST_POINTS)
     tried: list[TriedMotor] = []
-    for motor in sorted(given, key=lambda each: each.rated_power):
-        found: list[tuple[MotorUtilisation, MotionOptimum]] = []
-        for ratio in chosen.tolist():
+    for motor in sorted(catalogue, key=lambda each: each.rated_power):
+        sufficing: list[tuple[MotorUtilisation, MotionOptimum]] = []
+        for ratio in gear_ratios.tolist():
             row, sufficient = _tried(press, motor, ratio, at_crank, loads, time, path, limits, idle, points)
             tried.append(row)
-            found += sufficient
-        if found:
-            use, best = min(found, key=lambda each: each[0].thermal)
+            sufficing += sufficient
+        if sufficing:
+            use, best = min(sufficing, key=lambda each: each[0].thermal)
             return MotorChoice(press, motor, best, use, Records(TriedMotor, tried))
     return MotorChoice(press, None, None, None, Records(TriedMotor, tried))
 

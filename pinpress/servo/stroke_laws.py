@@ -123,14 +123,14 @@ class _Cycle:
         whole = 2 * np.pi * dead_centres(self.press).turns
         turns = np.arange(math.floor(ends[0] / whole) - 1, math.ceil(ends[1] / whole) + 1)
         edges = (self.edges[:, None] + whole * turns).ravel() - start
-        found = []
+        times = []
         for edge in edges[(edges > ends[0] - start) & (edges < ends[1] - start)].tolist():
             k = min(int(np.searchsorted(way * angles, way * edge)), len(since) - 1)
             if edge in (angles[k - 1], angles[k]):
-                found.append(float(since[k if edge == angles[k] else k - 1]))
+                times.append(float(since[k if edge == angles[k] else k - 1]))
             else:
-                found.append(brentq(lambda t, edge=edge: way * float(part.at(np.array([t]))[0][0]) - edge, since[k - 1], since[k]))
-        return found
+                times.append(brentq(lambda t, edge=edge: way * float(part.at(np.array([t]))[0][0]) - edge, since[k - 1], since[k]))
+        return times
 
 
 def _constant(speed: float, duration: float) -> _Part:
@@ -319,7 +319,7 @@ def motion_by_law(
         PinpressError: the path has no rests, the rests take all the time, or as `evaluate`.
         UnknownNameError: no law has this name.
     """
-    chosen = vdi_law(law)
+    motion_law = vdi_law(law)
     cycle = _cycle(press, drive, loads, time, path, points)
     if cycle.legs.closed:
         raise PinpressError("path is a turn without a rest, but the laws go from rest to rest: give servo.Stop(), Pendulum or Pulse")
@@ -328,7 +328,7 @@ def motion_by_law(
         raise PinpressError(f"time is {cycle.time:g} s, but the path rests for {cycle.legs.dwell:g} s: give more time")
 
     def motion(shares: Array) -> ServoMotion:
-        legs = [[_by_law(chosen, float(way), moving * float(share))] for way, share in zip(ways, shares, strict=True)]
+        legs = [[_by_law(motion_law, float(way), moving * float(share))] for way, share in zip(ways, shares, strict=True)]
         for leg, dwell in zip(legs, cycle.legs.dwells.tolist(), strict=True):
             leg += [_constant(0.0, dwell)] if dwell > 0 else []
         return cycle.motion(legs)
@@ -370,12 +370,12 @@ def ready_motions(
     common: dict[str, Any] = {"time": cycle.time, "path": path, "points": cycle.points}
     if not cycle.legs.closed:
         return {law: motion_by_law(press, drive, law, cycle.loads, **common) for law in VDI_LAWS}
-    found = {"constant crank speed": constant_crank_speed(press, drive, cycle.loads, **common)}
-    slide = next((each for each in checked(limits) if isinstance(each, SlideSpeed) and each.flank != "up"), None)
+    motions = {"constant crank speed": constant_crank_speed(press, drive, cycle.loads, **common)}
+    slide = next((limit for limit in checked(limits) if isinstance(limit, SlideSpeed) and limit.flank != "up"), None)
     if slide is not None and not _is_slack(cycle, _window(cycle, slide)):
-        found["two speeds"] = two_speed(press, drive, cycle.loads, limit=slide, **common)
-        found["constant slide speed"] = constant_slide_speed(press, drive, cycle.loads, limit=slide, **common)
-    return found
+        motions["two speeds"] = two_speed(press, drive, cycle.loads, limit=slide, **common)
+        motions["constant slide speed"] = constant_slide_speed(press, drive, cycle.loads, limit=slide, **common)
+    return motions
 
 
 # ------------------------------------------------------------------------------------------------------------------- windows of heights
@@ -488,8 +488,8 @@ def _cycle(press: Linkage, drive: ServoDrive, loads: Sequence[Load], time: float
     expect("drive", drive, ServoDrive, "servo.ServoDrive")
     duration = positive("time", time, "s")
     count = whole_number("points", points, FEWEST, MOST_STATES // 4)
-    given = list(loads)
-    return _Cycle(press, drive, given, legs_of(path, press), _load_edges(press, given), duration, count)
+    load_list = list(loads)
+    return _Cycle(press, drive, load_list, legs_of(path, press), _load_edges(press, load_list), duration, count)
 
 
 def _load_edges(press: Linkage, loads: Sequence[Load]) -> Array:
@@ -497,7 +497,7 @@ def _load_edges(press: Linkage, loads: Sequence[Load]) -> Array:
     ends = dead_centres(press)
     if not loads:
         return np.empty(0)
-    found = [ends.bottom_angle, ends.top_angle]
+    edges = [ends.bottom_angle, ends.top_angle]
     for load in wrap_laws(loads):
         if not isinstance(load, ProcessLoad):
             continue
@@ -506,8 +506,8 @@ def _load_edges(press: Linkage, loads: Sequence[Load]) -> Array:
                 above = datum(caller_laws.as_given(load), press) - ends.bottom_position
                 heights = [height for height in (above + interval.upper, above + interval.lower) if 0 < height < ends.stroke]
                 # a crank that swings back goes down on the other flank
-                found += [angle_on_flank(press, ends, height, flank) for height in heights for flank in (True, False)]
-    return np.unique(found)
+                edges += [angle_on_flank(press, ends, height, flank) for height in heights for flank in (True, False)]
+    return np.unique(edges)
 
 
 def _best(motion: Callable[[float], ServoMotion], low: float, high: float) -> ServoMotion:
@@ -515,8 +515,8 @@ def _best(motion: Callable[[float], ServoMotion], low: float, high: float) -> Se
     from scipy.optimize import minimize_scalar  # to save start-up time
 
     options = {"xatol": SHARES * (high - low)}
-    found = minimize_scalar(lambda number: motion(number).heat, bounds=(low, high), method="bounded", options=options)
-    return motion(float(found.x))
+    optimum = minimize_scalar(lambda number: motion(number).heat, bounds=(low, high), method="bounded", options=options)
+    return motion(float(optimum.x))
 
 
 def _refuse_rests(cycle: _Cycle) -> None:

@@ -299,20 +299,22 @@ class Design:
 
     @cached_property
     def _reactions(self) -> TrialReactions:
-        found, press = self._wrenches, self.press
-        shaken = shaking(press, self.motion, found.force, found.moment, apply(wrap_laws(self.start.loads), press, self.motion))
+        wrenches, press = self._wrenches, self.press
+        shaken = shaking(press, self.motion, wrenches.force, wrenches.moment, apply(wrap_laws(self.start.loads), press, self.motion))
         names = press.bearings
-        return TrialReactions(found.torque[0], shaken[0], NamedArrays(names, found.force), NamedArrays(names, found.moment), shaken[1])
+        return TrialReactions(
+            wrenches.torque[0], shaken[0], NamedArrays(names, wrenches.force), NamedArrays(names, wrenches.moment), shaken[1]
+        )
 
     def _reactions_towards(self, place: int, h: float) -> TrialReactions:
-        real, found, names = self._reactions, self._wrenches, self.start.press.bearings
+        real, wrenches, names = self._reactions, self._wrenches, self.start.press.bearings
         slope = tangent(self._known, self._tangents[place], self._by[place], self._pushes(place))
         force: Mapping[str, Array] | None = None
         moment: Mapping[str, Array] | None = None
         if slope.forces is not None and slope.moments is not None:
-            force = NamedArrays(names, _complex(found.force, h, to_world(self.plane, slope.forces)))
+            force = NamedArrays(names, _complex(wrenches.force, h, to_world(self.plane, slope.forces)))
             if self._statics.bodies.in_one_plane:
-                moment = NamedArrays(names, _complex(found.moment, h, np.multiply.outer(slope.moments, self.plane.normal)))
+                moment = NamedArrays(names, _complex(wrenches.moment, h, np.multiply.outer(slope.moments, self.plane.normal)))
         return TrialReactions(
             _complex(real.driving_torque, h, slope.torque),
             _complex(real.shaking_force, h, to_world(self.plane, slope.shaking_force)),

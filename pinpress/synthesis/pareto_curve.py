@@ -99,8 +99,10 @@ def trade_off(
     if taken := {FIRST, SECOND} & subject_to.keys():
         raise PinpressError(f"subject_to: {shown(min(taken))} is the name of an objective: give the constraint another name")
     objectives = {FIRST: (first, None, None), SECOND: (second, None, None)}
-    asked: dict[str, Any] = {"geometry": geometry, "speed": speed, "points": points, "loads": loads}
-    ends = [synthesise(press, variables, minimise=each, subject_to={**subject_to, **objectives}, **asked) for each in (first, second)]
+    common: dict[str, Any] = {"geometry": geometry, "speed": speed, "points": points, "loads": loads}
+    ends = [
+        synthesise(press, variables, minimise=objective, subject_to={**subject_to, **objectives}, **common) for objective in (first, second)
+    ]
 
     def best(minimise: Function, start: Mapping[str, Any], limits: Mapping[str, Any]) -> SynthesisResult:
         # the search starts at an optimum, where slopes may be too small to compare them with difference quotients
@@ -113,13 +115,13 @@ def trade_off(
     # If an objective does not determine all variables, the other objective determines the rest.
     allowed = [low + GIVEN * max(high - low, SAME * abs(low)) for low, high in ((at_first[0], at_second[0]), (at_second[1], at_first[1]))]
     begin = best(second, _from(variables, ends[0]), {FIRST: (first, None, allowed[0])})
-    found = [best(first, _from(variables, ends[1]), {SECOND: (second, None, allowed[1])})]
-    (_, high), (_, low) = _values(begin), _values(found[0])
+    curve = [best(first, _from(variables, ends[1]), {SECOND: (second, None, allowed[1])})]
+    (_, high), (_, low) = _values(begin), _values(curve[0])
     if not high - low > SAME * max(abs(high), abs(low)):
-        return _curve(found)
+        return _curve(curve)
     for limit in np.linspace(low, high, count)[1:-1].tolist():
-        found.append(best(first, _from(variables, found[-1]), {SECOND: (second, None, limit)}))
-    return _curve([begin, *found[::-1]])
+        curve.append(best(first, _from(variables, curve[-1]), {SECOND: (second, None, limit)}))
+    return _curve([begin, *curve[::-1]])
 
 
 def _from(variables: Mapping[str, tuple[float, float, float]], found: SynthesisResult) -> dict[str, tuple[float, float, float]]:
@@ -135,6 +137,6 @@ def _values(found: SynthesisResult) -> tuple[float, float]:
 
 def _curve(designs: Sequence[SynthesisResult]) -> DesignTradeOff:
     """The curve of the designs that no other design equals or beats in both objectives."""
-    values = np.array([_values(each) for each in designs])
+    values = np.array([_values(design) for design in designs])
     kept = [k for k, (x, y) in enumerate(values) if not any((a <= x) & (b <= y) & ((a < x) | (b < y)) for a, b in values)]
     return DesignTradeOff(tuple(designs[k] for k in kept), values[kept])

@@ -123,14 +123,14 @@ class Problem:
     @cached_property
     def limits(self) -> tuple[Limit, ...]:
         """All bounds of all constraints."""
-        found = []
+        limits = []
         for k, requirement in enumerate(self.requirements[1:], 1):
             if requirement.lower == requirement.upper:
-                found.append(Limit(k, "equal", requirement.lower))
+                limits.append(Limit(k, "equal", requirement.lower))
                 continue
-            found += [Limit(k, "lower", requirement.lower)] * bool(np.isfinite(requirement.lower))
-            found += [Limit(k, "upper", requirement.upper)] * bool(np.isfinite(requirement.upper))
-        return tuple(found)
+            limits += [Limit(k, "lower", requirement.lower)] * bool(np.isfinite(requirement.lower))
+            limits += [Limit(k, "upper", requirement.upper)] * bool(np.isfinite(requirement.upper))
+        return tuple(limits)
 
     def values(self, z: Array) -> dict[str, float]:
         """Name -> value of each variable, from scaled variables (k,) [SI]."""
@@ -239,8 +239,8 @@ class Point:
 
 def missed(point: Point) -> str:
     """A text with the constraints whose bounds are missed, the worst first."""
-    found = sorted(((point.violation(limit), limit) for limit in point.problem.limits), key=lambda each: -each[0])
-    return ", ".join(_missed_by(point.problem, limit, violation) for violation, limit in found if violation > 0)
+    violations = sorted(((point.violation(limit), limit) for limit in point.problem.limits), key=lambda each: -each[0])
+    return ", ".join(_missed_by(point.problem, limit, violation) for violation, limit in violations if violation > 0)
 
 
 def _missed_by(problem: Problem, limit: Limit, violation: float) -> str:

@@ -91,20 +91,20 @@ class Search:
         from scipy.stats import qmc  # slow to import
 
         spread = qmc.Sobol(len(start.z), seed=seed).random(STARTS)
-        found: list[Point] = []
+        optima: list[Point] = []
         failure: PinpressError | None = None
         for z in [start.z, *spread]:
             near = self.at(z, start)
             if near is None:
                 continue
             try:
-                found.append(self.local(near))
+                optima.append(self.local(near))
             except PinpressError as error:
                 failure = failure or error
-        if not found:
+        if not optima:
             assert failure is not None
             raise failure
-        return min(found, key=lambda point: point.objective)
+        return min(optima, key=lambda point: point.objective)
 
     def at(self, z: Array, near: Point) -> Point | None:
         """The problem at scaled variables (k,); None if the linkage cannot be assembled or a function fails.
@@ -213,8 +213,8 @@ class _Descent:
             constraints.append(self._constraint("ineq", others, self.level))
         options = {"maxiter": ROUNDS, "ftol": PRECISION}
         try:
-            found = minimize(self._value, x, jac=self._slope, bounds=bounds, constraints=constraints, method="SLSQP", options=options)
-            self._at(found.x)
+            result = minimize(self._value, x, jac=self._slope, bounds=bounds, constraints=constraints, method="SLSQP", options=options)
+            self._at(result.x)
         except _CreepingError:
             return self.here
         return self.here if self.failed else self.last
@@ -301,28 +301,28 @@ class _Force(NamedTuple):
 
 
 def _of_variables(point: Point) -> list[_Force]:
-    found = []
+    forces = []
     for along, z, v in zip(np.eye(len(point.z)), point.z, point.problem.variables, strict=True):
         if z <= TOUCHED:
-            found.append(_Force(along, float(z), v.name, "lower", v.lower, v.range, 1.0))
+            forces.append(_Force(along, float(z), v.name, "lower", v.lower, v.range, 1.0))
         if 1.0 - z <= TOUCHED:
-            found.append(_Force(-along, float(1.0 - z), v.name, "upper", v.upper, v.range, -1.0))
-    return found
+            forces.append(_Force(-along, float(1.0 - z), v.name, "upper", v.upper, v.range, -1.0))
+    return forces
 
 
 def _of_limits(point: Point) -> list[_Force]:
-    found = []
+    forces = []
     for limit in point.problem.limits:
         requirement = point.problem.requirements[limit.requirement]
         for slack, gradient in zip(point.slacks(limit), point.slack_slopes(limit), strict=True):
             if slack > TOUCHED and limit.side != "equal":
                 continue
             ways = (1.0, -1.0) if limit.side == "equal" else (1.0,)  # an equality pushes both ways
-            found += [
+            forces += [
                 _Force(way * gradient, float(slack), requirement.name, limit.side, limit.bound, requirement.scale, way * limit.sign)
                 for way in ways
             ]
-    return found
+    return forces
 
 
 def _active(forces: list[_Force], multipliers: Array, size: float) -> Records[ActiveBound]:

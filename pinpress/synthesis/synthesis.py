@@ -184,16 +184,16 @@ def stated_problem(press: Linkage, variables: Any, minimise: Any, subject_to: An
             raise PinpressError(f"{name} is a {type(mapping).__name__}: give a mapping from names")
     if geometry is not None and not callable(geometry):
         raise PinpressError(f"geometry is a {type(geometry).__name__}: give a function of the variables that returns pivots")
-    known = tuple(_variable(name, bounds) for name, bounds in variables.items())
-    if not known:
+    checked = tuple(_variable(name, bounds) for name, bounds in variables.items())
+    if not checked:
         raise PinpressError("variables is empty: give {name: (lower bound, start, upper bound)}")
-    requirements = (Requirement("", minimise), *(_constraint(name, given) for name, given in subject_to.items()))
-    return Problem(known, geometry or _coordinates(press, tuple(variables)), requirements)
+    requirements = (Requirement("", minimise), *(_constraint(name, constraint) for name, constraint in subject_to.items()))
+    return Problem(checked, geometry or _coordinates(press, tuple(variables)), requirements)
 
 
 def _variable(name: str, bounds: Any) -> Variable:
-    wanted = "(lower bound, start, upper bound), three finite numbers"
-    lower, start, upper = suitable_numbers(f"variable {shown(name)}", bounds, wanted, (3,)).tolist()
+    expected = "(lower bound, start, upper bound), three finite numbers"
+    lower, start, upper = suitable_numbers(f"variable {shown(name)}", bounds, expected, (3,)).tolist()
     if lower > upper:
         raise PinpressError(f"variable {shown(name)}: its lower bound {lower:g} is above its upper bound {upper:g}: exchange them")
     if not lower <= start <= upper:
@@ -216,15 +216,15 @@ def _constraint(name: str, given: Any) -> Requirement:
 def _coordinates(press: Linkage, names: tuple[str, ...]) -> Callable[..., Pivots]:
     """The geometry whose variables are single coordinates of pivots."""
     positions = pivot_positions(press)
-    known = {f"{bearing}.{link}.{axis}": ((bearing, link), k) for bearing, link in positions for k, axis in enumerate("xyz")}
+    coordinates = {f"{bearing}.{link}.{axis}": ((bearing, link), k) for bearing, link in positions for k, axis in enumerate("xyz")}
     for name in names:
-        if name not in known:
-            raise UnknownNameError("coordinate", name, known)
+        if name not in coordinates:
+            raise UnknownNameError("coordinate", name, coordinates)
 
     def geometry(**values: Any) -> Pivots:
-        pivots: dict[tuple[str, str], Any] = {known[name][0]: list(positions[known[name][0]]) for name in values}
+        pivots: dict[tuple[str, str], Any] = {coordinates[name][0]: list(positions[coordinates[name][0]]) for name in values}
         for name, value in values.items():
-            pivot, axis = known[name]
+            pivot, axis = coordinates[name]
             pivots[pivot][axis] = value
         return pivots
 
@@ -246,7 +246,7 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int | None, l
         raise PinpressError(f"the start, {listed}, is not a valid press: {error}; start elsewhere") from error
     design = _closed(drawn, motion, values, loads)
     point = problem.at(problem.scaled(values), design)
-    scaled = tuple(_scaled(requirement, found) for requirement, found in zip(problem.requirements, point.values, strict=True))
+    scaled = tuple(_scaled(requirement, values_) for requirement, values_ in zip(problem.requirements, point.values, strict=True))
     return Problem(problem.variables, problem.geometry, scaled).at(point.z, design)
 
 
@@ -283,7 +283,7 @@ def _finer(found: Point, speed: float) -> Point:
         PinpressError: the design locks between the crank angles of its trial, or a function fails.
     """
     design, problem = found.design, found.problem
-    drawn = replace(problem, variables=tuple(replace(each, start=design.variables[each.name]) for each in problem.variables))
+    drawn = replace(problem, variables=tuple(replace(variable, start=design.variables[variable.name]) for variable in problem.variables))
     values = drawn.values(found.z)
     press = reshaped(design.press, drawn.pivots(values))
     motion = cycle(press, speed, points=FINER * len(design.motion.time))
@@ -302,7 +302,7 @@ def _missed_between(found: Point, finer: Point) -> tuple[float, str]:
 
 
 def _result(start: Point, found: Point, search: Search, finer: Point) -> SynthesisResult:
-    problem, held, press = found.problem, optimality(found), found.design.press
+    problem, conditions, press = found.problem, optimality(found), found.design.press
     missed, words = _missed_between(found, finer)
     if missed > NOTICED:
         caution(f"{words}: give more points=")
@@ -322,11 +322,11 @@ def _result(start: Point, found: Point, search: Search, finer: Point) -> Synthes
         value=found.objective,
         start_value=start.objective,
         constraints=FrozenMapping(constraints),
-        active=held.active,
-        idle=held.idle,
+        active=conditions.active,
+        idle=conditions.idle,
         missed=missed,
         finer_value=finer.objective,
-        kkt=held.residual,
+        kkt=conditions.residual,
         evaluations=search.evaluations,
         infeasible=search.infeasible,
         _rows=Records(BoundedQuantity, rows),

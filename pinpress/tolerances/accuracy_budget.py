@@ -204,8 +204,8 @@ def budget(
     if machining is not None and not is_same_press(machining._press, press):
         its = told_apart(machining._press, press)
         raise PinpressError(f"machining is the scatter of {its}: give the scatter of {press.name}, bottom_dead_centre(press, ...)")
-    given = np.atleast_1d(numbers("speeds", speeds, unit="rad/s"))
-    if given.ndim != 1 or not len(given) or not np.all(np.abs(given) >= SLOWEST):
+    crank_speeds = np.atleast_1d(numbers("speeds", speeds, unit="rad/s"))
+    if crank_speeds.ndim != 1 or not len(crank_speeds) or not np.all(np.abs(crank_speeds) >= SLOWEST):
         raise PinpressError("speeds has no value, or a speed of zero: give speeds of the crank, first that for setting the press [rad/s]")
     doubt = number("stiffness_known_to", stiffness_known_to, "-")
     if not 0.0 <= doubt < 1.0:
@@ -213,13 +213,13 @@ def budget(
     force = number("process", process, "N")
     if not abs(force) <= LARGEST:
         raise PinpressError(f"process is {force:g} N: give the force at bottom dead centre, at most {LARGEST:g} N")
-    doubt_speeds(press, given)
+    doubt_speeds(press, crank_speeds)
     plausibility.forces("process", abs(force), GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass))
     warm = 0.0 if temperatures is None else heat(press, temperatures).bottom_shift
     place = dead_centres(press).bottom_angle
     angles = place + np.linspace(-WINDOW, WINDOW, STATES)
-    found: list[BottomCondition] = []
-    for speed in map(float, given):
+    conditions: list[BottomCondition] = []
+    for speed in map(float, crank_speeds):
         idle = _Bottom.of(press, angles, speed, loads, clearance, stiffness, known_to, doubt)
         states = [("idle", idle, 0.0)]
         if force:
@@ -230,7 +230,7 @@ def budget(
             states.append((f"{states[-1][0]}, warm", states[-1][1], warm))
         for condition, bottom, added in states:
             shift = bottom.clearances + bottom.springs + bottom.crank + added
-            found.append(
+            conditions.append(
                 BottomCondition(
                     speed=speed,
                     condition=condition,
@@ -241,10 +241,10 @@ def budget(
                     shift=shift,
                     lowest=bottom.lowest + added,
                     highest=bottom.highest + added,
-                    rise=shift - found[0].shift if found else 0.0,
+                    rise=shift - conditions[0].shift if conditions else 0.0,
                 )
             )
-    return AccuracyBudget(press, press.driver_coordinates[0], Records(BottomCondition, found), machining)
+    return AccuracyBudget(press, press.driver_coordinates[0], Records(BottomCondition, conditions), machining)
 
 
 @dataclass(frozen=True)
@@ -286,16 +286,16 @@ class _Bottom:
                     f" {1e3 * stroke:.3g} mm: check stiffnesses [N/m], speed and loads"
                 )
             doubt = stiffness_known_to * np.sum([np.abs(part) for part in deflected.parts.values()], axis=0)
-        at = int((rigid + offset + deflection).argmin())
-        if at in (0, STATES - 1):
+        lowest_state = int((rigid + offset + deflection).argmin())
+        if lowest_state in (0, STATES - 1):
             raise PinpressError(
                 f"the slide of {press.name} is lowest more than 6 deg from its rigid bottom dead centre at {speed:.5g} rad/s: check"
                 " stiffnesses and loads"
             )
         return _Bottom(
-            clearances=float(offset[at]),
-            springs=float(deflection[at]),
-            crank=float(rigid[at]),
+            clearances=float(offset[lowest_state]),
+            springs=float(deflection[lowest_state]),
+            crank=float(rigid[lowest_state]),
             lowest=float((rigid + low + deflection - doubt).min()),
             highest=float((rigid + high + deflection + doubt).min()),
         )

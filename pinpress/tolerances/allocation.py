@@ -172,7 +172,9 @@ def allocate(
     reached = {name: limit * float(np.linalg.norm(spreads[name] @ factors)) for name, limit in limits.items()}
     costs, scale = prices / factors, float(prices.sum())
     # the first dual variable of a target's cone is what a share more of the target saves
-    saved = {name: scale * float(each[0]) / limits[name] for name, each in zip(limits, optimum.prices[-len(limits) :], strict=True)}
+    saved = {
+        name: scale * float(multipliers[0]) / limits[name] for name, multipliers in zip(limits, optimum.prices[-len(limits) :], strict=True)
+    }
     alike = (
         1.0 / max(float(np.linalg.norm(spread.sum(axis=1))) for spread in spreads.values()) if any(map(np.any, spreads.values())) else 1.0
     )
@@ -212,13 +214,13 @@ def _bounds(parts: Sequence[Dimension], bounds: Mapping[str, Sequence[float]]) -
     if not isinstance(bounds, Mapping):
         raise PinpressError(f"bounds is {shown(bounds)}: give a mapping, bounds={{name: (smallest, largest)}}")
     _refuse_unknown(bounds, "dimension", [part.name for part in parts])
-    found = np.array([[FINEST * part.tolerance, COARSEST * part.tolerance] for part in parts])
+    ends_ = np.array([[FINEST * part.tolerance, COARSEST * part.tolerance] for part in parts])
     for k, part in enumerate(parts):
         if part.name in bounds:
-            wanted = f"smallest and largest tolerance [{part.unit}], positive and rising"
+            expected = f"smallest and largest tolerance [{part.unit}], positive and rising"
             rising = lambda ends: (ends[0] > 0) & (ends[1] > ends[0])  # noqa: E731
-            found[k] = suitable_numbers(f"bounds of {part.name}", bounds[part.name], wanted, (2,), rising)
-    return found
+            ends_[k] = suitable_numbers(f"bounds of {part.name}", bounds[part.name], expected, (2,), rising)
+    return ends_
 
 
 def _refuse_unknown(given: Mapping[str, object], kind: str, known: Sequence[str]) -> None:
@@ -252,13 +254,13 @@ def _cheapest(prices: Array, spreads: Sequence[Array], ends: Array, limits: Mapp
         limits: targets, for messages.
     """
     count = len(prices)
-    one, none = np.eye(count), np.zeros((count, count))
+    unit, none = np.eye(count), np.zeros((count, count))
     rows = [
-        Rows(AT_MOST, np.hstack([one, none]) / ends[:, 1:], np.ones(count)),
-        Rows(AT_MOST, np.hstack([-one, none]) / ends[:, :1], -np.ones(count)),
+        Rows(AT_MOST, np.hstack([unit, none]) / ends[:, 1:], np.ones(count)),
+        Rows(AT_MOST, np.hstack([-unit, none]) / ends[:, :1], -np.ones(count)),
     ]
     for k in range(count):
-        u, s = np.hstack([one[k], none[k]]), np.hstack([none[k], one[k]])
+        u, s = np.hstack([unit[k], none[k]]), np.hstack([none[k], unit[k]])
         rows.append(Rows(CONE, -np.array([u + s, 0.0 * u, s - u]), np.array([0.0, 2.0, 0.0])))
     for spread in spreads:
         coefficients = np.vstack([np.zeros(2 * count), np.hstack([-spread, none])])

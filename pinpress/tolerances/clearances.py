@@ -235,8 +235,8 @@ def play(
     rest, moving = forces_by_cause(press, motion, loads)
     contacts = [each for name in widths for each in contacts_of(press, unit, name, widths[name], reactions)]
     causes = [
-        [each.force for name in widths for each in contacts_of(press, unit, name, widths[name], found)]
-        for found in (rest, without, *moving)
+        [each.force for name in widths for each in contacts_of(press, unit, name, widths[name], reactions_)]
+        for reactions_ in (rest, without, *moving)
     ]
     size = ROUNDING * np.max([np.linalg.norm(force, axis=1) for force in reactions.bearing_force.values()], axis=0)
     shares = {name: np.zeros(len(motion.v)) for name in widths}
@@ -252,7 +252,7 @@ def play(
         sure += np.where(weak, 0.0, offset)
         spread += np.where(weak, contact.width * np.linalg.norm(contact.unit, axis=1), _leaning(contact, friction))
     shift, rotation = _in_guide(press, motion, contacts, widths)
-    reversals = [found for contact in contacts for found in _reversals(motion, contact)]
+    reversals = [reactions_ for contact in contacts for reactions_ in _reversals(motion, contact)]
     return SlidePlay(
         _press=press,
         motion=motion,
@@ -314,9 +314,12 @@ def contacts_of(press: Linkage, unit: UnitForces, name: str, width: float | Guid
     _, across, normal, origin = _guide_axes(press, motion, name)
     middle = origin + width.middle
     for end, side in (("upper end", 1.0), ("lower end", -1.0)):
-        other = middle - 0.5 * side * width.length
+        lower_end = middle - 0.5 * side * width.length
         ends = [
-            side / width.length * (np.einsum("nk,k->n", moment, normal) - other * np.einsum("nk,nk->n", pushed, across))[:, None] * across
+            side
+            / width.length
+            * (np.einsum("nk,k->n", moment, normal) - lower_end * np.einsum("nk,nk->n", pushed, across))[:, None]
+            * across
             for pushed, moment in ((unit.force[name], unit.moment[name]), (force, reactions.bearing_moment[name]))
         ]
         yield Contact(f"{name} {end}", name, width.across, ends[0], ends[1], 0.5 * side * width.length)
@@ -402,13 +405,13 @@ def crossings(motion: Motion, unit: Array, force: Array) -> list[tuple[int, floa
     The force must change its sign along the unit forces of both states. If only the unit force reverses, the contact stays.
     """
     after = np.roll(np.arange(len(force)), -1)
-    here, there = np.einsum("nk,nk->n", force, unit), np.einsum("nk,nk->n", force[after], unit)
+    here, after_step = np.einsum("nk,nk->n", force, unit), np.einsum("nk,nk->n", force[after], unit)
     along_next = np.einsum("nk,nk->n", force, unit[after]) * np.einsum("nk,nk->n", force[after], unit[after])
     size = np.linalg.norm(unit, axis=1)
-    crossing = (here * there < 0) & (along_next < 0) & (np.minimum(size, size[after]) > UNMOVED)
+    crossing = (here * after_step < 0) & (along_next < 0) & (np.minimum(size, size[after]) > UNMOVED)
     if not _whole(motion):
         crossing[-1] = False
-    return [(k, float(here[k] / (here[k] - there[k]))) for k in map(int, np.flatnonzero(crossing))]
+    return [(k, float(here[k] / (here[k] - after_step[k]))) for k in map(int, np.flatnonzero(crossing))]
 
 
 def _whole(motion: Motion) -> bool:
@@ -426,7 +429,7 @@ def _clearances(press: Linkage, given: Mapping[str, float | GuideClearance]) -> 
     """Name of a bearing -> its checked clearance."""
     if not given:
         raise PinpressError("clearance is empty: give a mapping, name of a bearing: radial clearance [m], e.g. {'W': 5e-5}")
-    found: dict[str, float | GuideClearance] = {}
+    checked: dict[str, float | GuideClearance] = {}
     planar = len(press.engine().directions) == 2
     for name, width in given.items():
         if name not in press.bearings:
@@ -442,10 +445,10 @@ def _clearances(press: Linkage, given: Mapping[str, float | GuideClearance]) -> 
                 )
             if not planar:
                 raise PinpressError(f"{press.name} is not planar: give the clearance of guide {shown(name)} as a number [m]")
-            found[name] = width
+            checked[name] = width
         else:
-            found[name] = _width(f"clearance of {shown(name)}", width)
-    return found
+            checked[name] = _width(f"clearance of {shown(name)}", width)
+    return checked
 
 
 def _refuse_open_moments(press: Linkage, widths: Mapping[str, float | GuideClearance], reactions: Reactions) -> None:

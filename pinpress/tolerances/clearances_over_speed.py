@@ -119,16 +119,16 @@ def play_over_speeds(
     speeds = np.atleast_1d(numbers("speed", speed, unit=f"{press.driver_coordinates[0].unit}/s"))
     if speeds.ndim != 1 or not len(speeds) or not np.all(np.abs(speeds) >= SLOWEST):
         raise PinpressError("speed has no value, or a zero: give speeds other than zero [rad/s]; for standstill use servo_cycle and play")
-    found = [play(press, cycle(press, float(w)), clearance, loads, friction=friction, known_to=known_to) for w in speeds]
+    plays = [play(press, cycle(press, float(w)), clearance, loads, friction=friction, known_to=known_to) for w in speeds]
     return DeadCentresInClearances(
         _press=press,
         coordinate=press.driver_coordinates[0],
         speed=speeds,
-        bottom_shift=np.array([each.bottom_shift for each in found]),
-        bottom_lowest=np.array([each.bottom_band[0] for each in found]),
-        bottom_highest=np.array([each.bottom_band[1] for each in found]),
-        top_shift=np.array([each.top_shift for each in found]),
-        reversals=np.array([len(each.reversals) for each in found]),
+        bottom_shift=np.array([at_speed.bottom_shift for at_speed in plays]),
+        bottom_lowest=np.array([at_speed.bottom_band[0] for at_speed in plays]),
+        bottom_highest=np.array([at_speed.bottom_band[1] for at_speed in plays]),
+        top_shift=np.array([at_speed.top_shift for at_speed in plays]),
+        reversals=np.array([len(at_speed.reversals) for at_speed in plays]),
         reversing_speed=FrozenMapping(
             {} if friction else _reversing_speeds(press, clearance, float(speeds[np.abs(speeds).argmax()]), loads)
         ),
@@ -142,8 +142,10 @@ def _reversing_speeds(
     speeds = np.array([0.5, 0.75, 1.0]) * fastest
     motions = [cycle(press, float(speed)) for speed in speeds]
     unit = unit_forces(press, motions[0])
-    found = [inverse_dynamics(press, motion, loads) for motion in motions]
-    contacts = [[each for name in clearance for each in contacts_of(press, unit, name, clearance[name], one)] for one in found]
+    all_reactions = [inverse_dynamics(press, motion, loads) for motion in motions]
+    contacts = [
+        [each for name in clearance for each in contacts_of(press, unit, name, clearance[name], reactions)] for reactions in all_reactions
+    ]
     slow, between, fast = (np.array([contact.force for contact in of_speed]) for of_speed in contacts)
     inertia = (fast - slow) / (speeds[2] ** 2 - speeds[0] ** 2)
     rest = slow - speeds[0] ** 2 * inertia

@@ -73,11 +73,11 @@ class DeadCentreScatter(OfPress, Tabular):
         """The sense of rotation to which the torques at heights belong, as text; empty without torques."""
         if not self.torques:
             return ""
-        speed, other = ("negative", "positive") if self.backwards else ("positive", "negative")
+        speed, opposite = ("negative", "positive") if self.backwards else ("positive", "negative")
         sense = sense_of_rotation(self._press, -1.0 if self.backwards else 1.0)
         return (
             f"torques are those on the slide's way down at a {speed} speed of {self._press.driver} ({sense}); those of the other sense of"
-            f" rotation go with {other} speeds"
+            f" rotation go with {opposite} speeds"
         )
 
     @property
@@ -113,15 +113,15 @@ class DeadCentreScatter(OfPress, Tabular):
 
     def columns(self) -> dict[str, Column]:
         """The dimensions with tolerance, gradients and shares as (k,) columns."""
-        found: dict[str, Column] = {
+        columns: dict[str, Column] = {
             "dimension": [part.name for part in self.parts],
             "tolerance": np.array([part.tolerance for part in self.parts]),
             "tolerance_unit": [part.unit for part in self.parts],
         }
-        for each in self.quantities:
-            head = each.quantity.replace(" ", "_")
-            found |= {f"{head}_gradient [{each.unit} per unit]": each.gradient, f"{head}_share": each.share}
-        return found
+        for quantity in self.quantities:
+            head = quantity.quantity.replace(" ", "_")
+            columns |= {f"{head}_gradient [{quantity.unit} per unit]": quantity.gradient, f"{head}_share": quantity.share}
+        return columns
 
     def __str__(self) -> str:
         lines = [self.title]
@@ -185,31 +185,34 @@ def bottom_dead_centre(
         shapes = _shapes(press, checked)
         bottom, top = (_at_end(shapes, motion, upwards) for upwards in (False, True))
     _doubt_effects(checked, [bottom, top])
-    asked = [_Travel.on_the_way_down(shapes, bottom, *each) for each in _asked(press, forces or {}, speeds or {})]
+    travels = [_Travel.on_the_way_down(shapes, bottom, *travel) for travel in _asked(press, forces or {}, speeds or {})]
 
     stroke = top.gradient - bottom.gradient
-    gradients = np.array([bottom.gradient, top.gradient, stroke, *(each.gradient for each in asked)])
+    gradients = np.array([bottom.gradient, top.gradient, stroke, *(travel.gradient for travel in travels)])
     # rounding must not take a dimension that changes nothing to a limit of its tolerance at the worst corners
     gradients[np.abs(gradients) <= 1e-12 * np.abs(gradients).max(axis=1, keepdims=True)] = 0.0
     tolerances = np.array([part.tolerance for part in checked])
     corners = np.array([sign * np.sign(gradient) * tolerances for gradient in gradients for sign in (-1.0, 1.0)])
     everything = np.concatenate([drawn, corners.T], axis=1)
     low, high = bottom.positions(shapes, everything), top.positions(shapes, everything)
-    values = [low, high, high - low, *(each.values(shapes, everything, low) for each in asked)]
+    values = [low, high, high - low, *(travel.values(shapes, everything, low) for travel in travels)]
     heads = [
         ("bottom dead centre", "m", bottom.nominal),
         ("top dead centre", "m", top.nominal),
         ("stroke", "m", top.nominal - bottom.nominal),
     ]
-    heads += [(each.quantity, each.unit, each.nominal) for each in asked]
+    heads += [(travel.quantity, travel.unit, travel.nominal) for travel in travels]
     count = drawn.shape[1]
-    found = [
-        scatter(*head, checked, gradient, tied, each[:count], each[count + 2 * k : count + 2 * k + 2])
-        for k, (head, gradient, each) in enumerate(zip(heads, gradients, values, strict=True))
+    scatters = [
+        scatter(*head, checked, gradient, tied, travel[:count], travel[count + 2 * k : count + 2 * k + 2])
+        for k, (head, gradient, travel) in enumerate(zip(heads, gradients, values, strict=True))
     ]
-    by_height = [{each.height: one for each, one in zip(asked, found[3:], strict=True) if each.unit == unit} for unit in ("N m", "m/s")]
+    by_height = [
+        {travel.height: scatter_ for travel, scatter_ in zip(travels, scatters[3:], strict=True) if travel.unit == unit}
+        for unit in ("N m", "m/s")
+    ]
     backwards = _all_backwards(speeds or {})
-    return DeadCentreScatter(press, checked, found[0], found[1], found[2], by_height[0], by_height[1], drawn, backwards)
+    return DeadCentreScatter(press, checked, scatters[0], scatters[1], scatters[2], by_height[0], by_height[1], drawn, backwards)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- the dead centres
@@ -300,9 +303,9 @@ def _at_end(shapes: Shapes, motion: Motion, upwards: bool) -> _DeadCentre:
     """The outermost state of a motion, in which the drivers of every press have the same positions."""
     state = ends_of(shapes.press, motion)[upwards]
     local = _Local.of(shapes, motion, state)
-    held = TurningPoint(Ending(local.start, np.zeros_like(local.position_slopes), "held"), upwards)
+    turning_point = TurningPoint(Ending(local.start, np.zeros_like(local.position_slopes), "held"), upwards)
     angle = float(np.ravel(motion.crank_angle[state])[0])
-    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), (held,))
+    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), (turning_point,))
 
 
 def _outermost(shapes: Shapes, points: TurningPoints, parts: Sequence[Dimension], drawn: Array, upwards: bool) -> _DeadCentre:
@@ -311,13 +314,13 @@ def _outermost(shapes: Shapes, points: TurningPoints, parts: Sequence[Dimension]
     local = _Local.at(shapes, float(points.places[first]))
     spread = REACH * np.maximum(np.abs(drawn).max(axis=1), [part.tolerance for part in parts])
     behind = (points.positions[first] - points.positions) * (1.0 if upwards else -1.0)
-    found = [_turning(shapes, points, first, local, upwards)]
+    turning_points = [_turning(shapes, points, first, local, upwards)]
     for k in (k for k in range(len(behind)) if k != first):
-        other = _Local.at(shapes, float(points.places[k]))
-        if behind[k] <= np.maximum(np.abs(local.position_slopes), np.abs(other.position_slopes)) @ spread:
-            found.append(_turning(shapes, points, k, other, upwards))
+        local_there = _Local.at(shapes, float(points.places[k]))
+        if behind[k] <= np.maximum(np.abs(local.position_slopes), np.abs(local_there.position_slopes)) @ spread:
+            turning_points.append(_turning(shapes, points, k, local_there, upwards))
     angle = float(points.places[first])
-    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), tuple(found))
+    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), tuple(turning_points))
 
 
 def _turning(shapes: Shapes, points: TurningPoints, k: int, at: _Local, upwards: bool) -> TurningPoint:
@@ -386,13 +389,13 @@ class _Travel(NamedTuple):
         Raises:
             PinpressError: the height is not within the stroke.
         """
-        at = _Local.at(shapes, _angle_at(shapes.press, bottom, height, backwards))
-        angle_slopes = -(at.position_slopes - bottom.gradient) / at.rate
-        rate_slopes = at.rate_slopes + at.second * angle_slopes
+        local = _Local.at(shapes, _angle_at(shapes.press, bottom, height, backwards))
+        angle_slopes = -(local.position_slopes - bottom.gradient) / local.rate
+        rate_slopes = local.rate_slopes + local.second * angle_slopes
         what = "torque" if unit == "N m" else "speed"
         factor = -by if unit == "N m" else -abs(by) * (-1.0 if backwards else 1.0)  # the slide goes down
         quantity = f"{what} at {1e3 * height:g} mm"
-        return _Travel(quantity, unit, height, factor, factor * at.rate, factor * rate_slopes, at.start, angle_slopes)
+        return _Travel(quantity, unit, height, factor, factor * local.rate, factor * rate_slopes, local.start, angle_slopes)
 
     def values(self, shapes: Shapes, deviations: Array, low: Array) -> Array:
         """The quantity (n,) of presses with deviations (k, n) and bottom dead centres ``low`` (n,) [m].
@@ -413,8 +416,8 @@ def _asked(press: Linkage, forces: Mapping[float, float], speeds: Mapping[float,
     turned_back = _all_backwards(speeds)
     if speeds:
         doubt_speeds(press, np.array([*speeds.values()]))
-    for what, unit, given in (("forces", "N", forces), ("speeds", "rad/s", speeds)):
-        for height, value in given.items():
+    for what, unit, by_height in (("forces", "N", forces), ("speeds", "rad/s", speeds)):
+        for height, value in by_height.items():
             above = number(f"height of {what}", height, "m", positive=True)
             by = number(f"{what} at {above:g} m", value, unit)
             if not by:

@@ -113,18 +113,18 @@ def _yaml_rows(name: str) -> list[tuple[str, dict[str, str]]]:
     """Every entry of a list in YAML, with its place and its values as text."""
     import yaml  # only tables in this format need it
 
-    wanted = "give a list of entries, - {dimension: length E F, tolerance: 0.05}"
+    remedy = "give a list of entries, - {dimension: length E F, tolerance: 0.05}"
     try:
         listed = yaml.load(files.read(name, LARGEST_FILE).decode("utf-8-sig"), Loader=yaml.BaseLoader)
     except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
         reason = files.reason(error) if isinstance(error, OSError) else "it is not YAML"
-        raise PinpressError(f"{name} cannot be read ({reason}): {wanted}") from None
+        raise PinpressError(f"{name} cannot be read ({reason}): {remedy}") from None
     if not isinstance(listed, list):
-        raise PinpressError(f"{name} does not have a list: {wanted}")
+        raise PinpressError(f"{name} does not have a list: {remedy}")
     rows = []
     for k, entry in enumerate(listed, 1):
         if not isinstance(entry, dict) or not all(isinstance(cell, str) for cell in (*entry, *entry.values())):
-            raise PinpressError(f"{name}, entry {k} is not a mapping of texts and numbers: {wanted}")
+            raise PinpressError(f"{name}, entry {k} is not a mapping of texts and numbers: {remedy}")
         _refuse_heads(f"{name}, entry {k}: key", list(entry))
         rows.append((f"entry {k}", {key: cell.strip() for key, cell in entry.items()}))
     return rows

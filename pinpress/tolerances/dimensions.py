@@ -227,18 +227,18 @@ def pin_angle(
             one line.
     """
     body = _common_body(press, first, vertex, second)
-    one, other = (_arm(press, body, vertex, pin) for pin in (first, second))
+    first_arm, second_arm = (_arm(press, body, vertex, pin) for pin in (first, second))
     normal = _normal(press, body)
     if normal is None:
-        normal = np.cross(one, other)
+        normal = np.cross(first_arm, second_arm)
         size = np.linalg.norm(normal)
-        if not size > IN_LINE * np.linalg.norm(one) * np.linalg.norm(other):
+        if not size > IN_LINE * np.linalg.norm(first_arm) * np.linalg.norm(second_arm):
             raise PinpressError(
                 f"the arms {vertex}-{first} and {vertex}-{second} are in one line, so their angle has no plane: give a Dimension with the"
                 " direction in which a pin moves"
             )
         normal /= size
-    away = np.cross(normal, other) * (1.0 if np.cross(one, other) @ normal >= 0 else -1.0)  # the angle grows
+    away = np.cross(normal, second_arm) * (1.0 if np.cross(first_arm, second_arm) @ normal >= 0 else -1.0)  # the angle grows
     return Dimension(
         f"angle {_joined(first, vertex, second)}" if name is None else name,
         _moved_pin(press, body, press.link_of(body), second, away),
@@ -282,9 +282,9 @@ def pin_position(
             raise PinpressError(f"axis is {shown(axis)}: give 'x', 'y', 'z' or three numbers")
         along, called = np.array(AXES[axis]), axis
     else:
-        given = suitable_numbers("axis", axis, "'x', 'y', 'z' or three numbers that are not all zero", (3,), lambda found: np.any(found))
-        along = given / np.abs(given).max()  # squares of very large ones overflow
-        along, called = along / np.linalg.norm(along), f"({', '.join(f'{part:g}' for part in given)})"
+        vector = suitable_numbers("axis", axis, "'x', 'y', 'z' or three numbers that are not all zero", (3,), lambda found: np.any(found))
+        along = vector / np.abs(vector).max()  # squares of very large ones overflow
+        along, called = along / np.linalg.norm(along), f"({', '.join(f'{part:g}' for part in vector)})"
     where = press.root if link is None else link
     _refuse_unknown("bearing", bearing, press.bearings)
     _refuse_unknown("link", where, press.links)
@@ -357,8 +357,8 @@ def _moved_pin(press: Linkage, body: int, link: str, bearing: str, by: Array) ->
     """
     pin = _bearings_of_pin(press, body, bearing)
     if not body or press.joints[body - 1] not in pin:
-        return {(each, link): by for each in pin}
-    return {(each, link): -by for each in _bearings_on(press, body) if each not in pin}
+        return {(bearing_, link): by for bearing_ in pin}
+    return {(bearing_, link): -by for bearing_ in _bearings_on(press, body) if bearing_ not in pin}
 
 
 def _bearings_of_pin(press: Linkage, body: int, bearing: str) -> list[str]:
@@ -368,13 +368,13 @@ def _bearings_of_pin(press: Linkage, body: int, bearing: str) -> list[str]:
     """
     if not _is_pin(press, bearing) or _normal(press, body) is None:
         return [bearing]
-    at, near = _position(press, body, bearing), ONE_PLACE * press.size
-    others = (each for each in _bearings_on(press, body) if _is_pin(press, each))
-    return [each for each in others if np.linalg.norm(_position(press, body, each) - at) <= near]
+    place, near = _position(press, body, bearing), ONE_PLACE * press.size
+    others = (bearing_ for bearing_ in _bearings_on(press, body) if _is_pin(press, bearing_))
+    return [bearing_ for bearing_ in others if np.linalg.norm(_position(press, body, bearing_) - place) <= near]
 
 
 def _bearings_on(press: Linkage, body: int) -> list[str]:
-    return [each for place, each in enumerate(press.bearings) if body in _ends(press, place)]
+    return [bearing for place, bearing in enumerate(press.bearings) if body in _ends(press, place)]
 
 
 def _is_pin(press: Linkage, bearing: str) -> bool:
@@ -417,20 +417,20 @@ def checked_dimensions(press: Linkage, parts: Sequence[Dimension]) -> tuple[Dime
     Warns:
         PinpressWarning: a tolerance is larger than a tenth of its link, or than 0.1 rad.
     """
-    found = tuple(parts)
-    for each in found:
-        if not isinstance(each, Dimension):
-            raise PinpressError(f"parts has a {type(each).__name__}: give Dimensions, e.g. from link_length(press, ...)")
-    names = [each.name for each in found]
-    if not found:
+    dimensions = tuple(parts)
+    for dimension in dimensions:
+        if not isinstance(dimension, Dimension):
+            raise PinpressError(f"parts has a {type(dimension).__name__}: give Dimensions, e.g. from link_length(press, ...)")
+    names = [dimension.name for dimension in dimensions]
+    if not dimensions:
         raise PinpressError("parts is empty: give the dimensions that scatter, parts=[tolerances.link_length(press, ...), ...]")
     if len(set(names)) < len(names):
         twice = ", ".join(sorted({name for name in names if names.count(name) > 1}))
         raise PinpressError(f"dimensions are given twice: {twice}; give each once, or different names")
-    for each in found:
-        directed(press, each.direction)
-        _doubt_size(press, each)
-    return found
+    for dimension in dimensions:
+        directed(press, dimension.direction)
+        _doubt_size(press, dimension)
+    return dimensions
 
 
 def _doubt_size(press: Linkage, part: Dimension) -> None:
@@ -452,7 +452,7 @@ def _extent(press: Linkage, link: str) -> float:
     """Largest distance between two bearings of a link [m]; the size of the linkage if the link has only one bearing."""
     body = _body(press, link)
     points = [_position(press, body, name) for name in _bearings_on(press, body)]
-    return max((float(np.linalg.norm(one - other)) for one in points for other in points), default=0.0) or press.size
+    return max((float(np.linalg.norm(point - point_)) for point in points for point_ in points), default=0.0) or press.size
 
 
 def correlation_matrix(parts: Sequence[Dimension], correlation: Mapping[tuple[str, str], float] | None) -> Array:
@@ -468,7 +468,7 @@ def correlation_matrix(parts: Sequence[Dimension], correlation: Mapping[tuple[st
             coefficients contradict each other.
     """
     names, result = [part.name for part in parts], np.eye(len(parts))
-    given: set[frozenset[str]] = set()
+    pairs: set[frozenset[str]] = set()
     for pair, value in (correlation or {}).items():
         if not (isinstance(pair, tuple) and len(pair) == 2) or pair[0] == pair[1]:
             raise PinpressError(f"correlation: {shown(pair)} is not a pair of names: write (dimension, dimension)")
@@ -480,9 +480,9 @@ def correlation_matrix(parts: Sequence[Dimension], correlation: Mapping[tuple[st
                     " separate dimension, which moves the pivots of both"
                 )
         place = names.index(pair[0]), names.index(pair[1])
-        if frozenset(pair) in given:
+        if frozenset(pair) in pairs:
             raise PinpressError(f"correlation: {shown(pair)} is given twice: give each pair once")
-        given.add(frozenset(pair))
+        pairs.add(frozenset(pair))
         result[place] = result[place[::-1]] = suitable_numbers(
             f"correlation of {pair[0]} and {pair[1]}", value, "a number from -1 to 1", suits=lambda found: abs(found) <= 1.0
         )

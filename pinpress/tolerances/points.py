@@ -143,15 +143,15 @@ class SlideParallelism(OfPress, Tabular):
             PinpressError: there is no row, a row is not a `PermissibleSlope`, lengths are not two positive numbers, or a row has a
                 force but the slide has no stiffnesses.
         """
-        measured = suitable_numbers("lengths", lengths, "two positive lengths [m]", (2,), lambda found: found > 0)
+        measured = suitable_numbers("lengths", lengths, "two positive lengths [m]", (2,), lambda shares: shares > 0)
         if not isinstance(permissible, Mapping) or not permissible:
             raise PinpressError("permissible has no row: give {name: PermissibleSlope(...)}")
-        found = {}
+        shares = {}
         for name, row in permissible.items():
             if not isinstance(row, PermissibleSlope):
                 raise PinpressError(f"permissible {name!r} is a {type(row).__name__}: give a PermissibleSlope(constant, by_length)")
-            found[name] = self._within(row.constant / measured + row.by_length, self._tilt(name, row))
-        return FrozenMapping(found)
+            shares[name] = self._within(row.constant / measured + row.by_length, self._tilt(name, row))
+        return FrozenMapping(shares)
 
     def _within(self, limits: Array, tilt: Array) -> float:
         """Share of the presses whose slopes + tilt (2,) are within limits (2,) in both directions."""
@@ -336,34 +336,34 @@ def _points(press: Linkage, motion: Motion, parts: Mapping[str, Sequence[Dimensi
     on_slide = [name for name, parent in zip(press.joints, list(press.model.parents)[1:], strict=True) if parent == body]
     on_slide += [loop.name for loop in press.loops if body in (loop.joint1, loop.joint2)]
     forces = unit_forces(press, motion).force
-    found = tuple(name for name in press.bearings if name in on_slide and np.abs(forces[name]).max() > ALONE)
+    carrying = tuple(name for name in press.bearings if name in on_slide and np.abs(forces[name]).max() > ALONE)
     for name in parts:
         if name not in press.bearings:
             raise UnknownNameError("bearing", name, press.bearings)
-    if len(found) < 2:
-        raise PinpressError(f"the slide of {press.name} hangs on one point, {', '.join(found)}: parallelism needs several points")
-    if set(parts) != set(found):
+    if len(carrying) < 2:
+        raise PinpressError(f"the slide of {press.name} hangs on one point, {', '.join(carrying)}: parallelism needs several points")
+    if set(parts) != set(carrying):
         raise PinpressError(
-            f"the slide of {press.name} hangs on {', '.join(found)}, but parts does not name all of them, or names others: give"
+            f"the slide of {press.name} hangs on {', '.join(carrying)}, but parts does not name all of them, or names others: give"
             " parts={point: [...]} for each of these points, with an empty list for exact dimensions"
         )
-    return found
+    return carrying
 
 
 def _each_once(press: Linkage, parts: Mapping[str, Sequence[Dimension]]) -> tuple[Dimension, ...]:
     """The dimensions of all chains; a dimension of several points counts once."""
-    found: dict[str, Dimension] = {}
+    dimensions: dict[str, Dimension] = {}
     for point, of_chain in parts.items():
         if isinstance(of_chain, Dimension) or not isinstance(of_chain, Sequence):
             raise PinpressError(f"parts of {point!r} is not a list: give the dimensions of this point's chain, {{{point!r}: [...]}}")
         for part in checked_dimensions(press, of_chain) if len(of_chain) else ():
-            if found.setdefault(part.name, part) is not part:
+            if dimensions.setdefault(part.name, part) is not part:
                 raise PinpressError(
                     f"two different dimensions have the name {part.name!r}: give different names, or give the same dimension to both points"
                 )
-    if not found:
+    if not dimensions:
         raise PinpressError("parts has no dimensions: give dimensions of the chains, e.g. from tolerances.link_length")
-    return tuple(found.values())
+    return tuple(dimensions.values())
 
 
 def _places(press: Linkage, motion: Motion, points: Sequence[str]) -> tuple[Array, Array]:
@@ -376,13 +376,13 @@ def _places(press: Linkage, motion: Motion, points: Sequence[str]) -> tuple[Arra
         across = across - (across @ up) * up
     across = across / np.linalg.norm(across)
     across = across * np.sign(across[np.abs(across).argmax()])
-    other = np.cross(up, across)
-    directions = np.array([across, other * np.sign(other[np.abs(other).argmax()])])
-    at = poses(press, motion.joint_position[-1:])
-    origin = at.points(press.slide_guide.joint + 1, press.tool.in_body)[0]
-    everywhere = bearing_points(press, at)[:, 0]
+    square = np.cross(up, across)
+    directions = np.array([across, square * np.sign(square[np.abs(square).argmax()])])
+    final_poses = poses(press, motion.joint_position[-1:])
+    origin = final_poses.points(press.slide_guide.joint + 1, press.tool.in_body)[0]
+    everywhere = bearing_points(press, final_poses)[:, 0]
     places = np.array([directions @ (everywhere[press.bearings.index(point)] - origin) for point in points])
-    apart = min(np.linalg.norm(one - other) for k, one in enumerate(places) for other in places[:k])
+    apart = min(np.linalg.norm(place - square) for k, place in enumerate(places) for square in places[:k])
     if not apart > ONE_PLACE * press.size:
         raise PinpressError(
             f"two of the points {', '.join(points)} of {press.name} are above each other, so they do not determine a slope: the slide"

@@ -160,11 +160,11 @@ def scatter(
     corners: Array,
 ) -> Scatter:
     """A `Scatter` from values (n,) of a sample and values (2,) of both corners; ``correlation``: (k, k) coefficients."""
-    part = gradient * np.array([each.standard_deviation for each in parts])
+    part = gradient * np.array([part_.standard_deviation for part_ in parts])
     by_dimension = part * (correlation @ part)
     variance = float(by_dimension.sum())
     share = by_dimension / variance if variance > 0.0 else np.zeros(len(parts))
-    worst = float(np.abs(gradient) @ np.array([each.tolerance for each in parts]))
+    worst = float(np.abs(gradient) @ np.array([part_.tolerance for part_ in parts]))
     return Scatter(
         quantity, unit, nominal, tuple(parts), gradient, share, math.sqrt(max(variance, 0.0)), worst, corners - nominal, values - nominal
     )

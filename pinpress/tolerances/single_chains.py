@@ -67,11 +67,11 @@ class SingleChain(NamedTuple):
 
 def _held(press: Linkage, loops: list[int]) -> list[int]:
     """Rising indices in v of the drivers, the slide's guide, the joints on these loops, and those that gears couple to them."""
-    found = {*press.driver_indices, press.slide_guide.joint}
-    found.update(joint for k in loops for joint in press.structure.joints_of_loop[k])
-    while more := {joint for relation in press.relations for joint in relation.coefficients if relation.joint in found} - found:
-        found |= more
-    return sorted(found)
+    indices = {*press.driver_indices, press.slide_guide.joint}
+    indices.update(joint for k in loops for joint in press.structure.joints_of_loop[k])
+    while more := {joint for relation in press.relations for joint in relation.coefficients if relation.joint in indices} - indices:
+        indices |= more
+    return sorted(indices)
 
 
 def _no_chain(press: Linkage, point: str) -> PinpressError:

@@ -176,7 +176,7 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
         x = motion.joint_position[list(ends_of(press, motion))].T.copy()
         ends = of_states(press, x, np.zeros_like(x), np.zeros_like(x), np.zeros(2), None)
     unit = unit_forces(press, ends)
-    found: dict[str, Array] = {}
+    displacements: dict[str, Array] = {}
     for body in range(press.model.njoints):
         if (body == frame and temperatures.table is None) or (body == slide and temperatures.face is None):
             continue
@@ -187,14 +187,14 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
             place = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement.translation
             up = press.model.jointPlacements[slide].rotation.T @ press.slide_direction
             shift = shift + float(place @ up) + np.float64(temperatures.face)
-        found[_named(press, body, temperatures)] = coefficients.get(body, temperatures.of("")) * shift
+        displacements[_named(press, body, temperatures)] = coefficients.get(body, temperatures.of("")) * shift
     warm = {_named(press, body, temperatures): value for body, value in rises.items() if value}
     return HeatShift(
         _press=press,
         rise=FrozenMapping(dict(temperatures.rise)),
-        bottom_by_link=FrozenMapping({name: value * float(found[name][0]) for name, value in warm.items()}),
-        top_by_link=FrozenMapping({name: value * float(found[name][1]) for name, value in warm.items()}),
-        bottom_per_kelvin=FrozenMapping({name: float(slopes[0]) for name, slopes in found.items()}),
+        bottom_by_link=FrozenMapping({name: value * float(displacements[name][0]) for name, value in warm.items()}),
+        top_by_link=FrozenMapping({name: value * float(displacements[name][1]) for name, value in warm.items()}),
+        bottom_per_kelvin=FrozenMapping({name: float(slopes[0]) for name, slopes in displacements.items()}),
     )
 
 
@@ -218,17 +218,17 @@ def _by_body(press: Linkage, by_link: Mapping[str, float]) -> dict[int, float]:
         UnknownNameError: the press does not have a link with this name.
         PinpressError: welded links have different values.
     """
-    found: dict[int, float] = {}
+    values: dict[int, float] = {}
     for name, value in by_link.items():
         if name not in press.links:
             raise UnknownNameError("link", name, press.links)
         body = _body(press, name)
-        if found.get(body, value) != value:
+        if values.get(body, value) != value:
             raise PinpressError(
                 f"{shown(name)} of {press.name} is welded to a link with another value: give both links the same value, or name only one"
             )
-        found[body] = value
-    return found
+        values[body] = value
+    return values
 
 
 def _body(press: Linkage, link: str) -> int:

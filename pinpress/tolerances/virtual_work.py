@@ -51,17 +51,17 @@ class UnitForces:
 
     def shift(self, moved: Displacements) -> Array:
         """(n,) shift of the slide by displacements of pivots in their links [m, or per unit of a direction]."""
-        press, at = self.press, poses(self.press, self.motion.joint_position)
+        press, motion_poses = self.press, poses(self.press, self.motion.joint_position)
         total = np.zeros(len(self.motion.crank_angle))
 
         def add(sign: float, name: str, joint: int, displacement: Array) -> None:
             if displacement.any():
-                total[:] += sign * np.einsum("nk,nk->n", self.force[name], at.rotation[joint] @ displacement)
+                total[:] += sign * np.einsum("nk,nk->n", self.force[name], motion_poses.rotation[joint] @ displacement)
 
         for name, parent, displacement in zip(press.joints, list(press.model.parents)[1:], moved.joints, strict=True):
             add(-1.0, name, int(parent), displacement)
-        for loop, (one, two) in zip(press.loops, moved.ends, strict=True):
-            add(-1.0, loop.name, loop.joint1, one)
+        for loop, (first, two) in zip(press.loops, moved.ends, strict=True):
+            add(-1.0, loop.name, loop.joint1, first)
             add(1.0, loop.name, loop.joint2, two)
         return total
 
@@ -115,4 +115,4 @@ def forces_by_cause(press: Linkage, motion: Motion, loads: Sequence[Load]) -> tu
     """
     still = np.zeros_like(motion.v.T)
     at_rest = of_states(press, motion.joint_position.T, still, still.copy(), motion.closure_error, None)
-    return inverse_dynamics(press, at_rest), [inverse_dynamics(press, motion, each) for each in ([], *([load] for load in loads))]
+    return inverse_dynamics(press, at_rest), [inverse_dynamics(press, motion, loads_) for loads_ in ([], *([load] for load in loads))]

@@ -136,13 +136,15 @@ def with_balance_shafts(
     arm, distance = positive("radius", radius, "m"), positive("shaft_distance", shaft_distance, "m")
     for name, value in (("radius", arm), ("shaft_distance", distance)):
         plausibility.length(f"with_balance_shafts: {name}", value, press.size)
-    wanted = [whole_number("orders", order, 1, HIGHEST_ORDER) for order in orders]
-    if not wanted or len(set(wanted)) < len(wanted) or any(order % 2 and order > 1 for order in wanted):
+    checked_orders = [whole_number("orders", order, 1, HIGHEST_ORDER) for order in orders]
+    if not checked_orders or len(set(checked_orders)) < len(checked_orders) or any(order % 2 and order > 1 for order in checked_orders):
         raise PinpressError(f"orders is {shown(orders)}: give orders of a crank-slider (1, 2, 4, 6 and so on), each once")
     rotating = approximate_balance(press, arm if crank_radius is None else crank_radius, share=0.0)
     drawn = plan_of(with_counterweights(press, [rotating]))
     shafts = [
-        _balance_shaft(drawn, main, order, side, arm, 0.5 * place * distance) for place, order in enumerate(wanted, 1) for side in SIDES
+        _balance_shaft(drawn, main, order, side, arm, 0.5 * place * distance)
+        for place, order in enumerate(checked_orders, 1)
+        for side in SIDES
     ]
     return press_of(
         replace(drawn, name=f"{press.name}_balance_shafts", bodies=(*drawn.bodies, *shafts)),
@@ -175,7 +177,7 @@ def mirrored(press: Linkage, shaft_distance: float) -> Linkage:
     """
     distance, drawn = positive("shaft_distance", shaft_distance, "m"), plan_of(press)
     plausibility.length("mirrored: shaft_distance", distance, press.size)
-    guided = [each.link for each in drawn.bodies if each.limits and each.parent == drawn.frame]
+    guided = [body.link for body in drawn.bodies if body.limits and body.parent == drawn.frame]
     shaft = _shaft(press, drawn)
     across = _across(press, drawn, guided, shaft)
     return press_of(
@@ -275,7 +277,7 @@ def plan_of(press: Linkage) -> PressPlan:
     plane = press.plane_or_refuse(refusal)
     if press.couplings:
         raise PinpressError(refusal)
-    model, at = press.model, poses(press, press.closed[None])
+    model, drawn_poses = press.model, poses(press, press.closed[None])
     links = {joint: press.link_of(joint) for joint in range(model.njoints)}
     if press.slide is not None:
         links[press.slide_guide.joint + 1] = press.slide  # not the name of a welded link: positions refer to the slide
@@ -284,11 +286,11 @@ def plan_of(press: Linkage) -> PressPlan:
         at_q, at_v = model.idx_qs[j], model.idx_vs[j]
         travel = float(model.lowerPositionLimit[at_q]) - start, float(model.upperPositionLimit[at_q]) - start
         limits = (*travel, float(model.upperEffortLimit[at_v]), float(model.velocityLimit[at_v]))
-        own = model.frames[model.getFrameId(links[j], pin.BODY)].placement
-        place, inertia = pin.SE3(at.rotation[j, 0], at.position[j, 0]) * own, own.actInv(model.inertias[j])
-        parent, direction = links[int(model.parents[j])], own.rotation.T @ axis.direction
+        placement = model.frames[model.getFrameId(links[j], pin.BODY)].placement
+        place, inertia = pin.SE3(drawn_poses.rotation[j, 0], drawn_poses.position[j, 0]) * placement, placement.actInv(model.inertias[j])
+        parent, direction = links[int(model.parents[j])], placement.rotation.T @ axis.direction
         bodies.append(PlanBody(links[j], place, inertia, name, parent, direction, () if axis.turns else limits))
-    pins = [PlanPin(k.name, k.type, links[k.joint1], links[k.joint2], at.points(k.joint1, k.point1)[0]) for k in press.loops]
+    pins = [PlanPin(k.name, k.type, links[k.joint1], links[k.joint2], drawn_poses.points(k.joint1, k.point1)[0]) for k in press.loops]
     normal, gravity = plane.normal, tuple(model.gravity.linear.tolist())
     size = press.size
     return PressPlan(press.name, links[0], model.inertias[0], tuple(bodies), tuple(pins), press.driver, press.slide, normal, gravity, size)
@@ -300,7 +302,7 @@ def press_of(plan: PressPlan, comment: str) -> Linkage:
     content = [_link(plan.frame, plan.frame_inertia, plan.size)]
     content += [_link(body.link, body.inertia, plan.size) for body in plan.bodies]
     content += [_joint(body, places[body.parent].actInv(body.place), plan.size) for body in plan.bodies]
-    content += [_loop(each, places, plan.normal, plan.size) for each in plan.pins]
+    content += [_loop(closing_pin, places, plan.normal, plan.size) for closing_pin in plan.pins]
     content.append(tag("transmission", {"name": "crank_drive"}, tag("joint", {"name": plan.driver})))
     robot = tag("robot", {"name": plan.name}, "".join(f"\n  {element}" for element in content) + "\n")
     text = f'<?xml version="1.0"?>\n<!--\n  {comment}\n-->\n{robot}\n'.encode()
@@ -389,7 +391,7 @@ def _with_auxiliary(drawn: PressPlan, main: CrankSlider, auxiliary: CrankSlider)
     return replace(
         drawn,
         bodies=(
-            *(replace(each, inertia=combined(each.inertia, added)) if each is crank else each for each in drawn.bodies),
+            *(replace(body, inertia=combined(body.inertia, added)) if body is crank else body for body in drawn.bodies),
             _auxiliary_rod(auxiliary),
             _counterweight(drawn.frame, slide, auxiliary, end),
         ),
@@ -426,7 +428,7 @@ def _counterweight(frame: str, slide: PlanBody, auxiliary: CrankSlider, end: Arr
 
 def _shaft(press: Linkage, drawn: PressPlan) -> Array:
     """A point (3,) on the shaft of the crank, in world axes [m]."""
-    crank = next(each for each in drawn.bodies if each.joint == drawn.driver)
+    crank = next(body for body in drawn.bodies if body.joint == drawn.driver)
     if crank.parent != drawn.frame or drawn.slide is None:
         raise PinpressError(
             f"{press.name} has no crank on the frame, or no slide: give a crank-slider, or the result of with_opposed_balancer()"
@@ -481,25 +483,25 @@ def _doubled(drawn: PressPlan, shared: Sequence[str], shaft: Array, across: Arra
         point = point + shift
         return point if side == "left" else point - 2 * ((point - shaft) @ across) * across
 
-    def half(each: PlanBody, side: str) -> PlanBody:
+    def half(body_: PlanBody, side: str) -> PlanBody:
         # The frame of a mirrored link keeps its axes, so that points and axes in it are mirrored.
-        to = each.place.rotation.T @ across
+        to = body_.place.rotation.T @ across
         mirror = np.eye(3) if side == "left" else np.eye(3) - 2 * np.outer(to, to)
-        whole = each.inertia
+        whole = body_.inertia
         return PlanBody(
-            named(each.link, side),
-            pin.SE3(each.place.rotation, moved(each.place.translation, side)),
+            named(body_.link, side),
+            pin.SE3(body_.place.rotation, moved(body_.place.translation, side)),
             rigid_body(0.5 * whole.mass, mirror @ whole.lever, 0.5 * mirror @ whole.inertia @ mirror),
-            f"{each.joint}_{side}",
-            named(each.parent, side),
-            mirror @ each.axis,
-            each.limits,
-            f"{drawn.driver}_left" if each.joint == drawn.driver and side == "right" else None,
+            f"{body_.joint}_{side}",
+            named(body_.parent, side),
+            mirror @ body_.axis,
+            body_.limits,
+            f"{drawn.driver}_left" if body_.joint == drawn.driver and side == "right" else None,
         )
 
-    kept = [each for each in drawn.bodies if each.link in shared]
-    halves = [half(each, side) for side in SIDES for each in drawn.bodies if each.link not in shared]
-    pins = [(each, side) for side in SIDES for each in drawn.pins]
+    kept = [body_ for body_ in drawn.bodies if body_.link in shared]
+    halves = [half(body_, side) for side in SIDES for body_ in drawn.bodies if body_.link not in shared]
+    pins = [(body_, side) for side in SIDES for body_ in drawn.pins]
     return replace(
         drawn,
         bodies=(*halves, *kept),
@@ -530,9 +532,9 @@ def _joint(body: PlanBody, place: pin.SE3, size: float) -> str:
 
 def _loop(each: PlanPin, places: Mapping[str, pin.SE3], normal: Array, size: float) -> str:
     """A loop joint whose two ends have the world's axes in the drawn pose."""
-    there = pin.SE3(np.eye(3), each.point)
+    place = pin.SE3(np.eye(3), each.point)
     ends = (("link1", each.link1), ("link2", each.link2))
-    content = "".join(tag(end, {"link": link} | _placement(places[link].actInv(there), size)) for end, link in ends)
+    content = "".join(tag(end, {"link": link} | _placement(places[link].actInv(place), size)) for end, link in ends)
     content += tag("axis", {"xyz": _written(normal, 1.0)}) if each.type == "revolute" else ""
     return tag("loop_joint", {"name": each.name, "type": each.type}, content)
 

@@ -141,11 +141,14 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
     Raises:
         PinpressError: the press is not a centred crank-slider; the message names the difference.
     """
-    plane, at = press.plane_or_refuse(str(_refusal(press, "it is not planar, or has several drivers"))), poses(press, press.closed[None])
+    plane, drawn_poses = (
+        press.plane_or_refuse(str(_refusal(press, "it is not planar, or has several drivers"))),
+        poses(press, press.closed[None]),
+    )
     crank, rod, slide = _bodies(press)
-    shaft, crank_pin, slide_pin = _pins(press, plane, at, crank, rod, slide)
+    shaft, crank_pin, slide_pin = _pins(press, plane, drawn_poses, crank, rod, slide)
     radius, length = complex(to_complex(plane, crank_pin - shaft)), complex(to_complex(plane, slide_pin - crank_pin))
-    guide = complex(to_complex(plane, at.rotation[slide, 0] @ press.axes[slide - 1].direction))
+    guide = complex(to_complex(plane, drawn_poses.rotation[slide, 0] @ press.axes[slide - 1].direction))
     along = (radius + length) / guide
     if abs(along.imag) > CENTRED * abs(length):
         raise _refusal(press, f"the line of its slide's pin passes the shaft at {abs(along.imag):.6g} m")
@@ -157,7 +160,7 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
 
     def centre(body: int, pin: Array, line: complex) -> complex:
         """Centre of mass from a pin, along the line of the link's pins."""
-        return complex(to_complex(plane, at.points(body, inertias[body].lever)[0] - pin)) * abs(line) / line
+        return complex(to_complex(plane, drawn_poses.points(body, inertias[body].lever)[0] - pin)) * abs(line) / line
 
     return CrankSlider(
         crank=press.link_of(crank),
@@ -265,8 +268,8 @@ def approximate_balance(press: Linkage, radius: float, *, share: float = 0.5) ->
         PinpressError: the press is not a centred crank-slider (see `as_crank_slider`), the radius is not positive, or the share is not
             from 0 to 1.
     """
-    wanted = "the part of the reciprocating mass to be balanced, from 0 to 1"
-    suitable_numbers("share", share, wanted, suits=lambda part: 0 <= part <= 1)
+    expected = "the part of the reciprocating mass to be balanced, from 0 to 1"
+    suitable_numbers("share", share, expected, suits=lambda part: 0 <= part <= 1)
     main = as_crank_slider(press)
     return _on_crank(press, main, main.rotating_product + share * main.crank_radius * main.reciprocating_mass, radius)
 
@@ -318,13 +321,13 @@ def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -
     """
     for reactions in (before, after):
         expect("reactions", reactions, Reactions, "inverse_dynamics")
-    press, (speed, other) = before._press, (np.abs(reactions.motion.crank_speed).max() for reactions in (before, after))
+    press, (speed, speed_after) = before._press, (np.abs(reactions.motion.crank_speed).max() for reactions in (before, after))
     normal = press.plane_or_refuse(f"{press.name} is not planar: take the harmonics of its shaking force axis by axis").normal
-    if not abs(other - speed) <= SAME_SPEED * speed:
+    if not abs(speed_after - speed) <= SAME_SPEED * speed:
         raise PinpressError("before and after have different speeds, but forces grow with speed squared: give both the same speed")
-    at, along = poses(press, press.closed[None]), press.slide_direction
+    drawn_poses, along = poses(press, press.closed[None]), press.slide_direction
     axes = np.array([along, np.cross(normal, along)])
-    shaft = at.position[press.driver_indices[0] + 1, 0]
+    shaft = drawn_poses.position[press.driver_indices[0] + 1, 0]
     (first, least1), (second, least2) = (_amplitudes(each, axes, normal, shaft, orders) for each in (before, after))
     none = np.zeros(3)
     quantities = (("force along the slide", "N"), ("force across the slide", "N"), ("tilting moment", "N m"))
@@ -389,9 +392,9 @@ def _correction(press: Linkage, main: CrankSlider, link: str, centre: complex, p
     ``centre`` [m] and ``product`` [kg m] are complex numbers from the shaft in the drawn pose, as of `CrankSlider.point`.
     """
     body = press.model.frames[press.model.getFrameId(link)].parentJoint
-    at = poses(press, press.closed[None])
-    into = at.rotation[body, 0].T
-    return Correction(into @ (main.point(product) - main.shaft), into @ (main.point(centre) - at.position[body, 0]))
+    drawn_poses = poses(press, press.closed[None])
+    into = drawn_poses.rotation[body, 0].T
+    return Correction(into @ (main.point(product) - main.shaft), into @ (main.point(centre) - drawn_poses.position[body, 0]))
 
 
 def _amplitudes(
@@ -400,15 +403,17 @@ def _amplitudes(
     """Order -> (3,) amplitudes of the forces along and across and of the moment about the shaft, and their rounding limits."""
     force = reactions.shaking_force
     moment = (reactions.shaking_moment - np.cross(shaft, force)) @ normal
-    found = harmonics(reactions.motion, np.column_stack([force @ axes.T, moment]), orders)
+    spectrum = harmonics(reactions.motion, np.column_stack([force @ axes.T, moment]), orders)
     turns = reactions.motion.period_turns or 1
-    if found is None or len(found.orders) <= orders * turns:
+    if spectrum is None or len(spectrum.orders) <= orders * turns:
         raise PinpressError(
             f"the motion of {reactions.motion.linkage} does not have a full period of {2 * orders * turns + 1} states: use cycle(...,"
             " points=...)"
         )
     least = ROUNDING * max(float(np.abs(each).max()) for each in (force, *reactions.bearing_force.values()))
-    by_order = {int(o) if o.is_integer() else float(o): at for o, at in zip(found.orders[1:], found.amplitude[1:], strict=True)}
+    by_order = {
+        int(o) if o.is_integer() else float(o): amplitude for o, amplitude in zip(spectrum.orders[1:], spectrum.amplitude[1:], strict=True)
+    }
     return by_order, (least, least, least * reactions._press.size)
 
 

@@ -44,34 +44,34 @@ MUCH = 1e3  # limits that would have to be more than 1000 times as large are not
 
 def limit_heights(limits: Sequence[Limit]) -> list[float]:
     """Heights above bottom dead centre at which windows of limits begin or end [m]."""
-    found = [height for each in limits if isinstance(each, Window) and each.heights is not None for height in each.heights]
-    return [*found, *(each.height for each in limits if isinstance(each, FeedWindow))]
+    found = [height for limit in limits if isinstance(limit, Window) and limit.heights is not None for height in limit.heights]
+    return [*found, *(limit.height for limit in limits if isinstance(limit, FeedWindow))]
 
 
 def bearings_of(press: Linkage, limits: Sequence[Limit]) -> tuple[str, ...]:
     """Names of bearings with limited forces; raises UnknownNameError for a name that the press does not have."""
-    for each in limits:
-        if isinstance(each, BearingForce) and each.bearing not in press.bearings:
-            raise UnknownNameError("bearing", each.bearing, press.bearings)
-    return tuple(dict.fromkeys(each.bearing for each in limits if isinstance(each, BearingForce)))
+    for limit in limits:
+        if isinstance(limit, BearingForce) and limit.bearing not in press.bearings:
+            raise UnknownNameError("bearing", limit.bearing, press.bearings)
+    return tuple(dict.fromkeys(limit.bearing for limit in limits if isinstance(limit, BearingForce)))
 
 
 def refuse_heights(press: Linkage, limits: Sequence[Limit], stroke: float) -> None:
     """Raise PinpressError for a limit at heights that the slide does not reach."""
-    for each in limits:
-        heights = (each.height,) if isinstance(each, FeedWindow) else each.heights if isinstance(each, Window) else None
+    for limit in limits:
+        heights = (limit.height,) if isinstance(limit, FeedWindow) else limit.heights if isinstance(limit, Window) else None
         if heights and max(heights) > stroke + EDGE:
             raise PinpressError(
-                f"{in_words(each)}: {1e3 * max(heights):.6g} mm is outside the stroke of {press.name}: give heights above bottom dead"
+                f"{in_words(limit)}: {1e3 * max(heights):.6g} mm is outside the stroke of {press.name}: give heights above bottom dead"
                 f" centre, from 0 to {stroke:.9g} m"
             )
 
 
 def caution_flank(press: Linkage, limits: Sequence[Limit], loads: Sequence[Load]) -> None:
     """Caution if a speed is limited on the way up only, at heights where the process acts on the way down only."""
-    speeds = [each for each in limits if isinstance(each, SlideSpeed | CrankSpeed)]
-    upwards = [each for each in speeds if isinstance(each, SlideSpeed) and each.flank == "up" and each.heights is not None]
-    if not upwards or any(each.flank != "up" for each in speeds):
+    speeds = [limit for limit in limits if isinstance(limit, SlideSpeed | CrankSpeed)]
+    upwards = [limit for limit in speeds if isinstance(limit, SlideSpeed) and limit.flank == "up" and limit.heights is not None]
+    if not upwards or any(limit.flank != "up" for limit in speeds):
         return
     acting: dict[bool, list[tuple[float, float, str]]] = {}
     for down in (True, False):
@@ -79,13 +79,13 @@ def caution_flank(press: Linkage, limits: Sequence[Limit], loads: Sequence[Load]
         shift = dead_centres(press).bottom_position
         spans = [(part.lower + datum(load, press) - shift, part.upper + datum(load, press) - shift, load) for load, part in pairs]
         acting[down] = [(low, high, type(load).__name__) for low, high, load in spans]
-    for each in upwards:
-        low, high = span(each)
+    for limit in upwards:
+        low, high = span(limit)
         on = {down: [name for bottom, top, name in found if bottom < high - EDGE and top > low + EDGE] for down, found in acting.items()}
         if on[True] and not on[False]:
             names = " and ".join(dict.fromkeys(on[True]))
             caution(
-                f"{in_words(each)} holds on the way up, but {names} acts at these heights on the way down only, where no"
+                f"{in_words(limit)} holds on the way up, but {names} acts at these heights on the way down only, where no"
                 ' speed is limited. This is probably a mistake: write flank="down", unless the return must be slow'
             )
 
@@ -100,39 +100,39 @@ def motion_problem(
     """
     all_ = np.arange(len(c.grid.step))
     problem = MotionProblem(c, drive, weights, time, time_name="cycle time" if time is None else f"cycle time of {time:.6g} s")
-    found = [*_of_drive(c, drive), *hull_bounds(problem)]
-    for each in limits:
-        if isinstance(each, SlideSpeed):
-            found.append(_slide_speed(c, each))
-        elif isinstance(each, CrankSpeed):
-            nodes = _nodes(c, _segments(c, each))
-            found.append(Bounded(in_words(each), np.full(len(nodes), each.speed**2), each.speed, "rad/s", nodes=nodes, power=2.0))
-        elif isinstance(each, SlideAcceleration):
-            chosen = np.flatnonzero(_segments(c, each))
-            most = np.full(len(chosen), each.acceleration)
+    bounds = [*_of_drive(c, drive), *hull_bounds(problem)]
+    for limit in limits:
+        if isinstance(limit, SlideSpeed):
+            bounds.append(_slide_speed(c, limit))
+        elif isinstance(limit, CrankSpeed):
+            nodes = _nodes(c, _segments(c, limit))
+            bounds.append(Bounded(in_words(limit), np.full(len(nodes), limit.speed**2), limit.speed, "rad/s", nodes=nodes, power=2.0))
+        elif isinstance(limit, SlideAcceleration):
+            segments = np.flatnonzero(_segments(c, limit))
+            most = np.full(len(segments), limit.acceleration)
             for k in range(2):
-                travel, bend = c.inner_travel[k][chosen], c.inner_bend[k][chosen]
-                quantity = inner_affine(c, k, travel, bend, np.zeros(len(chosen)), chosen)
-                found.append(Bounded(in_words(each), most, each.acceleration, "m/s2", quantity, both=True))
-        elif isinstance(each, CrankAcceleration):
+                travel, bend = c.inner_travel[k][segments], c.inner_bend[k][segments]
+                quantity = inner_affine(c, k, travel, bend, np.zeros(len(segments)), segments)
+                bounds.append(Bounded(in_words(limit), most, limit.acceleration, "m/s2", quantity, both=True))
+        elif isinstance(limit, CrankAcceleration):
             step = c.grid.step
             rate = Affine(-0.5 / step, 0.5 / step, np.zeros(len(step)), all_)
-            found.append(Bounded(in_words(each), np.full(len(step), each.acceleration), each.acceleration, "rad/s2", rate, both=True))
-        elif isinstance(each, BearingForce):
-            found += [_bearing_force(c, each, k) for k in range(2)]
-        elif isinstance(each, RmsTorque):
-            problem = _with_rms(problem, drive, each)
-        elif isinstance(each, FeedWindow):
+            bounds.append(Bounded(in_words(limit), np.full(len(step), limit.acceleration), limit.acceleration, "rad/s2", rate, both=True))
+        elif isinstance(limit, BearingForce):
+            bounds += [_bearing_force(c, limit, k) for k in range(2)]
+        elif isinstance(limit, RmsTorque):
+            problem = _with_rms(problem, drive, limit)
+        elif isinstance(limit, FeedWindow):
             if problem.below is not None:
                 raise PinpressError("limits have two feed windows: give one FeedWindow")
             middle = 0.5 * (c.height[1:] + c.height[:-1])
-            problem = replace(problem, below=middle < each.height, feed_time=each.time, feed_name=in_words(each))
-    return replace(problem, bounds=tuple(found))
+            problem = replace(problem, below=middle < limit.height, feed_time=limit.time, feed_name=in_words(limit))
+    return replace(problem, bounds=tuple(bounds))
 
 
 def _of_drive(c: Coefficients, drive: ServoDrive) -> list[Bounded]:
     """The limits of the drive."""
-    found, n = [], len(c.grid.step)
+    bounds, n = [], len(c.grid.step)
     if drive.peak_torque is not None:
         _refuse_to_hold(c, drive, float(drive.peak_torque_at(0.0)))
     if drive.peak_torque is not None and not (drive.curve_torque and drive.curve_torque[0] <= drive.peak_torque):
@@ -141,12 +141,12 @@ def _of_drive(c: Coefficients, drive: ServoDrive) -> list[Bounded]:
         torque = Affine(-inertia[:-1] / step, inertia[1:] / step, c.mean_torque, np.arange(n))
         most = np.full(n, drive.peak_torque * drive.ratio)
         name = f"torque of the motor of {drive.peak_torque:.6g} N m"
-        found.append(Bounded(name, most, drive.peak_torque, "N m", torque, both=True, drag=drive.crank_drag))
+        bounds.append(Bounded(name, most, drive.peak_torque, "N m", torque, both=True, drag=drive.crank_drag))
     if drive.top_speed is not None:
         nodes = np.flatnonzero(~c.grid.rest)
         most = np.full(len(nodes), (drive.top_speed / drive.ratio) ** 2)
-        found.append(Bounded(_speed_name(drive.top_speed), most, drive.top_speed, "rad/s", nodes=nodes, power=2.0))
-    return found
+        bounds.append(Bounded(_speed_name(drive.top_speed), most, drive.top_speed, "rad/s", nodes=nodes, power=2.0))
+    return bounds
 
 
 def _refuse_to_hold(c: Coefficients, drive: ServoDrive, peak: float) -> None:
@@ -186,8 +186,8 @@ def _segments(c: Coefficients, limit: Window) -> NDArray[np.bool_]:
 
 def _nodes(c: Coefficients, segments: NDArray[np.bool_]) -> NDArray[np.intp]:
     """Nodes at the ends of segments, without rests."""
-    at = np.append(segments, False) | np.append(False, segments)
-    return np.flatnonzero(at & ~c.grid.rest)
+    ends = np.append(segments, False) | np.append(False, segments)
+    return np.flatnonzero(ends & ~c.grid.rest)
 
 
 def _slide_speed(c: Coefficients, limit: SlideSpeed) -> Bounded:
@@ -271,19 +271,19 @@ def refuse_short(problem: MotionProblem, limits: Sequence[Limit], press_name: st
     """
     if problem.time is None:
         return
-    found = speed_times(problem, limits)
-    if problem.time > found.least * (1.0 + AS_LONG if not found.reachable else 1.0 - AS_LONG) or not found.by_limit:
+    taken = speed_times(problem, limits)
+    if problem.time > taken.least * (1.0 + AS_LONG if not taken.reachable else 1.0 - AS_LONG) or not taken.by_limit:
         return
     beside = [
         *([f"rests of {problem.resting:.4g} s"] if problem.resting else []),
         *([problem.feed_name] if problem.below is not None else []),
     ]
     with_ = f", with {' and '.join(beside)}" if beside else ""
-    remedy = _remedy(problem, problem.time_name) if any(each.quantity is not None for each in problem.bounds) else ""
+    remedy = _remedy(problem, problem.time_name) if any(bound.quantity is not None for bound in problem.bounds) else ""
     more = f"; with all limits {remedy} would do" if remedy else ""
     raise PinpressError(
-        f"no motion of {press_name} keeps the {problem.time_name} and the {found.words} together: even with the strongest drive these"
-        f" speeds take {found.least:.4g} s{with_}; give a longer time, or higher speeds{more}"
+        f"no motion of {press_name} keeps the {problem.time_name} and the {taken.words} together: even with the strongest drive these"
+        f" speeds take {taken.least:.4g} s{with_}; give a longer time, or higher speeds{more}"
     )
 
 
@@ -330,9 +330,9 @@ def _remedy(problem: MotionProblem, name: str) -> str:
         return f"an rms torque of {problem.rms / problem.drive.ratio * np.sqrt(1.0 + 2.0 * alone.relaxed):.4g} N m"
     if name == problem.feed_name:
         return f"a feed window of {max(0.0, problem.feed_time * (1.0 - alone.relaxed)):.4g} s" if alone.relaxed < 1.0 else ""
-    each = next(bound for bound in problem.bounds if bound.name == name)
-    number = each.limit * (1.0 + each.power * alone.relaxed) ** (1.0 / each.power)
-    return f"{_kind(each.name)} of {number:.4g} {each.unit}"
+    limit = next(bound for bound in problem.bounds if bound.name == name)
+    number = limit.limit * (1.0 + limit.power * alone.relaxed) ** (1.0 / limit.power)
+    return f"{_kind(limit.name)} of {number:.4g} {limit.unit}"
 
 
 def _kind(name: str) -> str:

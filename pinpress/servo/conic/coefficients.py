@@ -166,27 +166,27 @@ def path_grid(press: Linkage, legs: PathLegs, heights: Iterable[float], points: 
 
 def load_heights(press: Linkage, loads: Sequence[Load]) -> list[float]:
     """Heights above bottom dead centre at which process loads begin or end [m]."""
-    bottom, found = dead_centres(press).bottom_position, []
+    bottom, heights = dead_centres(press).bottom_position, []
     for load in loads:
         if isinstance(load, PointForce | SpringDamper | TimeForce) or not isinstance(load, ProcessLoad):
             continue
         intervals = [*load.intervals(True), *load.intervals(False)]
         zero = datum(load, press) if intervals else 0.0
-        found += [border + zero - bottom for each in intervals for border in (each.lower, each.upper) if np.isfinite(border)]
-    return found
+        heights += [border + zero - bottom for each in intervals for border in (each.lower, each.upper) if np.isfinite(border)]
+    return heights
 
 
 def feels_speed(loads: Sequence[Load], friction: Mapping[str, Friction]) -> list[str]:
     """Names of the loads whose torque depends on the speed in another way than by its square."""
-    found = ["friction of bearings"] if friction else []
+    names = ["friction of bearings"] if friction else []
     for load in loads:
         if isinstance(load, SpringDamper):
-            found += ["a damper"] if np.any(load.damping) else []
+            names += ["a damper"] if np.any(load.damping) else []
         elif isinstance(load, PointForce):
-            found += ["a force that is a function of the motion"] if callable(load.force) else []
+            names += ["a force that is a function of the motion"] if callable(load.force) else []
         elif isinstance(load, ProcessLoad) and any(each.heeds_velocity for down in (True, False) for each in load.intervals(down)):
-            found.append(f"{type(load).__name__}, which depends on the slide's speed")
-    return list(dict.fromkeys(found))
+            names.append(f"{type(load).__name__}, which depends on the slide's speed")
+    return list(dict.fromkeys(names))
 
 
 def coefficients(

@@ -156,14 +156,14 @@ def exceeded(problem: MotionProblem, b: Array, limits: LocalLimits) -> bool:
 def words_of(problem: MotionProblem, limits: LocalLimits, b: Array | None = None) -> list[str]:
     """The limits as text; with b only the limits that this motion exceeds."""
     power, rate, drive = limits.power, limits.rate, problem.drive
-    found = []
+    texts = []
     if power is not None and (b is None or powers(problem, b).max() > power * (1.0 + KEPT)):
-        found.append(f"a power of {power:.6g} W")
+        texts.append(f"a power of {power:.6g} W")
     if drive.curve_torque is not None and (b is None or curve_use(problem, b).max() > 1.0 + KEPT):
-        found.append("a torque below the motor's curve")
+        texts.append("a torque below the motor's curve")
     if rate is not None and (b is None or torque_rates(problem, b).max() > rate * (1.0 + KEPT)):
-        found.append(RATE.format(rate / problem.drive.ratio))
-    return found
+        texts.append(RATE.format(rate / problem.drive.ratio))
+    return texts
 
 
 def powers(problem: MotionProblem, b: Array) -> Array:
@@ -202,7 +202,7 @@ def _rate_tangents(problem: MotionProblem, b: Array, rate: float) -> list[Bounde
     times = 2.0 * h / total
     with np.errstate(divide="ignore"):  # at a rest b is no variable
         slopes = [np.where(each > 0, -h / (total**2 * each), 0.0) for each in (speed[:-1], speed[1:])]
-    first, second, found = pairs.first, pairs.second, []
+    first, second, bounds = pairs.first, pairs.second, []
     half = 0.5 * rate
     level = half * sum(times[k] - slopes[0][k] * b[k] - slopes[1][k] * b[k + 1] for k in (first, second))
     for sign in (1.0, -1.0):
@@ -210,8 +210,8 @@ def _rate_tangents(problem: MotionProblem, b: Array, rate: float) -> list[Bounde
         middle = sign * (mean.before[second] - mean.after[first]) - half * (slopes[1][first] + slopes[0][second])
         after = sign * mean.after[second] - half * slopes[1][second]
         quantity = Affine(before, middle, sign * (mean.fixed[second] - mean.fixed[first]), first, after, second + 1)
-        found.append(Bounded(RATE.format(rate / problem.drive.ratio), level, rate / problem.drive.ratio, "N m/s", quantity))
-    return found
+        bounds.append(Bounded(RATE.format(rate / problem.drive.ratio), level, rate / problem.drive.ratio, "N m/s", quantity))
+    return bounds
 
 
 def _slower(problem: MotionProblem, b: Array, power: float) -> Array:
@@ -229,13 +229,13 @@ def _power_tangents(problem: MotionProblem, b: Array, power: float) -> list[Boun
     with np.errstate(divide="ignore"):  # at a rest b is no variable
         slopes = [np.where(each > 0, -power / (total**2 * each), 0.0) for each in (speed[:-1], speed[1:])]
     level = allowed - slopes[0] * b[:-1] - slopes[1] * b[1:]
-    mean, found = problem.mean_torque(), []
+    mean, bounds = problem.mean_torque(), []
     drag = 0.5 * problem.drive.crank_drag * problem.coefficients.grid.way * total
     for sign in (1.0, -1.0):
         before, after = sign * mean.before - slopes[0], sign * mean.after - slopes[1]
         quantity = Affine(before, after, sign * (mean.fixed + drag), mean.segments)
-        found.append(Bounded(NAME.format(power), level, power, "W", quantity))
-    return found
+        bounds.append(Bounded(NAME.format(power), level, power, "W", quantity))
+    return bounds
 
 
 # ------------------------------------------------------------------------------------------------------------- a bound for all motions

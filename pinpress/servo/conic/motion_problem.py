@@ -226,12 +226,12 @@ def figures(problem: MotionProblem, b: Array) -> Figures:
     first, second = problem.inner_torques()
     heat = 0.5 * (first.at(b) ** 2 + second.at(b) ** 2) * times + 2.0 * drag * mean * step + drag**2 * rolled
     given = mean * step + drag * rolled + drive.copper / drive.ratio**2 * heat + drive.iron * drive.ratio**2 * rolled
-    held = drive.copper / drive.ratio**2 * problem.holding_heat
+    holding = drive.copper / drive.ratio**2 * problem.holding_heat
     below = float("nan") if problem.below is None else float(times[problem.below].sum()) + rest_below(problem)
     return Figures(
         time=float(times.sum()) + problem.resting,
         heat=float(heat.sum()) + problem.holding_heat,
-        energy=float(np.maximum(given, drive.regeneration * given).sum()) + held,
+        energy=float(np.maximum(given, drive.regeneration * given).sum()) + holding,
         peak=max(
             float(np.abs(torque.at(b) + drag * grid.way * rate).max())
             for torque, rate in zip(problem.end_torques(), (speed[:-1], speed[1:]), strict=True)

@@ -97,7 +97,7 @@ def coarse_turn(coarse: MotionProblem, faster: float, limits: LocalLimits) -> Co
     """
     assert coarse.time is not None
     bound, passing = _passing_the_mean_speed(_never_resting(coarse))
-    found = None
+    best = None
     starts = [_even(coarse), *([] if passing is None else [passing])]
     if limits.power is not None or limits.rate is not None or coarse.rms is not None:  # an even speed may be far from what they allow
         cool = coarse if coarse.rms is None else replace(coarse, rms=None, weights={"heat": 1.0})
@@ -108,15 +108,15 @@ def coarse_turn(coarse: MotionProblem, faster: float, limits: LocalLimits) -> Co
             turn = _rounds(coarse, start, limits, MANY_ROUNDS)
         except NoTurnError:
             continue
-        found = turn if found is None or turn.answer.value < found.answer.value else found
-    if found is None:
+        best = turn if best is None or turn.answer.value < best.answer.value else best
+    if best is None:
         raise NoTurnError(
             f"no turn that takes {coarse.time:.6g} s was found, though one may exist; a faster turn of {faster:.6g} s needs less: give"
             " this time, wider limits, or path=servo.Stop(), which pauses"
         )
-    if bound > found.answer.value + FINE * abs(found.answer.value):  # the solver denied a motion that exists
+    if bound > best.answer.value + FINE * abs(best.answer.value):  # the solver denied a motion that exists
         bound = -np.inf
-    return CoarseTurn(found, max(0.0, (found.answer.value - bound) / abs(found.answer.value)))
+    return CoarseTurn(best, max(0.0, (best.answer.value - bound) / abs(best.answer.value)))
 
 
 def turn_in_time(
@@ -141,18 +141,18 @@ def turn_in_time(
     Raises:
         NoTurnError: the search found no such turn.
     """
-    size, found = len(problem.coefficients.grid.step), coarse.turn
+    size, turn = len(problem.coefficients.grid.step), coarse.turn
     if size > 2 * FINER * COARSE:
-        found = _refined(at(FINER * COARSE, found.as_motion), found, limits, SOME_ROUNDS)
+        turn = _refined(at(FINER * COARSE, turn.as_motion), turn, limits, SOME_ROUNDS)
     if size > 2 * COARSE:
-        found = _refined(at(None, found.as_motion), found, limits, FEW_ROUNDS)
-    _refuse_late(problem, found)
-    answer, gap = found.answer, coarse.gap
+        turn = _refined(at(None, turn.as_motion), turn, limits, FEW_ROUNDS)
+    _refuse_late(problem, turn)
+    answer, gap = turn.answer, coarse.gap
     share = answer.value - gap * abs(answer.value)
     answer = replace(answer, bound=max(share, free.bound) if np.isfinite(share) else free.bound)
     segments = len(coarse.turn.limited.coefficients.grid.step)
     proof = f"proved on a path of {segments} segments" if answer.bound > free.bound else "proved by the faster turn"
-    return answer, found.limited, [_in_words(problem, free, found, answer.gap, limits, proof)]
+    return answer, turn.limited, [_in_words(problem, free, turn, answer.gap, limits, proof)]
 
 
 def turn_near(problem: MotionProblem, free: Solution, limits: LocalLimits, start: Array) -> tuple[Solution, MotionProblem, list[str]]:
@@ -160,20 +160,20 @@ def turn_near(problem: MotionProblem, free: Solution, limits: LocalLimits, start
 
     Args and errors are those of `turn_in_time`.
     """
-    found = _rounds(problem, start, limits, FEW_ROUNDS)
-    _refuse_late(problem, found)
-    answer = replace(found.answer, bound=free.bound)
+    turn = _rounds(problem, start, limits, FEW_ROUNDS)
+    _refuse_late(problem, turn)
+    answer = replace(turn.answer, bound=free.bound)
     note = (
         f"a turn that takes {problem.time:.6g} s is not convex: the motion is the best of its neighbours; a faster turn of"
         f" {segment_times(problem.coefficients, free.b).sum():.4g} s would need {100 * answer.gap:.2g} % less a stroke"
     )
-    return answer, found.limited, [note]
+    return answer, turn.limited, [note]
 
 
 def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) -> TimedTurn:
     """Find the motion by tangents, starting from an approximate motion."""
     assert problem.time is not None
-    whole, found, value, least_late = _never_resting(problem), None, np.inf, np.inf
+    whole, best, value, least_late = _never_resting(problem), None, np.inf, np.inf
     b = _in_time(problem, b)
     for k in range(max(3 * rounds, MANY_ROUNDS)):  # beyond `rounds` while the time is not met
         rows = [_time_tangent(problem, b, problem.time), *tangents(problem, b, limits)]
@@ -185,16 +185,16 @@ def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) 
         value = answer.value
         late = float(segment_times(problem.coefficients, answer.b).sum()) / problem.time - 1.0
         if late <= max(LATE, least_late):  # a later round may miss the time again: keep the round that met it best
-            found, least_late = turn, late
+            best, least_late = turn, late
         if late <= LATE and (turn.change <= SETTLED or k + 1 >= rounds):
             break
         b = _in_time(problem, answer.b)
-    if found is None:
+    if best is None:
         raise NoTurnError(
             f"no turn that takes {problem.time:.6g} s was found, though one may exist: give another time, wider limits, or"
             " path=servo.Stop(), which pauses"
         )
-    return found
+    return best
 
 
 def _with_end(problem: MotionProblem) -> MotionProblem:
@@ -293,16 +293,16 @@ def _passing_the_mean_speed(problem: MotionProblem) -> tuple[float, Array | None
         before = Affine(np.array([-1.0 / mean]), np.zeros(1), np.array([2.0]), np.array([k]))
         rows = Bounded("", np.ones(1), 1.0, "", before), Bounded("", np.array([mean]), 1.0, "", nodes=np.array([k + 1]))
         passing = replace(problem, bounds=(*problem.bounds, *rows))
-        found = _solved(passing, sizes, ROUGH)
-        if not isinstance(found, Solution):  # only a tight tolerance proves that there is no motion
-            found = _solved(passing, first_sizes(problem), CLOSE)
-        if found is None:
+        optimum = _solved(passing, sizes, ROUGH)
+        if not isinstance(optimum, Solution):  # only a tight tolerance proves that there is no motion
+            optimum = _solved(passing, first_sizes(problem), CLOSE)
+        if optimum is None:
             continue
-        if isinstance(found, UnsolvedError):
+        if isinstance(optimum, UnsolvedError):
             return -np.inf, motion
-        sizes = sizes_of(problem, found.b)
-        if found.bound < least:
-            least, motion = found.bound, found.b
+        sizes = sizes_of(problem, optimum.b)
+        if optimum.bound < least:
+            least, motion = optimum.bound, optimum.b
     return (least, motion) if motion is not None else (-np.inf, None)
 
 

@@ -38,12 +38,12 @@ def curve_name(drive: ServoDrive) -> str:
 def hull_bounds(problem: MotionProblem) -> list[Bounded]:
     """The curve's hull as limits of the mean torque of segments and of c, exact where c is the speed."""
     drive, torque = problem.drive, problem.mean_torque()
-    found = []
+    bounds = []
     for line in _lines(_hull(_points(drive))):
         most = np.full(len(torque.segments), line.torque)
         words = curve_name(drive)
-        found.append(Bounded(words, most, line.torque / drive.ratio, "N m", torque, both=True, drag=drive.crank_drag, by_speed=line.fall))
-    return found
+        bounds.append(Bounded(words, most, line.torque / drive.ratio, "N m", torque, both=True, drag=drive.crank_drag, by_speed=line.fall))
+    return bounds
 
 
 def curve_use(problem: MotionProblem, b: Array) -> Array:
@@ -59,15 +59,15 @@ def curve_tangents(problem: MotionProblem, b: Array) -> list[Bounded]:
     drive, mean, speed = problem.drive, problem.mean_torque(), np.sqrt(b)
     total = speed[1:] + speed[:-1]
     drag = 0.5 * drive.crank_drag * problem.coefficients.grid.way * total
-    found = []
+    bounds = []
     for torque, fall in _active_lines(drive, 0.5 * total):
         # at a rest b is no variable
         slopes = [np.divide(-0.25 * fall, each, out=np.zeros_like(each), where=each > 0) for each in (speed[:-1], speed[1:])]
         level = torque - 0.5 * fall * total - slopes[0] * b[:-1] - slopes[1] * b[1:]
         for sign in (1.0, -1.0):
             quantity = Affine(sign * mean.before - slopes[0], sign * mean.after - slopes[1], sign * (mean.fixed + drag), mean.segments)
-            found.append(Bounded(curve_name(drive), level, max(drive.curve_torque or (0.0,)), "N m", quantity))
-    return found
+            bounds.append(Bounded(curve_name(drive), level, max(drive.curve_torque or (0.0,)), "N m", quantity))
+    return bounds
 
 
 def tangents_at_states(drive: ServoDrive, torque: Affine, share: Array, speed: Array) -> list[Bounded]:
@@ -79,15 +79,15 @@ def tangents_at_states(drive: ServoDrive, torque: Affine, share: Array, speed: A
         share: (m,) place of each state in its segment, as a share of the step [-].
         speed: (m,) absolute speed of the crank at these states, not 0 [rad/s].
     """
-    found = []
+    bounds = []
     for most, fall in _active_lines(drive, speed):
         slope = 0.5 * fall / speed
         level = most - 0.5 * fall * speed
         for sign in (1.0, -1.0):
             before, after = sign * torque.before + slope * (1.0 - share), sign * torque.after + slope * share
             quantity = Affine(before, after, sign * torque.fixed, torque.segments)
-            found.append(Bounded(curve_name(drive), level, max(drive.curve_torque or (0.0,)), "N m", quantity))
-    return found
+            bounds.append(Bounded(curve_name(drive), level, max(drive.curve_torque or (0.0,)), "N m", quantity))
+    return bounds
 
 
 def _points(drive: ServoDrive) -> list[tuple[float, float]]:
@@ -108,11 +108,11 @@ def _hull(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 def _lines(points: list[tuple[float, float]]) -> list[TorqueLine]:
     """The lines between corners."""
-    found = []
+    lines = []
     for (x, y), (x2, y2) in itertools.pairwise(points):
         fall = max(0.0, (y - y2) / (x2 - x))
-        found.append(TorqueLine(y + fall * x, fall))
-    return found
+        lines.append(TorqueLine(y + fall * x, fall))
+    return lines
 
 
 def _active_lines(drive: ServoDrive, speed: Array) -> list[tuple[Array, Array]]:

@@ -113,24 +113,24 @@ def _piece(shapes: Shapes, deviations: Array, ending: Ending, slopes: Array) -> 
     x = ending.start[:, None] + moved
     with np.errstate(all="ignore"):  # a set that fails shows in its gap
         for _ in range(MOST_NEWTON_STEPS + 1):
-            found = shapes.evaluated(x, added)
-            turn = _turned(shapes, x, deviations, found, ending)
-            close = found.gap <= ACCEPTED * shapes.tolerance
+            solution = shapes.evaluated(x, added)
+            turn = _turned(shapes, x, deviations, solution, ending)
+            close = solution.gap <= ACCEPTED * shapes.tolerance
             at_rest = np.abs(turn) <= (TURNED_BACK if ending.kind == "dead centre" else TURNED)
-            if (close & at_rest).all() or not np.isfinite(found.gap).any():
+            if (close & at_rest).all() or not np.isfinite(solution.gap).any():
                 break
-            x = x + found.step + turn * (found.first + 0.5 * turn * found.second)
-        x = x + found.step + turn * (found.first + 0.5 * turn * found.second)
+            x = x + solution.step + turn * (solution.first + 0.5 * turn * solution.second)
+        x = x + solution.step + turn * (solution.first + 0.5 * turn * solution.second)
         sound = close & at_rest & same_assembly(shapes, x - ending.start[:, None], moved)
-    rate, second = found.first[guide] + turn * found.second[guide], found.second[guide]
+    rate, second = solution.first[guide] + turn * solution.second[guide], solution.second[guide]
     return Ended(shapes.position(x, deviations), sign * rate, sign * second, sound)
 
 
 def same_assembly(shapes: Shapes, way: Array, moved: Array) -> NDArray[np.bool_]:
     """Whether sets (n,) are still the nominal assembly; ``way``: their motion (nv, n), ``moved``: their motion to first order."""
     size = 1 + shapes.press.size
-    told = np.minimum(np.abs(moved).max(axis=0), FAR * size)
-    return np.asarray(np.abs(way - moved).max(axis=0) <= CORRECTED * told + NEARLY * size)
+    expected = np.minimum(np.abs(moved).max(axis=0), FAR * size)
+    return np.asarray(np.abs(way - moved).max(axis=0) <= CORRECTED * expected + NEARLY * size)
 
 
 def _turned(shapes: Shapes, x: Array, deviations: Array, found: Evaluated, ending: Ending) -> Array:

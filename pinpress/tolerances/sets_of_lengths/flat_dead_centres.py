@@ -114,16 +114,18 @@ def _followed(shapes: Shapes, deviations: Array, point: TurningPoint, outwards: 
         for _ in range(point.steps):
             if not len(sets):
                 break
-            there = here.driven(shapes, way * point.step)
-            before, after = (outwards * way * sign * each.found.first[guide] for each in (here, there))
-            sound[sets] &= there.closed
-            between = np.flatnonzero(there.closed & (before >= 0.0) & (after < 0.0))
+            ahead = here.driven(shapes, way * point.step)
+            before, after = (outwards * way * sign * states.found.first[guide] for states in (here, ahead))
+            sound[sets] &= ahead.closed
+            between = np.flatnonzero(ahead.closed & (before >= 0.0) & (after < 0.0))
             if len(between):
-                found = _turned_back(shapes, there.of(between), -way * point.step, outwards)
-                np.maximum.at(farthest, sets[between], found) if point.upwards else np.minimum.at(farthest, sets[between], found)
+                turned_back = _turned_back(shapes, ahead.of(between), -way * point.step, outwards)
+                np.maximum.at(farthest, sets[between], turned_back) if point.upwards else np.minimum.at(
+                    farthest, sets[between], turned_back
+                )
                 turned[sets[between]] = True
-            on = np.flatnonzero(there.closed & (after >= -SLOW * point.speed))
-            sets, here = sets[on], there.of(on)
+            on = np.flatnonzero(ahead.closed & (after >= -SLOW * point.speed))
+            sets, here = sets[on], ahead.of(on)
         sound[sets] = False  # the slide never goes back
     return farthest, sound & (turned | (point.ending.kind == "held"))
 

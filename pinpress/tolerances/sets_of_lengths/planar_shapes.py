@@ -55,10 +55,10 @@ class PlanarShapes(Shapes):
             PinpressError: a dimension leads out of the press's plane.
         """
         plane, guide = planar(press), press.slide_guide.joint
-        shifts = [shift(press, plane, each) for each in moved]
-        changes = np.array([each.gap_rows for each in shifts])
+        shifts = [shift(press, plane, displacements) for displacements in moved]
+        changes = np.array([displacements.gap_rows for displacements in shifts])
         places = np.argwhere(changes.any(axis=0))
-        guide_slopes = np.array([guide_shift(plane, each, guide) for each in shifts])
+        guide_slopes = np.array([guide_shift(plane, displacements, guide) for displacements in shifts])
         slopes = changes[:, places[:, 0], places[:, 1]].T
         return PlanarShapes(press, guide_slopes, plane.tolerance, plane, tuple(shifts), places, slopes)
 
@@ -113,12 +113,12 @@ class PlanarShapes(Shapes):
 
     def joint_slopes(self, start: Array) -> tuple[Array, Array]:
         states = States.of(self.plane, start[:, None])
-        return np.stack([states.slope(each)[:, 0] for each in self.shifts], axis=1), states.slopes.drive()
+        return np.stack([states.slope(shift_)[:, 0] for shift_ in self.shifts], axis=1), states.slopes.drive()
 
     def slide_slopes(self, position: Array, v: Array) -> tuple[Array, Array]:
         states, rest = States.of(self.plane, position[:, None]), np.zeros((len(v), 1))
         rates = Rates.of(states, v[:, None], rest)
-        tangents = [Tangent.of(states, rates, each) for each in self.shifts]
+        tangents = [Tangent.of(states, rates, shift_) for shift_ in self.shifts]
         guide, _, sign = self.press.slide_guide
-        by_position = sign * (np.array([each.position[guide, 0] for each in tangents]) + self.guide_slopes)
-        return by_position, sign * np.array([each.v[guide, 0] for each in tangents])
+        by_position = sign * (np.array([shift_.position[guide, 0] for shift_ in tangents]) + self.guide_slopes)
+        return by_position, sign * np.array([shift_.v[guide, 0] for shift_ in tangents])

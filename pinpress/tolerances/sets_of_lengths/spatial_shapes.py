@@ -57,28 +57,28 @@ class SpatialShapes(Shapes):
         return Moved(self.joints @ deviations, self.ends @ deviations)
 
     def evaluated(self, x: Array, added: Moved) -> Evaluated:
-        found = equations(self.loops, x, added)
-        gap = found.widest()
-        found.entries[:, ~(np.isfinite(gap) & np.isfinite(found.entries).all(axis=0))] = 0.0
-        passive = PassiveColumns(self.loops, found.entries)
-        first = self._by_crank(found, passive)
-        second = passive.rates(-drift(self.loops, found, motion_axes(self.loops.bodies, found.placed), first))
-        return Evaluated(gap, passive.rates(-found.gaps), first, second)
+        system = equations(self.loops, x, added)
+        gap = system.widest()
+        system.entries[:, ~(np.isfinite(gap) & np.isfinite(system.entries).all(axis=0))] = 0.0
+        passive = PassiveColumns(self.loops, system.entries)
+        first = self._by_crank(system, passive)
+        second = passive.rates(-drift(self.loops, system, motion_axes(self.loops.bodies, system.placed), first))
+        return Evaluated(gap, passive.rates(-system.gaps), first, second)
 
     def joint_slopes(self, start: Array) -> tuple[Array, Array]:
-        found, moved = self._at(start)
-        passive = PassiveColumns(self.loops, found.entries)
-        return passive.rates(found.gaps - moved.gaps), self._by_crank(found, passive)[:, :1]
+        system, moved = self._at(start)
+        passive = PassiveColumns(self.loops, system.entries)
+        return passive.rates(system.gaps - moved.gaps), self._by_crank(system, passive)[:, :1]
 
     def slide_slopes(self, position: Array, v: Array) -> tuple[Array, Array]:
         loops, rates = self.loops, v[:, None]
-        found, moved = self._at(position)
-        passive, opened = PassiveColumns(loops, found.entries), moved.gaps - found.gaps
+        system, moved = self._at(position)
+        passive, opened = PassiveColumns(loops, system.entries), moved.gaps - system.gaps
         still = passive.rates(-opened)
-        self._refuse_contradiction(opened + _driven(loops, found.entries, still))
-        opening = _driven(loops, moved.entries - found.entries, rates)
-        axes = motion_axes(loops.bodies, found.placed)
-        curved = 0.25 * (drift(loops, found, axes, rates + still) - drift(loops, found, axes, rates - still))
+        self._refuse_contradiction(opened + _driven(loops, system.entries, still))
+        opening = _driven(loops, moved.entries - system.entries, rates)
+        axes = motion_axes(loops.bodies, system.placed)
+        curved = 0.25 * (drift(loops, system, axes, rates + still) - drift(loops, system, axes, rates - still))
         velocity = passive.rates(-(opening + curved))
         guide, _, sign = self.press.slide_guide
         return sign * (still[guide] + self.guide_slopes), sign * velocity[guide]
