@@ -71,6 +71,7 @@ def text(page: str) -> str:
 def test_code_of_a_page_runs_and_prints_what_is_shown(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))  # modules that a page writes
+    (tmp_path / "docs").symlink_to(DOCS)  # records, as in a checkout
     names: dict[str, Any] = {}
     for shown in page_blocks.run(text(page), names):
         assert shown.same, f"{page}.md, line {shown.block.line}, shows\n{shown.wanted}\nbut prints\n{shown.printed}"
