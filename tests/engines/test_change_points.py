@@ -268,6 +268,7 @@ def locking_parallelogram(geared):
     return texts.load(text)
 
 
+@pytest.mark.exhaustive
 def test_a_change_point_beyond_a_lock_is_met_in_another_assembly():
     """Over the lock the rod folds to its other side. At the change point on the way back the drawn assembly's polynomials do not hold, and
     the run ends, where it went over to the drawn assembly in a leap."""

@@ -136,6 +136,7 @@ def test_drives_and_flywheels(legs):
     assert run.stats.energy_error < 1e-8
 
 
+@pytest.mark.exhaustive
 def test_two_servo_motors_follow_their_programs():
     """Their torques follow from time and angle; inverse dynamics of the run gives them back, and their works the energy."""
     press, time = five_bar(), np.linspace(0.0, 0.5, 41)

@@ -222,6 +222,7 @@ def test_without_noise_modes_are_exact():
     assert "calculated" not in str(found)
 
 
+@pytest.mark.exhaustive
 def test_a_soft_hammer_a_hum_and_a_frame_that_bends():
     """Blows of 12 ms, a hum at 50 Hz, a bending mode at 90 Hz and 2 % noise: all six modes, the bending one, and the hum by its name."""
     table, rng = columns(noise=0.02, seed=3, seconds=4.0), np.random.default_rng(0)

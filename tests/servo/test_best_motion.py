@@ -210,6 +210,7 @@ def test_no_turn_is_below_the_bound(inertia, time, waves):
 # ------------------------------------------------------------------------------------------------- tables of our own first prototype
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "inertia", "loads", "time", "limits", "path", "rms"),
     [

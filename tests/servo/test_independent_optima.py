@@ -229,7 +229,7 @@ def test_a_falling_torque_by_another_local_search(path):
     assert best.value == pytest.approx(other, rel=1e-2)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("window", [0.65, 0.7])
 def test_a_turn_that_slows_down_for_its_feed_window_by_a_general_solver(window):
     """Without limits a faster turn would need less; at an even speed the slide is above 150 mm for 0.62 s of each. The same heat, of

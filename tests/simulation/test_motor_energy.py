@@ -273,6 +273,7 @@ def servo_run():
     return pp.simulate(press(), 0.6, speed=0.0, drive=motor, flywheel=Flywheel(136.0), loads=BLANKING)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("voltage", [None, 700.0])
 @pytest.mark.parametrize("mains_power", [None, 1.55e6])
 def test_with_a_link_mains_are_work_losses_and_what_bodies_and_capacitor_store(voltage, mains_power):
@@ -290,6 +291,7 @@ def test_with_a_link_mains_are_work_losses_and_what_bodies_and_capacitor_store(v
     assert energy.voltage[0] == pytest.approx(energy.voltage[-1] if voltage is None else 700.0, rel=1e-10)
 
 
+@pytest.mark.exhaustive
 def test_links_without_bounds_are_the_shares_that_are_used_again():
     """A huge capacitor uses all again, a tiny one nothing."""
     run, link = servo_run(), dataclasses.replace(LINK, capacitance=1e3)

@@ -302,7 +302,8 @@ def with_gibs(press, gibs, pins, stiffness=1e8, **more):
     return pp.elasticity.Elastic(pp.elasticity.Stiffness(bearings, moments=dict.fromkeys(pins, 0.1 * stiffness)), **more)
 
 
-@pytest.mark.parametrize("until", [0.021, pytest.param(0.06, marks=pytest.mark.exhaustive)])
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("until", [0.021, 0.06])
 def test_gibs_of_a_planar_press_open_in_space_as_in_its_plane(monkeypatch, until):
     """Blanking opens them: instants, loads and forces of the planar equations; across the plane nothing opens."""
     press, held = shipped("crank_slide"), pp.drives.PrescribedSpeed(2.0)

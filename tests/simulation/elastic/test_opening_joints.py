@@ -152,6 +152,7 @@ def fast_press(frame, guide=2e9, rods=(), ratio=0.05):
     return Elastic(Stiffness(bearings, {"slide_guide": 2e8}, rods, frame=frame), ratio, crown_mass=4000)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     "elastic",
     [
