@@ -1,4 +1,4 @@
-"""What a machine really is, from what its drive measures anyway: crank angle and motor torque.
+"""Identify a press from the signals of its drive: crank angle and motor torque.
 
     time = np.arange(0.0, 8.0, 0.002)  # of a file: run = pp.measured.record("70.csv", "crank [rad]", "motor [N m]", ratio=20.7)
     angle = 5.0 * time + 0.9 * np.sin(2.0 * time)
@@ -7,7 +7,7 @@
     found = pp.measured.identify(press, [run], friction=("crank",))
     found.press, found.values["slide mass"], found.intervals["slide mass"], found.learnt
 
-A `MeasuredRun` is a record with its crank angle continuous and its torque at the crank, from a file by `record`, or from arrays.
+A `MeasuredRun` is a record with a continuous crank angle and the torque at the crank: from a file by `record`, or from arrays.
 """
 
 from ..common.public_names import public_names

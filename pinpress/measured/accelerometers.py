@@ -45,15 +45,15 @@ Source: TypeAlias = str | os.PathLike[str] | Mapping[str, ArrayLike]
 
 @dataclass(frozen=True)
 class Accelerometer(Frozen):
-    """Where an accelerometer sits, which way it measures, and what its column means.
+    """Place, direction and gain of an accelerometer.
 
     Attributes:
-        point: (3,) its place in world axes [m]; on the crown of a frame of two parts ("crown", (x, y, z)), as for `foundation`.
-        direction: along which it measures positive: "x", "y", "z" or "-x", "-y", "-z", or a vector (3,) of any length.
-        gain: acceleration by one unit of its column, for a column in V [m/s2 per V]; None for a column in m/s2 or g.
+        point: (3,) place in world axes [m]; ("crown", (x, y, z)) on the crown of a frame in two parts, as for `foundation`.
+        direction: positive direction of measurement: "x", "y", "z", "-x", "-y", "-z", or a vector (3,) of any length.
+        gain: acceleration for one V, for a column in V [m/s2 per V]; None for a column in m/s2 or g.
 
     Raises:
-        PinpressError: the point is not three finite numbers, the direction is none, or the gain is zero.
+        PinpressError: the point is not three finite numbers, the direction is not valid, or the gain is zero.
     """
 
     point: ArrayLike | tuple[str, ArrayLike]
@@ -69,18 +69,18 @@ class Accelerometer(Frozen):
 
     @property
     def on_crown(self) -> bool:
-        """Whether it sits on the crown of a frame of two parts."""
+        """Whether the accelerometer is on the crown of a frame in two parts."""
         return isinstance(self.point, tuple) and len(self.point) == 2 and self.point[0] == "crown"
 
     @property
     def place(self) -> Array:
-        """(3,) its place in world axes [m]."""
+        """(3,) place in world axes [m]."""
         found = finite_numbers(self.point[1] if self.on_crown else self.point)  # type: ignore[index]  # a pair
         return np.empty(0) if found is None else found
 
     @property
     def along(self) -> Array:
-        """(3,) unit vector along which it measures."""
+        """(3,) unit vector of the direction of measurement."""
         if isinstance(self.direction, str):
             if self.direction not in DIRECTIONS:
                 raise PinpressError(
@@ -92,7 +92,7 @@ class Accelerometer(Frozen):
         return np.asarray(vector / np.linalg.norm(vector))
 
     def row(self, parts: int) -> Array:
-        """(6 parts,) what it measures of an acceleration of one of each coordinate of a frame in 1 or 2 parts, see `MountedPress`."""
+        """(6 parts,) reading for a unit acceleration of each coordinate of a frame in 1 or 2 parts, see `MountedPress`."""
         part, turning = int(self.on_crown and parts == 2), np.cross(self.place, self.along)
         found = np.zeros(6 * parts)
         found[6 * part : 6 * part + 6] = [*self.along, *turning]
@@ -104,10 +104,10 @@ class VibrationRun(Frozen):
     """One record in equal steps of time, n samples. All arrays are read-only.
 
     Attributes:
-        name: of the file.
+        name: name of the file.
         time: (n,) times [s].
-        acceleration: (n, channels) accelerations along the accelerometers' directions, without their medians [m/s2].
-        angle: (n,) crank angle, continuous over all turns; None where nothing says it [rad].
+        acceleration: (n, channels) accelerations along the accelerometers' directions, minus their medians [m/s2].
+        angle: (n,) crank angle, continuous over all turns; None if it is not known [rad].
     """
 
     name: str
@@ -122,10 +122,10 @@ class VibrationRun(Frozen):
 
 
 def points_of(file: str | os.PathLike[str]) -> dict[str, Accelerometer]:
-    """Accelerometers from a CSV file with the columns channel, x, y, z, direction and if need be part and gain.
+    """Read accelerometers from a CSV file with the columns channel, x, y, z, direction and, if needed, part and gain.
 
     Raises:
-        PinpressError: the file cannot be read, has no such columns, or a row is no accelerometer.
+        PinpressError: the file cannot be read or lacks a column, or a row does not describe an accelerometer.
     """
     found: dict[str, Accelerometer] = {}
     table = read_columns(files.path_of("points", file), POINTS)
@@ -134,7 +134,9 @@ def points_of(file: str | os.PathLike[str]) -> dict[str, Accelerometer]:
         if part not in ("bed", "crown"):
             raise PinpressError(f"{table.file}, line {line}: part is {shown(part)}: give bed or crown")
         if row["channel"] in found:
-            raise PinpressError(f"{table.file}, line {line}: channel {row['channel']!r} is there twice: give each accelerometer its own")
+            raise PinpressError(
+                f"{table.file}, line {line}: channel {row['channel']!r} is there twice: give each accelerometer a separate channel"
+            )
         point = ("crown", place) if part == "crown" else place
         found[row["channel"]] = Accelerometer(point, row["direction"], None if math.isnan(gain) else gain)
     return found
@@ -191,7 +193,7 @@ def _acceleration(table: Channels, name: str, column: str, sensor: Accelerometer
     if factor is not None:
         if sensor.gain is not None:
             raise PinpressError(
-                f"{name}: column {column!r} is in {unit}, and its accelerometer has a gain: leave the gain out, or name it in V"
+                f"{name}: column {column!r} is in {unit}, but its accelerometer has a gain: leave the gain out, or name the column in V"
             )
     elif sensor.gain is not None:
         factor = sensor.gain * (1e-3 if unit == "mV" else 1.0)
@@ -203,12 +205,12 @@ def _acceleration(table: Channels, name: str, column: str, sensor: Accelerometer
     values = _finite(found, name, column)
     rest = max(longest_rest(values, float(extreme))[0] for extreme in (values.max(), values.min()))
     if not np.ptp(values):
-        caution(f"{name}: channel {column!r} is silent, {values[0]:.4g} in all samples: look at its cable, or leave it out")
+        caution(f"{name}: channel {column!r} is constant, {values[0]:.4g} in all samples: check its cable, or leave it out")
     elif rest >= STUCK and rest > 3 * max(longest_rest(values, float(np.median(values)))[0], 1):
-        caution(f"{name}: channel {column!r} stays at its extreme for {rest} samples, as where an amplifier is overdriven: lower its gain")
+        caution(f"{name}: channel {column!r} stays at its extreme for {rest} samples, as if its amplifier is overdriven: lower that gain")
     size = float(np.abs(factor * (values - np.median(values))).max())
     if size > HEAVY:
-        caution(f"{name}: channel {column!r} reaches {size / GRAVITY:.4g} g: look at its unit, or at its gain, which is in m/s2 per V")
+        caution(f"{name}: channel {column!r} reaches {size / GRAVITY:.4g} g: check its unit, or its gain [m/s2 per V]")
     return np.asarray(factor * values)
 
 
@@ -219,14 +221,14 @@ def _finite(values: Array, name: str, column: str) -> Array:
 
 
 def _refuse_uneven(name: str, times: Array) -> None:
-    """Raise PinpressError where samples are few, or not in equal steps."""
+    """Refuse samples that are few, or not in equal steps."""
     if len(times) < FEWEST:
         raise PinpressError(f"{name}: {len(times)} samples: give {FEWEST} or more")
     steps = np.diff(times)
     if steps.min() <= 0 or steps.max() > 1.5 * np.median(steps) or steps.std() > UNEVEN * np.median(steps):
         k = int(np.abs(steps - np.median(steps)).argmax())
         raise PinpressError(
-            f"{name}: samples are not in equal steps of time: {steps[k]:.4g} s after {times[k]:.6g} s, elsewhere {np.median(steps):.4g} s;"
+            f"{name}: samples are not in equal time steps: {steps[k]:.4g} s after {times[k]:.6g} s, but {np.median(steps):.4g} s elsewhere:"
             " cut the record there, or resample it"
         )
 

@@ -5,16 +5,16 @@ After a hit the frame vibrates freely. What accelerometers measure then is a sum
     y(t) = sum over modes of 2 Re(shape x strength of the hit in the mode x exp(s t)),    s = -z w + i w sqrt(1 - z^2),
 
 with the same s and shape after all hits. The modes are found in two steps. The eigensystem realisation algorithm (Juang and Pappa 1985)
-takes a Hankel matrix of all hits side by side, cuts it to the rank that stands out of the noise (Gavish and Donoho 2014), and reads s off
-the shift of its rows. From there a Gauss-Newton method fits s, shapes and strengths to all samples. It uses that each mode has one shape,
-and gives standard deviations. Modes closer than their damping is wide are told apart by hits that excite them differently: one hit mixes
-them.
+puts the Hankel matrices of all hits side by side, reduces the rank to the part above the noise (Gavish and Donoho 2014), and reads s from
+the shift of the rows. From there a Gauss-Newton method fits s, shapes and strengths to all samples. In this fit each mode has the same
+shape after all hits; the fit also gives standard deviations. Modes that are closer than their damping is wide can be separated only by
+hits that excite them differently: a single hit mixes them.
 
-The samples are filtered and thinned first, by a filter of finite length, after whose length a free vibration is one again.
+First the samples are filtered and thinned. The filter has a finite length; after this length a free vibration is again a free vibration.
 
-A hammer that bounces strikes again while the frame vibrates, and what follows is no free vibration of the first blow. It shows in what the
-modes leave over, which is then no noise. A free vibration is one at any later time too: later beginnings are tried until only noise is
-left.
+A hammer that bounces strikes again while the frame vibrates. Then the vibration is not the free vibration after the first blow, and the
+residual of the modes is more than noise. A free vibration is free at any later time too, so later beginnings are tried until the residual
+is only noise.
 """
 
 from __future__ import annotations
@@ -59,23 +59,23 @@ DOUBTED_MAC = 0.8  # below this a measured shape is hardly the calculated one
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredModes(Tabular):
-    """m modes found from hits, by rising frequency, and the calculated ones beside them. All arrays are read-only.
+    """m modes measured by hits, in order of frequency, compared with calculated modes. All arrays are read-only.
 
     Attributes:
         channels: names of the c channels.
         hits: (h,) times of the hits, run after run [s].
-        natural_frequency: (m,) natural frequencies, those that the modes would have without damping [rad/s].
-        natural_frequency_deviation: (m,) their standard deviations by the noise [rad/s].
+        natural_frequency: (m,) natural frequencies of the undamped modes [rad/s].
+        natural_frequency_deviation: (m,) standard deviations of the natural frequencies due to noise [rad/s].
         damping_ratio: (m,) damping divided by critical damping [-].
-        damping_ratio_deviation: (m,) their standard deviations by the noise [-].
-        shapes: (c, m) complex shapes as the channels show them, the largest element 1.
+        damping_ratio_deviation: (m,) standard deviations of the damping ratios due to noise [-].
+        shapes: (c, m) complex shapes at the channels; the largest element is 1.
         energy_share: (m,) shares of the modes in the energy of the measured vibration [-].
         noise: share of the energy that no mode explains [-].
-        beside: calculated modes; None where none were given.
-        partner: (m,) number of the calculated mode that is meant, -1 where there is none.
-        mac: (m, n) modal assurance criterion of each measured with each of n calculated shapes at the accelerometers, 1 where they agree.
-        misfit: how much wider the deviations are because what no mode explains is no noise; 1 where it is noise [-].
-        late: time after the hits from which on the vibration is free, more than 0 where a hammer is soft or bounces [s].
+        beside: calculated modes; None if none are given.
+        partner: (m,) number of the calculated mode that belongs to the measured mode; -1 without a partner.
+        mac: (m, n) modal assurance criterion of m measured and n calculated shapes at the accelerometers; 1 if they agree.
+        misfit: factor on the deviations because the residual is more than noise; 1 if the residual is noise [-].
+        late: time after the hits at which the vibration becomes free; above 0 if the hammer is soft or bounces [s].
     """
 
     channels: tuple[str, ...]
@@ -104,7 +104,7 @@ class MeasuredModes(Tabular):
         return np.asarray(2 * np.pi * self.damping_ratio / np.sqrt(1 - self.damping_ratio**2))
 
     def columns(self) -> dict[str, Column]:
-        """A row for each mode: frequency and damping, and beside them those calculated, with the agreement of the shapes."""
+        """A row for each mode: measured frequency and damping, calculated frequency and damping, and agreement of the shapes."""
         columns: dict[str, Column] = {
             "frequency [Hz]": self.natural_frequency / (2 * np.pi),
             "frequency_deviation [Hz]": self.natural_frequency_deviation / (2 * np.pi),
@@ -148,7 +148,7 @@ class MeasuredModes(Tabular):
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What is unsure about these modes, each as a sentence."""
+        """Doubts about these modes, one sentence each."""
         found = []
         for one, other in self._close():
             frequencies = " and ".join(f"{self.natural_frequency[k] / (2 * np.pi):.4g}" for k in (one, other))
@@ -159,28 +159,28 @@ class MeasuredModes(Tabular):
             for k, place in enumerate(self.partner):
                 if place >= 0 and self.mac[k, place] < DOUBTED_MAC:
                     frequency = self.natural_frequency[k] / (2 * np.pi)
-                    found.append(f"{frequency:.4g} Hz has hardly the shape of {self.beside.motion[place]!r}: MAC {self.mac[k, place]:.2f}")
+                    found.append(f"{frequency:.4g} Hz differs in shape from {self.beside.motion[place]!r}: MAC {self.mac[k, place]:.2f}")
         for w in self.natural_frequency[self.damping_ratio < HUMMING]:
-            found.append(f"{w / (2 * np.pi):.4g} Hz does not die away: it is a hum, or a machine that runs nearby, and no mode")
+            found.append(f"{w / (2 * np.pi):.4g} Hz does not die away: it is not a mode, but a hum or a machine that runs nearby")
         if self.noise > MOSTLY_NOISE:
             found.append(
-                f"{100 * self.noise:.2g} % of what was measured after the hits is no free vibration of these modes: look at the times of"
-                " the hits, or give a band with fewer or with all modes"
+                f"{100 * self.noise:.2g} % of the energy after the hits is not free vibration of these modes: check the times of"
+                " the hits, or give another band"
             )
         if self.late > 0:
             found.append(
-                f"the first {self.late:.2g} s after the hits are left out, which are no free vibration: the hammer is soft, or bounced and"
-                " struck again"
+                f"the first {self.late:.2g} s after the hits are left out, because the vibration is not yet free: the hammer is soft,"
+                " or it bounced and struck again"
             )
         if self.misfit > 1.0:
             found.append(
-                f"what the modes leave over is no noise, and deviations are {self.misfit:.3g} times as wide for it: the hammer may have"
-                " struck again, or a mode is missing; hit once, with a hammer that is held back, or give a wider band"
+                f"the residual is more than noise, so deviations are {self.misfit:.3g} times as wide: the hammer may have"
+                " struck again, or a mode is missing. Hit once and hold the hammer back, or give a wider band"
             )
         return tuple(found)
 
     def _close(self) -> list[tuple[int, int]]:
-        """Pairs of modes that fewer hits than modes cannot tell apart."""
+        """Pairs of modes that these hits cannot separate, because there are fewer hits than modes."""
         w, width = self.natural_frequency, self.damping_ratio * self.natural_frequency
         pairs = [(k, k + 1) for k in range(len(w) - 1) if w[k + 1] - w[k] < width[k] + width[k + 1]]
         return pairs if len(self.hits) < 2 else []
@@ -193,7 +193,7 @@ class _Decays(NamedTuple):
         values: (n, channels) for each hit, thinned.
         step: time between samples [s].
         hits: (h,) times of the hits [s].
-        colour: by how much the noise in the band exceeds its mean over all frequencies, in its variance.
+        colour: variance of the noise in the band / its mean over all frequencies.
     """
 
     values: tuple[Array, ...]
@@ -223,7 +223,7 @@ class _Fit(NamedTuple):
         model: the modes.
         deviations: (m, 2) standard deviations of natural frequencies [rad/s] and damping ratios.
         noise: share of the energy that no mode explains.
-        misfit: by how much the deviations are wider because the rest is no noise.
+        misfit: factor on the deviations because the residual is more than noise.
     """
 
     model: _Model
@@ -240,7 +240,7 @@ def hit_modes(
     count: int | None,
     hits: ArrayLike | None,
 ) -> MeasuredModes:
-    """Modes from hits, see `VibrationRecord.modes`."""
+    """Identify modes from hits, see `VibrationRecord.modes`."""
     low, high = _band(runs, beside, band)
     wanted = None if count is None else whole_number("count", count, 1, MOST_MODES)
     decays, fit, late = _begun_in_time(_free_vibrations(runs, low, high, hits), low, high, wanted)
@@ -274,9 +274,9 @@ def hit_modes(
 
 
 def _begun_in_time(decays: _Decays, low: float, high: float, wanted: int | None) -> tuple[_Decays, _Fit, float]:
-    """Free vibrations of which modes leave over nothing but noise, their modes, and the time after the hits at which they begin [s].
+    """Free vibrations whose residual is only noise, their modes, and the time after the hits at which they begin [s].
 
-    Where there is no such time they begin at the hits.
+    If there is no such time, they begin at the hits.
     """
     step = max(1, round(0.5 / (low * decays.step)))
     first = _fitted(decays, _realised(decays, low, high, wanted), wanted)
@@ -297,13 +297,13 @@ def _band(runs: Sequence[VibrationRun], beside: VibrationModes | None, band: tup
     rate = min(run.rate for run in runs)
     if band is None:
         if beside is None:
-            raise PinpressError("neither beside nor band is given: say which frequencies you look for, band=(2, 40) [Hz]")
+            raise PinpressError("neither beside nor band is given: give the band of frequencies, band=(2, 40) [Hz]")
         ends = np.array([0.5 * beside.natural_frequency[0], 1.3 * beside.natural_frequency[-1]]) / (2 * np.pi)
     else:
         ends = suitable_numbers("band", band, "lowest and highest frequency, both positive [Hz]", (2,), lambda f: 0 < f[0] < f[1])
     if rate < SLOWEST * ends[1]:
         raise PinpressError(
-            f"{rate:.6g} samples a second do not carry {ends[1]:.4g} Hz: sample at {SLOWEST * ends[1]:.4g} Hz or more, or give a lower band"
+            f"{rate:.6g} samples a second are too few for {ends[1]:.4g} Hz: sample at {SLOWEST * ends[1]:.4g} Hz, or give a lower band"
         )
     return float(ends[0]), float(ends[1])
 
@@ -312,12 +312,12 @@ def _band(runs: Sequence[VibrationRun], beside: VibrationModes | None, band: tup
 
 
 def _free_vibrations(runs: Sequence[VibrationRun], low: float, high: float, hits: ArrayLike | None) -> _Decays:
-    """The parts of all runs after hits, filtered and thinned; raises PinpressError where there is none."""
+    """The parts of all runs after hits, filtered and thinned; raises PinpressError if there is no such part."""
     rate = runs[0].rate
     if any(abs(run.rate - rate) > 1e-3 * rate for run in runs):
-        raise PinpressError("the runs are sampled at different rates: give modes of each alone")
+        raise PinpressError("the runs are sampled at different rates: call modes for each run separately")
     if hits is not None and len(runs) > 1:
-        raise PinpressError(f"hits are given for {len(runs)} runs: give the times of one run, or leave them out to have them found")
+        raise PinpressError(f"hits are given for {len(runs)} runs: give only one run, or leave hits out (then they are searched)")
     thinning = max(1, int(rate / (THINNED * high)))
     weights = _low_pass(rate, high, thinning)
     values, times = [], []
@@ -330,7 +330,7 @@ def _free_vibrations(runs: Sequence[VibrationRun], low: float, high: float, hits
                 values.append(_filtered(part, weights)[::thinning])
                 times.append(run.time[start])
     if not values:
-        raise PinpressError(f"no hit is followed by three periods of {low:.4g} Hz alone: hit less often, and record longer")
+        raise PinpressError(f"after no hit there are three periods of {low:.4g} Hz without another hit: hit less often, and record longer")
     return _Decays(tuple(values), thinning / rate, np.array(times), float(1 / (thinning * (weights**2).sum())))
 
 
@@ -456,7 +456,7 @@ def _fitted(decays: _Decays, roots: ComplexArray, wanted: int | None) -> _Fit:
 
 
 def _misfit(decays: _Decays, residual: Sequence[Array], period: int) -> float:
-    """By how much deviations are wider than by noise, of residuals (n, channels) after each hit in the same units.
+    """Factor on the deviations if the residuals (n, channels) after each hit, in the same units, are more than noise.
 
     What a wrong model leaves over swings as the modes do, in all channels together, and before a second blow more than after it. Where the
     energy of a frequency is more than noise has that is about as strong at the frequencies around it (Fisher 1929), or that of a time is

@@ -1,11 +1,11 @@
-"""What a press really is: masses, friction, balance cylinder and motor constant from records, with intervals that hold.
+"""Identify masses, friction, balance cylinder and motor constant of a press from records, with 95 % intervals.
 
     found = pp.measured.identify(press, runs, friction=("crank", "pins", "slide_guide"), cylinder=True)
     print(found)
     found.press  # a Linkage, for pp.write_urdf
 
-Least squares over the weak equations of all runs (`weak_form`), rows for what the description of the press says beforehand, and the cones
-within which masses and inertias are those of real bodies (Wensing 2017).
+The method is least squares over the weak equations of all runs (`weak_form`), with rows for the description of the press, and with the
+cones within which masses and inertias belong to real bodies (Wensing 2017).
 """
 
 from __future__ import annotations
@@ -62,18 +62,18 @@ _NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
 
 @dataclass(frozen=True, repr=False)
 class IdentifiedParameter(Record, units={}):
-    """One parameter of a press before and after.
+    """One parameter of a press before and after the identification.
 
     Attributes:
-        name: of it, such as "slide mass", "rod moment x" (first moment of mass about the joint), "crank friction".
-        unit: of its numbers.
-        before: as described; None of a loss.
-        value: as identified.
+        name: name, such as "slide mass", "rod moment x" (first moment of mass about the joint), "crank friction".
+        unit: unit of its numbers.
+        before: described value; None for a loss.
+        value: identified value.
         low: lower end of the 95 % interval.
-        high: upper end.
-        posterior: standard deviation by the noise of the records and the prior.
-        sandwich: standard deviation by how residuals really scatter over time; the interval is of the larger.
-        doubt: standard deviation by that before; near 1 nothing was learnt. None where nothing was known before.
+        high: upper end of the 95 % interval.
+        posterior: standard deviation from the noise of the records and the prior.
+        sandwich: standard deviation from the scatter of the residuals over time; the interval uses the larger of both.
+        doubt: standard deviation / standard deviation before; near 1 the records show nothing. None if nothing was known before.
     """
 
     name: str
@@ -89,20 +89,20 @@ class IdentifiedParameter(Record, units={}):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class IdentifiedPress(Tabular):
-    """A press as its records show it. Arrays are read-only.
+    """A press identified from its records. Arrays are read-only.
 
     Attributes:
-        press: the press with the masses found; `pinpress.write_urdf` writes it.
+        press: the press with the identified masses; `pinpress.write_urdf` writes it.
         parameters: all unknowns with their 95 % intervals.
-        base_parameters: the sums of masses and inertias that torques determine without anything known before.
-        learnt: number of parameters that the records tell, beside the prior: the trace of information / (information + prior) [-].
-        friction: friction of bearings and guide, for `pinpress.inverse_dynamics`; pins have the radii given,
-            else a twentieth of the size of the linkage.
-        losses: what the records say of crank, gibs and cylinder, by name, see ``parameters``.
-        motor_constant: torque at the crank by current [N m/A]; None where torques were measured.
-        motor_constant_interval: its 95 % interval; None where torques were measured.
-        noise: standard deviation of one sample by quantity [N m, A, N].
-        covariance: (parameters, parameters) of the posterior, in their units.
+        base_parameters: the sums of masses and inertias that torques determine without a prior.
+        learnt: number of parameters that the records determine: trace of information / (information + prior) [-].
+        friction: friction of bearings and guide, for `pinpress.inverse_dynamics`; pins have the given radii, or by default a twentieth of
+            the size of the linkage.
+        losses: name -> identified loss of crank, gibs and cylinder, see ``parameters``.
+        motor_constant: torque at the crank / current [N m/A]; None if torques were measured.
+        motor_constant_interval: 95 % interval of the motor constant; None if torques were measured.
+        noise: quantity -> standard deviation of one sample [N m, A, N].
+        covariance: (parameters, parameters) covariance of the posterior, in the parameters' units.
     """
 
     press: Linkage
@@ -131,11 +131,11 @@ class IdentifiedPress(Tabular):
         return FrozenMapping({each.name: (each.low, each.high) for each in self.parameters})
 
     def torque(self, motion: Motion, loads: Sequence[Load] = ()) -> Array:
-        """(n,) torque at the crank that this press asks for, friction and balance cylinder included [N m].
+        """Compute the torque (n,) at the crank that this press needs, friction and balance cylinder included [N m].
 
         Args:
-            motion: of the press, from `pinpress.cycle` or `servo_cycle`.
-            loads: process loads and others.
+            motion: motion of the press, from `pinpress.cycle` or `servo_cycle`.
+            loads: process loads and other loads.
         """
         losses = self.losses
         rate, height = slide_rates(self.press, motion)
@@ -180,37 +180,37 @@ def identify(
     drive_inertia: float = 0.0,
     loads: Sequence[Load] = (),
 ) -> IdentifiedPress:
-    """Find masses, inertias, friction, balance cylinder and motor constant of a press from records of it running idle.
+    """Identify masses, inertias, friction, balance cylinder and motor constant of a press from records of idle running.
 
-    Measure two minutes in all, at three speeds or more, or with a servo motion whose speed changes by a third with a period that is not in
-    step with the stroke. Where runs have currents in place of torques, the motor constant is found too; it is as exact as a known mass that
-    was fastened to a link for one run, ``MeasuredRun(..., added_mass={"slide": 200.0})``, makes it.
+    Measure two minutes in total, at three or more speeds. A servo motion is enough too if its speed changes by a third, with a period that
+    is not in step with the stroke. If runs have currents in place of torques, the motor constant is identified. For this, fasten a known
+    mass to a link in one run: ``MeasuredRun(..., added_mass={"slide": 200.0})``. It determines how exact the motor constant is.
 
-    The encoder's zero is found with them: "encoder zero" among the parameters is the angle that the records show where the press is as
-    drawn, the same in all of them. The crank's angle is theirs less this.
+    The encoder's zero is identified too: the parameter "encoder zero" is the angle that all records show in the drawn pose. The crank angle
+    is the recorded angle minus this zero.
 
     Args:
         press: the press as described, with one crank.
-        runs: records of it without process force.
-        prior: relative standard deviation of masses and inertias as described; or by name of a link or parameter, the others 0.2.
-        known: value and standard deviation of what was weighed or gauged, by the name of a parameter or "total mass" of all links:
-            {"slide mass": (2200.0, 5.0), "encoder zero": (0.0, 0.001)}, in its unit.
-        friction: what resists: "crank" (constant and viscous torque on the crank), "pins" (one coefficient for all pins), "slide_guide"
-            (coefficient by the guide's force), "gibs" (a constant force on the slide).
-        cylinder: whether a balance cylinder carries the slide, force + stiffness x height above bottom dead centre.
-        radii: of the pins by their names [m]; by default coefficient x radius of all pins, one number, is found [m].
-        drive_inertia: of motor and gears at the crank, which the description of the crank does not include [kg m2].
+        runs: records of the press without process force.
+        prior: relative standard deviation of described masses and inertias; or name of a link or parameter -> deviation (others 0.2).
+        known: parameter, or "total mass" of all links -> (value, standard deviation) as weighed or gauged, in the parameter's unit:
+            {"slide mass": (2200.0, 5.0), "encoder zero": (0.0, 0.001)}.
+        friction: kinds of friction: "crank" (constant and viscous torque on the crank), "pins" (one coefficient for all pins),
+            "slide_guide" (coefficient x force of the guide), "gibs" (a constant force on the slide).
+        cylinder: whether a balance cylinder carries the slide: force + stiffness x height above bottom dead centre.
+        radii: pin -> radius [m]; by default one number, coefficient x radius of all pins, is identified [m].
+        drive_inertia: inertia of motor and gears at the crank, if the description of the crank does not include it [kg m2].
         loads: springs and other known forces that act in all runs.
 
     Raises:
-        PinpressError: several drivers; a record shorter than one stroke and a half, or without torque; currents beside torques; a prior
-            or a friction that makes no sense; a press without a slide with friction of its guide.
-        UnknownNameError: a link, pin, parameter or kind of friction that does not exist.
+        PinpressError: the press has several drivers; a record is shorter than one and a half strokes, or has no torque; some runs have
+            currents and others torques; a prior or a friction is wrong; friction of a guide is given for a press without a slide.
+        UnknownNameError: a link, pin, parameter or kind of friction does not exist.
 
     Warns:
-        PinpressWarning: all runs are at one speed; a loss or an encoder's zero that the records do not tell; a zero that is off by more
-            than some degrees; an encoder that is too coarse; masses that are off by more than the prior allows; two standard deviations
-            of a parameter that disagree; a torque of another size than the press asks for; residuals above the noise of samples.
+        PinpressWarning: all runs are at one speed; the records do not determine a loss or the encoder's zero; the zero is off by some
+            degrees; the encoder is too coarse; masses differ from the description by more than the prior allows; two standard deviations
+            of a parameter disagree; the torque differs in size from that of the press; residuals are above the noise of samples.
     """
     refuse_losses(press, friction, cylinder)
     wanted = Losses(tuple(friction), cylinder, checked_radii(press, radii))
@@ -223,7 +223,7 @@ def identify(
     start, unknowns, fit = _best(unknowns, equations, current)
     if not current and not 1 / SCALED < start.torque < SCALED:
         caution(
-            f"the torque is {start.torque:.2g} times that of the press as described: look at its unit, and at the ratio of motor to crank,"
+            f"the torque is {start.torque:.2g} times the torque of the described press: check its unit, and the ratio of motor to crank,"
             " record(..., ratio=20.7)"
         )
     _doubt_fit(unknowns, fit)
@@ -232,7 +232,7 @@ def identify(
 
 
 def _best(unknowns: Unknowns, runs: Sequence[RunEquations], current: bool) -> tuple[Start, Unknowns, Fit]:
-    """Estimates from where the encoder's zero may be, of several those that leave least."""
+    """Estimates from all likely zeros of the encoder; the estimates with the smallest residual count."""
     found: list[tuple[Start, Unknowns, Fit]] = []
     refused: PinpressError | None = None
     for start in likely_starts(unknowns, runs):
@@ -270,14 +270,14 @@ def _settled(unknowns: Unknowns, runs: Sequence[RunEquations], zero: float, curr
         about = about + step * (fit.values - about)
     if not change <= UNSETTLED:
         raise PinpressError(
-            f"estimates still change by {change:.2g} of their deviations after {PASSES} passes: look at signs and units of"
-            " torque and angle and at what is known, leave out kinds of friction, or measure at more speeds"
+            f"estimates still change by {change:.2g} of their deviations after {PASSES} passes: check signs and units of"
+            " torque and angle and the values of known, leave out kinds of friction, or measure at more speeds"
         )
     return fit
 
 
 def checked_runs(press: Linkage, runs: Sequence[MeasuredRun], for_torque: bool = True) -> list[MeasuredRun]:
-    """The runs as a list; raises PinpressError where they cannot be used together."""
+    """Check the runs; raises PinpressError if they cannot be used together."""
     found = list(runs)
     if not found:
         raise PinpressError("there are no runs: give records, [pp.measured.record(...)]")
@@ -292,12 +292,14 @@ def checked_runs(press: Linkage, runs: Sequence[MeasuredRun], for_torque: bool =
     currents = [run.current is not None for run in found]
     if any(currents) and not all(currents):
         odd = found[currents.index(not currents[0])]
-        raise PinpressError(f"{odd.name} and {found[0].name} have a torque and a current; give all runs in one of them")
+        raise PinpressError(
+            f"{odd.name} and {found[0].name} have a torque and a current: give torques in all runs, or currents in all runs"
+        )
     return found
 
 
 def checked_inertia(drive_inertia: float) -> float:
-    """What turns with the crank and is not in the press, as a number; raises PinpressError where it makes no sense."""
+    """Check the inertia that turns with the crank and is not part of the press; raises PinpressError if it is wrong."""
     inertia = number("drive_inertia", drive_inertia, "kg m2")
     if inertia < 0:
         raise PinpressError(
@@ -307,7 +309,7 @@ def checked_inertia(drive_inertia: float) -> float:
 
 
 def checked_radii(press: Linkage, radii: Mapping[str, float] | None) -> Mapping[str, float] | None:
-    """The radii of pins as numbers; raises PinpressError or UnknownNameError where they make no sense."""
+    """Check the radii of pins; raises PinpressError or UnknownNameError if they are wrong."""
     if radii is None:
         return None
     for name in radii:
@@ -320,24 +322,24 @@ def checked_radii(press: Linkage, radii: Mapping[str, float] | None) -> Mapping[
 
 
 def _doubt_runs(runs: Sequence[MeasuredRun]) -> None:
-    """Warn of records from which little can be learnt."""
+    """Warn of records that show little."""
     speeds = np.abs([run.speeds for run in runs])
     if np.ptp(speeds) < EVEN * speeds.max():
         caution(
-            f"all runs are at {30 / math.pi * speeds.mean():.4g} r/min: friction and inertia of the crank are then told from nothing but"
-            " the description; measure at two more speeds, or with a speed that changes by a third in 2.6 strokes"
+            f"all runs are at {30 / math.pi * speeds.mean():.4g} r/min: then friction and inertia of the crank follow only from"
+            " the description. Measure at two more speeds, or with a speed that changes by a third in 2.6 strokes"
         )
     for run in runs:
         step = run.resolution
         if step is not None and 2 * math.pi / step < COARSE:
             caution(
-                f"{run.name}: the angle has {2 * math.pi / step:.0f} steps a turn of the crank, whose noise is not small: measure it at the"
+                f"{run.name}: the angle has {2 * math.pi / step:.0f} steps a turn of the crank, so its noise is large: measure it at the"
                 f" motor, record(..., angle_ratio=), or with an encoder of {2 * COARSE} counts or more"
             )
 
 
 def _doubt_fit(unknowns: Unknowns, fit: Fit) -> None:
-    """Warn of estimates that do not say what they seem to say."""
+    """Warn of estimates that can mislead."""
     from scipy.special import chdtrc  # to save start-up time
 
     deviation, by_noise = unknowns.deviation, deviations(fit.posterior)
@@ -345,38 +347,38 @@ def _doubt_fit(unknowns: Unknowns, fit: Fit) -> None:
     hidden = [unknowns.parameters[k].name for k in losses if by_noise[k] * fit.weight[k] > HIDDEN]
     if hidden:
         caution(
-            f"{', '.join(hidden)}: these records do not tell it from the others; leave it out, or measure at other speeds, so that what"
-            " grows with the speed is told from what does not"
+            f"{', '.join(hidden)}: these records cannot separate it from the other losses. Leave it out, or measure at other speeds, to"
+            " separate viscous from constant friction"
         )
     zero, spread = float(fit.values[unknowns.zero]), float(by_noise[unknowns.zero])
     if abs(zero) > FAR:
         caution(
-            f"the angle is {math.degrees(zero):.5g} deg where the press is as drawn, of the records as they were read: give"
-            " record(..., zero=) the reading of the encoder there"
+            f"in the drawn pose the records show an angle of {math.degrees(zero):.5g} deg, not 0: give record(..., zero=) the"
+            " encoder's reading in the drawn pose"
         )
     if spread > UNTOLD * deviation[unknowns.zero]:
         caution(
-            f"these records do not tell the encoder's zero, which is taken as {math.degrees(zero):.3g} ± {math.degrees(spread):.2g} deg:"
+            f"these records do not show the encoder's zero; it counts as {math.degrees(zero):.3g} ± {math.degrees(spread):.2g} deg:"
             f" gauge it at bottom dead centre, and give known={{'{ZERO}': (angle, deviation)}} [rad]"
         )
     changed, learnt = fit.misfit
     if learnt > 0 and chdtrc(learnt, changed) < UNLIKELY:
         caution(
             f"masses and inertias differ from the description by {math.sqrt(changed / learnt):.2g} times the prior: give a larger prior, or"
-            " look for what the press has and its description has not"
+            " add to the description what it does not contain"
         )
     known = [k for k in range(unknowns.inertial) if 0 < by_noise[k] < 0.5 * deviation[k]] + list(losses)
     scatter = deviations(fit.sandwich)
     apart = [unknowns.parameters[k].name for k in known if scatter[k] > DISAGREEING * by_noise[k]]
     if apart:
         caution(
-            f"{', '.join(apart[:4])}{' and others' if len(apart) > 4 else ''}: residuals scatter more than noise does, so intervals by"
-            " blocks of time are wider: something moves the press that is in no column, or the encoder is coarse"
+            f"{', '.join(apart[:4])}{' and others' if len(apart) > 4 else ''}: residuals scatter more than noise, so intervals"
+            " are wider: an unmeasured force acts on the press, or the encoder is coarse"
         )
 
 
 def _doubt_residuals(runs: Sequence[MeasuredRun], fit: Fit) -> None:
-    """Warn of torques that are not those of the press that was found."""
+    """Warn of measured torques that differ from the torques of the identified press."""
     measured = [quantities(run)["torque"] for run in runs if "torque" in quantities(run)]
     if not measured:
         return
@@ -384,9 +386,9 @@ def _doubt_residuals(runs: Sequence[MeasuredRun], fit: Fit) -> None:
     left = fit.noise["torque"]
     if left > max(LARGE * noise, MATTERING * largest):
         caution(
-            f"the press found leaves {left / noise:.2g} times the noise from sample to sample of the torque: something acts that is in no"
-            " parameter (force on the slide, another friction, an encoder that is zeroed anew for each run), or the torque was filtered and"
-            " comes late"
+            f"residuals of the identified press are {left / noise:.2g} times the noise of the torque: an effect has no"
+            " parameter (force on the slide, another friction, an encoder that is zeroed again for each run), or a filter delays the"
+            " torque"
         )
 
 

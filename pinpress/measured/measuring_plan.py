@@ -1,18 +1,18 @@
-"""Which motions to measure, and how long each, so that a record tells most of a press.
+"""Choose the motions to measure, and the time of each motion, so that the records determine the press as well as possible.
 
     motions = pp.measured.measuring_motions(press, [30 * pp.RPM, 50 * pp.RPM, 70 * pp.RPM])
     print(pp.measured.plan(press, motions, noise=1400.0, time=24.0, cylinder=True))
 
-What a motion tells is the information matrix of its torque, the mean of Y'Y over its time by the variance of the noise, where Y are the
-columns of `regressor`. Motions that share the time add theirs, to the prior of masses and inertias:
+The information matrix of a motion is the mean of Y'Y over its time / variance of the torque's noise; Y are the columns of `regressor`. The
+matrices of motions that share the time are added to the prior of masses and inertias:
 
     deviations^2 = diagonal of (prior + time x sum of share x information)^-1.
 
-The shares that make the sum of squares of relative deviations least are a convex problem (an A-optimal experiment). The multiplicative
-algorithm (Torsney 1983) solves it, and the slope of the sum at its answer bounds how much better any other shares can be.
+The shares that minimise the sum of squares of relative deviations are a convex problem (an A-optimal experiment). The multiplicative
+algorithm (Torsney 1983) solves it. The slope of the sum at the answer bounds the gain of any other shares.
 
-At one constant speed the inertia of the crank makes no torque, and constant and viscous friction are one. Where the speed swings in step
-with the stroke, all is one function of the crank angle; a swing whose period is 2.6 strokes parts them.
+At one constant speed the inertia of the crank makes no torque, and constant friction cannot be separated from viscous friction. If the
+speed swings in step with the stroke, all terms are one function of the crank angle. A swing with a period of 2.6 strokes separates them.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from .estimates.run_rows import TURN
 from .regressor import LOSSES, InertialEquations, loss_columns, refuse_losses
 
 STATES = 72  # of a stroke of `measuring_motions`
-LOSS = 0.05  # share of the rms torque that a loss is expected to make where nothing is said
+LOSS = 0.05  # expected share of a loss in the rms torque if ``expected`` does not give it
 FASTEST = 1e4  # speed of a crank [rad/s]
 DOUBT = 2.0  # relative standard deviation of losses as expected
 LEARNT = 0.9  # deviation by that before, above which a parameter of the masses was not learnt
@@ -55,21 +55,21 @@ _NONE_GIVEN: Mapping[str, float] = FrozenMapping({})
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuringPlan(Tabular):
-    """How long to measure each of m motions. All arrays are read-only.
+    """The time to measure each of m motions. All arrays are read-only.
 
     Attributes:
         press_name: name of the press.
         motions: names of the motions.
-        share: (m,) their shares of the time, together 1 [-].
-        time: time in all [s].
-        parameters: names of the p parameters that are wanted.
-        sizes: (p,) what deviations are compared with: expected values of losses, values of masses and inertias, of first moments mass x
-            radius of gyration, in their units.
-        deviation: (p,) standard deviations after the plan, in their units.
-        deviation_alone: (m, p) standard deviations after the whole time with one motion.
-        unknown: for each motion, names of parameters that it leaves unknown.
-        why: for each motion, why it does; empty where it leaves little.
-        gap: how much less, relative, the sum of squares of relative deviations can be at most with other shares [-].
+        share: (m,) shares of the motions in the time; their sum is 1 [-].
+        time: total time [s].
+        parameters: names of the p wanted parameters.
+        sizes: (p,) reference values of the deviations: expected values of losses, values of masses and inertias, and mass x radius of
+            gyration for first moments, in the parameters' units.
+        deviation: (p,) standard deviations after the plan, in the parameters' units.
+        deviation_alone: (m, p) standard deviations if the whole time is spent on one motion.
+        unknown: for each motion, names of the parameters that it alone does not determine.
+        why: for each motion, the reason; empty if it determines nearly all parameters.
+        gap: upper bound of the relative gain in the sum of squares of relative deviations by other shares [-].
     """
 
     press_name: str
@@ -93,12 +93,12 @@ class MeasuringPlan(Tabular):
 
     @property
     def interval(self) -> Array:
-        """(p,) half of each 95 % interval by the parameter's size [-]."""
+        """(p,) half width of each 95 % interval / size of the parameter [-]."""
         return np.asarray(WIDE * self.deviation / self.sizes)
 
     @property
     def interval_alone(self) -> Array:
-        """(m, p) the same after the whole time with one motion [-]."""
+        """(m, p) half width of each 95 % interval / size of the parameter after the whole time with one motion [-]."""
         return np.asarray(WIDE * self.deviation_alone / self.sizes)
 
     @property
@@ -107,7 +107,7 @@ class MeasuringPlan(Tabular):
         return float(self.interval.max())
 
     def columns(self) -> dict[str, Column]:
-        """A row for each motion: its share and time, its worst interval when it is measured alone, and what it leaves unknown."""
+        """A row for each motion: share, time, worst interval of this motion alone, and parameters that it does not determine."""
         return {
             "motion": list(self.motions),
             "share [-]": self.share,
@@ -136,20 +136,20 @@ class MeasuringPlan(Tabular):
 def measuring_motions(
     press: Linkage, speeds: ArrayLike, *, swing: float = 0.3, strokes: ArrayLike = (2.6,), count: int = 13
 ) -> Mapping[str, Motion]:
-    """Motions among which `plan` chooses: each speed by itself, and swinging about it.
+    """Make motions for `plan`: each constant speed, and swings about it.
 
     Args:
         press: the press.
         speeds: (s,) speeds of the crank, positive [rad/s].
-        swing: share by which the speed swings up and down.
-        strokes: periods of the swings in strokes. Ones that divide a stroke, or are a whole number of strokes, tell little.
-        count: strokes that are looked at.
+        swing: amplitude of the swing / speed [-].
+        strokes: periods of the swings in strokes. Whole numbers and fractions 1 / n of a stroke give little information.
+        count: number of strokes of each motion.
 
     Returns:
         Name -> motion.
 
     Raises:
-        PinpressError: a number is out of its range; as `servo_cycle`.
+        PinpressError: a number is out of its range; `servo_cycle` refuses the motion.
     """
     found: dict[str, Motion] = {}
     wanted = numbers("speeds", speeds, (None,), unit="rad/s")
@@ -187,40 +187,40 @@ def plan(
     expected: Mapping[str, float] = _NONE_GIVEN,
     wanted: Sequence[str] | None = None,
 ) -> MeasuringPlan:
-    """Share the time of a measurement among motions so that most is known of the press afterwards.
+    """Share the time of a measurement among motions so that the wanted parameters become as exact as possible.
 
     Args:
         press: the press as described, with one crank.
-        motions: motions that the drive can make, by name; `measuring_motions` makes some.
+        motions: name -> motion that the drive can make; `measuring_motions` makes some.
         noise: standard deviation of a sample of the torque at the crank [N m].
-        time: time of measuring in all [s].
+        time: total time of the measurement [s].
         rate: samples a second [Hz].
-        prior: relative standard deviation of masses and inertias as described, as of `identify`.
-        known: what was weighed or gauged, as of `identify`.
-        friction: what resists, as of `identify`: "crank", "pins", "slide_guide", "gibs".
+        prior: relative standard deviation of masses and inertias as described, as for `identify`.
+        known: weighed or gauged values, as for `identify`.
+        friction: kinds of friction, as for `identify`: "crank", "pins", "slide_guide", "gibs".
         cylinder: whether there is a balance cylinder.
-        expected: about what losses are, give or take twice as much, by name ("crank friction": 800.0), in their units; by default each
-            makes 5 % of the torque.
-        wanted: names of parameters that matter; by default all losses, and masses and inertias that these motions tell at all.
+        expected: name of a loss -> expected value, right within a factor of about three ("crank friction": 800.0), in its unit; by
+            default each loss makes 5 % of the torque.
+        wanted: names of the parameters to determine; by default all losses, and the masses and inertias that these motions show.
 
     Raises:
-        PinpressError: there is no motion, one of another press, or a number is out of its range.
+        PinpressError: there is no motion, a motion belongs to another press, or a number is out of its range.
         UnknownNameError: there is no such parameter.
 
     Warns:
-        PinpressWarning: a wanted parameter stays unknown whatever the shares are.
+        PinpressWarning: a wanted parameter stays unknown with any shares.
     """
     if not motions or not all(isinstance(name, str) and isinstance(each, Motion) for name, each in motions.items()):
         raise PinpressError(f"motions is {shown(motions)}: give motions by name, measuring_motions(press, speeds)")
     if not all(isinstance(name, str) for name in friction):
-        raise PinpressError(f"friction is {shown(friction)}: name what resists, of {', '.join(LOSSES)}")
+        raise PinpressError(f"friction is {shown(friction)}: name kinds of friction, of {', '.join(LOSSES)}")
     refuse_losses(press, friction, cylinder)
     seconds, scatter = positive("time", time, "s"), positive("noise", noise, "N m")
     samples = positive("rate", rate, "Hz") / scatter**2
     losses = Losses(tuple(friction), cylinder, None)
     for name, motion in motions.items():
         if motion.linkage != press.name or motion.crank_angle.ndim != 1:
-            raise PinpressError(f"motion {name!r} is one of {motion.linkage}, not of {press.name}")
+            raise PinpressError(f"motion {name!r} belongs to {motion.linkage}, not to {press.name}")
         refuse_motion_of_another(press, motion)
     task = _task(unknowns_of(press, prior, losses, known), motions, losses, expected)
     information = seconds * samples * task.information
@@ -233,7 +233,9 @@ def plan(
     unknown = tuple(tuple(name for name, left in zip(names, _left(task, each, chosen), strict=True) if left) for each in alone)
     never = [name for name, left in zip(names, _left(task, after, chosen), strict=True) if left]
     if never:
-        caution(f"{', '.join(never)}: these motions do not tell it, however long they are measured: give others, or leave it out of wanted")
+        caution(
+            f"{', '.join(never)}: these motions do not determine it, however long they are measured. Give others, or leave it out of wanted"
+        )
     return MeasuringPlan(
         press_name=press.name,
         motions=tuple(motions),
@@ -366,10 +368,10 @@ def _why(press: Linkage, motion: Motion) -> str:
     speed = motion.crank_speed
     change = float(np.ptp(speed))
     if change <= EVEN * np.abs(speed).max():
-        return "at one speed friction that grows with it is one with friction that does not, and the crank's inertia makes no torque"
+        return "at one speed viscous and constant friction cannot be separated, and the crank's inertia makes no torque"
     places = np.floor(np.mod(motion.crank_angle, 2 * np.pi) / (2 * np.pi) * 36).astype(int)
     spread = max(float(np.ptp(speed[places == each])) for each in np.unique(places))
     slope = float(np.abs(np.gradient(speed, motion.crank_angle)).max()) * 2 * np.pi / 36
     if spread <= IN_STEP * change + slope and press.period_turns == 1:
-        return "the speed swings in step with the stroke, so that all is one function of the crank angle"
+        return "the speed swings in step with the stroke, so all torques are one function of the crank angle"
     return ""

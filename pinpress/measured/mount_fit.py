@@ -3,9 +3,9 @@
     fitted = pp.measured.fit_mounts(system, record.modes(beside=pp.foundation.modes(system)))
     pp.foundation.modes(fitted.system)
 
-Rubber is hard to know from a catalogue: its stiffness for vibrations may be off by a factor of two. Each measured frequency and damping
-ratio is an equation for factors on the stiffness along x, y and z, shared by all mounts (and by all columns of a frame in two parts), and
-for the loss. They are solved by bounded least squares in the logarithms of the factors; the model is that of `foundation`.
+A catalogue does not give the dynamic stiffness of rubber well: it may be off by a factor of two. Each measured frequency and damping
+ratio is an equation for the loss and for factors on the stiffness along x, y and z. All mounts share these factors, and so do all columns
+of a frame in two parts. Bounded least squares in the logarithms of the factors solve the equations; the model is that of `foundation`.
 """
 
 from __future__ import annotations
@@ -25,27 +25,27 @@ from ..foundation.mounted_press import MountedPress, modes, with_mounts
 from ..foundation.mounts import Mount
 from .hit_modes import MeasuredModes
 
-FACTOR = 20.0  # largest factor on a stiffness, and the smallest is 1 by it
+FACTOR = 20.0  # largest factor on a stiffness; the smallest is 1 / 20
 LOSS = (1e-4, 1.0)  # range of the loss factor
 AT_BOUND = 1e-3  # logarithm of a factor from its bound, below which it rests on it
-MODEL = 1e-3  # what the model of a rigid frame is trusted to say of a frequency, relative, beside the noise of the measurement
-MODEL_LOSS = 1e-3  # and of a damping ratio
-UNSEEN = 3.0  # factor by which the interval of a stiffness is wide where the modes do not show it
+MODEL = 1e-3  # relative error of a frequency by the model of a rigid frame, in addition to the noise of the measurement
+MODEL_LOSS = 1e-3  # error of a damping ratio by this model
+UNSEEN = 3.0  # highest / lowest end of the interval of a stiffness: more means that the modes do not show it
 DAMPING = ("loss_factor", "viscous")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FittedMounts(Tabular):
-    """Mounts whose natural frequencies are those measured, made by `fit_mounts`. All arrays are read-only.
+    """Mounts fitted to measured natural frequencies by `fit_mounts`. All arrays are read-only.
 
     Attributes:
         system: the press on these mounts.
-        names: what was fitted: "stiffness of mounts along x", ..., "loss factor of mounts".
-        values: (k,) factors on the stiffness given, or on viscous dampers; the loss factor itself [-].
-        intervals: (k, 2) lowest and highest value at 95 %, by noise and by what the model leaves over, the wider of the two [-].
-        measured: the modes that they were fitted to.
-        frequency: (m,) natural frequencies of the fitted system, by measured mode [rad/s].
-        damping_ratio: (m,) its damping ratios, by measured mode [-].
+        names: names of the k fitted values: "stiffness of mounts along x", ..., "loss factor of mounts".
+        values: (k,) factors on the given stiffness or viscous dampers; a loss factor is the value itself [-].
+        intervals: (k, 2) lowest and highest value at 95 %, from noise or from the residual, the wider of the two [-].
+        measured: the measured modes.
+        frequency: (m,) natural frequencies of the fitted system, in the order of the measured modes [rad/s].
+        damping_ratio: (m,) damping ratios of the fitted system, in the order of the measured modes [-].
     """
 
     system: MountedPress
@@ -62,7 +62,7 @@ class FittedMounts(Tabular):
         return f"FittedMounts of {self.system.press.name}: {len(self.names)} values, frequencies to {100 * off:.2g} %"
 
     def columns(self) -> dict[str, Column]:
-        """A row for each value: its name, the value, and the ends of its interval."""
+        """A row for each fitted value: name, value, and both ends of its interval."""
         return {"name": list(self.names), "value [-]": self.values, "low [-]": self.intervals[:, 0], "high [-]": self.intervals[:, 1]}
 
     def __str__(self) -> str:
@@ -85,33 +85,33 @@ class FittedMounts(Tabular):
 def fit_mounts(system: MountedPress, measured: MeasuredModes, *, damping: str = "loss_factor") -> FittedMounts:
     """Fit stiffness and damping of the mounts of a press to measured modes.
 
-    Stiffnesses along x, y and z are multiplied by a factor each, for all mounts alike, and for all columns of a frame in two parts alike.
-    The mounts' static stiffness stays, where it is given.
+    The stiffnesses along x, y and z get one factor each, the same for all mounts and the same for all columns of a frame in two parts.
+    A given static stiffness of the mounts does not change.
 
     Args:
-        system: the press on the mounts as they are thought to be.
-        measured: modes of hits, laid beside those of this system: ``record.modes(beside=foundation.modes(system))``.
-        damping: "loss_factor": one loss factor for all mounts, and one for all columns, is found; "viscous": a factor on their dampers.
+        system: the press on the mounts as described.
+        measured: modes from hits, compared with the modes of this system: ``record.modes(beside=foundation.modes(system))``.
+        damping: "loss_factor" (one loss factor for all mounts, one for all columns) or "viscous" (a factor on their dampers).
 
     Raises:
-        PinpressError: the modes were not laid beside those of the system, fewer frequencies than stiffnesses were measured, or the mounts
-            have no dampers to be multiplied.
+        PinpressError: the measured modes were not compared with those of the system, there are fewer frequencies than stiffnesses, or the
+            mounts have no dampers.
 
     Warns:
-        PinpressWarning: a value rests on its bound, because the model cannot have the measured frequencies.
+        PinpressWarning: a value reaches its bound, because the model cannot have the measured frequencies.
     """
     expect("measured", measured, MeasuredModes, "vibration(...).modes(beside=...)")
     if not isinstance(damping, str) or damping not in DAMPING:
         raise PinpressError(f"damping is {shown(damping)}: give one of {', '.join(DAMPING)}")
     if measured.beside is None or len(measured.beside.shapes) != len(system.mass):
-        raise PinpressError("the measured modes are not laid beside those of this system: modes(beside=foundation.modes(system))")
+        raise PinpressError("the measured modes are not compared with those of this system: write modes(beside=foundation.modes(system))")
     places = np.array(measured.partner)
     seen = np.flatnonzero(places >= 0)
     names, start, low, high = _unknowns(system, damping)
     count = 3 if system.crown is None else 6
     if len(seen) < count:
         raise PinpressError(
-            f"{len(seen)} modes with partners were measured, for {count} stiffnesses: hit the frame in other directions too"
+            f"{len(seen)} measured modes have a calculated partner, for {count} stiffnesses: hit the frame in other directions too"
         )
     return _least_squares(system, measured, (names, start, low, high))
 
@@ -131,7 +131,7 @@ def _unknowns(system: MountedPress, damping: str) -> tuple[tuple[str, ...], Arra
                 high.append(FACTOR)
         if damping == "viscous":
             if not any(np.any(spring.damping) for spring in springs):
-                raise PinpressError(f"the {what} have no dampers to be multiplied: give Mount(damping=...), or damping='loss_factor'")
+                raise PinpressError(f"the {what} have no dampers: give Mount(damping=...), or damping='loss_factor'")
             names.append(f"dampers of {what}")
             values.append(1.0)
             low.append(1 / FACTOR)
@@ -194,9 +194,7 @@ def _least_squares(system: MountedPress, measured: MeasuredModes, unknowns: tupl
     intervals = np.exp(np.clip(best.x[:, None] + np.array([-1.0, 1.0]) * half[:, None], low[:, None], high[:, None]))
     for name, logarithm, one, other in zip(names, best.x, low, high, strict=True):
         if min(logarithm - one, other - logarithm) < AT_BOUND:
-            caution(
-                f"{name} rests on its bound, {np.exp(logarithm):.4g}: the model cannot have the measured frequencies; look at the masses"
-            )
+            caution(f"{name} reaches its bound, {np.exp(logarithm):.4g}: the model cannot have the measured frequencies. Check the masses")
     ours, damped = calculated(best.x)
     kept = replace(
         measured,

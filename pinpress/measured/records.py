@@ -1,4 +1,4 @@
-"""Records of a running press: the crank's angle without jumps and the torque at the crank, in SI units, with what is amiss in them.
+"""Records of a running press: crank angle without jumps and torque at the crank, in SI units; faults of a record are reported.
 
 run = pp.measured.record("50.csv", angle="crank [deg]", torque="motor [N m]", ratio=20.7)
 run = pp.measured.MeasuredRun(time, angle, torque)  # the same from arrays
@@ -22,16 +22,16 @@ from ..common.reading.columns import TIMES, Channels, read_channels, split_head
 from ..common.results import Tabular
 
 FEWEST = 32  # samples of a record
-SLOWEST_SAMPLES = 0.5  # samples this far apart show nothing of a stroke [s]
-GAP = 4.5  # times the common step between samples, from which on a step is a gap: fewer are samples that a bus lost
-UNEVEN = 0.02  # standard deviation of the steps by their median, above which sampling is called uneven
-JUMP = 0.5  # share of a turn of the counter by which an angle changes where it starts anew
-ROLLOVERS = (2.0**16, 2.0**24, 2.0**32)  # counts after which counters start anew
-RESTING = 20.0  # times the median between two changes of the angle, from which on the crank rests
+SLOWEST_SAMPLES = 0.5  # samples at this distance do not show a stroke [s]
+GAP = 4.5  # median steps: a longer step is a gap, a shorter one is a few samples that a bus lost
+UNEVEN = 0.02  # standard deviation / median of the steps: more is uneven sampling
+JUMP = 0.5  # share of the counter's range: a larger change of an angle is a restart of the counter
+ROLLOVERS = (2.0**16, 2.0**24, 2.0**32)  # counts after which counters start again from zero
+RESTING = 20.0  # median times between two changes of the angle: after a longer time the crank rests
 FLAT = 12  # samples in a row at the very extreme that look like saturation
-BRAKING = 0.1  # share of the sum of sizes of the power by which its mean is below 0 where a sign is wrong
+BRAKING = 0.1  # -mean(power) / mean(abs(power)): more means that a sign is wrong
 FEWEST_A_TURN = 12  # samples
-NOISELESS = 1e-5  # least noise by the largest sample: so exact are sums over samples
+NOISELESS = 1e-5  # least noise / largest sample: sums over samples are not more exact
 AXES = ("x", "y", "z")
 _NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
 
@@ -41,29 +41,26 @@ SPEEDS = ("rpm", "r/min", "1/min", "min-1", "rad/s", "deg/s", "Hz")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredRun(Tabular):
-    """A record of a running press, n samples of it. All arrays are read-only.
+    """A record of a running press with n samples. All arrays are read-only.
 
     Attributes:
-        time: (n,) rising [s].
-        angle: (n,) crank angle, continuous over all turns; 0 where the press is as drawn [rad].
-        torque: (n,) torque of the drive at the crank, positive where it drives in the positive direction; None where it was not measured
-            [N m].
-        current: (n,) current of the motor in place of a torque, as it would be of a motor that turns with the crank; None where it was not
-            measured [A].
-        shaking_force: by the world's axis ("x", "y", "z") the measured forces of the press on its foundation, weight included, (n,) each
-            [N].
-        shaking_moment: by the world's axis the measured moments about the world's origin, (n,) each [N m].
-        height: (n,) measured height of the slide; None where it was not measured [m].
-        added_mass: masses that were fastened to links for this run, by the name of the link, in their frame's origin [kg].
-        name: of the run, for messages.
-        notes: what was done to the record when it was read, in words.
+        time: (n,) times, rising [s].
+        angle: (n,) crank angle, continuous over all turns; 0 in the drawn pose (the pose in the press's file) [rad].
+        torque: (n,) torque of the drive at the crank, positive in the positive direction of the crank; None if not measured [N m].
+        current: (n,) motor current in place of a torque, for a motor that turns with the crank; None if not measured [A].
+        shaking_force: world axis "x", "y" or "z" -> (n,) measured force of the press on its foundation, weight included [N].
+        shaking_moment: world axis -> (n,) measured moment on the foundation about the world's origin [N m].
+        height: (n,) measured height of the slide; None if not measured [m].
+        added_mass: name of a link -> mass that was fastened at the origin of its frame for this run [kg].
+        name: name of the run, for messages.
+        notes: changes made to the record when it was read, as text.
 
     Raises:
-        PinpressError: a column is not finite, or has another length than the time; times do not rise, or have a gap; the angle jumps, or
-            rests all the time; a torque or current of a size that no press has; too few samples.
+        PinpressError: a column is not finite or differs in length from the time; times do not rise or have a gap; the angle jumps or is
+            constant; a torque or current is larger than in any press; there are too few samples.
 
     Warns:
-        PinpressWarning: sampling is uneven; the torque stays at its extreme, as where a drive cuts it off; the crank rests in a part of a
+        PinpressWarning: sampling is uneven; the torque stays at its extreme, as if the drive limits it; the crank rests in a part of a
             record with torque; the mean power is negative.
     """
 
@@ -86,12 +83,14 @@ class MeasuredRun(Tabular):
             vars(self)[kind] = self._by_axis(kind, unit)
         vars(self)["added_mass"] = self._masses()
         if self.torque is not None and self.current is not None:
-            raise PinpressError(f"{self.name}: both torque and current are given; give one of them")
+            raise PinpressError(f"{self.name}: both torque and current are given: give only one of them")
         lengths = {name: len(values) for name, values in self._signals().items()}
         if len(set(lengths.values())) > 1:
-            raise PinpressError(f"{self.name}: lengths differ ({', '.join(f'{k} {n}' for k, n in lengths.items())}); give one value a time")
+            raise PinpressError(
+                f"{self.name}: lengths differ ({', '.join(f'{k} {n}' for k, n in lengths.items())}): give one value for each time"
+            )
         if len(self.time) < FEWEST:
-            raise PinpressError(f"{self.name}: {len(self.time)} samples; measure at least {FEWEST}, better some strokes at 500 Hz")
+            raise PinpressError(f"{self.name}: {len(self.time)} samples: measure at least {FEWEST}, better some strokes at 500 Hz")
         _check_times(self)
         _check_angle(self)
         _check_torque(self)
@@ -117,19 +116,19 @@ class MeasuredRun(Tabular):
 
     @property
     def strokes(self) -> float:
-        """Turns of the crank, those there and back each counted [-]."""
+        """Turns of the crank; turns forward and backward are both counted [-]."""
         return float(np.abs(np.diff(self.angle)).sum() / (2 * math.pi))
 
     @property
     def speeds(self) -> tuple[float, float]:
-        """Lowest and highest speed of the crank, each over a hundredth of the record or a twelfth of a turn, the longer [rad/s]."""
+        """Lowest and highest speed of the crank, each a mean over a hundredth of the record, at least a twelfth of a turn [rad/s]."""
         step = max(len(self.time) // 100, round(len(self.time) / max(FEWEST_A_TURN * self.strokes, 1.0)), 1)
         means = np.diff(self.angle[::step]) / np.diff(self.time[::step])
         return float(means.min()), float(means.max())
 
     @property
     def resolution(self) -> float | None:
-        """Step of the encoder at the crank, of which all changes of the angle are multiples; None where the angle has no steps [rad]."""
+        """Step of the encoder at the crank: all changes of the angle are multiples of it. None if the angle has no steps [rad]."""
         steps = np.unique(np.round(np.abs(np.diff(self.angle)), 10))
         if len(steps) > len(self.angle) // 4 or len(steps) < 2:
             return None
@@ -139,10 +138,10 @@ class MeasuredRun(Tabular):
         return float(steps.sum() / multiples.sum()) if even else None
 
     def between(self, start: float, end: float) -> MeasuredRun:
-        """The part of the record between two times [s].
+        """Cut out the part of the record between two times [s].
 
         Raises:
-            PinpressError: fewer than 32 samples are between them.
+            PinpressError: there are fewer than 32 samples between the times.
         """
         inside = (self.time >= number("start", start, "s")) & (self.time <= number("end", end, "s"))
         columns = {name: getattr(self, name) for name in ("time", "angle", "torque", "current", "height")}
@@ -156,7 +155,7 @@ class MeasuredRun(Tabular):
         return "time [s]", *(name for name in ("torque [N m]", "current [A]") if name in self.columns())
 
     def columns(self) -> dict[str, Array]:
-        """Everything measured as columns (n,) under their names with units."""
+        """All measured quantities as columns: name with unit -> (n,) values."""
         units = {"time": "s", "angle": "rad", "torque": "N m", "current": "A", "height": "m"}
         return {f"{name} [{units.get(name, 'N m' if 'moment' in name else 'N')}]": values for name, values in self._signals().items()}
 
@@ -186,21 +185,21 @@ def _check_times(run: MeasuredRun) -> None:
     if not (steps > 0).all():
         k = int(np.argmax(steps <= 0))
         raise PinpressError(
-            f"{run.name}: the time does not rise after {run.time[k]:.6g} s (sample {k}); sort the samples, leave out doubles"
+            f"{run.name}: the time does not rise after {run.time[k]:.6g} s (sample {k}): sort the samples and leave out duplicates"
         )
     common = float(np.median(steps))
     if steps.max() > GAP * common:
         k = int(np.argmax(steps > GAP * common))
         raise PinpressError(
-            f"{run.name}: no samples for {steps[k]:.4g} s after {run.time[k]:.6g} s, where they are {common:.4g} s apart; make a run of"
-            " each part, with record(..., between=(start, end))"
+            f"{run.name}: no samples for {steps[k]:.4g} s after {run.time[k]:.6g} s; elsewhere they are {common:.4g} s apart. Make a run of"
+            " each part: record(..., between=(start, end))"
         )
     if common > SLOWEST_SAMPLES:
-        caution(f"{run.name}: samples are {common:.4g} s apart: if the time is in ms, write {common:.4g}e-3, in a file time [ms]")
+        caution(f"{run.name}: samples are {common:.4g} s apart. If the time is in ms, give it in s, or name the file's column time [ms]")
     if np.std(steps) > UNEVEN * common:
         caution(
-            f"{run.name}: samples are {steps.min():.4g} to {steps.max():.4g} s apart; noise is taken as even: record at a fixed rate, where"
-            " the drive's own clock writes the times"
+            f"{run.name}: samples are {steps.min():.4g} to {steps.max():.4g} s apart, but the estimates assume equal steps:"
+            " record at a fixed rate, with the times of the drive's clock"
         )
 
 
@@ -208,17 +207,17 @@ def _check_angle(run: MeasuredRun) -> None:
     steps = np.diff(run.angle)
     largest = float(np.abs(steps).max())
     if largest == 0:
-        raise PinpressError(f"{run.name}: the crank rests all the time at {math.degrees(run.angle[0]):.6g} deg; measure a running press")
+        raise PinpressError(f"{run.name}: the crank rests all the time at {math.degrees(run.angle[0]):.6g} deg: measure a running press")
     k = int(np.argmax(np.abs(steps)))
     pace = float(np.quantile(np.abs(steps / np.diff(run.time)), 0.99))
     if largest > math.radians(5) and largest > 4 * pace * (run.time[k + 1] - run.time[k]):
         raise PinpressError(
-            f"{run.name}: the angle jumps by {math.degrees(steps[k]):.6g} deg after {run.time[k]:.6g} s, where the crank turns"
-            f" {math.degrees(pace * run.sampling):.3g} deg between samples; give it unwrapped, or cut the record there"
+            f"{run.name}: the angle jumps by {math.degrees(steps[k]):.6g} deg after {run.time[k]:.6g} s; the crank turns only"
+            f" {math.degrees(pace * run.sampling):.3g} deg between samples. Give a continuous angle, or cut the record there"
         )
     if largest > 2 * math.pi / FEWEST_A_TURN:
         raise PinpressError(
-            f"{run.name}: the crank turns {math.degrees(largest):.4g} deg between samples; sample at"
+            f"{run.name}: the crank turns {math.degrees(largest):.4g} deg between samples: sample at"
             f" {math.ceil(50 * pace / (2 * math.pi)):g} Hz or more, or give the angle in rad"
         )
 
@@ -228,30 +227,30 @@ def _check_torque(run: MeasuredRun) -> None:
     if effort is None:
         return
     if not np.ptp(effort):
-        raise PinpressError(f"{run.name}: the {word} is the same in all samples ({effort[0]:.6g}); give the column that was measured")
+        raise PinpressError(f"{run.name}: the {word} is the same in all samples ({effort[0]:.6g}): give a measured column")
     largest = float(np.abs(effort).max())
     if not SMALLEST <= largest <= LARGEST:
-        raise PinpressError(f"{run.name}: the largest {word} is {largest:.4g} {_UNITS[word]}, as of no press; see to its unit")
+        raise PinpressError(f"{run.name}: the largest {word} is {largest:.4g} {_UNITS[word]}, a size that no press has: check its unit")
     _doubt_rest(run)
     for extreme in (effort.max(), effort.min()):
         longest, others = longest_rest(effort, extreme)
         if longest >= FLAT and longest > 3 * others:
             k = int(np.argmax(effort == extreme))
             caution(
-                f"{run.name}: the {word} stays at {extreme:.6g} for {longest} samples from {run.time[k]:.6g} s on, as where a drive or an"
-                " amplifier cuts it off: raise its limit or range, or leave these parts out"
+                f"{run.name}: the {word} stays at {extreme:.6g} for {longest} samples from {run.time[k]:.6g} s on, as if a drive or an"
+                " amplifier limits it: raise the limit or range, or leave these parts out"
             )
     speed = np.gradient(run.angle, run.time)
     power, size = float(np.mean(effort * speed)), float(np.mean(np.abs(effort * speed)))
     if power < -BRAKING * size:
         caution(
-            f"{run.name}: the mean power is {'' if run.torque is None else f'{power:.4g} W, '}below 0, as if the press drove its motor:"
-            " give the ratio with the other sign, record(..., ratio=-20.7), or the angle's, angle_ratio="
+            f"{run.name}: the mean power is {'' if run.torque is None else f'{power:.4g} W, '}negative, as if the press drives its motor:"
+            " change the sign of the ratio, record(..., ratio=-20.7), or of angle_ratio="
         )
 
 
 def _doubt_rest(run: MeasuredRun) -> None:
-    """Warn of a crank that stands in a part of a record with torque."""
+    """Warn of a crank that rests in a part of a record with torque."""
     changes = np.flatnonzero(np.diff(run.angle)) + 1
     ends = np.concatenate([[0], changes, [len(run.angle)]])
     lengths = np.diff(ends)
@@ -259,13 +258,13 @@ def _doubt_rest(run: MeasuredRun) -> None:
     if lengths[k] > max(RESTING * np.median(lengths), FEWEST):
         rest, begin = lengths[k] * run.sampling, run.time[ends[k]]
         caution(
-            f"{run.name}: the crank rests for {rest:.4g} s from {begin:.6g} s on, where a brake may hold it and friction has no direction:"
-            " leave this part out, record(..., between=(start, end))"
+            f"{run.name}: the crank rests for {rest:.4g} s from {begin:.6g} s on. A brake may hold it, and friction has no direction:"
+            " leave this part out: record(..., between=(start, end))"
         )
 
 
 def longest_rest(values: Array, at: float) -> tuple[int, int]:
-    """Most samples in a row with one value, where it is this one, and elsewhere."""
+    """Largest number of equal samples in a row: with this value, and with any other value."""
     ends = np.flatnonzero(np.diff(values)) + 1
     lengths = np.diff(np.concatenate([[0], ends, [len(values)]]))
     there = values[np.concatenate([[0], ends])] == at
@@ -273,7 +272,7 @@ def longest_rest(values: Array, at: float) -> tuple[int, int]:
 
 
 def sample_noise(samples: Array) -> float:
-    """Standard deviation of even noise in samples that change slowly between them, edges left aside; never 0."""
+    """Standard deviation of even noise in samples of a slow signal; edges do not count, and the result is never 0."""
     found = float(1.4826 * np.median(np.abs(np.diff(samples, 3))) / math.sqrt(20.0))
     return max(found, NOISELESS * float(np.abs(samples).max()), np.finfo(float).tiny)
 
@@ -299,36 +298,35 @@ def record(
     added_mass: Mapping[str, float] = _NONE_GIVEN,
     between: Sequence[float] | None = None,
 ) -> MeasuredRun:
-    """Read a record: crank angle, torque or current of the motor and what else was measured.
+    """Read a record: crank angle, torque or current of the motor, and other measured quantities.
 
-    Columns are named with their units, "motor [N m]": the column of this name, or the one called "motor", in the unit that the file has
-    for it, else in this one. Angles that start anew after each turn, or where a counter overflows, are made continuous.
+    Columns are named with their units. "motor [N m]" is the column of this name, or the column "motor" in the unit that the file gives,
+    or in N m if the file gives no unit. Angles that restart after each turn or when a counter overflows are made continuous.
 
     Args:
-        file: .csv or .txt (names in the first line, parted by commas, semicolons or tabs), .parquet, .mat (a vector a channel, not version
-            7.3) or .mf4 (needs asammdf).
+        file: .csv or .txt (names in the first line, separated by commas, semicolons or tabs), .parquet, .mat (one vector for each channel;
+            not version 7.3) or .mf4 (needs asammdf).
         angle: column of the angle [rad, deg, turns, or counts with ``counts``].
-        torque: column of the motor's torque [N m, kN m] or current [A, mA]; None where none was measured.
-        time: column of the time [s, ms, us]; by default the one called time or t, or the times of an MDF4 file.
-        ratio: turns of the motor by turns of the crank, by which torques are multiplied; negative where a positive torque turns the crank
-            backwards.
-        angle_ratio: turns of the encoder by turns of the crank, by which angles are divided; negative where it counts backwards.
-        zero: the column's angle where the press is as drawn, in its own unit.
-        counts: counts of the encoder in one turn of it, for an angle in counts.
-        motor_constant: torque of the motor by its current, for a column in A; None: to be identified [N m/A].
+        torque: column of the motor's torque [N m, kN m] or current [A, mA]; None if not measured.
+        time: column of the time [s, ms, us]; by default the column time or t, or the times of an MDF4 file.
+        ratio: motor turns / crank turns; torques are multiplied by it. Negative if a positive torque turns the crank backwards.
+        angle_ratio: encoder turns / crank turns; angles are divided by it. Negative if the encoder counts backwards.
+        zero: reading of the angle's column in the drawn pose, in the column's unit.
+        counts: counts in one turn of the encoder, for an angle in counts.
+        motor_constant: motor torque / current, for a column in A; None: `identify` finds it [N m/A].
         height: column of the slide's height [m, mm].
-        shaking_force: columns of forces on the foundation by the world's axis, {"x": "Fx [kN]", "z": "Fz [kN]"} [N, kN].
-        shaking_moment: columns of moments about the world's origin by axis [N m, kN m].
-        added_mass: masses fastened for this run, by link, see `MeasuredRun` [kg].
-        between: first and last time that are read; by default all [s].
+        shaking_force: world axis -> column of the force on the foundation, {"x": "Fx [kN]", "z": "Fz [kN]"} [N, kN].
+        shaking_moment: world axis -> column of the moment about the world's origin [N m, kN m].
+        added_mass: link -> mass that was fastened to it for this run, see `MeasuredRun` [kg].
+        between: (first, last) time of the part that is read; by default the whole record [s].
 
     Raises:
-        PinpressError: the file cannot be read; a column has no unit, or one of another quantity, such as a speed for the angle; what
-            `MeasuredRun` raises.
-        UnknownNameError: it has no column of this name.
+        PinpressError: the file cannot be read; a column has no unit, or the unit of another quantity, such as a speed for the angle;
+            `MeasuredRun` refuses the record.
+        UnknownNameError: the file has no column of this name.
 
     Warns:
-        PinpressWarning: as `MeasuredRun`.
+        PinpressWarning: as for `MeasuredRun`.
     """
     given = (torque, time, height, *shaking_force.values(), *shaking_moment.values())
     asked = [angle, *(name for name in given if name is not None)]
@@ -350,7 +348,7 @@ def record(
         wrong = ~np.isfinite(found[span])
         if wrong.any():
             first = times[span][int(np.argmax(wrong))]
-            raise PinpressError(f"{table.file}: {name} has no number at {first:.6g} s; cut the record with between=, or fill the gap")
+            raise PinpressError(f"{table.file}: {name} has no number at {first:.6g} s: cut the record with between=, or fill the gap")
         return np.asarray(found[span] * size)
 
     notes: list[str] = []
@@ -383,24 +381,24 @@ def record(
 
 
 def times_of(table: Channels, asked: str | None) -> Array:
-    """Times of a file [s]; ``asked``: the column of the time, None for the one called time or t, or those of the format itself.
+    """Read the times of a file [s]. ``asked``: the time's column; None: the column time or t, or the times of the format.
 
     Raises:
-        PinpressError: there is no such column, it is in another unit, or a time is no number.
+        PinpressError: there is no such column, its unit is not a time, or a time is not a number.
     """
     if asked is None:
         if table.time is not None:
             return table.time
         asked = next((name for name in table.columns if name.lower() in TIMES), None)
         if asked is None:
-            raise PinpressError(f"{table.file} has no column of the time; name it, record(..., time='clock [ms]')")
+            raise PinpressError(f"{table.file} has no column time or t: name the time's column, record(..., time='clock [ms]')")
     found, unit = table.column(asked)
     size = known_factor(unit or "s", "s")
     if size is None:
         raise PinpressError(_unit_refused(table.file, asked, unit, "time", "s"))
     if not np.isfinite(found).all():
         raise PinpressError(
-            f"{table.file}: {asked} has no number in row {int(np.argmin(np.isfinite(found)))}, counted from 0; leave it out"
+            f"{table.file}: {asked} has no number in row {int(np.argmin(np.isfinite(found)))}, counted from 0: leave this row out"
         )
     return np.asarray(found * size)
 
@@ -409,25 +407,25 @@ def _unit_refused(file: str, name: str, unit: str, what: str, wanted: str) -> st
     (plain, _), known = split_head(name), readable(wanted)
     such = f"write the column as {plain!r} with one of the units {', '.join(known)}: '{plain} [{next(iter(known))}]'"
     if not unit:
-        return f"{file}: column {plain!r} has no unit; {such}"
+        return f"{file}: column {plain!r} has no unit: {such}"
     if what == "angle" and unit in SPEEDS:
-        return f"{file}: {name!r} is a speed, in {unit}, no angle; give the column of the encoder's angle"
+        return f"{file}: {name!r} is a speed in {unit}, not an angle: give the column of the encoder's angle"
     if unit == "counts":
-        return f"{file}: {name!r} is in counts; say how many are a turn, record(..., counts=8192)"
+        return f"{file}: {name!r} is in counts: give the counts in one turn, record(..., counts=8192)"
     if unit == "%":
-        return f"{file}: {name!r} is in %; multiply it by the rated torque first, and {such}"
-    return f"{file}: {name!r} is in {unit}, which is no unit of {what}; {such}"
+        return f"{file}: {name!r} is in %: multiply it by the rated torque, and {such}"
+    return f"{file}: {name!r} is in {unit}, which is not a unit of {what}: {such}"
 
 
 def _ratio(name: str, value: float) -> float:
     found = number(name, value)
     if not 1e-6 < abs(found) < 1e6:
-        raise PinpressError(f"{name} is {shown(value)}; give turns of motor or encoder by turns of the crank, such as 20.7")
+        raise PinpressError(f"{name} is {shown(value)}: give turns of motor or encoder / turns of the crank, such as 20.7")
     return found
 
 
 def _continuous(readings: Array, per_unit: float, times: Array, name: str, notes: list[str], *, counted: bool) -> Array:
-    """Readings of an encoder, in its unit, without the jumps where it starts anew; ``notes`` takes what was done."""
+    """Remove the jumps from readings of an encoder that restarts; adds a line to ``notes``."""
     if len(readings) < 2:
         return readings
     steps = np.diff(readings)
@@ -438,5 +436,5 @@ def _continuous(readings: Array, per_unit: float, times: Array, name: str, notes
     if over is None:
         return readings
     jumps = np.round(steps / over)
-    notes.append(f"{name} starts anew {int(np.count_nonzero(jumps))} times, after {over:.6g} each; it was made continuous")
+    notes.append(f"{name} restarts {int(np.count_nonzero(jumps))} times, each time after {over:.6g}; it was made continuous")
     return np.asarray(readings - over * np.concatenate([[0.0], np.cumsum(jumps)]))

@@ -132,8 +132,8 @@ class InertialEquations(Frozen):
             for axis, part in zip("xyz", engine.plane.normal, strict=True):
                 if f"moment {axis}" in wanted and abs(part) < 1 - ABSENT:
                     raise PinpressError(
-                        f"the moment about {axis} of {self.press.name} depends on what its links have across their plane: leave it out, and"
-                        " give forces and the moment about the plane's normal"
+                        f"the moment about {axis} of {self.press.name} depends on inertias of its links out of their plane: leave it out,"
+                        " and give forces and the moment about the plane's normal"
                     )
 
     def pressed(self, values: Array, name: str | None = None) -> Linkage:
@@ -229,8 +229,8 @@ def inertial_equations(press: Linkage) -> InertialEquations:
     Raises:
         PinpressError: it has several drivers, or one that slides.
     """
-    press.refuse_several_drivers("records are of presses with one crank; hold the others' joints")
-    press.refuse_sliding_driver("records are of presses with a crank")
+    press.refuse_several_drivers("records need a press with one crank; hold the joints of the other drivers")
+    press.refuse_sliding_driver("records need a press with a crank")
     engine, parameters, bases = press.engine(), [], []
     planar = engine if isinstance(engine, PlanarEngine) else None
     for body in range(1, press.model.njoints):
@@ -323,7 +323,7 @@ def loss_parameters(friction: Sequence[str], cylinder: bool, radii: bool) -> tup
 
 
 def refuse_losses(press: Linkage, friction: Sequence[str], cylinder: bool) -> None:
-    """Raise PinpressError where a press cannot have these losses, or a balance cylinder."""
+    """Refuse losses or a balance cylinder that a press cannot have."""
     for name in friction:
         if not isinstance(name, str):
             raise PinpressError(f"friction is {shown(friction)}: give names, of {', '.join(LOSSES)}")
@@ -332,7 +332,7 @@ def refuse_losses(press: Linkage, friction: Sequence[str], cylinder: bool) -> No
     if len(set(friction)) < len(friction):
         raise PinpressError(f"friction is {shown(friction)}: name each kind once")
     if press.slide is None and (cylinder or {"slide_guide", "gibs"} & set(friction)):
-        raise PinpressError(f"{press.name} has no slide: leave out its guide, gibs and cylinder, or {NAME_A_SLIDE}")
+        raise PinpressError(f"{press.name} has no slide: leave out friction of its guide, gibs and cylinder, or {NAME_A_SLIDE}")
 
 
 def loss_columns(

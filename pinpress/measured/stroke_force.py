@@ -1,28 +1,28 @@
-"""The force of the process over the height of the slide, from what the drive measures: the press itself as the sensor.
+"""Measure the process force over the height of the slide from the signals of the drive: the press is the sensor.
 
     found = pp.measured.identify(press, idle_runs)  # or the press as described, with friction=
     run = pp.measured.record("blanking.csv", "crank [rad]", "motor [N m]", ratio=20.7)
     force = pp.measured.process_force(found, run, np.linspace(0.0, 0.012, 13), drive_inertia=2000.0)
 
-    sensor = pp.measured.force_sensor(found, heights, drive_inertia=2000.0)  # worked out once, then stroke by stroke
+    sensor = pp.measured.force_sensor(found, heights, drive_inertia=2000.0)  # prepared once, then used stroke by stroke
     for stroke in sensor.strokes(run): ...
 
-Power is what crank and slide share: with the crank's angle q and speed w, the torque of the drive on the crank is
+Crank and slide have the same power. With the crank's angle q and speed w, the torque of the drive on the crank is
 
     torque = d/dt ((J + A) w) - A' w^2 / 2 + C + friction - F z',
 
 where J turns with the crank (motor, gears, flywheel), A(q) is the inertia of the links at the crank, C(q) their weight, and z(q) the height
-of the slide with z' = dz/dq. The force F, upwards on the slide positive, is linear between heights and zero above the highest, on the way
-down, and where asked for on the way up, by other heights. The equation is multiplied with B-splines phi over time and integrated by parts
-twice,
+of the slide with z' = dz/dq. The force F on the slide is positive upwards. On the way down it is linear between heights and zero above the
+highest; on request also on the way up, between other heights. The equation is multiplied with B-splines phi over time and integrated by
+parts twice,
 
     integral of phi torque dt = integral of phi'' (J q + G) dt + integral of phi (C - A' w^2 / 2 + friction - F z') dt
 
-with G the integral of A over q, so that the angle is never differentiated where it matters: the flywheel's torque is a second difference of
-the angle, whose noise is known. Rows are made independent by the covariance of both noises, and F follows by least squares with its
-covariance. Friction under the force found is taken by inverse dynamics, in a few passes.
+with G the integral of A over q. So the large term needs no derivative of the angle: the flywheel's torque is a second difference of the
+angle, whose noise is known. The covariance of both noises makes the rows independent, and least squares give F with its covariance.
+Inverse dynamics give the friction under this force, in a few passes.
 
-In a press that springs, force over angle holds, but the slide is higher than the angle says by force / stiffness.
+In an elastic press the force over the angle stays right, but the slide is higher than the crank angle shows, by force / stiffness.
 """
 
 from __future__ import annotations
@@ -67,24 +67,24 @@ UNLIKE = 2.0  # ratio of residuals without force to noise above which the model 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredForce(Tabular):
-    """The process force of a stroke, or of several equal ones. All arrays are read-only.
+    """The process force of a stroke, or of several equal strokes. All arrays are read-only.
 
     Attributes:
         name: of the run.
-        heights: (k,) heights above bottom dead centre by the crank angle, rising [m].
-        force: (k,) forces on the slide on its way down, upwards positive: those that resist the stroke [N].
-        deviation: (k,) their standard deviations: by noise, and by what a curved force differs from straight lines between heights [N].
-        heights_up: (j,) heights of the way up, where strippers and ejectors act; none where none were asked for [m].
-        force_up: (j,) forces on the slide on its way up, upwards positive: one that holds the slide back is negative [N].
-        deviation_up: (j,) their standard deviations [N].
-        covariance: (k + j, k + j) of the forces by noise, down, then up [N2].
-        slide_height: (k,) heights at which the slide really is, higher by force / stiffness [m]; ``heights`` for a rigid press.
-        slide_height_up: (j,) the same of the way up [m].
-        work: work of the force over the stroke, down and up, what the slide gave [J].
-        work_deviation: its standard deviation [J].
+        heights: (k,) heights above bottom dead centre from the crank angle, rising [m].
+        force: (k,) forces on the slide on its way down, positive upwards (against the stroke) [N].
+        deviation: (k,) standard deviations of ``force`` from noise and from its curvature between heights [N].
+        heights_up: (j,) heights on the way up, where strippers and ejectors act; empty if not requested [m].
+        force_up: (j,) forces on the slide on its way up, positive upwards; a force that holds the slide back is negative [N].
+        deviation_up: (j,) standard deviations of ``force_up`` [N].
+        covariance: (k + j, k + j) covariance of the forces due to noise, first down, then up [N2].
+        slide_height: (k,) true heights of the slide, higher by force / stiffness [m]; ``heights`` for a rigid press.
+        slide_height_up: (j,) true heights of the slide on the way up [m].
+        work: work that the slide gave over the stroke, down and up [J].
+        work_deviation: standard deviation of the work [J].
         noise: standard deviation of a sample of the torque [N m].
-        misfit: residuals while the force acts, by those that noise makes, root mean square [-].
-        idle_misfit: the same while no force acts [-].
+        misfit: rms residual / rms noise while the force acts [-].
+        idle_misfit: rms residual / rms noise while no force acts [-].
     """
 
     name: str
@@ -123,7 +123,7 @@ class MeasuredForce(Tabular):
 
     @property
     def edges(self) -> bool:
-        """Whether residuals say that the force has edges which straight lines between these heights do not have."""
+        """Whether the residuals show edges of the force that straight lines between these heights do not follow."""
         return self.misfit > EDGED * max(self.idle_misfit, 1.0)
 
     def __str__(self) -> str:
@@ -142,7 +142,7 @@ class MeasuredForce(Tabular):
         return "height [m]", "force [N]"
 
     def columns(self) -> dict[str, Column]:
-        """A row for each height, of the way down, then of the way up: height, force, its deviation, and where the slide really is."""
+        """A row for each height, first down, then up: height, force, deviation, and true height of the slide."""
         return {
             "way": ["down"] * len(self.heights) + ["up"] * len(self.heights_up),
             "height [m]": np.append(self.heights, self.heights_up),
@@ -169,16 +169,16 @@ class _Coefficients(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ProcessForceSensor(Frozen):
-    """A press as a sensor of its process force, made by `force_sensor`. It has no state: every stroke is measured by itself.
+    """A press as a sensor of its process force, made by `force_sensor`. It has no state: every stroke is measured separately.
 
     Attributes:
         press: the press.
         heights: (k,) heights above bottom dead centre between which the force is linear on the way down, rising [m].
-        heights_up: (j,) the same of the way up [m].
-        identified: what records said of the press, its friction, balance cylinder and encoder; None where it is as described.
+        heights_up: (j,) heights between which the force is linear on the way up, rising [m].
+        identified: the identified press with friction, balance cylinder and encoder zero; None: the press is as described.
         friction: friction of bearings and guides of a press as described.
-        drive_inertia: what turns with the crank and is not in the press, at the crank [kg m2].
-        stiffness: of the press between crank and die [N/m]; None: rigid.
+        drive_inertia: inertia at the crank that turns with the crank and is not part of the press [kg m2].
+        stiffness: stiffness of the press between crank and die [N/m]; None: rigid.
     """
 
     press: Linkage
@@ -191,25 +191,25 @@ class ProcessForceSensor(Frozen):
     _coefficients: _Coefficients
 
     def force(self, run: MeasuredRun) -> MeasuredForce:
-        """The force of a run of one stroke, or of several with the same tool and blank.
+        """Measure the force in a run of one stroke, or of several strokes with the same tool and blank.
 
         Args:
-            run: of the crank angle and the torque of the drive at the crank; of an identified press by the same encoder, as its zero.
+            run: crank angle and torque of the drive at the crank; for an identified press with the same encoder and zero.
 
         Raises:
-            PinpressError: the run has no torque, no way through all heights, or is sampled too slowly for them.
+            PinpressError: the run has no torque, does not pass all heights, or is sampled too slowly for them.
 
         Warns:
-            PinpressWarning: residuals say that the force has edges between the heights, or that the press is not as it is described.
+            PinpressWarning: residuals show edges of the force between the heights, or show that the press differs from its description.
         """
         expect("run", run, MeasuredRun, "measured.record")
         return _measured(self, run)
 
     def strokes(self, run: MeasuredRun) -> Iterator[MeasuredForce]:
-        """The force of each whole stroke of a run, from one top of the angle to the next.
+        """Measure the force of each whole stroke of a run, from one top dead centre to the next.
 
         Raises:
-            PinpressError: as `force`.
+            PinpressError: as for `force`.
         """
         expect("run", run, MeasuredRun, "measured.record")
         period = self._coefficients.period
@@ -241,31 +241,31 @@ def force_sensor(
     drive_inertia: float = 0.0,
     stiffness: float | None = None,
 ) -> ProcessForceSensor:
-    """Make a press a sensor of its process force.
+    """Make a sensor of the process force from a press.
 
     Args:
-        press: the press with one crank and a slide: what `identify` found, with its friction and cylinder, or a press as described.
-        heights: (k,) heights above bottom dead centre between which the force is linear on the way down [m]; above the highest there is
-            none. Close ones follow edges, such as where a blank breaks, wide ones have less noise.
-        heights_up: (j,) the same of the way up, on which strippers and ejectors act [m]; by default no force acts there.
-        friction: friction of bearings and guides of a press as described, as of `inverse_dynamics`.
-        drive_inertia: of all that turns with the crank and is not in the press: motor, gears, flywheel, each times its ratio squared
+        press: the press with one crank and a slide: the result of `identify`, with its friction and cylinder, or a press as described.
+        heights: (k,) heights above bottom dead centre between which the force is linear on the way down; it is zero above the highest.
+            Close heights follow edges, such as the fracture of a blank; distant heights have less noise [m].
+        heights_up: (j,) heights on the way up, where strippers and ejectors act [m]; by default no force acts on the way up.
+        friction: friction of bearings and guides of a press as described, as for `inverse_dynamics`.
+        drive_inertia: inertia at the crank of motor, gears and flywheel, each times its ratio squared, unless it is part of the press
             [kg m2].
-        stiffness: of the press between crank and die, by which the slide lags behind the crank under force [N/m]; by default it is rigid.
+        stiffness: stiffness of the press between crank and die: the force makes the slide lag behind the crank [N/m]; default: rigid.
 
     Raises:
-        PinpressError: the press has no slide, several drivers, or one that slides; heights are not rising, or outside the stroke; a number
-            is out of its range.
+        PinpressError: the press has no slide, several drivers, or a sliding driver; heights do not rise or are outside the stroke; a
+            number is out of its range.
     """
     identified = press if isinstance(press, IdentifiedPress) else None
     press = press.press if isinstance(press, IdentifiedPress) else press
     if identified is not None and friction:
-        raise PinpressError("friction is given beside an identified press, which has its own: leave it out")
+        raise PinpressError("friction is given, but the identified press contains its friction: leave friction out")
     equations = inertial_equations(press)
     if press.slide is None:
-        raise PinpressError(f"{press.name} has no slide, so that no process force acts: {NAME_A_SLIDE}")
+        raise PinpressError(f"{press.name} has no slide for a process force: {NAME_A_SLIDE}")
     if press.period_turns is None:
-        raise PinpressError(f"the crank of {press.name} does not turn fully: a sensor of forces needs whole strokes")
+        raise PinpressError(f"the crank of {press.name} does not turn fully, but a force sensor needs whole strokes")
     coefficients = _coefficients_of(press, equations)
     stroke = float(coefficients.height(np.linspace(0.0, coefficients.period, STATES)).max())
     down, up = _knots("heights", heights, stroke, press.name), np.zeros(0)
@@ -280,7 +280,7 @@ def force_sensor(
 
 
 def _knots(name: str, heights: ArrayLike, stroke: float, press: str) -> Array:
-    """Heights of one way as numbers; raises PinpressError where they make no sense."""
+    """Check the heights of one way; raises PinpressError if they are wrong."""
     knots = numbers(name, heights, (None,), unit="m")
     if not 2 <= len(knots) <= MOST_HEIGHTS or not (np.diff(knots) > 0).all():
         raise PinpressError(f"{name} is {shown(heights)}: give 2 to {MOST_HEIGHTS} rising heights above bottom dead centre [m]")
@@ -303,19 +303,19 @@ def process_force(
     drive_inertia: float = 0.0,
     stiffness: float | None = None,
 ) -> MeasuredForce:
-    """The process force over the height from a run of one stroke or several equal ones: ``force_sensor(...).force(run)``.
+    """Measure the process force over the height from one stroke or several equal strokes: ``force_sensor(...).force(run)``.
 
     Args:
-        press: as of `force_sensor`.
-        run: of the crank angle and the torque of the drive at the crank.
-        heights: as of `force_sensor`.
-        heights_up: as of `force_sensor`.
-        friction: as of `force_sensor`.
-        drive_inertia: as of `force_sensor`.
-        stiffness: as of `force_sensor`.
+        press: as for `force_sensor`.
+        run: crank angle and torque of the drive at the crank.
+        heights: as for `force_sensor`.
+        heights_up: as for `force_sensor`.
+        friction: as for `force_sensor`.
+        drive_inertia: as for `force_sensor`.
+        stiffness: as for `force_sensor`.
 
     Raises:
-        PinpressError: as `force_sensor` and `ProcessForceSensor.force`.
+        PinpressError: as for `force_sensor` and `ProcessForceSensor.force`.
     """
     sensor = force_sensor(press, heights, heights_up=heights_up, friction=friction, drive_inertia=drive_inertia, stiffness=stiffness)
     return sensor.force(run)
@@ -472,7 +472,7 @@ def _hats(heights: Array, at: Array) -> Array:
 
 
 def _refuse_unseen(sensor: ProcessForceSensor, run: MeasuredRun, columns: Array) -> None:
-    """Raise PinpressError where no sample says anything of a height."""
+    """Refuse a height around which there are no samples."""
     missed, count = np.flatnonzero(np.count_nonzero(columns, axis=0) < 2), len(sensor.heights)
     if len(missed):
         first = int(missed[0])
@@ -499,7 +499,7 @@ def _least_squares(columns: Array, known: Array) -> tuple[Array, Array]:
     sizes = np.linalg.norm(columns, axis=0)
     left, values, right = np.linalg.svd(columns / sizes, full_matrices=False)
     if values[-1] < 1e-9 * values[0]:
-        raise PinpressError("the samples do not part the forces at these heights: give heights further apart, or sample faster")
+        raise PinpressError("the samples cannot separate the forces at these heights: give heights further apart, or sample faster")
     back = (right.T / values) / sizes[:, None]
     return np.asarray(back @ (left.T @ known)), np.asarray(back @ back.T)
 
@@ -547,13 +547,13 @@ def _result(
     )
     if idle_misfit > UNLIKE:
         caution(
-            f"{run.name}: where no force acts the press takes another torque than it is described to take, by {idle_misfit:.3g} times the"
-            " noise: identify it from a run without a blank, and give its friction and drive_inertia"
+            f"{run.name}: without process force the torque differs from that of the described press by {idle_misfit:.3g} times the"
+            " noise: identify the press from a run without a blank, and give its friction and drive_inertia"
         )
     if found.edges:
         caution(
             f"{run.name}: residuals under force are {misfit:.3g} times the noise: the force has edges between heights"
-            f" {1e3 * np.diff(sensor.heights).min():.3g} mm apart, where it jumps or breaks; set them closer there"
+            f" {1e3 * np.diff(sensor.heights).min():.3g} mm apart. Set the heights closer where it jumps"
         )
     return found
 

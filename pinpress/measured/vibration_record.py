@@ -31,10 +31,10 @@ from .vibration_spectra import OrderSpectra, Spectra, order_spectra, spectra
 
 @dataclass(frozen=True, eq=False, repr=False)
 class VibrationRecord(Tabular):
-    """What accelerometers measured in one or several runs, made by `vibration`.
+    """Accelerations of one or several runs, made by `vibration`.
 
     Attributes:
-        accelerometers: by the name of the channel.
+        accelerometers: name of a channel -> its accelerometer.
         runs: the runs, all with the same channels.
     """
 
@@ -72,34 +72,34 @@ class VibrationRecord(Tabular):
         """Number of the channel of this name.
 
         Raises:
-            UnknownNameError: there is none.
+            UnknownNameError: there is no such channel.
         """
         if name not in self.accelerometers:
             raise UnknownNameError("channel", name, self.accelerometers)
         return list(self.accelerometers).index(name)
 
     def spectra(self, resolution: float | None = None) -> Spectra:
-        """Spectral densities of all channels, by Welch's method (half-overlapping Hann windows), over all runs.
+        """Compute spectral densities of all channels over all runs by Welch's method (half-overlapping Hann windows).
 
         Args:
             resolution: distance of the lines [Hz]; by default such that about 16 windows are averaged.
 
         Raises:
-            PinpressError: a run is shorter than one window, or sampled at another rate than the others.
+            PinpressError: a run is shorter than one window, or the runs differ in their sampling rate.
         """
         return spectra(self.runs, tuple(self.accelerometers), resolution)
 
     def order_spectra(self, orders: float = 12.0, *, turns: int = 8) -> OrderSpectra:
-        """Amplitudes by order (multiples of the crank's speed) over the speed: what grows where an order meets a natural frequency.
+        """Compute amplitudes by order (multiples of the crank's speed) over the speed; an order grows near a natural frequency.
 
         The accelerations are resampled in equal steps of the crank angle, so that lines stay sharp while the speed changes.
 
         Args:
             orders: highest order.
-            turns: turns of the crank in a window, which parts orders 1 / turns apart.
+            turns: turns of the crank in a window; the resolution is 1 / turns orders.
 
         Raises:
-            PinpressError: nothing says the crank angle, a run has fewer turns, or is sampled too slowly for the highest order.
+            PinpressError: the crank angle is not known, or a run has fewer turns or is sampled too slowly for the highest order.
         """
         return order_spectra(self.runs, tuple(self.accelerometers), orders, turns)
 
@@ -111,36 +111,36 @@ class VibrationRecord(Tabular):
         count: int | None = None,
         hits: ArrayLike | None = None,
     ) -> MeasuredModes:
-        """Natural frequencies, damping and shapes from the free vibration after hits with a hammer on the frame at rest.
+        """Identify natural frequencies, damping and shapes from the free vibration after hits with a hammer on the frame at rest.
 
         Args:
-            beside: calculated modes, which are laid beside the measured ones.
-            band: (2,) lowest and highest frequency that is looked at [Hz]; by default from half the lowest to 1.3 times the highest of
+            beside: calculated modes to compare with the measured modes.
+            band: (2,) lowest and highest frequency of the modes [Hz]; by default from half the lowest to 1.3 times the highest of
                 ``beside``.
-            count: number of modes; by default as many as stand out of the noise.
-            hits: times of the hits in a single run [s]; by default they are found.
+            count: number of modes; by default all modes above the noise.
+            hits: times of the hits in a single run [s]; by default they are searched.
 
         Raises:
-            PinpressError: no hit is found, the sampling is too slow for the band, or no mode stands out.
+            PinpressError: no hit is found, the sampling is too slow for the band, or no mode is above the noise.
 
         Warns:
-            PinpressWarning: two modes lie so close to each other that fewer hits than modes mix their shapes.
+            PinpressWarning: two modes are so close that fewer hits than modes mix their shapes.
         """
         if beside is not None:
             expect("beside", beside, VibrationModes, "foundation.modes")
         return hit_modes(self.runs, self.accelerometers, beside, band, count, hits)
 
     def decrement(self, channel: str, band: tuple[float, float], *, start: float | None = None, end: float | None = None) -> float:
-        """Logarithmic decrement of the strongest vibration of a channel in a band, in a free decay of the first run [-].
+        """Compute the logarithmic decrement of a channel's strongest vibration in a band, in a free decay of the first run [-].
 
         Args:
-            channel: its name.
+            channel: name of the channel.
             band: (2,) lowest and highest frequency [Hz].
-            start: of the decay, when its cause has ended; by default where the record begins [s].
-            end: of the decay; by default where the record ends [s].
+            start: start of the decay, after its cause has ended; by default the record's first time [s].
+            end: end of the decay; by default the record's last time [s].
 
         Raises:
-            PinpressError: as `foundation.logarithmic_decrement`.
+            PinpressError: as for `foundation.logarithmic_decrement`.
             UnknownNameError: there is no such channel.
         """
         run = self.runs[0]
@@ -161,26 +161,26 @@ def vibration(
     pulses: int = 1,
     speed: ArrayLike | None = None,
 ) -> VibrationRecord:
-    """Read what accelerometers measured.
+    """Read records of accelerometers.
 
     Args:
-        source: a file (.csv, .parquet, .mat, .mf4), or columns {"time [s]": ..., "A [g]": ...}, or a list of these, one for each run, with
+        source: a file (.csv, .parquet, .mat, .mf4) or columns {"time [s]": ..., "A [g]": ...}; or a list of these, one for each run, with
             the same channels.
-        points: accelerometer by the name of its column, with its unit: m/s2, g, or V with a gain; or a CSV file with the columns channel,
-            x, y, z [m], direction, and if need be part (bed or crown) and gain [m/s2 per V].
-        time: column of the time [s, ms]; by default the one called time or t.
+        points: column with its unit (m/s2, g, or V with a gain) -> accelerometer; or a CSV file with the columns channel, x, y, z [m],
+            direction and, if needed, part (bed or crown) and gain [m/s2 per V].
+        time: column of the time [s, ms]; by default the column time or t.
         angle: column of the crank angle [rad, deg, turns], if it was measured.
-        tacho: column of a tacho that gives pulses, of any unit, if there is one.
-        pulses: pulses of the tacho by turn of the crank.
-        speed: speed of the crank, where it is known and constant, or one for each run [rad/s].
+        tacho: column of a tacho with pulses, in any unit.
+        pulses: pulses of the tacho for each turn of the crank.
+        speed: constant speed of the crank, one for all runs or one for each run [rad/s].
 
     Raises:
         PinpressError: a file or a column cannot be read; a channel has no point, or no unit; samples are missing, or not in equal steps.
         UnknownNameError: there is no such column.
 
     Warns:
-        PinpressWarning: a channel stays at its extreme, as where an amplifier is overdriven; accelerations are above 1000 g; a channel is
-            silent.
+        PinpressWarning: a channel stays at its extreme, as if an amplifier is overdriven; accelerations are above 1000 g; a channel is
+            constant.
     """
     sources: list[Source] = list(source) if isinstance(source, list | tuple) else [source]  # type: ignore[list-item]  # one of both
     if not sources or not all(isinstance(each, str | os.PathLike | Mapping) for each in sources):
@@ -189,7 +189,7 @@ def vibration(
         if name is not None and not isinstance(name, str):
             raise PinpressError(f"{what} is {shown(name)}: give the name of a column")
     if sum(each is not None for each in (angle, tacho, speed)) > 1:
-        raise PinpressError("several of angle, tacho and speed are given: give the one that says where the crank is")
+        raise PinpressError("several of angle, tacho and speed are given: give only one of them")
     sensors = points_of(points) if isinstance(points, str | os.PathLike) else points
     named = isinstance(sensors, Mapping) and all(
         isinstance(name, str) and isinstance(each, Accelerometer) for name, each in sensors.items()

@@ -1,8 +1,8 @@
 """Spectra of measured vibrations: densities over the frequency, and amplitudes by order over the speed of the crank.
 
-An order is a frequency divided by the crank's: the first order is what happens once a turn. Windows of whole turns, resampled in equal
-steps of the crank angle, show orders as sharp lines while the speed changes; a natural frequency stands where it is in hertz, so that it
-passes through the orders as the speed rises.
+An order is a frequency divided by the crank's frequency: the first order occurs once a turn. Windows of whole turns, resampled in equal
+steps of the crank angle, show orders as sharp lines while the speed changes. A natural frequency keeps its place in hertz, so it passes
+through the orders when the speed rises.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ class Spectra(Tabular):
     """Spectral densities of all channels, k lines. All arrays are read-only.
 
     Attributes:
-        channels: their names.
-        frequency: (k,) [Hz].
-        density: (k, channels) power spectral density of the acceleration, whose integral over the frequency is the mean square
+        channels: names of the channels.
+        frequency: (k,) frequencies [Hz].
+        density: (k, channels) power spectral density of the acceleration; its integral over the frequency is the mean square
             [m2/s4/Hz].
-        windows: how many windows were averaged; a density has a relative standard deviation of about 1 / sqrt(windows).
+        windows: number of averaged windows; a density has a relative standard deviation of about 1 / sqrt(windows).
     """
 
     channels: tuple[str, ...]
@@ -60,8 +60,10 @@ class Spectra(Tabular):
 
     @property
     def lines(self) -> Array:
-        """(up to 6,) frequencies of peaks in the density summed over all channels, the strongest first [Hz]. They stand out farther than
-        noise is scattered by the few windows, whose densities have chi-squared distributions."""
+        """(up to 6,) frequencies of peaks in the density summed over all channels, the strongest first [Hz].
+
+        These peaks are higher than the scatter of noise, whose densities have a chi-squared distribution.
+        """
         from scipy.signal import find_peaks  # slow to import
         from scipy.special import chdtri
 
@@ -94,8 +96,8 @@ class OrderSpectra(Tabular):
     Attributes:
         channels: names of the channels.
         speed: (w,) mean speed of the crank in each window [rad/s].
-        order: (o,) orders, from 1 / turns on [-].
-        amplitude: (w, o, channels) amplitudes of the acceleration, peak values of a sine [m/s2].
+        order: (o,) orders, from 1 / turns [-].
+        amplitude: (w, o, channels) amplitudes of the acceleration (peak values of a sine) [m/s2].
         turns: turns of the crank in a window.
     """
 
@@ -113,14 +115,14 @@ class OrderSpectra(Tabular):
         )
 
     def of(self, channel: str, order: float) -> Array:
-        """(w,) amplitudes of one order over the speed [m/s2].
+        """Read the amplitudes (w,) of one order over the speed [m/s2].
 
         Args:
-            channel: its name.
+            channel: name of the channel.
             order: a multiple of 1 / turns.
 
         Raises:
-            PinpressError: the order is not among those resolved.
+            PinpressError: the windows do not resolve this order.
             UnknownNameError: there is no such channel.
         """
         if channel not in self.channels:
@@ -158,14 +160,16 @@ def spectra(runs: Sequence[VibrationRun], channels: tuple[str, ...], resolution:
     rate = runs[0].rate
     for run in runs:
         if abs(run.rate - rate) > 1e-3 * rate:
-            raise PinpressError(f"{run.name} is sampled at {run.rate:.6g} Hz, {runs[0].name} at {rate:.6g} Hz: give spectra of each alone")
+            raise PinpressError(
+                f"{run.name} is sampled at {run.rate:.6g} Hz, {runs[0].name} at {rate:.6g} Hz: call spectra for each separately"
+            )
     shortest = min(len(run.time) for run in runs)
     wanted = WINDOWS * rate / shortest if resolution is None else number("resolution", resolution, "Hz", positive=True)
     length = round(rate / wanted)
     if not 8 <= length <= shortest:
         raise PinpressError(
-            f"resolution {wanted:g} Hz asks for windows of {length} samples; the shortest run has {shortest}: give {rate / shortest:.3g} to"
-            f" {rate / 8:.3g} Hz"
+            f"resolution {wanted:g} Hz needs windows of {length} samples, but the shortest run has {shortest}: give"
+            f" {rate / shortest:.3g} to {rate / 8:.3g} Hz"
         )
     counts = [(len(run.time) - length // 2) // (length - length // 2) for run in runs]
     found = [welch(run.acceleration, rate, nperseg=length, axis=0) for run in runs]
@@ -194,7 +198,7 @@ def _windows(run: VibrationRun, highest: float, turns: int) -> list[tuple[float,
     from scipy.signal import firwin, resample_poly
 
     if run.angle is None:
-        raise PinpressError(f"{run.name}: nothing says where the crank is: give angle=, tacho= or speed= to vibration")
+        raise PinpressError(f"{run.name}: the crank angle is not known: give angle=, tacho= or speed= to vibration")
     angle = run.angle if run.angle[-1] > run.angle[0] else -run.angle
     if not (np.diff(angle) > 0).all():
         moment = run.time[int(np.argmin(np.diff(angle)))]
@@ -203,14 +207,14 @@ def _windows(run: VibrationRun, highest: float, turns: int) -> list[tuple[float,
     if count < 1:
         turned = (angle[-1] - angle[0]) / (2 * np.pi)
         raise PinpressError(
-            f"{run.name}: {turned:.4g} turns of the crank, less than a window of {turns}: give turns= less, or a longer run"
+            f"{run.name}: {turned:.4g} turns of the crank are less than a window of {turns}: give fewer turns=, or a longer run"
         )
     fastest = float((np.diff(angle) / np.diff(run.time)).max())
     needed = 2 / CARRIED * highest * fastest / (2 * np.pi)
     if run.rate < needed:
         raise PinpressError(
             f"{run.name}: order {highest:g} at {fastest / RPM:.4g} r/min is {highest * fastest / (2 * np.pi):.4g} Hz;"
-            f" {run.rate:.6g} samples a second do not carry it: sample at {needed:.4g} Hz, or give fewer orders"
+            f" {run.rate:.6g} samples a second are too few: sample at {needed:.4g} Hz, or give fewer orders"
         )
     slowest = (angle[-1] - angle[0]) / (run.time[-1] - run.time[0])
     points = 1 << int(np.ceil(np.log2(max(run.rate * 2 * np.pi / min(slowest, fastest) * 2, 8 * highest))))

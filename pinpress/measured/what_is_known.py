@@ -1,4 +1,4 @@
-"""What records can teach of a press, before anybody looks for it: which sums torque and shaking force determine, and how much is learnt.
+"""What records can show of a press: which sums torque and shaking force determine, and how exact each parameter becomes.
 
 print(pp.measured.identifiability(press, runs, friction=("crank", "gibs"), cylinder=True))
 """
@@ -32,13 +32,13 @@ LEAST_NOISE = 1e-9  # shares of the largest torque, below which rounding counts
 
 @dataclass(frozen=True, repr=False)
 class LearntParameter(Record):
-    """How much is learnt of a parameter.
+    """How well records determine a parameter.
 
     Attributes:
-        name: of it.
-        torque: standard deviation after the torques were measured by that before, 0 for fully known, 1 for nothing learnt; of a loss, of
-            which nothing is known before, its deviation in rms torques of the press.
-        shaking: the same where shaking force and moment are measured too.
+        name: name of the parameter.
+        torque: standard deviation after / before the measurement of torques: 0 fully known, 1 nothing learnt. For a loss, which has no
+            deviation before, the deviation in rms torques of the press.
+        shaking: the same ratio if shaking force and moment are measured too.
     """
 
     name: str
@@ -48,18 +48,18 @@ class LearntParameter(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class IdentifiableParameters(Tabular):
-    """What can be known of a press.
+    """The parameters of a press that records can determine.
 
     Attributes:
         press_name: name of the press.
-        columns_in_torque: masses and inertias that the torque depends on.
-        rank: sums of them that it determines, at speeds that change.
-        columns_in_shaking: masses and inertias that torque, shaking force and moment depend on.
-        shaking_rank: sums of them that these determine.
-        sums: those that the torque determines, in words.
-        parameters: how much is learnt of each from these runs.
-        learnt: number of parameters learnt by torque, the trace of information / (information + prior) [-].
-        shaking_learnt: the same by torque, shaking force and moment [-].
+        columns_in_torque: number of masses and inertias that the torque depends on.
+        rank: number of their sums that the torque determines at changing speed.
+        columns_in_shaking: number of masses and inertias that torque, shaking force and moment depend on.
+        shaking_rank: number of their sums that torque, shaking force and moment determine.
+        sums: the sums that the torque determines, as text.
+        parameters: how well these runs determine each parameter.
+        learnt: number of parameters that the torque determines: trace of information / (information + prior) [-].
+        shaking_learnt: number of parameters that torque, shaking force and moment determine [-].
     """
 
     press_name: str
@@ -80,7 +80,7 @@ class IdentifiableParameters(Tabular):
         )
 
     def columns(self) -> dict[str, tables.Column]:
-        """How much is learnt of each parameter, as columns."""
+        """The parameters as columns."""
         return self.parameters.columns()
 
     def __str__(self) -> str:
@@ -109,29 +109,29 @@ def identifiability(
     radii: Mapping[str, float] | None = None,
     noise: float = 0.01,
 ) -> IdentifiableParameters:
-    """Which masses, inertias and losses of a press records can reveal, by torque and by shaking force beside it.
+    """Find which masses, inertias and losses of a press records can determine: by torque, and by torque with shaking force.
 
     Args:
         press: the press as described, with one crank.
-        runs: records, of which times and angles alone are looked at: ``MeasuredRun(time, angle)`` will do for runs that are planned; none:
-            only what is determined at all is found.
-        prior: as of `identify`.
-        known: as of `identify`.
-        friction: as of `identify`.
-        cylinder: as of `identify`.
-        radii: as of `identify`.
-        noise: standard deviation of one sample by the largest torque, force or moment of the press in these runs.
+        runs: records; only their times and angles are used, so ``MeasuredRun(time, angle)`` is enough for planned runs. Without runs
+            only the sums are found.
+        prior: as for `identify`.
+        known: as for `identify`.
+        friction: as for `identify`.
+        cylinder: as for `identify`.
+        radii: as for `identify`.
+        noise: standard deviation of one sample / largest torque, force or moment of the press in these runs [-].
 
     Raises:
-        PinpressError: as `identify`, but for the torque, which need not be there; a noise that is not positive.
-        UnknownNameError: a link, pin or kind of friction that does not exist.
+        PinpressError: as for `identify`, except that runs need no torque; the noise is not positive.
+        UnknownNameError: a link, pin or kind of friction does not exist.
     """
     refuse_losses(press, friction, cylinder)
     losses = Losses(tuple(friction), cylinder, checked_radii(press, radii))
     unknowns = unknowns_of(press, prior, losses, known)
     share = number("noise", noise, positive=True)
     if share < LEAST_NOISE:
-        raise PinpressError(f"noise is {share:g}: give it as a share of the largest torque that is measured, such as 0.01")
+        raise PinpressError(f"noise is {share:g}: give it as a share of the largest measured torque, such as 0.01")
     records = checked_runs(press, runs, for_torque=False) if len(runs) else []
     shaking = shaking_quantities(press)
     alone = base_parameters(unknowns.equations)

@@ -1,4 +1,4 @@
-"""From a pin table to a press."""
+"""Build a press from a pin table."""
 
 from __future__ import annotations
 
@@ -64,24 +64,24 @@ KEYS = (
 )
 SENSES = ("clockwise", "counter-clockwise")  # in the picture: what `turns` may be
 MOST, LEAST = 200.0, 0.02  # sizes of presses [m]
-LARGEST_RACK = 10.0  # pitch radius of a pinion, in sizes of the press, above which it is hardly in m/rad
-MARK = b"written by pinpress from the pin table"  # in a URDF: what may be written anew
+LARGEST_RACK = 10.0  # pitch radius of a pinion / size of the press: a larger ratio is probably not in m/rad
+MARK = b"written by pinpress from the pin table"  # a URDF with this mark may be overwritten
 NEEDED = ("units", "frame", "pins", "links", "drive")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DrawnPress(Tabular):
-    """A press as its pin table draws it, before it is put together; `draft` makes it.
+    """A press as its pin table draws it, before it is assembled; `draft` makes it.
 
     Attributes:
         name: of the press.
-        file: of the table, or how it was given.
+        file: name of the table's file, or "build(...)" if a call gives the table.
         unit: name of the table's unit of length.
         pins: all pins and points in their places, without copies.
         links: without copies.
         parts: with copies.
-        tree: their bearings.
-        tool: where process forces act on the slide; None where its pins say it.
+        tree: bearings of the parts.
+        tool: point of the slide where process forces act; None: the slide's pins determine it.
     """
 
     name: str
@@ -92,12 +92,12 @@ class DrawnPress(Tabular):
     parts: Parts
     tree: Tree
     tool: Tool | None
-    _table: Entry  # what it was drawn from
-    _given: tuple[str, ...] = ()  # values of the table's parameters in place of its own, "r=150"
+    _table: Entry  # the table of this press
+    _given: tuple[str, ...] = ()  # values that replace the table's parameters, "r=150"
 
     @cached_property
     def urdf(self) -> bytes:
-        """The press as URDF, with shapes to look at.
+        """Write the press as URDF, with shapes for viewers.
 
         Raises:
             PinpressError: what `load` raises.
@@ -107,38 +107,38 @@ class DrawnPress(Tabular):
 
     @cached_property
     def sketch(self) -> str:
-        """The drawn pose with its dimensions, as SVG."""
+        """Draw the drawn pose with its dimensions, as SVG."""
         return sketch_of_parts(self.name, self.parts, UNITS[self.unit], self.unit)
 
     def _repr_html_(self) -> str:
         return f"<div>{self.sketch}{super()._repr_html_()}</div>"
 
     def press(self, gravity: Sequence[float] = (0.0, 0.0, -9.81), *, slide: str | None = None) -> Linkage:
-        """The press, loaded from its URDF.
+        """Load the press from its URDF.
 
         Args:
-            gravity: in world axes [m/s2].
-            slide: as for `load`.
+            gravity: (3,) in world axes [m/s2].
+            slide: name of the slide, as for `load`.
 
         Raises:
-            PinpressError: what `load` raises.
+            PinpressError: `load` refuses the press.
         """
         return load_document(
             self._document(self._file_as_urdf, self._text()), None, slide, gravity, in_file=False, command=self._check_command
         )
 
     def check(self, slide: str | None = None) -> CheckResult:
-        """How the press moves, and everything that is wrong with it, odd in it or worth knowing, as `pinpress.check` finds it.
+        """Check how the press moves, and list all errors, doubts and notes, as `pinpress.check` does.
 
         Args:
             slide: as for `load`.
         """
         found = check_document(self.file, self._document(self._file_as_urdf, self._text()), slide=slide)
-        findings = (replace(finding, line=None) for finding in found.findings)  # lines are of a URDF that nobody has seen
+        findings = (replace(finding, line=None) for finding in found.findings)  # the lines belong to a URDF that the user has not seen
         return replace(found, findings=Records(Finding, findings))
 
     def _document(self, file: str, text: bytes) -> Document:
-        """A URDF of this press, which says of which links the moments of inertia are estimated."""
+        """A URDF of this press that marks links with estimated moments of inertia."""
         return Document(file, text, estimated=frozenset(link.name for link in self.parts.links if not link.inertia_given))
 
     @property
@@ -147,7 +147,7 @@ class DrawnPress(Tabular):
 
     @property
     def _check_command(self) -> str:
-        """What lists all that `check` finds: the command for a file, of a table that is in none the method."""
+        """How to list all findings of `check`: the command for a file, the method for a table of a call."""
         return "check() of its draft" if self.file == CALL else check_command(self.file, parameters=self._given)
 
     @property
@@ -176,39 +176,39 @@ class DrawnPress(Tabular):
         return named | {f"{axis} [m]": points[:, k] for k, axis in enumerate("xyz")}
 
     def bearings(self) -> Iterator[tuple[str, str, str]]:
-        """Name of every bearing, the link whose force it has, and the link on which that acts."""
+        """For every bearing: its name, the link that exerts its force, and the link on which the force acts."""
         for joint in self.tree.joints:
             yield joint.name, joint.parent, joint.child
         for loop in self.tree.loops:
             yield loop.name, loop.link1, loop.link2
 
     def estimates(self) -> Iterator[tuple[str, str]]:
-        """Names of links and what of them is estimated."""
+        """Names of links with their estimated values."""
         for link in self.links:
             for estimate in link.estimates:
                 yield link.name, estimate
             if link.guide is not None and link.guide.name in self.tree.drivers and link.guide.travel is None:
                 yield (
                     link.name,
-                    f"travel of its guide, {REACH:g} times the size of the press either way: give travel, from which the stroke follows",
+                    f"travel of its guide, {REACH:g} times the size of the press either way: give travel, which determines the stroke",
                 )
 
     def other_places(self) -> Iterator[tuple[str, tuple[float, float], tuple[float, float]]]:
-        """Names of pins that their lengths allow to be elsewhere, x and z of where they are and of the other place, in the table's unit."""
+        """Pins whose lengths allow another place: name, (x, z) of the place and (x, z) of the other place, in the table's unit."""
         unit = UNITS[self.unit]
         for name, pin in self.pins.items():
             if pin.other is not None:
                 yield name, (pin.point[0] / unit, pin.point[2] / unit), (pin.other[0] / unit, pin.other[2] / unit)
 
     def with_other_place(self, pin: str) -> DrawnPress:
-        """The press that another ``side`` gives, with a pin in its other place and those that are placed from it.
+        """Build the press with a pin in its other place, as the other ``side`` gives it. Pins that are placed from this pin move too.
 
         Args:
-            pin: name of one that `other_places` lists.
+            pin: name of a pin that `other_places` lists.
 
         Raises:
-            UnknownNameError: the lengths of no such pin allow another place.
-            PinTableError: that makes no press.
+            UnknownNameError: there is no such pin, or its lengths allow no other place.
+            PinTableError: the pin in its other place makes no press.
         """
         places = {name: other for name, _, other in self.other_places()}
         if pin not in places:
@@ -231,12 +231,12 @@ class DrawnPress(Tabular):
         turning = "(0, 1, 0), so a positive angle turns z towards x" if clockwise else "(0, -1, 0), so a positive angle turns x towards z"
         yield f"Drawn at crank angle 0. x to the right, z up; pins turn about {turning}. SI units."
         yield ""
-        yield "Bearings, and on which link the force of which one is given:"
+        yield "Bearings, and the links between which their forces act:"
         for name, link1, link2 in self.bearings():
             yield f"  {name}: {link1} on {link2}"
         if any(self.estimates()):
             yield ""
-            yield "Estimated, as the table does not give it:"
+            yield "Estimated, because the table does not give it:"
             for link, words in self.estimates():
                 yield f"  {link}: {words}"
 
@@ -249,43 +249,43 @@ def build(
     slide: str | None = None,
     **values: Any,
 ) -> Linkage:
-    """Make a press from a pin table: pins by coordinates or lengths, links by their pins with masses, sections or estimates.
+    """Build a press from a pin table: pins by coordinates or lengths, links by their pins with masses, sections or estimates.
 
     In the picture x points right and z up; the drawn pose is crank angle 0. The page "A press from a table of
     pins" of the manual lists the keys of a table.
 
     Args:
-        table: a YAML file, or the name of a shipped press, as in ``build("eccentric_blocks", r=10)``; None where ``values`` are the table.
-        gravity: in world axes [m/s2].
-        slide: link whose motion and process force are meant, as for `load`.
+        table: a YAML file, or the name of a shipped press, as in ``build("eccentric_blocks", r=10)``; None if ``values`` are the table.
+        gravity: (3,) in world axes [m/s2].
+        slide: name of the slide, the link whose motion and process force are computed, as for `load`.
         values: with a file, values of its ``parameters``, as in ``build("press.yaml", r=150)``. Without a file, the table itself, as in
             ``build(units="mm", frame="A D", pins={...}, links={...}, drive="A")``.
 
     Returns:
-        The press, in SI units, as if it was loaded from a URDF; `write_urdf` writes it.
+        The press in SI units, like a press that is loaded from a URDF; `write_urdf` writes it.
 
     Raises:
-        PinTableError: the table makes no press; with file, line, what is wrong and what to write.
-        PinpressError: what `load` raises of a linkage that does not move as it should.
+        PinTableError: the table makes no press; the message has file, line, the error and what to write.
+        PinpressError: `load` refuses the linkage, for example because it cannot move.
 
     Warns:
-        PinpressWarning: what `load` warns of, and numbers that are hardly meant: another unit, a centre of mass far outside of its link.
+        PinpressWarning: `load` warns, or a number is probably a mistake: another unit, or a centre of mass far outside its link.
     """
     return draft(table, **values).press(gravity, slide=slide)
 
 
 def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> DrawnPress:
-    """A press as its pin table draws it: for the sketch, the URDF with shapes, and what was estimated.
+    """Draw a press from its pin table: for the sketch, the URDF with shapes, and the list of estimates.
 
     Args:
-        table: as of `build`.
-        values: as of `build`.
+        table: as for `build`.
+        values: as for `build`.
 
     Raises:
         PinTableError: the table makes no press.
 
     Warns:
-        PinpressWarning: numbers that are hardly meant.
+        PinpressWarning: a number is probably a mistake.
     """
     if isinstance(table, Mapping):
         raise PinpressError("build takes the path of a table, or the keys of one as arguments: write build(**table)")
@@ -295,7 +295,7 @@ def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Draw
 
 
 def drawn_from(entries: Entry) -> DrawnPress:
-    """The press that a table draws; raises PinTableError where it makes none."""
+    """Draw the press of a table; raises PinTableError if the table makes no press."""
     items = entries.items("keys: units, frame, pins, links and drive")
     for key, entry in items.items():
         if key not in KEYS:
@@ -311,7 +311,7 @@ def drawn_from(entries: Entry) -> DrawnPress:
         drawn = sketch_of_failure(error, UNITS[unit], unit)
         raise PinTableError(error.file, error.line, error.element, error.problem, error.remedy, drawn) from error
     clockwise = "turns" in items and _is_clockwise(items["turns"])
-    if clockwise:  # what is given and seen of all turning axes in the picture together
+    if clockwise:  # turn all axes that are normal to the picture together
         pins = {name: pin if pin.in_space or pin.axis is None else replace(pin, axis=-pin.axis) for name, pin in pins.items()}
     _check_sizes(items["pins"], pins, unit)
     links = read_links(items, pins, parameters, UNITS[unit])
@@ -325,7 +325,7 @@ def drawn_from(entries: Entry) -> DrawnPress:
     _check_racks(items, tree, _size(pins), unit)
     name = items["press"].text("a name") if "press" in items else "press"
     if odd := odd_character(name):
-        items["press"].refuse(f"{name!a} has the character {odd}, which no line shows as it is", "give it another name")
+        items["press"].refuse(f"{name!a} has the character {odd}, which no line shows as it is", "choose another name")
     tool = read_tool(items, pins, parts, tree, parameters, UNITS[unit])
     return DrawnPress(name, entries.file, unit, pins, links, parts, tree, tool, entries)
 
@@ -334,20 +334,22 @@ def _is_clockwise(entry: Entry) -> bool:
     """Whether positive angles, speeds and torques are clockwise in the picture."""
     sense = entry.text("clockwise or counter-clockwise")
     if sense not in SENSES:
-        entry.refuse(f"{sense!r} is no sense of rotation{suggestion(sense, SENSES)}", f"write {' or '.join(SENSES)}")
+        entry.refuse(f"{sense!r} is not a sense of rotation{suggestion(sense, SENSES)}", f"write {' or '.join(SENSES)}")
     return sense == SENSES[0]
 
 
 def _meshing_as_before(tree: Tree, parts: Parts) -> Tree:
-    """A tree whose turning axes in the picture were turned round, with gears that mesh as they did: a ratio between an axis that was turned
-    round and a guide, or an axis in space, has the other sign."""
+    """Correct the gears of a tree whose axes normal to the picture were reversed, so that they mesh as before.
+
+    A ratio between a reversed axis and a guide, or between a reversed axis and an axis in space, changes its sign.
+    """
     sense = {joint.name: -1.0 if joint.pin is not None and not parts.pins[joint.pin].in_space else 1.0 for joint in tree.joints}
     gears = {name: (leader, ratio * sense[name] * sense[leader]) for name, (leader, ratio) in tree.gears.items()}
     return replace(tree, gears=gears)
 
 
 def _positions(press: Linkage) -> Array:
-    """Joint positions (n, nv) over a turn, or in the drawn pose where the press cannot turn round or has several drivers."""
+    """Joint positions (n, nv) over a turn; only the drawn pose if the press cannot turn round or has several drivers."""
     if len(press.drivers) > 1:
         return press.closed[None]
     try:
@@ -359,7 +361,7 @@ def _positions(press: Linkage) -> Array:
 
 
 _MISSING = {
-    "units": "say the unit of all lengths: units: mm",
+    "units": "give the unit of all lengths: units: mm",
     "frame": "name the pins that are fixed in the frame: frame: A D",
     "pins": "give pins their places: pins: {A: [0, 0]}",
     "links": "name links with their pins: links: {crank: {pins: A B, mass: 20}}",
@@ -383,8 +385,10 @@ def _with_parameters(table: Entry, values: Mapping[str, Any]) -> DrawnPress:
 
 
 def _without_units(value: Any, length: float, depth: int = 0) -> Any:
-    """Values with the quantities of pint among them as numbers of a table: lengths in its unit [m], angles in degrees, masses, moments of
-    inertia and densities in SI units. Below the deepest level of a table, as in a list that holds itself, all stays as it is."""
+    """Replace quantities of pint by numbers of a table: lengths in its unit [m], angles in degrees, the rest in SI units.
+
+    Below the deepest level of a table all stays as it is: a list may contain itself.
+    """
     if isinstance(value, Mapping | list | tuple) and depth > DEEPEST:
         return value
     if isinstance(value, Mapping):
@@ -396,18 +400,18 @@ def _without_units(value: Any, length: float, depth: int = 0) -> Any:
     for unit, one in (("m", length), ("kg", 1.0), ("kg m2", 1.0), ("kg/m3", 1.0), ("rad", np.pi / 180)):
         with suppress(PinpressError):
             return np.asarray(in_unit("a value", value, unit) / one).tolist()
-    raise PinpressError(f"build: {shown(value)} is none of what a table holds: give lengths, angles, masses or moments of inertia")
+    raise PinpressError(f"build: a table cannot hold {shown(value)}: give lengths, angles, masses or moments of inertia")
 
 
 def _length_of(name: object) -> float:
-    """The unit of length that a table names [m]; 1 where it names none, which is refused later."""
+    """The unit of length that a table names [m]; 1 without a unit, which is refused later."""
     return UNITS.get(name, 1.0) if isinstance(name, str) else 1.0
 
 
 def _unit(entry: Entry) -> str:
     name = entry.text("a unit of length")
     if name not in UNITS:
-        entry.refuse(f"{name!r} is no unit here{suggestion(name, UNITS)}", f"write one of {', '.join(UNITS)}")
+        entry.refuse(f"{name!r} is not a unit of length here{suggestion(name, UNITS)}", f"write one of {', '.join(UNITS)}")
     return name
 
 
@@ -424,7 +428,7 @@ def _parts(items: Mapping[str, Entry], pins: Mapping[str, Pin], links: tuple[Lin
 
 
 def _gear(entry: Entry, parameters: Mapping[str, float]) -> tuple[str, float]:
-    """The bearing that a geared one follows, and how many times it moves as far: a formula that is proportional to one bearing."""
+    """The bearing that a geared bearing follows, and the ratio; the formula is proportional to one bearing."""
     text = entry.text("a formula of one bearing, such as -2 * O")
     words = [
         word for word in re.findall(r"[A-Za-z_]\w*", text) if word not in parameters and word not in CONSTANTS and word not in FUNCTIONS
@@ -443,7 +447,7 @@ def _size(pins: Mapping[str, Pin]) -> float:
 
 
 def _check_racks(items: Mapping[str, Entry], tree: Tree, size: float, unit: str) -> None:
-    """Warn of a guide that a shaft moves by far more than the size of the press [m] in a radian, as by a number in the table's unit."""
+    """Warn if a shaft moves a guide by far more than the size of the press in a radian: the number is probably in the table's unit."""
     guides = {joint.name for joint in tree.joints if joint.pin is None}
     for follower, (leader, ratio) in tree.gears.items():
         if (follower in guides) != (leader in guides):
@@ -452,11 +456,11 @@ def _check_racks(items: Mapping[str, Entry], tree: Tree, size: float, unit: str)
                 written = items["gears"].items("gears").get(follower, items["gears"]) if "gears" in items else items["copies"]
                 guide, shaft = (follower, leader) if follower in guides else (leader, follower)
                 right = f"{radius * UNITS[unit]:.6g} m/rad for {radius:.6g} {unit}" if UNITS[unit] < 1 else "the pitch radius of a pinion"
-                written.doubt(f"{shaft} moves {guide} by {radius:.6g} m/rad: gears of guides are in m/rad whatever units says, {right}")
+                written.doubt(f"{shaft} moves {guide} by {radius:.6g} m/rad: gears of guides are in m/rad, not in units: {right}")
 
 
 def _check_sizes(entry: Entry, pins: Mapping[str, Pin], unit: str) -> None:
-    """Refuse a press that is larger than any; warn of one that is hardly meant to be so small."""
+    """Refuse a press that is larger than any press; warn of a press that is too small to be one."""
     size = _size(pins)
     said = f"the largest distance is {size / UNITS[unit]:.4g} {unit}"
     if size > MOST:
@@ -475,4 +479,4 @@ def _check_links(links: tuple[Link, ...], pins: Mapping[str, Pin], unit: str) ->
         away = float(np.linalg.norm(link.centre - link.origin))
         if away > 3 * max(reach, 0.2 * size):
             said = f"com is {away / UNITS[unit]:.4g} {unit} from {link.pins[0]}, the link reaches {reach / UNITS[unit]:.4g}"
-            link.entry.doubt(f"{said}; a place in the drawing is the name of a point in pins")
+            link.entry.doubt(f"{said}; to give a place in the drawing, name a point of pins")

@@ -1,4 +1,4 @@
-"""Links that a press has several times, beside each other or as mirror images. Other links carry all copies of their pins."""
+"""Links that a press has several times: side by side or as mirror images. Other links carry all copies of their pins."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ KEYS = ("links", "x", "y", "z", "mirror", "names", "gear", "note")
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """What a press is put together from, in the drawn pose.
+    """Pins, links, drives and gears of a press in its drawn pose (the pose that the table draws).
 
     Attributes:
         pins: by their names.
         links: in the table's order.
         frame: names of the pins in the frame.
         drivers: names of the driven pins and guides.
-        gears: by the name of a pin or guide, the name of the one that it follows and how many times it turns as far.
+        gears: name of a geared pin or guide -> (name of the pin or guide that it follows, ratio of its motion to that one's).
     """
 
     pins: Mapping[str, Pin]
@@ -37,10 +37,10 @@ class Parts:
 
 
 def copied(parts: Parts, entry: Entry, parameters: Mapping[str, float], unit: float) -> Parts:
-    """The parts with links copied as one entry of ``copies`` says.
+    """Copy links according to one entry of ``copies``.
 
     Raises:
-        PinTableError: the entry makes no sense.
+        PinTableError: the entry has a wrong key or value, or names a link that cannot be copied.
     """
     items = entry.known(KEYS, "copies")
     named = _named(parts, entry, items)
@@ -71,11 +71,11 @@ class _Copying:
     suffixes: Sequence[str]
 
     def names(self, name: str, among: set[str]) -> list[str]:
-        """All copies of a name, or the name itself where it is not copied."""
+        """All copies of a name, or the name itself if it has no copies."""
         return [f"{name}{suffix}" for suffix in self.suffixes] if name in among else [name]
 
     def link(self, link: Link, moves: Sequence[_Move]) -> list[Link]:
-        """All copies of a link, or the link itself with all copies of its pins."""
+        """All copies of a link. A link without copies returns alone, with all copies of its pins."""
         if link.name not in self.named:
             return [replace(link, pins=tuple(each for name in link.pins for each in self.names(name, self.own)))]
         return [self._copy(link, move, suffix) for move, suffix in zip(moves, self.suffixes, strict=True)]
@@ -109,7 +109,7 @@ class _Copying:
 
 @dataclass(frozen=True, eq=False)
 class _Move:
-    """From a link to its copy: a shift (3,) [m] after a reflection or nothing, ``turn`` (3, 3)."""
+    """From a link to its copy: first ``turn`` (3, 3), a reflection or the unit matrix, then a shift (3,) [m]."""
 
     turn: Array
     shift: Array
@@ -136,12 +136,12 @@ def _moves(entry: Entry, items: Mapping[str, Entry], parameters: Mapping[str, fl
     ((way),) = ways
     if way == "mirror":
         if items[way].value not in AXES:
-            items[way].refuse(f"{items[way].value!r} is no axis", "write mirror: x, the axis that changes its sign")
+            items[way].refuse(f"{items[way].value!r} is not an axis", "write mirror: x, the axis that changes its sign")
         turn = np.eye(3) - 2 * np.diag(AXES[str(items[way].value)])
         return [_Move(np.eye(3), np.zeros(3)), _Move(turn, np.zeros(3))], True
     places = [number(each, parameters) * unit for each in items[way].list(f"places: {way}: [-300, 300]")]
     if len(places) < 2 or len(set(places)) < len(places):
-        items[way].refuse("copies in one place", f"give a place for every copy: {way}: [-300, 300]")
+        items[way].refuse("several copies are in one place", f"give every copy its place: {way}: [-300, 300]")
     return [_Move(np.eye(3), np.array(AXES[way]) * place) for place in places], False
 
 
@@ -150,7 +150,7 @@ def _suffixes(entry: Entry, items: Mapping[str, Entry], count: int) -> list[str]
         entry.refuse("no names", "say what is added to the names: names: _front _back")
     suffixes = items["names"].names("what is added to the names")
     if len(suffixes) != count or len(set(suffixes)) < count:
-        items["names"].refuse(f"{len(suffixes)} names of {count} copies", "write as many as copies, each another")
+        items["names"].refuse(f"{len(suffixes)} names of {count} copies", f"write {count} different names")
     return suffixes
 
 
@@ -160,7 +160,7 @@ def _copied_pins(pins: Mapping[str, Pin], own: set[str], moves: Sequence[_Move],
             yield name, pin
         for move, suffix in zip(moves, suffixes, strict=True):
             if name in own:
-                # A mirror image turns about the mirrored axis the other way, which is what gears of mirrored shafts say.
+                # A mirror image turns about the mirrored axis the other way, as gears between mirrored shafts require.
                 axis = None if pin.axis is None else move.turn @ pin.axis
                 yield f"{name}{suffix}", replace(pin, name=f"{name}{suffix}", point=move(pin.point), axis=axis, other=None)
 

@@ -1,4 +1,4 @@
-"""Numbers of a pin table: plain ones, and formulas of parameters. Angles in formulas are in degrees."""
+"""Numbers of a pin table: plain numbers and formulas of parameters. Angles in formulas are in degrees."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..common.errors import suggestion
 from .reading import Entry
 
 LONGEST = 200  # characters of a formula
-LARGEST = 1e12  # number of a table, as of a URDF: powers and products of such are finite
+LARGEST = 1e12  # largest number of a table, as in a URDF: powers and products of such numbers are finite
 CONSTANTS = {"pi": math.pi}
 FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "sqrt": math.sqrt,
@@ -40,58 +40,56 @@ _OPERATIONS: Mapping[type[ast.AST], Callable[..., float]] = {
 
 
 def parameters_of(table: Mapping[str, Entry]) -> dict[str, float]:
-    """The values of ``parameters``, of which each may use those before it."""
+    """Evaluate ``parameters``. A parameter may use the parameters before it."""
     values: dict[str, float] = {}
     if "parameters" in table:
         for name, entry in table["parameters"].items("names with numbers: {r: 150}").items():
             if not name.isidentifier() or name in CONSTANTS or name in FUNCTIONS:
-                entry.refuse(f"{name!r} cannot name a parameter", "call it by a word of letters, such as r or l4")
+                entry.refuse(f"{name!r} cannot name a parameter", "write a word of letters and digits, such as r or l4")
             values[name] = number(entry, values)
     return values
 
 
 def number(entry: Entry, parameters: Mapping[str, float]) -> float:
-    """The number that an entry gives, itself or by a formula.
+    """Read the number of an entry: a plain number or a formula.
 
     Raises:
-        PinTableError: it gives none, or one that is not finite or out of range.
+        PinTableError: the entry has no number, or its number is not finite or out of range.
     """
     value = entry.value if isinstance(entry.value, float) else formula(entry, parameters)
     if not math.isfinite(value):
-        entry.refuse(f"{entry.value} is no finite number", "write a number")
+        entry.refuse(f"{entry.value} is not a finite number", "write a number")
     if abs(value) > LARGEST:
-        entry.refuse(
-            f"{value:.6g} is out of range: {LARGEST:g} is the largest number", "see that numbers and units are those of the drawing"
-        )
+        entry.refuse(f"{value:.6g} is out of range: {LARGEST:g} is the largest number", "check numbers and units against the drawing")
     return value
 
 
 def formula(entry: Entry, names: Mapping[str, float]) -> float:
-    """The value of a formula of names.
+    """Evaluate a formula of names.
 
     Raises:
-        PinTableError: it is none, has a name that is not known, or has no value.
+        PinTableError: the text is not a formula, has an unknown name, or has no value.
     """
     if not isinstance(entry.value, str):
         entry.refuse(f"{entry.described()} where a number belongs", "write a number or a formula")
     text = entry.value.strip()
     if not text or len(text) > LONGEST:
-        entry.refuse(f"a text of {len(text)} characters is no number", "write a number or a formula")
+        entry.refuse(f"a text of {len(text)} characters is not a number", "write a number or a formula")
     for written in _WRITTEN.findall(text):
         if not _PLAIN.fullmatch(written):  # before Python warns of 7in
-            entry.refuse(f"{written!r}{f' in {text!r}' * (written != text)} is no number", _remedy(text))
+            entry.refuse(f"{written!r}{f' in {text!r}' * (written != text)} is not a number", _remedy(text))
     try:
         return _value(ast.parse(text, mode="eval").body, names)
     except (SyntaxError, ValueError, TypeError) as error:
-        entry.refuse(f"{text!r} is no number{_reason(error)}", _remedy(text))
+        entry.refuse(f"{text!r} is not a number{_reason(error)}", _remedy(text))
     except _UnknownNameError as error:
         known = [*names, *CONSTANTS, *FUNCTIONS]
         entry.refuse(
-            f"{error.args[0]!r} in {text!r} is no parameter{suggestion(error.args[0], known)}",
-            f"put it among parameters, where there {'are ' + ', '.join(names) if names else 'is none'}",
+            f"{error.args[0]!r} in {text!r} is not a parameter{suggestion(error.args[0], known)}",
+            f"add it to parameters ({'now ' + ', '.join(names) if names else 'now empty'})",
         )
     except (ZeroDivisionError, OverflowError, RecursionError, MemoryError):
-        entry.refuse(f"{text!r} has no finite value", "write a formula that has one")
+        entry.refuse(f"{text!r} has no finite value", "write a formula with a finite value")
 
 
 _WRITTEN = re.compile(r"(?<![\w.])\.?\d(?:[eE][-+](?=\d)|[\w.])*")  # numbers, with letters and underscores that touch them
@@ -99,7 +97,7 @@ _PLAIN = re.compile(r"(?:\d+\.\d*|\.\d+|0|[1-9]\d*)(?:[eE][-+]?\d+)?", re.ASCII)
 
 
 class _UnknownNameError(Exception):
-    """A name that is no parameter."""
+    """The name of no parameter."""
 
 
 def _remedy(text: str) -> str:

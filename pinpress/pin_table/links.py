@@ -1,7 +1,7 @@
-"""The links of a pin table: which pins and guide each has, and its mass, centre of mass and moments of inertia, given or estimated.
+"""The links of a pin table: pins, guide, mass, centre of mass and moments of inertia (given or estimated) of every link.
 
-Coordinates of a link start at its first pin, with x along the line to its second pin and z to the left of it; those of a slide, of a link
-with one pin and of one with pins in space are parallel to the world's, those of a block on a guide have x along the guide.
+The coordinates of a link start at its first pin, with x along the line to its second pin and z to the left of this line. The axes of a
+slide, of a link with one pin and of a link with pins in space are parallel to the world's. A block on a guide has x along the guide.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from .reading import Entry
 
 FRAME = "frame"
 STEEL = 7850.0  # density unless the table gives one [kg/m3]
-LIGHTEST, HEAVIEST = 25.0, 25e3  # of solid parts, from foam to tungsten and beyond [kg/m3]; densities in g/cm3 are below
-DENSEST = 1e7  # mass by the volume of a link above which it is hardly in kg, hundreds of times that of any metal [kg/m3]
-MASSLESS = 1e-6  # mass of a link that has none of its own where the table says ``masses: none`` [kg]
-SLENDER = 1 / 10  # thickness of a rod of which only the mass is given, beside its length
-FAR_BESIDE = 1 / 4  # a centre of mass is hardly meant to be farther beside a rod, divided by its length
+LIGHTEST, HEAVIEST = 25.0, 25e3  # densities of solid parts, from foam to beyond tungsten [kg/m3]; numbers in g/cm3 are smaller
+DENSEST = 1e7  # hundreds of times the density of any metal: a mass above this is probably not in kg [kg/m3]
+MASSLESS = 1e-6  # mass of a link without a given mass if the table has ``masses: none`` [kg]
+SLENDER = 1 / 10  # thickness / length of a rod of which only the mass is given
+FAR_BESIDE = 1 / 4  # distance of a centre of mass from a rod's line / length of the rod: more is probably a mistake
 WAYS = "up, down, left, right, an angle, or two points"  # of a guide
 KEYS = ("pins", "guide", "travel", "mass", "com", "inertia", "gyration", "section", "overhang", "box", "disc", "density", "parts", "note")
 PART_KEYS = ("mass", "disc", "box", "density", "at", "inertia", "note")
@@ -39,10 +39,10 @@ class Guide:
 
     Attributes:
         name: of the bearing.
-        carrier: the link that has the guide.
+        carrier: name of the link that has the guide.
         direction: (3,) unit vector in the drawn pose.
-        travel: how far it slides either way from the drawn pose, lowest and highest coordinate [m]; None where that is not said.
-        ends: (3,) places of the two pins between which the table draws it [m], by their names; none where it gives a direction.
+        travel: lowest and highest coordinate from the drawn pose [m]; None if the table does not give it.
+        ends: pin name -> (3,) place of the two pins that draw the guide [m]; empty if the table gives a direction.
     """
 
     name: str
@@ -58,14 +58,14 @@ class Link:
 
     Attributes:
         name: of the link.
-        pins: names, the one that it hangs by first.
-        guide: None where it has none.
+        pins: names; the pin by which the link hangs is the first.
+        guide: None if the link has no guide.
         mass: [kg].
         centre: (3,) centre of mass [m].
         inertia: (3, 3) about the centre of mass, world axes [kg m2].
         origin: (3,) its first pin.
-        rotation: (3, 3) its own axes in the world.
-        estimates: what was not given, in words.
+        rotation: (3, 3) axes of the link in the world.
+        estimates: descriptions of the values that the table does not give.
         inertia_given: whether its moments of inertia are given.
         entry: where it stands in the table.
     """
@@ -88,8 +88,8 @@ class _Solid:
     """A plain body.
 
     Attributes:
-        kind: "box" or "disc", which is a cylinder about y.
-        size: (3,) lengths along its axes, or radius and thickness [m].
+        kind: "box" or "disc" (a cylinder about y).
+        size: (3,) lengths of the box along its axes, or (2,) radius and thickness of the disc [m].
         centre: (3,) world coordinates.
         rotation: (3, 3) its axes in the world.
     """
@@ -120,16 +120,16 @@ class _Body:
 
 
 def read_links(table: Mapping[str, Entry], pins: Mapping[str, Pin], parameters: Mapping[str, float], unit: float) -> tuple[Link, ...]:
-    """The links of a table, in its order.
+    """Read the links of a table, in the table's order.
 
     Args:
-        table: its entries by their keys.
-        pins: in their places.
-        parameters: values of its parameters.
-        unit: of its lengths [m].
+        table: key -> entry of the table.
+        pins: pin name -> pin in its place.
+        parameters: parameter name -> value.
+        unit: the table's unit of length [m].
 
     Raises:
-        PinTableError: a link that makes no sense.
+        PinTableError: an entry of a link has a wrong key or value.
     """
     reader = _Reader(table, pins, parameters, unit)
     return tuple(reader.link(name, entry) for name, entry in reader.items.items())
@@ -144,14 +144,14 @@ class _Reader:
         self.carried: dict[str, list[str]] = {}
         for name, entry in self.items.items():
             if name == FRAME:
-                entry.refuse(f"{name!r} cannot name a link", "call it otherwise; `frame` at the top lists the pins of the frame")
+                entry.refuse(f"{name!r} cannot name a link", "choose another name; `frame` at the top lists the pins of the frame")
             refuse_unless_a_word(name, entry, "a link")
             self.carried[name] = self._pins(entry.known(KEYS, "a link"), entry)
         if self.without and all(any(key in MASSIVE for key in entry.items("a link")) for entry in self.items.values()):
-            table["masses"].doubt("every link has a mass of its own, which counts: leave out masses: none, or these masses")
+            table["masses"].doubt("masses: none has no effect, because every link has a mass: leave out masses: none, or these masses")
 
     def link(self, name: str, entry: Entry) -> Link:
-        """A link with all that it has."""
+        """Read a link."""
         items = entry.known(KEYS, "a link")
         pins = self.carried[name]
         guide = self._guide(name, items["guide"]) if "guide" in items else None
@@ -179,11 +179,11 @@ class _Reader:
             if name not in self.pins:
                 items["pins"].refuse(f"no pin {name}{suggestion(name, self.pins)}", f"name some of {', '.join(self.pins)}")
         if len(set(names)) < len(names):
-            items["pins"].refuse("a pin stands there twice", "name every pin of the link once")
+            items["pins"].refuse("a pin is named twice", "name every pin of the link once")
         return names
 
     def _rotation(self, pins: Sequence[str], guide: Guide | None) -> Array:
-        """Axes of a link: parallel to the world's, or x along its guide or from its first pin to the next one elsewhere."""
+        """Axes of a link: parallel to the world's, or with x along its guide, or from its first pin to the next pin at another point."""
         points = [self.pins[name].point for name in pins]
         if any(self.pins[name].in_space for name in pins) or (guide is not None and guide.carrier == FRAME):
             return np.eye(3)
@@ -223,11 +223,13 @@ class _Reader:
             entry.refuse(f"{len(parts)} numbers", "write the lowest and the highest, from the drawn pose: [-180, 120]")
         lower, upper = (number(part, self.parameters) * self.unit for part in parts)
         if not (lower <= 0.0 <= upper and lower < upper):
-            entry.refuse(f"it slides from {parts[0].value} to {parts[1].value}", "count from the drawn pose: [0 or less, 0 or more]")
+            entry.refuse(
+                f"it slides from {parts[0].value} to {parts[1].value}", "count from the drawn pose, which is 0: [0 or less, 0 or more]"
+            )
         return lower, upper
 
     def _carrier(self, link: str, entry: Entry, start: str, end: str) -> str:
-        """The link that has both ends of a guide; the frame where none has."""
+        """The link that has both ends of a guide; the frame if no link has both."""
         having = [name for name, pins in self.carried.items() if name != link and start in pins and end in pins]
         if len(having) > 1:
             entry.refuse(f"{', '.join(having)} have both {start} and {end}", f"say which one has the guide: {having[0]} {start} {end}")
@@ -247,25 +249,25 @@ class _Reader:
         return np.array([np.cos(angle), 0.0, np.sin(angle)])
 
     def above_zero(self, entry: Entry, what: str) -> float:
-        """A number above zero; ``what`` it is in messages."""
+        """Read a number above zero; messages call it ``what``."""
         value = number(entry, self.parameters)
         if value <= 0:
-            entry.refuse(f"{what} of {value:.6g}", "write one above zero")
+            entry.refuse(f"{what} of {value:.6g}", "write a value above zero")
         return value
 
     def density_of(self, items: Mapping[str, Entry], otherwise: float) -> float:
-        """The density among keys [kg/m3], else the other one. It warns of one that no part of a press has."""
+        """The density among keys [kg/m3], or ``otherwise`` if they have no density. Warns if no part of a press has this density."""
         if "density" not in items:
             return otherwise
         value = self.above_zero(items["density"], "a density")
         if not LIGHTEST <= value <= HEAVIEST:
-            items["density"].doubt(f"{value:.6g} kg/m3 is no density of a solid part: write it in kg/m3, {STEEL:g} for steel")
+            items["density"].doubt(f"{value:.6g} kg/m3 is not the density of a solid part: write it in kg/m3, {STEEL:g} for steel")
         return value
 
 
 @dataclass(frozen=True, eq=False)
 class _Space:
-    """What the masses of a link are placed by.
+    """Pins, guide and axes that the masses of a link are placed by.
 
     Attributes:
         reader: of all links.
@@ -288,7 +290,7 @@ class _Space:
         return [self.reader.pins[name].point for name in self.pins]
 
     def is_spatial(self) -> bool:
-        """Whether some pin is in space, so that all moments of inertia count."""
+        """Whether a pin is in space, so that all moments of inertia have an effect."""
         return any(self.reader.pins[name].in_space for name in self.pins)
 
     def place(self, entry: Entry) -> Array:
@@ -323,7 +325,7 @@ class _Masses:
         if len(given) > 1:
             self.items[given[1]].refuse(f"{' and '.join(given)}", "give one of them; weld others on as parts")
         if "overhang" in self.items and "section" not in self.items:
-            self.items["overhang"].refuse("an overhang without a section", "give section: height x width too")
+            self.items["overhang"].refuse("an overhang without a section", "give section: height x width")
         if "inertia" in self.items and "gyration" in self.items:
             self.items["gyration"].refuse("inertia and gyration", "give one of them")
         if given:
@@ -337,9 +339,9 @@ class _Masses:
         return _sum([body, *(self._part(each) for each in self._parts())]), tuple(self.estimates)
 
     def _weightless(self) -> _Body:
-        """A link without a mass of its own where the table says ``masses: none``."""
+        """A link without a given mass, in a table with ``masses: none``."""
         if idle := next((key for key in OF_MASS if key in self.items), None):
-            self.items[idle].refuse(f"{idle} of a link without mass", "give its mass too")
+            self.items[idle].refuse(f"{idle} of a link without mass", "give its mass")
         self.estimates.append(f"a mass of {1e6 * MASSLESS:g} mg, as masses: none says")
         points = self.space.points()
         centre = np.mean(points, axis=0)
@@ -364,7 +366,7 @@ class _Masses:
         return _Body(mass, centre, inertia)
 
     def _middle(self) -> str:
-        """Where the centre of mass is put that is not given."""
+        """Description of the assumed centre of mass."""
         pins, points = self.space.pins, _apart(self.space.points())
         if self.space.guide is not None or len(pins) == 1:
             return f"at {pins[0]}"
@@ -374,7 +376,7 @@ class _Masses:
         return f"half-way from {ends[0]} to {ends[1]}"
 
     def _check_beside(self, centre: Array) -> None:
-        """Warn of a centre of mass far beside a link that is taken for a rod: world coordinates, where the link's own are meant."""
+        """Warn of a centre of mass far from the line of a rod: it is probably given in world coordinates, not in the link's."""
         if "com" not in self.items or isinstance(self.items["com"].value, str) or len(self.space.pins) != 2 or self.space.guide is not None:
             return
         start, end = self.space.points()
@@ -383,12 +385,12 @@ class _Masses:
         if np.linalg.norm(away - (away @ along) * along) > FAR_BESIDE * np.linalg.norm(end - start):
             a, b = self.space.pins
             self.items["com"].doubt(
-                f"it is far beside the line {a} {b} of a link that is taken for a rod; com is in the link's own axes, "
-                f"x from {a} to {b}: name a point in pins for a place in the drawing, or give inertia too"
+                f"it is far from the line {a} {b} of a link that counts as a rod; com is in the link's axes, "
+                f"x from {a} to {b}: name a point of pins for a place in the drawing, or give inertia too"
             )
 
     def _estimated(self, mass: float) -> tuple[Array, Array, str]:
-        """Centre of mass and inertia of a plain body with the link's pins: a cube, a rod or a plate. Pins at one point count once."""
+        """Centre of mass and inertia of a cube, rod or plate with the link's pins. Pins at one point count once."""
         points = _apart(self.space.points())
         own_given = "inertia" in self.items or "gyration" in self.items
         if self.space.guide is not None or len(self.space.pins) == 1:
@@ -436,7 +438,7 @@ class _Masses:
         away = points - points[0]
         areas = away[:, None, 0] * away[None, :, 1] - away[:, None, 1] * away[None, :, 0]
         if np.abs(areas).max() <= ALIKE * np.square(away).max():
-            self.entry.refuse("its pins are on a line, which makes no plate", "give com and inertia, or a section")
+            self.entry.refuse("its pins are on a line, so it is not a plate", "give com and inertia, or a section")
         if len(points) == 3:
             return points if areas[1, 2] > 0 else points[::-1]
         from scipy.spatial import ConvexHull  # half a second to import, for plates of four pins and more
@@ -444,7 +446,7 @@ class _Masses:
         return np.asarray(points[ConvexHull(points).vertices])
 
     def _inertia(self, mass: float, centre: Array) -> Array:
-        """The inertia that is given: about the centre of mass or about a pin, by a radius of gyration, or all three moments."""
+        """Read the inertia: about the centre of mass or a pin, by a radius of gyration, or as three moments."""
         if "gyration" in self.items:
             return self._about_normal(mass * self.space.length(self.items["gyration"], "a radius of gyration") ** 2)
         return self._given_inertia(self.items["inertia"], mass, centre)
@@ -465,8 +467,8 @@ class _Masses:
             about = number(each, self.space.reader.parameters)
             distance = float(np.linalg.norm((pin - centre)[[0, 2]]))
             if about <= mass * distance**2:
-                problem = f"{about:.6g} kg m2 about {name} is less than its mass there would have, m d2 = {mass * distance**2:.6g} kg m2"
-                each.refuse(problem, f"give it in kg m2; or it is about the centre of mass: inertia: {about:.6g}")
+                problem = f"{about:.6g} kg m2 about {name} is less than m d2 = {mass * distance**2:.6g} kg m2 of its mass alone"
+                each.refuse(problem, f"give it in kg m2; if it is about the centre of mass write inertia: {about:.6g}")
             return self._about_normal(about - mass * distance**2)
         value = self.space.reader.above_zero(entry, "a moment of inertia")
         if self.space.is_spatial():
@@ -492,7 +494,7 @@ class _Masses:
         if "mass" in self.items:
             self._doubt_density(self.items)
         elif inertia_given:
-            self.estimates.append(f"mass of its {kind} of {density:g} kg/m3, {mass:.4g} kg, beside the moment of inertia that is given")
+            self.estimates.append(f"mass of its {kind} of {density:g} kg/m3, {mass:.4g} kg; its moment of inertia is given")
         if not inertia_given and "mass" in self.items:
             self.estimates.append(f"moments of inertia of its {kind}, with the mass that is given")
         if not inertia_given and "com" in self.items and kind == "section":
@@ -501,16 +503,16 @@ class _Masses:
         return _Body(mass, centre, inertia)
 
     def _doubt_mass(self, mass: float, volume: float) -> None:
-        """Warn of a mass that is hardly in kg, of a link that fills at most this volume [m3]."""
+        """Warn of a mass that is probably not in kg; the link fills at most this volume [m3]."""
         if "mass" in self.items and mass > DENSEST * volume:
             self.items["mass"].doubt(
-                f"{mass:.6g} kg in {volume:.3g} m3, which no material weighs: write kg, and see that units is the drawing's"
+                f"{mass:.6g} kg in {volume:.3g} m3: no material is that dense. Write kg, and check that units is the drawing's unit"
             )
 
     def _doubt_density(self, items: Mapping[str, Entry]) -> None:
-        """Warn of a density that changes nothing."""
+        """Warn of a density that has no effect."""
         if "density" in items:
-            items["density"].doubt("it is not used, because the mass is given: leave out one of them")
+            items["density"].doubt("density has no effect, because the mass is given: leave out one of them")
 
     def _prism(self, entry: Entry) -> _Solid:
         height, width = self.space.lengths(entry, "section: height x width", 2)
@@ -535,7 +537,7 @@ class _Masses:
         yield from self.items["parts"].list("parts: [{mass: 20, at: A}]") if "parts" in self.items else ()
 
     def _part(self, entry: Entry) -> _Body:
-        """A body welded on: a point mass, a disc or a box, with or without an inertia of its own."""
+        """A body that is welded on: a point mass, a disc or a box."""
         items, space = entry.known(PART_KEYS, "a part"), self.space
         kinds = [key for key in ("disc", "box") if key in items]
         if len(kinds) > 1 or not (kinds or "mass" in items):
@@ -556,24 +558,24 @@ class _Masses:
 
 
 def _apart(points: Sequence[Array]) -> list[Array]:
-    """The points without those that are where another one is."""
+    """The points without duplicates."""
     size = float(np.ptp(points, axis=0).max())
     return [p for k, p in enumerate(points) if all(np.abs(p - other).max() > ALIKE * size for other in points[:k])]
 
 
 def place_of(entry: Entry, pins: Mapping[str, Pin], parameters: Mapping[str, float], unit: float, origin: Array, rotation: Array) -> Array:
-    """World coordinates (3,) of a pin, or of a point in a link's coordinates [m].
+    """Read a pin, or a point in a link's coordinates: world coordinates (3,) [m].
 
     Args:
         entry: name of the pin, or coordinates of the point.
-        pins: in their places.
-        parameters: values of the table's parameters.
-        unit: of its lengths [m].
-        origin: (3,) of the link's coordinates in the world [m].
-        rotation: (3, 3) of the link's axes in the world.
+        pins: pin name -> pin in its place.
+        parameters: parameter name -> value.
+        unit: the table's unit of length [m].
+        origin: (3,) origin of the link's coordinates in the world [m].
+        rotation: (3, 3) axes of the link in the world.
 
     Raises:
-        PinTableError: no such pin, or no point.
+        PinTableError: there is no such pin, or the entry is not a point.
     """
     if isinstance(entry.value, str):
         name = entry.value.strip()
@@ -587,13 +589,13 @@ def place_of(entry: Entry, pins: Mapping[str, Pin], parameters: Mapping[str, flo
     else:
         values = entry.list("a pin, or [x, z] from the first pin")
         if len(values) != 2:
-            entry.refuse(f"a point is [x, z], {len(values)} numbers found", "write decimals after a point; in space {x: , y: , z: }")
+            entry.refuse(f"{len(values)} numbers found; a point is [x, z]", "write decimals after a point; in space {x: , y: , z: }")
         own = np.array([number(values[0], parameters), 0.0, number(values[1], parameters)])
     return np.asarray(origin + rotation @ own * unit)
 
 
 def axes_along(way: Array) -> Array:
-    """Axes (3, 3) with x along a direction and, where that is in the picture's plane, y the world's and z to the left of it."""
+    """Axes (3, 3) with x along a direction. In the picture's plane, y is the world's y and z is to the left of x."""
     x = way / np.linalg.norm(way)
     y = np.array([0.0, 1.0, 0.0]) - x[1] * x
     if np.linalg.norm(y) < 1e-9:  # along y: x and z then are the world's z and x
@@ -603,7 +605,7 @@ def axes_along(way: Array) -> Array:
 
 
 def _offset(mass: float, lever: Array) -> Array:
-    """What Steiner's rule adds for a mass off the point."""
+    """The term of Steiner's rule for a mass at this distance from the point."""
     return mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
 
 

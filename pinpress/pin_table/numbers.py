@@ -1,7 +1,7 @@
-"""The plain numbers of a table by which a press changes: its parameters, and the places and lengths of its pins.
+"""The plain numbers of a table that change the press: its parameters, and the coordinates and lengths of its pins.
 
-They are found with their places in the file's text, so that a table with other numbers is the same text, comments and all, in which only
-these are replaced. What is a formula stays a formula, and what a ``base`` says stays there.
+Each number keeps its place in the file's text. So a table with other numbers is the same text with the same comments: only the numbers
+are replaced. Formulas and the entries of a ``base`` are not changed.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ Path = tuple[str, ...]
 
 @dataclass(frozen=True)
 class TableNumber:
-    """A plain number that stands in a table.
+    """A plain number in a table.
 
     Attributes:
-        path: the keys that lead to it, from the top; places in a list are counted from 1.
-        kind: "length", "coordinate", "angle" [deg], or "parameter", whose meaning only the table's formulas know.
-        value: as it is written, lengths and coordinates in the table's unit.
-        comment: what stands behind it in its line; of parameters alone.
+        path: the keys that lead to it, from the top; items of a list are counted from 1.
+        kind: "length", "coordinate", "angle" [deg] or "parameter" (only the table's formulas show its meaning).
+        value: as written; lengths and coordinates in the table's unit.
+        comment: the comment behind it in its line; only parameters have one.
         start: index of its first character in the text.
-        end: index behind its last character.
+        end: index after its last character.
     """
 
     path: Path
@@ -41,10 +41,10 @@ class TableNumber:
 
 
 def numbers_of(text: str) -> tuple[TableNumber, ...]:
-    """The numbers of a table's own text that it makes a press of, in their order there.
+    """List the numbers in a table's text that determine the press, in the order of the text.
 
     Args:
-        text: of a file that `read_table` takes.
+        text: text of a file that `read_table` reads.
     """
     top = yaml.compose(text, Loader=yaml.BaseLoader)
     found = []
@@ -57,11 +57,11 @@ def numbers_of(text: str) -> tuple[TableNumber, ...]:
 
 
 def with_numbers(table: Entry, values: Mapping[Path, float]) -> Entry:
-    """A table with other numbers.
+    """Replace numbers of a table.
 
     Args:
-        table: as it was read.
-        values: the numbers by the keys that lead to them.
+        table: the table as `read_table` returns it.
+        values: path of keys -> new number.
     """
     for path, value in values.items():
         table = _with(table, path, written(value))
@@ -69,7 +69,7 @@ def with_numbers(table: Entry, values: Mapping[Path, float]) -> Entry:
 
 
 def rewritten(text: str, numbers: Sequence[TableNumber], values: Mapping[Path, float]) -> str:
-    """The text of a table in which those numbers are replaced that have other values; all else stays as it is."""
+    """Replace the numbers of a table's text that have new values; the rest of the text stays as it is."""
     for each in sorted(numbers, key=lambda each: -each.start):
         value = values.get(each.path, each.value)
         if value != each.value:
@@ -78,13 +78,13 @@ def rewritten(text: str, numbers: Sequence[TableNumber], values: Mapping[Path, f
 
 
 def written(value: float) -> str:
-    """A number as a table has it.
+    """Format a number for a table.
 
     Raises:
-        PinpressError: it is not finite.
+        PinpressError: the number is not finite.
     """
     if not math.isfinite(value):
-        raise PinpressError(f"{value} is no number of a table: give a finite one")
+        raise PinpressError(f"{value} is not a number for a table: give a finite number")
     return f"{value:.12g}"
 
 
@@ -110,7 +110,7 @@ def _pair(text: str, node: yaml.Node, path: Path) -> Iterator[TableNumber]:
 
 
 def _plain(text: str, node: yaml.Node, path: Path, kind: str) -> Iterator[TableNumber]:
-    """The number that a node is; nothing where it is a formula, or has an anchor by which it stands elsewhere too."""
+    """The number of a node; nothing if the node is a formula, or has an anchor that repeats it elsewhere."""
     start, end = node.start_mark.index, node.end_mark.index
     if not isinstance(node, yaml.ScalarNode) or text[start:end] != node.value:
         return
@@ -125,14 +125,14 @@ def _plain(text: str, node: yaml.Node, path: Path, kind: str) -> Iterator[TableN
 
 
 def _items(node: yaml.Node | None) -> Iterator[tuple[str, yaml.Node]]:
-    """Keys and values of a mapping; nothing of another node."""
+    """Keys and values of a mapping; nothing for any other node."""
     if isinstance(node, yaml.MappingNode):
         for key, value in node.value:
             yield str(key.value), value
 
 
 def _with(entry: Entry, path: Path, value: str) -> Entry:
-    """An entry with another value at the end of a path."""
+    """Replace the value at the end of a path."""
     if not path:
         return replace(entry, value=value)
     first, rest = path[0], path[1:]
@@ -141,4 +141,4 @@ def _with(entry: Entry, path: Path, value: str) -> Entry:
     if isinstance(entry.value, tuple) and first.isdigit() and 0 < int(first) <= len(entry.value):
         place = int(first) - 1
         return replace(entry, value=(*entry.value[:place], _with(entry.value[place], rest, value), *entry.value[place + 1 :]))
-    return entry.refuse(f"there is no {first}", "give the keys of a number that stands in the table")
+    return entry.refuse(f"there is no {first}", "give the keys of a number in the table")

@@ -1,7 +1,7 @@
-"""Where the pins of a table are: by coordinates, by a length and an angle, by two lengths, or by a length and a line.
+"""Place the pins of a table: by coordinates, by a length and an angle, by two lengths, or by a length and a line.
 
-The picture's plane is x to the right, z up; angles count from +x towards z, counter-clockwise as drawn. Two lengths, or a length and a
-line, fit at two places: ``side`` says which, and the other one is kept, as it is the assembly that a wrong side gives.
+In the picture's plane x points right and z up; angles count counter-clockwise from +x towards z. Two lengths, or a length and a line, fit
+at two places. ``side`` chooses one of them. The other place is kept: a wrong side gives that assembly.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from .formulas import number
 from .reading import Entry
 
 UNITS = {name: quantity("m").sizes()[name] for name in ("mm", "cm", "m", "in")}  # [m]
-RESERVED = ("from", "at", "length", "angle", "side", "near", "on", "x", "y", "z", "axis", "joint")  # keys of a pin, so no names of pins
+RESERVED = ("from", "at", "length", "angle", "side", "near", "on", "x", "y", "z", "axis", "joint")  # keys of a pin, so not names
 SIDES = {"up": (0.0, 1.0), "down": (0.0, -1.0), "left": (-1.0, 0.0), "right": (1.0, 0.0)}
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-PIN_AXIS = (0.0, -1.0, 0.0)  # of a pin across the picture: a positive angle turns x towards z
-LONGEST = 1e5  # [m]
-ALIKE = 1e-9  # of the size: places that are one, and a side that does not decide
+PIN_AXIS = (0.0, -1.0, 0.0)  # axis of a pin normal to the picture: a positive angle turns x towards z
+LONGEST = 1e5  # longest length of a table [m]
+ALIKE = 1e-9  # of the size: places closer than this are one place, and a side does not choose between them
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,11 +35,11 @@ class Pin:
     Attributes:
         name: of the pin.
         point: (3,) world coordinates in the drawn pose [m].
-        axis: (3,) direction that a link turns about; None of a ball joint.
-        in_space: whether the table says axis or joint of it.
-        other: (3,) the place that the other side gives [m]; None where there is only one.
-        lengths: names of the pins or points that its place was measured from, with the distances [m]; for the sketch.
-        entry: where it stands in the table.
+        axis: (3,) direction that a link turns about; None for a ball joint.
+        in_space: whether the table gives its axis or joint.
+        other: (3,) the place that the other side gives [m]; None if only one place fits.
+        lengths: names of the pins or points that it was measured from, with the distances [m]; for the sketch.
+        entry: its entry in the table.
     """
 
     name: str
@@ -52,12 +52,12 @@ class Pin:
 
 
 class UnreachableError(PinTableError):
-    """Circles and lines of a pin that do not meet, with what a sketch of it shows.
+    """The circles or the line of a pin do not meet; the attributes are for a sketch.
 
     Attributes:
-        pins: those placed so far.
+        pins: the pins that are placed already.
         circles: (2,) centres in the picture's plane and radii [m].
-        along: (2,) point and (2,) direction of the line; None where there is none.
+        along: (2,) point and (2,) direction of the line; None without a line.
     """
 
     pins: tuple[Pin, ...]
@@ -66,16 +66,16 @@ class UnreachableError(PinTableError):
 
 
 def place_pins(entries: Entry, parameters: Mapping[str, float], unit: float) -> dict[str, Pin]:
-    """All pins in their places, in the order in which they could be placed.
+    """Place all pins; the result has the order in which they could be placed.
 
     Args:
         entries: the table's ``pins``.
-        parameters: values of its parameters.
-        unit: of its lengths [m].
+        parameters: parameter name -> value.
+        unit: the table's unit of length [m].
 
     Raises:
-        PinTableError: an entry that makes no sense, or places that depend on one another.
-        UnreachableError: lengths that do not meet.
+        PinTableError: an entry has a wrong key or value, or pins are placed by one another.
+        UnreachableError: the lengths do not meet.
     """
     placing = _Placing(entries, parameters, unit)
     for name in placing.items:
@@ -84,7 +84,7 @@ def place_pins(entries: Entry, parameters: Mapping[str, float], unit: float) -> 
 
 
 def refuse_unless_a_word(name: str, entry: Entry, what: str) -> None:
-    """Names stand side by side in ``pins: A B``, and in URDFs."""
+    """Refuse a name that is not one word: ``pins: A B`` and URDFs separate names by blanks."""
     word = re.sub(r"[\s,;:\[\]{}<>\"'&]+", "_", name)
     if odd := odd_character(name):
         replace(entry, path=entry.path[:-1]).refuse(
@@ -101,11 +101,11 @@ class _Placing:
         self.pins: dict[str, Pin] = {}
         for name, entry in self.items.items():
             if name in RESERVED:
-                entry.refuse(f"{name!r} cannot name a pin", f"call it otherwise: a word that is none of {', '.join(RESERVED)}")
+                entry.refuse(f"{name!r} cannot name a pin", f"choose a word that is not one of the keys {', '.join(RESERVED)}")
             refuse_unless_a_word(name, entry, "a pin")
 
     def pin(self, name: str, above: tuple[str, ...]) -> Pin:
-        """The pin of this name, placed after those that it is measured from."""
+        """The pin of this name. The pins that it is measured from are placed first."""
         if name not in self.pins:
             entry = self.items[name]
             if name in above:
@@ -130,9 +130,9 @@ class _Placing:
         return Pin(name, lifted, axis, in_space, None if other is None else _raised(other, across), lengths, entry)
 
     def _joint(self, items: Mapping[str, Entry]) -> tuple[bool, Array | None]:
-        """Whether a pin is a ball joint, and the axis of one that is not."""
+        """Whether a pin is a ball joint, and the axis of a pin that is no ball joint."""
         if "joint" in items and items["joint"].value != "ball":
-            items["joint"].refuse(f"{items['joint'].value!r} is no joint here", "write joint: ball, or leave it out")
+            items["joint"].refuse(f"{items['joint'].value!r} is not a joint of a pin", "write joint: ball, or leave it out")
         if "joint" in items and "axis" in items:
             items["axis"].refuse("a ball joint has no axis", "leave out axis or joint")
         if "joint" in items:
@@ -149,13 +149,13 @@ class _Placing:
             return np.asarray(axis / np.linalg.norm(axis))
         name = entry.text("an axis")
         if name.lstrip("-") not in AXES or name.count("-") > 1:
-            entry.refuse(f"{name!r} is no axis", "write x, y, z, -x, -y, -z, or three numbers")
+            entry.refuse(f"{name!r} is not an axis", "write x, y, z, -x, -y, -z, or three numbers")
         return np.array(AXES[name.lstrip("-")]) * (-1.0 if name.startswith("-") else 1.0)
 
     def _point(
         self, entry: Entry, items: Mapping[str, Entry], above: tuple[str, ...]
     ) -> tuple[Array, Array | None, tuple[tuple[str, float], ...]]:
-        """The place in the picture's plane, the other one that fits, and what it was measured from."""
+        """The place in the picture's plane, the other place that fits, and the pins or points that it was measured from."""
         for key, value in items.items():
             if key not in RESERVED and key not in self.items:
                 entry.refuse_key(key, value, [*RESERVED, *self.items])
@@ -170,7 +170,7 @@ class _Placing:
             self._only(entry, items, {}, (*lengths, "x", "z", "on", "side", "near"))
             return self._chosen(entry, items, self._circle_and_line(entry, items, lengths, above), above)
         if lengths:
-            entry.refuse(f"{len(lengths)} lengths", "give two of them, which place it, or one and a line (x:, z: or on:)")
+            entry.refuse(f"{len(lengths)} lengths", "give two lengths, or one length and a line (x:, z: or on:)")
         self._only(entry, items, {}, ("x", "z"))
         if "x" not in items or "z" not in items:
             entry.refuse(
@@ -190,12 +190,12 @@ class _Placing:
     def _polar(self, entry: Entry, items: Mapping[str, Entry], above: tuple[str, ...]) -> tuple[Array, None, tuple[tuple[str, float], ...]]:
         names = items["from"].names("a pin, or two")
         if len(names) > 2:
-            items["from"].refuse(f"{len(names)} pins", "name the pin to start from, and one that the angle counts from")
+            items["from"].refuse(f"{len(names)} pins", "name the pin to start from, and the pin that the angle counts from")
         pins = [self._named(items["from"], name, above) for name in names]
         start = _flat(pins[0].point)
         if "at" in items:
             if len(names) > 1 or "length" in items or "angle" in items:
-                items["at"].refuse("`at` goes with one pin and nothing else", "write {from: A, at: [dx, dz]}, or length and angle")
+                items["at"].refuse("`at` needs one pin in `from` and no other key", "write {from: A, at: [dx, dz]}, or length and angle")
             return start + self._pair(items["at"]), None, ()
         if "length" not in items:
             entry.refuse("no length", "write {from: A, length: ..., angle: ...} or {from: A, at: [dx, dz]}")
@@ -240,7 +240,7 @@ class _Placing:
         return _Fits(foot + half * along, foot - half * along, None, ((name, radius),))
 
     def _line(self, entry: Entry, items: Mapping[str, Entry], above: tuple[str, ...]) -> tuple[Array, Array, str]:
-        """A point and the direction of the line that a pin is on, and what it is called."""
+        """A point and the direction of the line that a pin is on, and the name of the line."""
         given = [key for key in ("x", "z", "on") if key in items]
         if len(given) != 1:
             remedy = "give one of x:, z: and on:, or a second length"
@@ -264,7 +264,7 @@ class _Placing:
     def _chosen(
         self, entry: Entry, items: Mapping[str, Entry], fits: _Fits, above: tuple[str, ...]
     ) -> tuple[Array, Array | None, tuple[tuple[str, float], ...]]:
-        """The one of two places that the side says."""
+        """Choose one of two places by the side."""
         size = max(float(np.abs(np.stack([fits.first, fits.second])).max()), *(length for _, length in fits.measured))
         if np.linalg.norm(fits.first - fits.second) <= math.sqrt(ALIKE) * 1e-2 * size:
             return (fits.first + fits.second) / 2, None, fits.measured
@@ -281,7 +281,7 @@ class _Placing:
         if abs(better) <= ALIKE * size:
             said = items.get("near", items.get("side"))
             assert said is not None
-            said.refuse(f"it does not decide: the places {places} are equal in it", self._instead(said, fits))
+            said.refuse(f"it does not choose a place: {places} are equal in this direction", self._instead(said, fits))
         return (fits.first, fits.second, fits.measured) if better > 0 else (fits.second, fits.first, fits.measured)
 
     def _better(self, entry: Entry, fits: _Fits, places: str) -> float:
@@ -293,7 +293,7 @@ class _Placing:
             return 1.0 if side == "ccw" else -1.0  # the first is on the left of the way from the first pin to the second
         allowed = [*SIDES, *(("ccw", "cw") if fits.ends else ())]
         return entry.refuse(
-            f"{side!r} is no side here{suggestion(side, allowed)}", f"two places fit, {places}: write one of {', '.join(allowed)}"
+            f"{side!r} is not a side here{suggestion(side, allowed)}", f"two places fit, {places}: write one of {', '.join(allowed)}"
         )
 
     def _instead(self, entry: Entry, fits: _Fits) -> str:
@@ -315,14 +315,14 @@ class _Placing:
     def _pair(self, entry: Entry) -> Array:
         values = entry.list("a point: [x, z]")
         if len(values) != 2:
-            problem = f"a point is [x, z], {len(values)} numbers found"
-            entry.refuse(problem, "write decimals after a point; a point in space is {x: , y: , z: }")
+            problem = f"{len(values)} numbers found, but a point is [x, z]"
+            entry.refuse(problem, "write decimals after a point, not a comma; a point in space is {x: , y: , z: }")
         return np.array([self._length(each) for each in values])
 
     def _length(self, entry: Entry) -> float:
         length = number(entry, self.parameters) * self.unit
         if abs(length) > LONGEST:
-            entry.refuse(f"{self._shown(length)} is more than {LONGEST / 1e3:g} km", "see that lengths and units are those of the drawing")
+            entry.refuse(f"{self._shown(length)} is more than {LONGEST / 1e3:g} km", "check lengths and units against the drawing")
         return length
 
     def _positive(self, entry: Entry) -> float:
@@ -346,7 +346,7 @@ class _Placing:
 
 @dataclass(frozen=True, eq=False)
 class _Fits:
-    """The two places that lengths allow; the first is on the left of the way between the ``ends``, where there are any."""
+    """The two places that lengths allow; with two ``ends`` the first place is on the left of the line between them."""
 
     first: Array
     second: Array

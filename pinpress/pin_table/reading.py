@@ -1,4 +1,4 @@
-"""A pin table as entries that know where they stand: read from YAML, or from the arguments of a call; laid over another table."""
+"""Read a pin table from YAML or from the arguments of a call, and lay it over another table. Entries know their line."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ..common.reading.entries import FileKind, given_entries, read_entries
 from ..linkage.loading import shipped_table
 from .templates import TEMPLATES
 
-CALL = "build(...)"  # in place of a file's name, of a table or values that a call gives
+CALL = "build(...)"  # stands for the file's name if a call gives the table or values
 MOST_BASES = 20
-USUAL_WORDS = {  # what else keys are called, in lower case
+USUAL_WORDS = {  # synonyms of keys, in lower case
     "radius": "length",
     "l": "length",
     "len": "length",
@@ -45,15 +45,15 @@ MODELS = (".urdf", ".sdf", ".xml", ".mjcf")  # names of files that `load` reads
 
 
 def read_table(path: str | os.PathLike[str]) -> Entry:
-    """The table of a YAML file, or of a shipped press by its name, laid over the one that it names as its ``base``.
+    """Read the table of a YAML file or of a shipped press, and lay it over the table that it names as its ``base``.
 
     Raises:
-        PinTableError: the file cannot be read, is no YAML, or has a key twice; with the line. There is only a template of this name.
+        PinTableError: the file cannot be read, is not YAML, or has a key twice (with the line); or only a template has this name.
     """
     given = path_of("path", path)
     shipped = None if os.path.exists(given) else shipped_table(given)
     if shipped is None and given.lower().endswith(MODELS):
-        raise PinTableError(given, None, "", "this is no table of pins", "pp.load(path) and pinpress check read URDF, SDF and MJCF files")
+        raise PinTableError(given, None, "", "this is not a pin table", "pp.load(path) and pinpress check read URDF, SDF and MJCF files")
     if shipped is None and not os.path.exists(given) and (name := Path(given).stem) in TEMPLATES:
         remedy = f"make one of the template of this name: pinpress new {name}.yaml --template {name}, then give {name}.yaml"
         raise PinTableError(given, None, "", "no such file", remedy)
@@ -61,12 +61,12 @@ def read_table(path: str | os.PathLike[str]) -> Entry:
 
 
 def given_table(values: Mapping[str, Any]) -> Entry:
-    """The table of a call's arguments: numbers, texts, lists and mappings as they would stand in a file."""
+    """Make a table of a call's arguments: numbers, texts, lists and mappings as in a file."""
     return given_entries(values, CALL, PIN_TABLE)
 
 
 def overlaid(below: Entry, above: Entry) -> Entry:
-    """A table laid over another: its pins, parameters, gears and keys of links replace those below; ``none`` removes them."""
+    """Lay a table over another: its pins, parameters, gears and keys of links replace those below; ``none`` removes them."""
     return _overlaid(below, above, 0)
 
 
@@ -84,7 +84,7 @@ def _overlaid(below: Entry, above: Entry, depth: int) -> Entry:
     return replace(above, value=merged)
 
 
-_MERGED = {"parameters": 1, "pins": 1, "links": 2, "gears": 1}  # how deep entries are merged; below they are replaced as a whole
+_MERGED = {"parameters": 1, "pins": 1, "links": 2, "gears": 1}  # levels at which entries are merged; deeper entries are replaced as a whole
 
 
 def _with_bases(path: Path, above: tuple[Path, ...]) -> Entry:
@@ -93,7 +93,7 @@ def _with_bases(path: Path, above: tuple[Path, ...]) -> Entry:
         return table
     base = table.value["base"]
     if path.resolve() in above or len(above) == MOST_BASES:
-        base.refuse("the tables are each other's base", "name a base that does not lead back here")
+        base.refuse("the tables name each other as base", "name a base that does not lead back to this table")
     named = base.text("the file of another table, or the name of a shipped press")
     beside = path.parent / named
     shipped = None if os.path.exists(beside) else shipped_table(named)

@@ -1,4 +1,4 @@
-"""Sketches of pin tables as SVG: links, pins and dimensions of the drawn pose; of lengths that do not meet, why."""
+"""Sketch pin tables as SVG: links, pins and dimensions of the drawn pose, or lengths that do not meet."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from .placement import Pin, UnreachableError
 WIDTH, HEIGHT, MARGIN = 900.0, 700.0, 90.0  # of the picture
 COLOURS = ("#c23d14", "#1454c9", "#1c9e69", "#ed9414", "#8f5ca8", "#40c9e0", "#f2aba3", "#7d4c30")
 INK, PALE, WRONG = "#30363d", "#9aa2ab", "#c2452d"
-CLASS = "pinpress-sketch"  # styles in a drawing hold for all of the page that it stands in, as a notebook
+CLASS = "pinpress-sketch"  # a drawing's styles apply to its whole page, for example a notebook, so they need this class
 TEXT = "font:14px sans-serif;fill:#30363d;paint-order:stroke;stroke:#fff;stroke-width:4px"
 STYLE = f".{CLASS} text{{{TEXT}}}.{CLASS} .dimension{{font-size:12px;fill:#57606a}}"
 
 
 def sketch_of_parts(name: str, parts: Parts, unit: float, unit_name: str) -> str:
-    """The drawn pose of a press: links as bars and plates, pins with their names, lengths in the table's unit."""
+    """Draw the drawn pose of a press: links as bars and plates, pins with their names, lengths in the table's unit."""
     sheet = _Sheet([pin.point[[0, 2]] for pin in parts.pins.values()], f"{name}: drawn pose, lengths in {unit_name}")
     for k, link in enumerate(parts.links):
         sheet.link(link, parts.pins, COLOURS[k % len(COLOURS)])
@@ -36,7 +36,7 @@ def sketch_of_parts(name: str, parts: Parts, unit: float, unit_name: str) -> str
 
 
 def sketch_of_failure(error: UnreachableError, unit: float, unit_name: str) -> str:
-    """The pins placed so far, with the circles and the line that do not meet."""
+    """Draw the pins that are placed already, with the circles and the line that do not meet."""
     spread = [pin.point[[0, 2]] for pin in error.pins]
     for centre, radius in error.circles:
         spread += [centre + radius * np.array([x, z]) for x, z in ((1, 0), (-1, 0), (0, 1), (0, -1))]
@@ -66,12 +66,12 @@ class _Sheet:
         self._write(WIDTH / 2, 30, title, "middle")
 
     def at(self, point: Array) -> tuple[float, float]:
-        """Where a point of the picture's plane is on the sheet."""
+        """Sheet coordinates of a point in the picture's plane."""
         x, z = (point - self.middle) * self.scale
         return WIDTH / 2 + float(x), HEIGHT / 2 - float(z)
 
     def link(self, link: Link, pins: Mapping[str, Pin], colour: str) -> None:
-        """A link as a bar or a plate; what slides as a block across its guide."""
+        """Draw a link as a bar or a plate, and a sliding link as a block across its guide."""
         corners = [self.at(pins[name].point[[0, 2]]) for name in link.pins]
         shape = {
             "fill": colour,
@@ -91,13 +91,13 @@ class _Sheet:
             SubElement(self.root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": "20", **shape})
 
     def name(self, link: Link, pins: Mapping[str, Pin], colour: str) -> None:
-        """The name of a link, beside the middle of its pins."""
+        """Write the name of a link next to the middle of its pins."""
         centre = np.mean([pins[name].point[[0, 2]] for name in link.pins], axis=0)
         x, y = self.at(centre)
         self._label(x + (26 if link.guide is not None else 8), y + (24 if link.guide is not None else -10), link.name, colour)
 
     def dimensions(self, link: Link, pins: Mapping[str, Pin], unit: float) -> None:
-        """Lengths from the first pin of a link to its others, and those between others that the table gives."""
+        """Draw lengths from a link's first pin to its other pins, and the lengths between other pins that the table gives."""
         first, *others = link.pins
         given = [(start, end) for end in others for start, _ in pins[end].lengths if start in others]
         shown = set[tuple[tuple[float, ...], ...]]()
@@ -111,7 +111,7 @@ class _Sheet:
                 self._label(x + 8, y + 16, f"{length / unit:.6g}", None, "dimension")
 
     def pins(self, pins: Iterable[Pin], frame: Sequence[str]) -> None:
-        """Pins with their names, one circle for those that cover each other; on a support where the frame has them."""
+        """Draw pins with their names and the supports of the frame's pins. Pins at one point share a circle."""
         places: dict[tuple[float, float], list[str]] = {}
         for pin in pins:
             x, y = self.at(pin.point[[0, 2]])
@@ -148,7 +148,7 @@ class _Sheet:
         return ElementTree.tostring(self.root, encoding="unicode")
 
     def _block(self, link: Link, pins: Mapping[str, Pin], colour: str) -> None:
-        """What slides: a block between two rails along its guide."""
+        """Draw a sliding link: a block between two rails along its guide."""
         assert link.guide is not None
         x, y = self.at(np.mean([pins[name].point[[0, 2]] for name in link.pins], axis=0))
         way = link.guide.direction[[0, 2]]
@@ -161,7 +161,7 @@ class _Sheet:
         SubElement(self.root, "rect", {**box, **turn, "fill": colour, "fill-opacity": "0.35", "stroke": colour, "stroke-width": "3"})
 
     def _label(self, x: float, y: float, words: str, colour: str | None, kind: str = "") -> None:
-        """Words beside a point, moved down until they cover no others."""
+        """Write words next to a point, moved down until they cover no other words."""
         for step in self._steps():
             place = (x, y + step)
             if all(abs(place[0] - a) > 40 or abs(place[1] - b) > 14 for a, b in self.used):

@@ -1,4 +1,4 @@
-"""Where process forces act on the slide of a pin table: at its ``tool``, or midway between what a URDF cannot say, the ends of slots."""
+"""The point of the slide where process forces act: the table's ``tool``, or midway between ends of slots, which URDF cannot express."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Tool(NamedTuple):
     Attributes:
         link: name of the link.
         point: (3,) in the world, in the drawn pose [m].
-        name: what the point is.
+        name: description of the point for messages.
     """
 
     link: str
@@ -33,24 +33,24 @@ class Tool(NamedTuple):
 def read_tool(
     items: Mapping[str, Entry], pins: Mapping[str, Pin], parts: Parts, tree: Tree, parameters: Mapping[str, float], unit: float
 ) -> Tool | None:
-    """The point of the slide at which process forces act; None where its pins say it, as `Linkage.tool` finds it.
+    """Find the point of the slide where process forces act; None if its pins determine it, as in `Linkage.tool`.
 
     Args:
-        items: keys of the table.
-        pins: of the table, before links are copied.
+        items: key -> entry of the table.
+        pins: pin name -> pin of the table, before links are copied.
         parts: links and pins in the drawn pose.
-        tree: their bearings.
-        parameters: of the table.
-        unit: of its lengths [m].
+        tree: bearings of the parts.
+        parameters: parameter name -> value.
+        unit: the table's unit of length [m].
 
     Raises:
-        PinTableError: a tool of a press without a slide, or one that is no point.
+        PinTableError: the press has no slide for its tool, or the tool is not a point.
     """
     slide = _slide(parts)
     if "tool" in items:
         entry = items["tool"]
         if slide is None:
-            entry.refuse("no link is the slide", "guide one by the frame, guide: up; of several guided links call the one that works slide")
+            entry.refuse("no link is the slide", "guide one link by the frame, guide: up; if several links are guided, name one slide")
         name = f"{entry.value.strip()} of the table" if isinstance(entry.value, str) else "the tool of the table"
         return Tool(slide.name, place_of(entry, {**pins, **parts.pins}, parameters, unit, slide.origin, slide.rotation), name)
     slots = [link.guide for link in parts.links if link.guide is not None and slide is not None and link.guide.carrier == slide.name]
@@ -67,7 +67,7 @@ def read_tool(
 
 
 def _slide(parts: Parts) -> Link | None:
-    """The link that `load` takes for the slide, where it is not told which one."""
+    """The link that `load` takes as the slide if the call names no slide."""
     guided = {link.name: link for link in parts.links if link.guide is not None and link.guide.carrier == FRAME}
     by_guide = {link.guide.name: link for link in guided.values() if link.guide is not None}
     only = next(iter(guided.values())) if len(guided) == 1 else None

@@ -1,15 +1,15 @@
-"""Which bearing of a press is a joint of its tree and which one closes a loop; their names, and the senses of their forces.
+"""Sort the bearings of a press into joints of its tree and bearings that close a loop; name them, and fix the senses of their forces.
 
 1. Links that slide in the frame hang there.
-2. Then, again and again, the first link in the table's order hangs that can: (a) by a driven or geared pin or guide; (b) by its guide, or
-   by its first pin; (c) by any of its pins; (d) on links that slide in the frame, which (a) to (c) leave out. A link with a guide hangs by
-   that.
-3. Every other meeting at a pin closes a loop.
+2. Then repeat: hang the first link (in the table's order) that can hang (a) by a driven or geared pin or guide; (b) by its guide or its
+   first pin; (c) by any of its pins; (d) on a link that slides in the frame. Steps (a) to (c) do not use links that slide in the frame.
+   A link with a guide hangs by its guide.
+3. Every other connection at a pin closes a loop.
 
-A bearing has its pin's name. Where three or more links meet at a pin K, the one that hung first is the reference, and every other link
-has a bearing K_<link>, with the force of the reference on that link. Otherwise the force of a joint is that of what carries a link on
-that link, and the force of a loop that of the link written first on the other one; the frame counts as written first, links that slide in
-it as last.
+A bearing has its pin's name. If three or more links meet at a pin K, the link that hung first is the reference. Every other link then has
+a bearing K_<link>, whose force acts from the reference on that link. Otherwise the force of a joint acts from the carrying link on the
+carried link. The force of a loop acts from the link written first on the other link. Here the frame counts as the first link, and links
+that slide in the frame count as the last ones.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ class Joint:
 
     Attributes:
         name: of the bearing.
-        pin: that it is at; None of a guide.
+        pin: name of its pin; None if the bearing is a guide.
         parent: the link that carries the other one.
-        child: the link that hangs.
+        child: the link that is carried.
     """
 
     name: str
@@ -46,9 +46,9 @@ class Loop:
 
     Attributes:
         name: of the bearing.
-        pin: that it is at.
-        link1: the link whose force it has.
-        link2: the link on which that acts.
+        pin: name of its pin.
+        link1: the link that exerts the bearing's force.
+        link2: the link on which this force acts.
     """
 
     name: str
@@ -62,10 +62,10 @@ class Tree:
     """The tree of a press and the bearings that close its loops.
 
     Attributes:
-        joints: of the tree, in the table's order of the links that hang by them.
-        loops: others.
+        joints: bearings of the tree, in the table's order of the links that they carry.
+        loops: bearings that close a loop.
         drivers: names of driven joints.
-        gears: by the name of a joint, the joint that it follows and how many times it moves as far.
+        gears: name of a geared joint -> (joint that it follows, ratio of its motion to that one's).
     """
 
     joints: tuple[Joint, ...]
@@ -75,10 +75,10 @@ class Tree:
 
 
 def build_tree(parts: Parts, table: Entry) -> Tree:
-    """The tree of a press.
+    """Build the tree of a press.
 
     Raises:
-        PinTableError: links that hang nowhere, or a driver or gear that is no bearing.
+        PinTableError: a link is connected to nothing, or a driver or gear names no bearing.
     """
     return _Growing(parts, table).tree()
 
@@ -100,11 +100,11 @@ class _Growing:
         self.special = {*parts.drivers, *parts.gears, *(leader for leader, _ in parts.gears.values())}
 
     def _refuse_held(self, link: Link) -> None:
-        """Raise PinTableError where a link that slides in the frame has a pin that is fixed there."""
+        """Refuse a link that slides in the frame and has a pin that is fixed in the frame."""
         held = next((pin for pin in link.pins if pin in self.parts.frame), None)
         if held is not None:
             remedy = f"take {held} out of frame:, or leave the guide out"
-            link.entry.refuse(f"it is to slide in the frame, and its pin {held} is fixed there", remedy)
+            link.entry.refuse(f"it slides in the frame, but its pin {held} is fixed in the frame", remedy)
 
     def tree(self) -> Tree:
         """Hang all links, then name the bearings."""
@@ -115,7 +115,7 @@ class _Growing:
             self._hang(*self._next())
         self._check_free_ends()
         joints = tuple(Joint(self._joint_name(name), *self.by[name], name) for name in self.links)
-        named = {joint.pin or joint.name: joint.name for joint in reversed(joints)}  # of several at a pin, the first
+        named = {joint.pin or joint.name: joint.name for joint in reversed(joints)}  # the first joint at each pin
         gears = {self._bearing(name, named): (self._bearing(leader, named), k) for name, (leader, k) in self.parts.gears.items()}
         self._refuse_without_carrier({joint.name: joint for joint in joints}, gears)
         return Tree(joints, tuple(self._loops()), tuple(self._bearing(name, named) for name in self.parts.drivers), gears)
@@ -158,7 +158,7 @@ class _Growing:
         return (None, carrier) if carrier in self.hung and (also or carrier not in self.sliders) else None
 
     def _at_pin(self, pin: str, also: bool = False) -> tuple[str, str] | None:
-        """The reference link of a pin, where it hangs already; one that slides in the frame only where ``also`` says so."""
+        """The reference link of a pin, if that link hangs already. A link that slides in the frame counts only with ``also``."""
         there = [name for name in self.hung if name in self.at[pin] and (also or name not in self.sliders)]
         if not there:
             return None
@@ -169,14 +169,14 @@ class _Growing:
         return next(name for name in self.hung if name in self.at[pin])
 
     def _check_free_ends(self) -> None:
-        """Refuse a link that one bearing alone holds, which nothing moves; mobility would refuse it too, but speaks of loops."""
+        """Refuse a link that hangs by one bearing and that no drive moves. Mobility would refuse it too, but its message is about loops."""
         guided = [link for link in self.links.values() if link.guide is not None]
         held = {link.name for link in guided} | {link.guide.carrier for link in guided if link.guide is not None}
         for link in self.links.values():
             meetings = [pin for pin in link.pins if len(self.at[pin]) > 1]
             if len(meetings) == 1 and link.name not in held and meetings[0] not in self.special:
-                remedy = "give a slide its guide: up, others a pin with another link"
-                link.entry.refuse(f"it hangs by pin {meetings[0]} alone and swings freely", remedy)
+                remedy = "give a slide guide: up; give any other link a pin that another link has too"
+                link.entry.refuse(f"it hangs only by pin {meetings[0]} and swings freely", remedy)
 
     def _joint_name(self, link: str) -> str:
         pin, _ = self.by[link]
@@ -209,8 +209,8 @@ class _Growing:
             if name in self.parts.drivers and name in self.at and FRAME not in self.at[name]:
                 both = " and ".join(self.at[name])
                 entry.doubt(
-                    f"pin {name} is not in the frame: angle, speed and torque are those of {both} against each other; "
-                    f"a crank is driven by its pin in the frame: {', '.join(self.parts.frame)}"
+                    f"pin {name} is not in the frame: the drive turns {both} relative to each other; "
+                    f"to drive a crank, name its pin in the frame: {', '.join(self.parts.frame)}"
                 )
             return named[name]
         if name in self.links:
@@ -219,21 +219,23 @@ class _Growing:
         if name in self.parts.pins:
             entry.refuse(f"nothing hangs by pin {name}", "name a pin between the frame and a link, or a guide")
         if name.startswith("-") and name[1:] in named:
-            remedy = f"write {name[1:]}, and turns: clockwise in the table, or turn it the other way by a negative speed"
-            entry.refuse(f"{name} has a sign, and a bearing is named without one", remedy)
+            remedy = f"write {name[1:]}; to turn it the other way write turns: clockwise, or give a negative speed"
+            entry.refuse(f"{name} has a sign, but names of bearings have no sign", remedy)
         entry.refuse(f"no pin or guide {name}{suggestion(name, named)}", f"name one of {', '.join(named)}")
 
     def _refuse_without_carrier(self, joints: dict[str, Joint], gears: dict[str, tuple[str, float]]) -> None:
-        """Raise PinTableError for a gear pair whose two axes no link holds: teeth mesh by angles against the link that carries both gears,
-        and the joints' angles are against other links."""
+        """Refuse a gear pair whose two axes are not on one link.
+
+        Teeth mesh by angles relative to the link that carries both gears; the angles of these joints are relative to other links.
+        """
         for follower, (leader, _) in gears.items():
             geared = joints[follower], joints[leader]
             if {geared[0].parent, geared[0].child}.isdisjoint((geared[1].parent, geared[1].child)):
                 carriers = ", ".join(f"{joint.name} is between {joint.parent} and {joint.child}" for joint in geared)
-                problem = f"no link carries both axes of the gear pair {follower}, {leader}: {carriers}; teeth would part"
+                problem = f"no link carries both axes of the gear pair {follower}, {leader}: {carriers}. The teeth would separate"
                 gears_entry = self.table.items("a table").get("gears", self.table)
                 written = gears_entry.items("gears").get(follower, gears_entry)
-                written.refuse(problem, "gear bearings that have a link in common; other planetary gears are not computed")
+                written.refuse(problem, "connect two bearings of one link by gears; other planetary gears are not supported")
 
     def _where(self, name: str) -> Entry:
         items = self.table.items("a table")

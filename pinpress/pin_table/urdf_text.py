@@ -1,4 +1,4 @@
-"""The URDF of a press that a pin table describes: plain, commented, with a shape for every link."""
+"""Write the URDF of a press that a pin table describes, with comments and a shape for every link."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from .placement import Pin
 from .tool import Tool
 from .tree import Joint, Tree
 
-REACH = 2.0  # limits of guides, beside the size of the press: those whose travel is not said end nowhere
-ENDLESS = 1e6  # limits of a guide that follows a shaft, which may turn for ever [m]
-EFFORT, VELOCITY = 1e9, 1e3  # which URDF asks of guides; they limit nothing here
+REACH = 2.0  # limits of a guide without travel, in sizes of the press: URDF asks for limits, and the slide must not reach them
+ENDLESS = 1e6  # limits of a guide that follows a shaft: the shaft may turn without end [m]
+EFFORT, VELOCITY = 1e9, 1e3  # limits that URDF asks for; so large that they limit nothing
 REMARK = f"  <!-- Shapes named {STAND_IN} are for other programs; pinpress draws its own. Rename those that you change. -->"
 CROSS = "_cross"  # added to the name of a ball joint that a link hangs by
 
@@ -34,11 +34,11 @@ class _Place:
     rotation: Array
 
     def inside(self, other: _Place) -> _Place:
-        """Another frame, seen from this one."""
+        """The other frame in coordinates of this frame."""
         return _Place(self.rotation.T @ (other.origin - self.origin), self.rotation.T @ other.rotation)
 
     def point(self, world: Array) -> Array:
-        """A world point in this frame."""
+        """Coordinates of a world point in this frame."""
         return np.asarray(self.rotation.T @ (world - self.origin))
 
 
@@ -50,8 +50,8 @@ def urdf_text(name: str, comment: str, parts: Parts, tree: Tree, tool: Tool | No
         comment: at the top of the file.
         parts: links and pins in the drawn pose.
         tree: their bearings.
-        tool: where process forces act on the slide; None where its pins say it.
-        bodies: what the links look like; none: the URDF has no shapes.
+        tool: point of the slide where process forces act; None: the slide's pins determine it.
+        bodies: shapes of the links; empty: the URDF has no shapes.
     """
     shapes = {body.name: [visual for each in body.parts for visual in _visuals(each, body.name)] for body in bodies}
     return _Writer(name, comment, parts, tree, tool, shapes).text().encode(errors="replace")  # a file's name need not be UTF-8
@@ -136,7 +136,7 @@ class _Writer:
         return [f'  <joint name="{joint.name}" type="prismatic">{ends}<axis xyz="{axis}"/>{limit}{self._mimic(joint.name)}</joint>']
 
     def _ball(self, joint: Joint, link: Link, at: Pin) -> list[str]:
-        """Hinges with massless crosses between them: two where the link is a rod between balls, which cannot spin then, else three."""
+        """Hinges with massless crosses between them: two for a rod between two balls, so that it cannot spin; three for any other link."""
         others = [self.parts.pins[name] for name in link.pins if name != joint.pin]
         rod = len(others) == 1 and others[0].axis is None
         way = others[0].point - at.point if others else np.array([0.0, 0.0, 1.0])
@@ -164,7 +164,7 @@ class _Writer:
             yield loop.name, loop.link1, loop.link2, self.parts.pins[loop.pin]
 
     def _loop(self, name: str, link1: str, link2: str, at: Pin) -> str:
-        """A loop of two parallel pins in the picture's plane, or a ball, holds points together; a hinge in space its axis too."""
+        """A loop joint. Pins in the picture's plane and balls need only coincident points; a hinge in space also needs a common axis."""
         hinge = at.in_space and at.axis is not None
         turn = _axes_with_z(at.axis)[:, [2, 0, 1]] if hinge and at.axis is not None else None  # x along the axis
 
@@ -191,7 +191,7 @@ def _origin(point: Array, rotation: Array, size: float) -> str:
 
 
 def _visuals(part: Part, link: str) -> Iterator[str]:
-    """A solid in its colour, to a hundredth of a millimetre; a plate, which URDF does not know, as boxes side by side."""
+    """A coloured solid, rounded to a hundredth of a millimetre. URDF has no plates, so a plate is drawn as boxes side by side."""
     if isinstance(part.shape, Plate):
         for strip, (x, y) in part.shape.strips():
             moved = part.placement @ np.array([x, y, 0.0, 1.0])
@@ -215,20 +215,20 @@ def _visual(shape: Shape, centre: Array, part: Part, link: str) -> str:
 
 
 def _light(name: str, mass: float, moment: float) -> str:
-    """A link of hardly any mass or none, with the same moment of inertia about all axes."""
+    """A link with almost no mass or no mass, with the same moment of inertia about all axes."""
     moments = {f"i{a}{b}": _number(moment if a == b else 0.0) for a, b, _, _ in _MOMENTS}
     return f'  <link name="{name}"><inertial><mass value="{_number(mass)}"/>{_tag("inertia", moments)}</inertial></link>'
 
 
 def _rpy(rotation: Array) -> Array:
-    """Roll, pitch and yaw; of a turn about y the pitch alone, whatever its size."""
+    """Roll, pitch and yaw. A turn about y has only a pitch, of any size."""
     if abs(rotation[1, 1] - 1.0) < 1e-15:
         return np.array([0.0, math.atan2(rotation[0, 2], rotation[0, 0]), 0.0])
     return np.asarray(pin.rpy.matrixToRpy(rotation))
 
 
 def _axes_with_z(direction: Array) -> Array:
-    """Axes whose z is along a direction, as cylinders of URDF are."""
+    """Axes whose z is along a direction, like the axis of a URDF cylinder."""
     other = np.eye(3)[int(np.abs(direction).argmin())]
     x = np.cross(other, direction)
     x /= np.linalg.norm(x)
@@ -240,7 +240,7 @@ def _vector(values: Array | Sequence[float], scale: float = 0.0) -> str:
 
 
 def _number(value: float, scale: float = 0.0) -> str:
-    """A number to full precision; zero where it is rounding beside the scale."""
+    """A number at full precision; zero if it is within rounding error of the scale."""
     if abs(value) <= 1e-16 * scale:
         return "0"
     return repr(float(value)).removesuffix(".0")

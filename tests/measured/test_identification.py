@@ -380,8 +380,8 @@ def test_what_cannot_be_told_is_refused_or_warned_of():
         ({"runs": [3]}, "a run is a int"),
         ({"runs": [MeasuredRun(moved.time, moved.angle)]}, "has no torque"),
         ({"runs": [good.between(0.0, 1.0)]}, "ten strokes at three speeds"),
-        ({"runs": [good, MeasuredRun(moved.time, moved.angle, current=good.torque)]}, "all runs in one of them"),
-        ({"runs": [good], "prior": 20.0}, "masses that may be a fifth off"),
+        ({"runs": [good, MeasuredRun(moved.time, moved.angle, current=good.torque)]}, "give torques in all runs"),
+        ({"runs": [good], "prior": 20.0}, "masses that may be off by a fifth"),
         ({"runs": [good], "prior": {"flywheel": 0.1}}, "no link or parameter 'flywheel'"),
         ({"runs": [good], "friction": ("pin",)}, "did you mean 'pins'"),
         ({"runs": [good], "radii": {"X": 0.1}}, "no bearing 'X'"),
@@ -403,9 +403,9 @@ def test_what_cannot_be_told_is_refused_or_warned_of():
         identify(press, [late], friction=("crank",))
         identify(press, [replace(good, torque=good.torque / 1000)], friction=("crank",))
     words = " ".join(str(each.message) for each in said)
-    assert "times the noise from sample to sample of the torque: something acts" in words
-    assert "the torque is 0.001 times that of the press as described: look at its unit" in words
-    with pytest.warns(pp.PinpressWarning, match="do not tell the encoder's zero"):
+    assert "times the noise of the torque: an effect has no" in words
+    assert "the torque is 0.001 times the torque of the described press: check its unit" in words
+    with pytest.warns(pp.PinpressWarning, match="do not show the encoder's zero"):
         identify(press, [run(moved, good.torque, rng, 1e5)], friction=())
     with pytest.warns(pp.PinpressWarning, match="times the prior: give a larger prior"):
         identify(press, [run(moved, torque @ (2 * values) + 20.0, rng, 2.0)], prior=0.05, friction=("crank",))

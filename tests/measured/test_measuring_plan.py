@@ -105,12 +105,12 @@ def small():
 
 def test_what_single_motions_leave_unknown():
     """One speed tells neither kind of friction from the other, nor does one that swings with the stroke; a period of 2.6 strokes does."""
-    with pytest.warns(PinpressWarning, match="crank friction, crank viscous friction: these motions do not tell it"):
+    with pytest.warns(PinpressWarning, match="crank friction, crank viscous friction: these motions do not determine it"):
         even = planned(["70 r/min"])
     assert even.worst > 2.0
     assert even.unknown[0] == ("crank friction", "crank viscous friction")
-    assert "at one speed friction" in str(even)
-    with pytest.warns(PinpressWarning, match="do not tell it"):
+    assert "at one speed viscous and constant friction" in str(even)
+    with pytest.warns(PinpressWarning, match="do not determine it"):
         in_step = planned(["50 r/min ±30 % in 1 strokes"])
     assert in_step.worst == pytest.approx(1.77, abs=0.02)
     assert "in step with the stroke" in in_step.why[0]
@@ -161,7 +161,7 @@ def informed(name):
         (lambda: measuring_motions(shipped(PRESS), [-3.0]), "give positive speeds"),
         (lambda: measuring_motions(shipped(PRESS), [3.0], swing=1.0), "swing is 1"),
         (lambda: plan(shipped(PRESS), {}, noise=1.0), "motions is {}"),
-        (lambda: plan(shipped("crank_slide"), motions(), noise=1.0), "is one of zxn2_3000b, not of crank_slide"),
+        (lambda: plan(shipped("crank_slide"), motions(), noise=1.0), "belongs to zxn2_3000b, not to crank_slide"),
         (lambda: planned(["70 r/min"], time=0.0), "time is 0.0"),
         (lambda: plan(*small(), noise=1.0, expected={"cranck friction": 3.0}), "no loss 'cranck friction', did you mean"),
         (lambda: plan(*small(), noise=1.0, wanted=[]), "wanted is empty"),

@@ -92,7 +92,7 @@ def test_angles_that_start_anew_are_made_continuous_and_it_is_said(tmp_path):
     steps = CHANNELS | {"crank [rad]": np.angle(np.exp(1j * ANGLE))}
     run = record(written(tmp_path, ".csv", steps), "crank [rad]", "motor [N m]")
     np.testing.assert_allclose(run.angle, ANGLE, atol=1e-13)
-    assert "starts anew" in str(run)
+    assert "restarts" in str(run)
     counted = {"time [s]": TIME, "motor [N m]": TORQUE} | {"crank [counts]": np.round(ANGLE / (2 * np.pi) * 8192) % 2**16}
     run = record(written(tmp_path, ".csv", counted), "crank [counts]", "motor [N m]", counts=8192)
     np.testing.assert_allclose(run.angle, ANGLE, atol=4e-4)
@@ -109,12 +109,12 @@ def test_european_tables_have_commas_in_numbers_and_units_in_a_line_of_their_own
 @pytest.mark.parametrize(
     ("angle", "torque", "words"),
     [
-        ("speed [rpm]", "motor [N m]", "is a speed, in rpm, no angle"),
+        ("speed [rpm]", "motor [N m]", "is a speed in rpm, not an angle"),
         ("crank", "motor [%]", "multiply it by the rated torque"),
         ("crank [deg]", "motor [N m]", "is in rad, not in deg"),
-        ("plain", "motor [N m]", r"has no unit; write the column as 'plain' with one of the units rad, deg"),
-        ("plain [counts]", "motor [N m]", "say how many are a turn"),
-        ("crank", "crank", "which is no unit of torque"),
+        ("plain", "motor [N m]", r"has no unit: write the column as 'plain' with one of the units rad, deg"),
+        ("plain [counts]", "motor [N m]", "give the counts in one turn"),
+        ("crank", "crank", "which is not a unit of torque"),
         ("krank", "motor [N m]", "did you mean 'crank'"),
     ],
 )
@@ -139,8 +139,8 @@ def test_wrong_columns_are_named(tmp_path, angle, torque, words):
         ("angle", put(slice(None), 3.0), "rests all the time at 171.887 deg"),
         ("angle", lambda angle: angle.__imul__(20.0), r"sample at \d+ Hz or more"),
         ("torque", put(slice(None), 3.0), "is the same in all samples"),
-        ("torque", lambda torque: torque.__imul__(1e-300), r"largest torque is .*e-298 N m, as of no press"),
-        ("torque", lambda torque: torque.__imul__(1e300), r"largest torque is .*e\+302 N m, as of no press"),
+        ("torque", lambda torque: torque.__imul__(1e-300), r"largest torque is .*e-298 N m, a size that no press has"),
+        ("torque", lambda torque: torque.__imul__(1e300), r"largest torque is .*e\+302 N m, a size that no press has"),
     ],
 )
 def test_what_cannot_be_used_is_refused(column, change, words):
@@ -162,9 +162,9 @@ def test_a_press_that_turns_backwards_may_be_sampled_as_coarsely(way):
     ("column", "change", "words"),
     [
         ("torque", lambda torque: np.minimum(torque, 120, out=torque), r"stays at 120 for \d+ samples from"),
-        ("torque", lambda torque: torque.__imul__(-1.0), r"below 0, as if the press drove its motor.*other sign"),
+        ("torque", lambda torque: torque.__imul__(-1.0), r"negative, as if the press drives its motor.*the sign"),
         ("time", lambda time: time.__iadd__(1e-3 * np.sin(1e4 * time)), "record at a fixed rate"),
-        ("angle", put(slice(250, None), ANGLE[250]), r"the crank rests for 0.75 s from 1.25 s on, where a brake.*between="),
+        ("angle", put(slice(250, None), ANGLE[250]), r"the crank rests for 0.75 s from 1.25 s on. A brake.*between="),
     ],
 )
 def test_what_is_hardly_meant_is_warned_of(column, change, words):
@@ -205,5 +205,5 @@ def test_parts_and_currents():
     assert (part.time[0], part.torque, part.added_mass["slide"]) == (0.5, None, 200.0)
     assert len(part.shaking_force["z"]) == len(part.time) == 101
     assert run.strokes == pytest.approx((ANGLE[-1] - ANGLE[0]) / (2 * np.pi))
-    with pytest.raises(pp.PinpressError, match="give one of them"):
+    with pytest.raises(pp.PinpressError, match="give only one of them"):
         MeasuredRun(TIME, ANGLE, TORQUE, TORQUE)

@@ -208,5 +208,5 @@ def test_bodies_of_a_ring_in_space_too():
 def test_presses_with_two_cranks_are_refused(tmp_path):
     (tmp_path / "table.yaml").write_text(TWO_SERVOS)
     press = pp.build(tmp_path / "table.yaml")
-    with pytest.raises(pp.PinpressError, match="records are of presses with one crank"):
+    with pytest.raises(pp.PinpressError, match="records need a press with one crank"):
         inertial_equations(press)

@@ -169,7 +169,7 @@ def test_a_force_on_the_way_up_is_found():
     assert found.work == pytest.approx(np.trapezoid(TABLE.forces, KNOTS) - np.trapezoid(STRIPPING, UP), rel=2e-3)
     assert "2 mm up" in str(found)
     assert found.columns()["way"] == ["down"] * 5 + ["up"] * 4
-    with pytest.warns(PinpressWarning, match="where no force acts the press takes another torque"):
+    with pytest.warns(PinpressWarning, match="without process force the torque differs"):
         measured.process_force(shipped(NAME), stripped(20.0), KNOTS)
 
 
@@ -205,7 +205,7 @@ def test_friction_under_the_force_is_taken():
     run = recorded(TABLE, friction=True, noise=100.0)
     found = measured.process_force(shipped(NAME), run, KNOTS, friction=RUBBING)
     np.testing.assert_allclose(found.force, TABLE.forces, atol=0.02 * 9e5)
-    with pytest.warns(PinpressWarning, match="takes another torque than it is described to take"):
+    with pytest.warns(PinpressWarning, match="the torque differs from that of the described press"):
         without = sensor().force(run)
     assert without.work > 1.02 * found.work
 

@@ -101,8 +101,8 @@ def test_the_torque_at_a_height_is_that_of_the_way_down(tmp_path):
 
 
 def test_other_senses_are_refused(tmp_path):
-    with pytest.raises(pp.PinTableError, match=r"'cw' is no sense of rotation.*; write clockwise or counter-clockwise"):
+    with pytest.raises(pp.PinTableError, match=r"'cw' is not a sense of rotation.*; write clockwise or counter-clockwise"):
         built(KNEE, tmp_path, "cw")
     assert built(KNEE, tmp_path, "counter-clockwise").joints == built(KNEE, tmp_path).joints
-    with pytest.raises(pp.PinTableError, match=r"-V has a sign.*; write V, and turns: clockwise in the table, or .* a negative speed"):
+    with pytest.raises(pp.PinTableError, match=r"-V has a sign.*; write V; .* turns: clockwise, or .* a negative speed"):
         built(KNEE.replace("drive: V", "drive: -V"), tmp_path)

@@ -60,7 +60,7 @@ def _nearest(cones: Sequence[Rows], values: Array, spread: Array, solved: Solved
     # in numbers that are independent in the posterior, with a deviation of 1 each
     step = spread @ np.linalg.cholesky(solved.covariance)
     rows = [Rows(part.kind, part.matrix @ step, part.slack(values)) for part in cones]
-    remedy = "look at units and signs of torque and angle, and at what else drives"
+    remedy = "check units and signs of torque and angle, and whether another force drives the press"
     try:
         # accepted within a millionth of the deviations, in which the change of the estimate is counted
         nearest = minimise(np.zeros(step.shape[1]), rows, squares=1.0, equilibrate=True, within=1e-6, remedy=remedy)

@@ -160,7 +160,7 @@ def _fitted_to_currents(unknowns: Unknowns, rows: Mapping[str, Rows]) -> Fit:
     expected = torque.columns @ estimate + torque.known
     constant = float(expected @ expected / (expected @ torque.values))
     if constant <= 0:
-        raise PinpressError("the currents have the other sign than the torque of this press: give the ratio with the other sign")
+        raise PinpressError("the currents and the torque of this press have opposite signs: change the sign of the ratio")
     more = unknowns._replace(
         parameters=(*unknowns.parameters, Parameter("motor constant", "-", 0.0, 0.0)),
         others=np.append(unknowns.others, np.inf),

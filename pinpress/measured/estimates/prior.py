@@ -141,7 +141,7 @@ def unknowns_of(
     else:
         shares[:] = number("prior", prior, positive=True)
     if shares.max() > WIDEST:
-        raise PinpressError(f"prior is {shares.max():g}: give a share, such as 0.2 for masses that may be a fifth off")
+        raise PinpressError(f"prior is {shares.max():g}: give a share, such as 0.2 for masses that may be off by a fifth")
     bodies, start = [], 0
     for body, basis in enumerate(equations.bases, 1):
         own = shares[start : start + basis.shape[1]]
@@ -152,7 +152,9 @@ def unknowns_of(
     found = Unknowns(equations, parameters, len(names), tuple(bodies), others, *_weighed(parameters, known))
     for name, row in zip(known, found.weighed, strict=True):
         if not (found.deviation[row != 0] > 0).any():
-            raise PinpressError(f"{name} is known, but the description of {press.name} has 0 there, which is kept: describe it first")
+            raise PinpressError(
+                f"{name} is given in known, but the description of {press.name} has 0 for it, and 0 stays: describe it first"
+            )
     return found
 
 

@@ -95,7 +95,7 @@ def smoothed(run: MeasuredRun) -> SmoothAngle:
     time = run.time - run.time[0]
     if run.strokes < FEWEST:
         raise PinpressError(
-            f"{run.name}: {run.strokes:.3g} strokes; one stroke does not tell masses from friction: measure ten strokes at three speeds"
+            f"{run.name}: {run.strokes:.3g} strokes: one stroke does not separate masses from friction. Measure ten strokes at three speeds"
         )
     spline, noise, step = _fitted(run, time)
     count = max(int(np.ceil(time[-1] / min(step, _stroke(run, time) / WEIGHTS))), 4 * DEGREE)
@@ -148,7 +148,7 @@ def _fitted(run: MeasuredRun, time: Array) -> tuple[Any, float, float]:
         if best is None or left / free**2 < CLEARLY * best[0]:
             best = left / free**2, spline, np.sqrt(left / free), time[-1] / pieces
     if best is None:
-        raise PinpressError(f"{run.name}: {len(time)} samples in {run.strokes:.3g} strokes are too few; sample faster")
+        raise PinpressError(f"{run.name}: {len(time)} samples in {run.strokes:.3g} strokes are too few: sample faster")
     return best[1], float(best[2]), float(best[3])
 
 

@@ -1,4 +1,4 @@
-"""Pin tables to start from, a file for each kind of press."""
+"""Templates of pin tables, one file for each kind of press."""
 
 from importlib.resources import files
 
@@ -6,5 +6,5 @@ TEMPLATES = ("crank-slide", "knuckle", "link-drive", "drawing-8-bar", "eccentric
 
 
 def template(name: str) -> bytes:
-    """The text of a template, one of `TEMPLATES`."""
+    """Read the text of a template, one of `TEMPLATES`."""
     return (files(__name__) / f"{name}.yaml").read_bytes()

@@ -23,7 +23,7 @@ def test_it_prints_and_writes_what_the_library_gives(capsys, tmp_path):
     runs = [pp.measured.record(file, "crank [deg]", "motor [N m]", ratio=20.7) for file in RECORDS]
     options = {"prior": 0.15, "friction": ("crank", "gibs"), "cylinder": True, "known": {"total mass": (12100.0, 100.0)}}
     found = pp.measured.identify(press, runs, **options)
-    for part in (found, pp.measured.identifiability(press, runs, **options), *(run.title for run in runs), "starts anew"):
+    for part in (found, pp.measured.identifiability(press, runs, **options), *(run.title for run in runs), "restarts"):
         assert str(part) in out
     low, high = found.intervals["slide mass"]
     assert low < 7640 < high
