@@ -42,6 +42,7 @@ def test_two_motors_shake_the_frame_as_their_gears_do(geared, motors):
     np.testing.assert_allclose(lifted.motion.floor_force, again.motion.floor_force, rtol=0, atol=1e-6 * np.abs(one.floor_force).max())
 
 
+@pytest.mark.exhaustive
 def test_a_servo_motion_settles_into_its_steady_response():
     """Of one driver, whose speed changes: steps over many periods from rest end in it, by 1 / STATES^2."""
     press = of_two_motors()

@@ -267,7 +267,7 @@ def test_hard_stops_are_met_where_they_are_touched(stiffness):
     assert ends == pytest.approx([ends[0]] * 3, abs=2e-7)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_a_law_may_fail_where_an_integrator_looks_ahead(method):
     """At a hard stop first trials of a step go metres beyond it, where a cylinder has no air; the motion stays clear of that."""

@@ -273,7 +273,7 @@ def servo_run():
     return pp.simulate(press(), 0.6, speed=0.0, drive=motor, flywheel=Flywheel(136.0), loads=BLANKING)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("voltage", [None, 700.0])
 @pytest.mark.parametrize("mains_power", [None, 1.55e6])
 def test_with_a_link_mains_are_work_losses_and_what_bodies_and_capacitor_store(voltage, mains_power):

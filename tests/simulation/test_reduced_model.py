@@ -53,7 +53,7 @@ def test_weights_that_balance_but_for_rounding_are_not_resolved():
     assert np.abs(table.at(GRID)[0][POTENTIAL]).max() < 1e-12
 
 
-@pytest.mark.parametrize("name", ["thin_wall", "four-bar", "bricard"])
+@pytest.mark.parametrize("name", ["thin_wall", "four-bar", pytest.param("bricard", marks=pytest.mark.exhaustive)])
 def test_the_table_is_what_it_tabulates(name):
     """Between the angles at which it was sampled too, and nearly up to a lock."""
     of_space = {"four-bar": lambda: spatial_linkages.four_bar("fixed"), "bricard": spatial_linkages.bricard}

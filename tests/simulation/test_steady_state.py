@@ -214,6 +214,7 @@ def test_a_long_run_ends_in_the_steady_state(long_run, strokes, steady):
     assert last.load_work == pytest.approx(WORK, rel=1e-9)
 
 
+@pytest.mark.exhaustive
 def test_power_balances_in_a_long_run(long_run, strokes):
     """Each stroke takes the load's work, the drive more or less of it until the state is steady."""
     np.testing.assert_allclose([stroke.load_work for stroke in strokes], WORK, rtol=1e-6)

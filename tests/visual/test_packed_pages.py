@@ -58,6 +58,7 @@ def test_pages_of_the_six_bar_are_small(tmp_path: Path) -> None:
     assert pp.report(press, motion, page, reactions=reactions, before=other).stat().st_size < 2.6e6
 
 
+@pytest.mark.exhaustive
 def test_a_browser_without_decompression_is_told(recording: Path, said: Callable[..., str]) -> None:
     words = said(recording.read_text("utf-8"), "delete self.DecompressionStream")
     assert (
@@ -75,6 +76,7 @@ def test_a_page_without_scripts_says_so(recording: Path, said: Callable[..., str
     assert "needs JavaScript" in said(recording.read_text("utf-8"), java_script_enabled=False)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("share", [pytest.param(0.3, marks=pytest.mark.exhaustive), 0.98])
 def test_a_page_that_was_cut_off_says_so(share: float, recording: Path, said: Callable[..., str]) -> None:
     text = recording.read_text("utf-8")

@@ -191,6 +191,7 @@ def test_a_step_of_the_load_is_drawn_as_a_step(steps: Path, stepped: Any) -> Non
             assert np.array_equal(numbers(curve["before"]), numbers(curve["y"])), curve["name"]
 
 
+@pytest.mark.exhaustive
 def test_cursors_follow_curves_with_steps(steps: Path, stepped: Any, shared_view: Callable[..., Any]) -> None:
     page = shared_view(steps, (1000, 500))
     for state in (0, 100, 318, 319, 359):

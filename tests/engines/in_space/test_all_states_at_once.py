@@ -36,7 +36,7 @@ def moved(case, engine="auto"):
     return pp.servo_cycle(press, angle=angle, speed=speed, acceleration=acceleration, engine=engine)
 
 
-@pytest.fixture(scope="module", params=rest_exhaustive(LINKAGES, "bricard", "fixed", "turntable"))
+@pytest.fixture(scope="module", params=rest_exhaustive(LINKAGES, "fixed", "turntable"))
 def case(request):
     text, middle, swing = LINKAGES[request.param]
     press = texts.load(text())

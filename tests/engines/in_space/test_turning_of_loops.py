@@ -99,6 +99,7 @@ def swinging_strut():
     return drawing.urdf("C")
 
 
+@pytest.mark.exhaustive
 def test_a_hinge_that_rests_rubs_in_no_run():
     """Near the locks of the strut the fastest pins have no bounds, and what rounding leaves of the hinge's speed has none either."""
     press = texts.load(swinging_strut())

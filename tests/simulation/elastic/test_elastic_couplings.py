@@ -37,7 +37,7 @@ def test_a_brake_stops_a_crank_and_holds_it():
     assert run.stats.energy_error < 1e-12
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("way", [1, -1])
 def test_couplings_that_are_closed_from_the_start(way):
     """A brake of 1500 N m stops 100 kg m2 at 30 rad/s after 2 s, both ways; a clutch of 300 N m joins a slower wheel or a faster one."""

@@ -333,6 +333,7 @@ def pushed_aside(gibs):
     return simulated(rssp(), 0.01, speed=SPEED, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic, loads=loads, points=21)
 
 
+@pytest.mark.exhaustive
 def test_gibs_that_stay_closed_are_a_number():
     tight, plain = pushed_aside(pp.elasticity.PreloadedJoint(5e7, 5e7, 1e6)), pushed_aside(1e8)
     np.testing.assert_allclose(tight.slide_position, plain.slide_position, rtol=0, atol=1e-12)

@@ -179,6 +179,7 @@ def test_a_steady_state_is_the_stroke_to_which_runs_settle(elastic):
     assert steady.lost[-1] == pytest.approx(steady.drive_work[-1] - steady.load_work[-1], rel=1e-5)
 
 
+@pytest.mark.exhaustive
 def test_stiffer_joints_open_as_the_rigid_press_says():
     """Of a slow press the load of the columns tends to that of rigid mechanics as all stiffnesses grow, in proportion to 1 / k; the slide
     yields by the quasi-static deflection."""
