@@ -26,12 +26,12 @@ from ..simulation.elastic.description import Elastic
 from ..simulation.elastic.press.friction import bodies_of
 from ..simulation.elastic.press.plane import PlaneGeometry
 from ..simulation.elastic.run import ElasticRun, ElasticSegment, segment_of
-from ..simulation.elastic.states import journal_places, solution_states
+from ..simulation.elastic.states import SolutionStates, journal_places, solution_states
 from ..simulation.elastic.yielding import bearing_number
 from ..simulation.simulate import simulate
 
-PLACES = 24  # on a panel, at which orbit, forces and wear are read
-OF_TURN = ("start", "turn", "peak", "depth", "impacts", "flight")
+INTERVALS = 24  # of a panel of the solution, between which orbit, forces and wear are sampled
+TURN_COLUMNS = ("start", "turn", "peak", "depth", "impacts", "flight")  # of a turn in `_impacts_by_turn`
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,12 +43,13 @@ class ImpactsByTurn(OfPress, Tabular):
         bearing: name of the pin.
         radial: its radial clearance [m].
         start: (t,) number of the run that each turn belongs to, from 0.
-        turn: (t,) number of the turn in its run, from 0.
+        turn: (t,) number of the turn in its run, from 0; turns of settling are counted too, but not listed.
         peak: (t,) largest force of the turn [N].
-        depth: (t,) largest depth of the journal in the bearing [m].
+        depth: (t,) largest distance of the two centres less the radial clearance [m]; negative if the journal does not touch in the turn.
         impacts: (t,) number of times that the journal touches the bearing after a flight.
         flight: (t,) share of the turn in which it does not touch [-].
-        orbit: (m, 2) places of the journal's centre from that of the bearing, in the two axes of the plane, over the first run [m].
+        orbit: (m, 2) places of the journal's centre from that of the bearing, in the two axes of the plane, over the listed turns of the
+            first run [m].
     """
 
     _press: Linkage
@@ -103,7 +104,7 @@ def journal_impacts(run: ElasticRun, bearing: str) -> ImpactsByTurn:
         PinpressError: the run has no whole turn, or the pin no clearance.
         UnknownNameError: the linkage has no such bearing.
     """
-    return _joined([_of_run(run, bearing, 0, 0)])
+    return _joined([_impacts_by_turn(run, bearing, 0, 0)])
 
 
 @typed
@@ -118,9 +119,9 @@ def impact_statistics(
     starts: int = 4,
     loads: Sequence[Load] = (),
 ) -> ImpactsByTurn:
-    """The impacts of a pin with clearance over many turns from several starts, whose crank angles differ.
+    """The impacts of a pin with clearance over many turns of several runs, whose first crank angles are spread evenly over a turn.
 
-    Where the motion is chaotic, their distribution is what means something.
+    If the motion is chaotic, single impacts mean little, but their distribution does.
 
     Args:
         press: a press with one driver.
@@ -136,18 +137,18 @@ def impact_statistics(
         PinpressError: a number is out of range; else as `simulate`.
         UnknownNameError: the linkage has no such bearing.
     """
-    counts = whole_number("turns", turns, 1, 10_000), whole_number("settling", settling, 0, 10_000)
+    counted, settled = whole_number("turns", turns, 1, 10_000), whole_number("settling", settling, 0, 10_000)
     rate, runs = number("speed", speed, "rad/s"), []
     if not rate:
         raise PinpressError("speed is 0: give the speed of the crank [rad/s]")
     if not isinstance(elastic, Elastic):
         raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic with a clearance of {shown(bearing)}")
-    turn = 2 * np.pi / abs(rate)
+    duration = (counted + settled) * 2 * np.pi / abs(rate)
     for start in range(whole_number("starts", starts, 1, 10_000)):
         angle = 2 * np.pi * start / starts
-        run = simulate(press, sum(counts) * turn, angle=angle, drive=PrescribedSpeed(rate), loads=loads, elastic=elastic)
+        run = simulate(press, duration, angle=angle, drive=PrescribedSpeed(rate), loads=loads, elastic=elastic)
         assert isinstance(run, ElasticRun)
-        runs.append(_of_run(run, bearing, start, counts[1]))
+        runs.append(_impacts_by_turn(run, bearing, start, settled))
     return _joined(runs)
 
 
@@ -167,7 +168,7 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
         coefficient: Archard's wear coefficient k [-]; 1e-8 to 1e-6 where a film lubricates, 1e-4 and more where it is dry.
 
     Raises:
-        PinpressError: a number is not positive, or the bearing is a guide.
+        PinpressError: a number is not positive, the bearing is a guide, or the press moves in space.
         UnknownNameError: the linkage has no such bearing.
     """
     sizes = {"radius": (radius, "m"), "width": (width, "m"), "hardness": (hardness, "N/m2"), "coefficient": (coefficient, "-")}
@@ -178,51 +179,57 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
     joints = len(press.joints)
     if place < joints and not press.axes[place].turns:
         raise PinpressError(f"bearing {shown(bearing)} is a guide: its wear is spread over its way; give a pin")
-    times, weights = _even(segment)
-    states = segment.states(times)
     sprung = segment.solution.equations.sprung
     if not isinstance(sprung.geometry, PlaneGeometry):
         raise PinpressError(f"{press.name} moves in space: wear is estimated for pins of planar presses alone")
+    states = _samples(segment)
     first, second = bodies_of(sprung, place)
-    rates = states.bodies.rates
+    rates = states.bodies.rates  # of two places and an angle of each body
     sliding = np.abs(rates[:, 3 * second + 2] - rates[:, 3 * first + 2]) * r
     force = np.linalg.norm(states.forces.in_bearings[place], axis=1)
-    volume = k / h * float(weights @ (force * sliding))
+    volume = k / h * float(np.trapezoid(force * sliding, states.times))
     return volume / (2 * np.pi * r * w) * 3600 / segment.end
 
 
-def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) -> ImpactsByTurn:
+def _samples(segment: ElasticSegment) -> SolutionStates:
+    """States at equal steps of each panel, its two ends among them. Panels end where a journal touches or leaves its bearing, so both
+    sides of such an instant are there."""
+    share = np.linspace(0.0, 1.0, INTERVALS + 1)
+    return solution_states(segment.solution, np.repeat(np.arange(segment.steps), len(share)), np.tile(share, segment.steps))
+
+
+def _impacts_by_turn(run: ElasticRun, bearing: str, start: int, settling: int) -> ImpactsByTurn:
+    """The whole turns of a run, without the first ones; ``start``: number of the run."""
     segment, press = _segment(run), run.problem.driven.press
     pin = _open_pin(segment, press, bearing)
-    panels, share = segment.steps, np.linspace(0.0, 1.0, PLACES + 1)
-    states = solution_states(segment.solution, np.repeat(np.arange(panels), len(share)), np.tile(share, panels))
-    angle = states.crank[0]
-    gone = np.abs(angle - angle[0]) / (2 * np.pi)
-    turns = int(np.floor(gone[-1] + 1e-9))
+    states = _samples(segment)
+    crank_angle, *_ = states.crank
+    turned = np.abs(crank_angle - crank_angle[0]) / (2 * np.pi)
+    turns = int(np.floor(turned[-1] + 1e-9))
     if turns - settling < 1:
         raise PinpressError(f"the run of {segment.end:g} s has {turns} whole turns: give one with more than {settling}")
-    gap = journal_places(segment.solution.equations.sprung, pin, states.bodies)
+    offset = journal_places(segment.solution.equations.sprung, pin, states.bodies)  # complex, from the bearing's centre
     force = np.linalg.norm(states.forces.in_bearings[pin.bearing], axis=1)
-    turn = np.where(gone < turns + 1e-9, np.minimum(gone, turns - 1e-9), gone).astype(int)
-    touching = np.abs(gap) > pin.clearance.radial
+    depth = np.abs(offset) - pin.clearance.radial
+    turn = np.minimum(turned, turns - 1e-9).astype(int)  # the run's last instant belongs to its last whole turn
+    turn[turned > turns + 1e-9] = turns
+    # Between two samples the journal touches or flies: at an instant of touching itself only rounding would tell.
+    between = np.flatnonzero(np.diff(states.times) > 0)
+    lengths, touches, turn_between = np.diff(states.times)[between], depth[between] + depth[between + 1] > 0, turn[between]
+    strikes = np.append(False, touches[1:] & ~touches[:-1])
     rows = []
     for count in range(settling, turns):
-        in_turn = turn == count
-        lengths = np.where(in_turn[1:] & in_turn[:-1], np.diff(states.times), 0.0)
-        flying = float(lengths[~touching[1:]].sum() / lengths.sum())
-        struck = gone[1:][in_turn[1:] & touching[1:] & ~touching[:-1]]
-        # Touches within a ten-thousandth of a turn are one impact.
-        impacts = int(len(struck) and 1 + (np.diff(struck) > 1e-4).sum())
-        depth = float(np.abs(gap[in_turn]).max()) - pin.clearance.radial
-        rows.append((number_of_run, count, float(force[in_turn].max()), depth, impacts, flying))
-    columns = {name: read_only(np.array(column)) for name, column in zip(OF_TURN, zip(*rows, strict=True), strict=True)}
-    orbit = np.stack([gap.real, gap.imag], axis=1)[turn >= settling]
+        in_turn, spans = turn == count, turn_between == count
+        flight = float(lengths[spans & ~touches].sum() / lengths[spans].sum())
+        rows.append((start, count, float(force[in_turn].max()), float(depth[in_turn].max()), int(strikes[spans].sum()), flight))
+    columns = {name: read_only(np.array(column)) for name, column in zip(TURN_COLUMNS, zip(*rows, strict=True), strict=True)}
+    orbit = np.stack([offset.real, offset.imag], axis=1)[(turn >= settling) & (turn < turns)]
     return ImpactsByTurn(press, bearing, pin.clearance.radial, orbit=read_only(orbit), **columns)
 
 
 def _joined(parts: Sequence[ImpactsByTurn]) -> ImpactsByTurn:
     """All turns of several runs."""
-    columns = {name: read_only(np.concatenate([getattr(part, name) for part in parts])) for name in OF_TURN}
+    columns = {name: read_only(np.concatenate([getattr(part, name) for part in parts])) for name in TURN_COLUMNS}
     first = parts[0]
     return ImpactsByTurn(first._press, first.bearing, first.radial, orbit=first.orbit, **columns)
 
@@ -239,11 +246,3 @@ def _open_pin(segment: ElasticSegment, press: Linkage, bearing: str) -> OpenPin:
         if pin.bearing == place:
             return pin
     raise PinpressError(f"pin {shown(bearing)} has no clearance in this run: give Elastic(clearances={{{bearing!r}: Clearance(...)}})")
-
-
-def _even(segment: ElasticSegment) -> tuple[Array, Array]:
-    """Times (n,) of a segment on all of its panels, and the weights (n,) of the trapezoidal rule over them."""
-    times = np.linspace(0.0, segment.end, max(721, PLACES * segment.steps + 1))
-    weights = np.full(len(times), times[1])
-    weights[[0, -1]] *= 0.5
-    return times, weights

@@ -1,4 +1,7 @@
-"""What is to be found of a press on springs, and what was found; how far its springs yield at most."""
+"""The problem of a press on springs, its solution by collocation on panels of time, and the deflection to which errors are compared.
+
+The press has f coordinates. A segment is the time between two knots, at which a load, a contact or the drive changes its law.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +16,13 @@ from .equations import ElasticEquations
 from .panels import Indices, Mesh, PanelSolution
 from .strokes import Strokes
 
-STAGES = 7  # collocation points of a panel: five to seven cost the same for the same error, seven less where it is small
+# Shared by the periodic solution (`period`) and the march in time (`march`).
+STAGES = 7  # collocation points of a panel: 5 to 7 cost about the same for the same error, 7 less if the error is small
 MOST_STEPS = 16  # of Newton's method
-SETTLED = 1e-3  # Newton's method ends where it changes coordinates by less than this share of the tolerance
-FIRST_PANELS, FEWEST = 24, 6  # panels of a period at first, and of each segment
-LOOKS = 12  # places on a panel at which events are looked for
-PAST_TURNING = 1e-6  # angle past a turning at which it is seen which way the rigid press goes [rad]
+SETTLED = 1e-3  # Newton's method ends when it changes coordinates by less than this share of the tolerance
+FIRST_PANELS, FEWEST = 24, 6  # panels of a period at first; least number of panels of a segment
+LOOKS = 12  # places of a panel at which events are searched
+PAST_TURNING = 1e-6  # beyond a reversal of the rigid press, the angle at which its new direction is read [rad]
 
 RigidMotion = Callable[[Array], tuple[Array, Array, Array]]
 """Times (n,) to coordinates, rates and accelerations (n, f) of the rigid press."""
@@ -31,8 +35,8 @@ class ElasticSolution:
     Attributes:
         equations: with the forces and events of the segments.
         panels: the motion.
-        gain: (2 f,) what coordinates and rates gain in its period; None: it is no period.
-        evaluations: of the forces at one state, that the last panels took.
+        gain: (2 f,) difference of coordinates and rates after a period, such as 2 pi of the crank; None if the motion is not periodic.
+        evaluations: number of states at which forces were computed for the last panels.
     """
 
     equations: ElasticEquations
@@ -42,25 +46,26 @@ class ElasticSolution:
 
     @property
     def decay(self) -> float:
-        """Factor by which a disturbance shrinks in a period: the largest size of an eigenvalue of its passage [-]."""
+        """Factor of a disturbance after a period: the largest Floquet multiplier, the spectral radius of the period map [-]. Below 1 the
+        motion is stable."""
         passage = self.panels.passage
-        for axis in (0, 1):
+        for axis in (0, 1):  # works are integrals of the motion, on which it does not depend
             passage = np.delete(passage, self.equations.integrals, axis)
         return float(np.abs(np.linalg.eigvals(passage)).max())
 
 
 class Task(NamedTuple):
-    """What is to be found.
+    """The problem.
 
     Attributes:
-        equations: of the press; their segments are not yet known.
-        strokes: of its loads.
+        equations: of the press, still without segments.
+        strokes: when each load acts, by the places that its path reaches.
         rigid: the motion of the rigid press at the same speed, or under the same drive.
         period: of the rigid press [s].
         speed: of the crank, its mean over a period [rad/s].
-        gain: (2 f,) what coordinates and rates have gained after a period.
+        gain: (2 f,) difference of coordinates and rates after a period.
         tolerance: error of a coordinate [m or rad].
-        begins: speed of the crank at the start by ``speed``.
+        begins: ratio of the crank's speed at the start to ``speed`` [-].
     """
 
     equations: ElasticEquations
@@ -74,35 +79,37 @@ class Task(NamedTuple):
 
     def times(self, travelled: Array) -> Array:
         """Times (n,) at which the crank of the rigid press has turned through angles (n,) [s]."""
-        if self.equations.crank is not None:
+        if self.equations.crank is not None:  # its speed is prescribed
             return travelled / abs(self.speed)
-        times = np.linspace(0.0, self.period, 241)  # of a guess: interpolated between them
-        angle = self.rigid(times)[0][:, -1]
-        return np.interp(travelled, np.abs(angle - angle[0]), times)
+        times = np.linspace(0.0, self.period, 241)  # close enough for a first guess
+        crank_angle = self.rigid(times)[0][:, -1]
+        return np.interp(travelled, np.abs(crank_angle - crank_angle[0]), times)
 
 
 def largest_deflection(task: Task, start: float) -> float:
-    """Largest displacement of a coordinate by what acts in a period of the rigid press, on springs that follow at once [m or rad].
+    """Largest quasi-static deflection of a coordinate in a period of the rigid press from crank angle ``start`` on [m or rad].
 
-    It is that to which errors are compared.
+    The unbalanced forces of the rigid motion, divided by the stiffness of the unloaded springs. Pins with clearance count as closed, since
+    a journal that flies has no stiffness. Errors are compared to this deflection.
     """
     plan, sprung = task.strokes.plan(start), task.equations.sprung
-    samples = 16  # places of a segment at which the largest deflection is looked for
+    samples = 16  # of each segment
     share = (np.arange(samples) + 1) / samples
-    times = (plan.knots[:-1, None] + np.diff(plan.knots)[:, None] * share).ravel() * (task.period / plan.knots[-1])
+    times = task.times((plan.knots[:-1, None] + np.diff(plan.knots)[:, None] * share).ravel())  # the knots are angles
     y, v, a = task.rigid(times)
-    contacts = (None,) * len(task.equations.contacts)
-    plan = plan._replace(segments=tuple(segment[: len(segment) - len(contacts)] + contacts for segment in plan.segments))
-    equations = replace(task.equations, segments=plan.segments, sprung=sprung.closed or sprung)
-    segments = np.repeat(np.arange(len(plan.segments)), samples)
-    bare = replace(equations, segments=tuple((None,) * len(segment) for segment in plan.segments))
-    size, stiffness = equations.size, bare.body_forces(times, segments, bare.state(times, y, v)).stiffness
-    left = equations.linearised(times, y, v, a, segments).left
-    return float(np.abs(np.linalg.solve(stiffness[:, :size, :size], left[..., None])).max())
+    contacts = (None,) * len(task.equations.contacts)  # the last forces of each segment
+    closed = tuple(segment[: len(segment) - len(contacts)] + contacts for segment in plan.segments)
+    unloaded = tuple((None,) * len(segment) for segment in plan.segments)
+    equations = replace(task.equations, segments=closed, sprung=sprung if sprung.closed is None else sprung.closed)
+    segments = np.repeat(np.arange(len(closed)), samples)
+    springs = replace(equations, segments=unloaded)
+    stiffness = springs.body_forces(times, segments, springs.state(times, y, v)).stiffness[:, : equations.size, : equations.size]
+    unbalanced = equations.linearised(times, y, v, a, segments).left
+    return float(np.abs(np.linalg.solve(stiffness, unbalanced[..., None])).max())
 
 
 def even_mesh(knots: Array, counts: Indices) -> Mesh:
-    """Panels of equal length in each segment."""
+    """Numbers of panels of equal length in each segment."""
     low = np.concatenate([np.arange(count) / count for count in counts])
     high = np.concatenate([np.arange(1, count + 1) / count for count in counts])
     return Mesh(knots, np.repeat(np.arange(len(counts)), counts), low, high)

@@ -9,6 +9,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.simulation.elastic import contact
+from pinpress.simulation.elastic.press.friction import bodies_of
 from pinpress.simulation.elastic.run import ElasticSegment
 from pinpress.simulation.elastic.states import journal_places
 from pinpress.simulation.elastic.strokes import Event
@@ -179,3 +180,24 @@ def test_wear_goes_with_force_and_way():
     force = np.linalg.norm(steady.bearing_force["P4"], axis=1)
     volume = 1e-7 / 1e9 * np.trapezoid(force * np.abs(spin) * 0.05, steady.time)
     assert depth == pytest.approx(volume / (2 * np.pi * 0.05 * 0.1) / 0.2 * 3600, rel=1e-3)
+
+
+@pytest.mark.exhaustive
+def test_wear_by_short_impacts():
+    """Next to 400 000 even times, whose steps are a thousandth of an impact. Even times of ordinary number would miss impacts."""
+    press = shipped("jf75g_125_plain")
+    found = run(pp.elasticity.Clearance(1e-4), duration=0.2)
+    sizes = {"radius": 0.05, "width": 0.1, "hardness": 1e9, "coefficient": 1e-7}
+    segment = found.trajectory.segments[0]
+    assert isinstance(segment, ElasticSegment)
+    way = force = np.zeros(0)
+    times = np.linspace(0.0, segment.end, 400_001)
+    for part in np.array_split(times, 40):
+        states = segment.states(part)
+        rates = states.bodies.rates
+        force = np.append(force, np.linalg.norm(states.forces.in_bearings[press.bearings.index("P4")], axis=1))
+        first, second = bodies_of(segment.solution.equations.sprung, press.bearings.index("P4"))
+        way = np.append(way, np.abs(rates[:, 3 * second + 2] - rates[:, 3 * first + 2]) * 0.05)
+    volume = 1e-7 / 1e9 * np.trapezoid(force * way, times)
+    expected = volume / (2 * np.pi * 0.05 * 0.1) / segment.end * 3600
+    assert pp.elasticity.wear_depth(found, "P4", **sizes) == pytest.approx(expected, rel=1e-4)
