@@ -80,7 +80,7 @@ def with_counterweights(press: Linkage, counterweights: Iterable[Counterweight])
     changed = set()
     for weight in counterweights:
         joint, added = _added_inertia(press, weight)
-        inertias[joint] = combined(inertias[joint], added)
+        inertias[joint] = combine_inertias(inertias[joint], added)
         changed.add(joint)
     for joint in changed:
         refuse_unphysical(press, joint, inertias[joint])
@@ -218,7 +218,7 @@ def carrying_joint(press: Linkage, link: str, position: tuple[float, float, floa
     return joint, point
 
 
-def combined(first: pin.Inertia, second: pin.Inertia) -> pin.Inertia:
+def combine_inertias(first: pin.Inertia, second: pin.Inertia) -> pin.Inertia:
     """The inertia of two bodies fixed together, in one frame. A body may be a hole, which Pinocchio's sum does not accept."""
     mass = first.mass + second.mass
     lever = (first.mass * first.lever + second.mass * second.lever) / mass if mass else np.zeros(3)

@@ -26,7 +26,7 @@ from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion, as_prescribed, is_cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
-from .counterweights import Counterweight, OperatingCondition, combined, refuse_unphysical
+from .counterweights import Counterweight, OperatingCondition, combine_inertias, refuse_unphysical
 from .problem import ROUNDING, AddedMass, BalancingProblem, Criterion, Target, build_problem
 from .program import LARGEST, ProvenOptimum, infeasible_limits, objective_value, solve
 from .regions import CounterweightRegion, RegionVariables
@@ -85,7 +85,7 @@ def balance(
             argument is not as described.
     """
     conditions = _conditions(motion, loads)
-    objective, checked = checked_objective(minimise), checked_limits(limits)
+    objective, checked = check_objective(minimise), check_limits(limits)
     problem = build_problem(press, conditions, regions, [*objective, *checked], _checked_shares(shares, len(conditions)))
     return optimal_press(problem, objective, checked, absolute=not isinstance(minimise, Mapping))
 
@@ -158,7 +158,7 @@ def trade_off(
     """
     _refuse_wrong_criteria(first, second)
     points = whole_number("points", points, 2, MOST_POINTS)
-    checked = checked_limits(limits)
+    checked = check_limits(limits)
     problem = build_problem(press, _conditions(motion, loads), regions, [first, second, *checked])
     (least, start), (_, end) = _end(problem, first, second, checked), _end(problem, second, first, checked)
     between = np.linspace(_value(start, second), _value(end, second), points)[1:-1]
@@ -193,7 +193,7 @@ def _checked_shares(shares: Sequence[float] | None, conditions: int) -> Array | 
     return np.asarray(weights / weights.sum())
 
 
-def checked_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, float]:
+def check_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, float]:
     """The objective as targets with weights above zero.
 
     Raises:
@@ -208,7 +208,7 @@ def checked_objective(minimise: Target | Mapping[Target, float]) -> dict[Target,
     return {target: float(weight) for target, weight in objective.items() if weight > 0}
 
 
-def checked_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]:
+def check_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]:
     """The limits as a dictionary; empty for None.
 
     Raises:
@@ -268,7 +268,7 @@ def optimal_press(
     empty = [variables.region for k, variables in enumerate(problem.regions[0]) if not any(filled[k].mass for filled in fillings)]
     return BalancedPress(
         original=problem.press,
-        press=presses[0] if problem.conditions[0].press is None else _fitted(problem.press, problem.regions[0], fillings[0]),
+        press=presses[0] if problem.conditions[0].press is None else _fit_counterweights(problem.press, problem.regions[0], fillings[0]),
         presses=presses,
         conditions=problem.conditions,
         objective=dict(objective),
@@ -355,17 +355,17 @@ def _fillings(problem: BalancingProblem, u: Array) -> list[list[pin.Inertia]]:
 
 def _with_fillings(problem: BalancingProblem, number: int, fillings: Sequence[pin.Inertia]) -> Linkage:
     """The press of an operating condition with the counterweights of all regions."""
-    return _fitted(problem.conditions[number].set_up(problem.press), problem.regions[number], fillings)
+    return _fit_counterweights(problem.conditions[number].set_up(problem.press), problem.regions[number], fillings)
 
 
-def _fitted(press: Linkage, regions: Sequence[RegionVariables], fillings: Sequence[pin.Inertia]) -> Linkage:
+def _fit_counterweights(press: Linkage, regions: Sequence[RegionVariables], fillings: Sequence[pin.Inertia]) -> Linkage:
     """The press with the counterweights of all regions; a region with ``replaces`` replaces the link's own mass."""
     inertias = list(press.model.inertias)
     for region in regions:
         if region.replaced is not None:
             inertias[region.joint] = pin.Inertia.Zero()
     for region, filling in zip(regions, fillings, strict=True):
-        inertias[region.joint] = combined(inertias[region.joint], filling)
+        inertias[region.joint] = combine_inertias(inertias[region.joint], filling)
     for region in regions:
         refuse_unphysical(press, region.joint, inertias[region.joint])
     return press.with_inertias(inertias, name=press.name.removesuffix(SUFFIX) + SUFFIX)

@@ -308,7 +308,7 @@ def build_problem(
         reactions=reactions,
         regions=variables,
         columns=columns,
-        rows=_joined(variables, columns, width),
+        rows=_join_rows(variables, columns, width),
         signals=tuple(replace(each, effects=_spread(each.effects * factors, columns[each.condition], width)) for each in signals),
         mass=_masses(variables, columns, width),
         replaced_mass=sum(each.replaced.mass for each in variables[0] if each.replaced is not None),
@@ -517,7 +517,7 @@ def _masses(variables: Sequence[Sequence[RegionVariables]], columns: Sequence[ND
     return np.array([_spread(mass, columns[number], width) for number in range(settings)])
 
 
-def _joined(variables: Sequence[Sequence[RegionVariables]], columns: Sequence[NDArray[np.intp]], width: int) -> tuple[Rows, ...]:
+def _join_rows(variables: Sequence[Sequence[RegionVariables]], columns: Sequence[NDArray[np.intp]], width: int) -> tuple[Rows, ...]:
     """The constraints of all regions, on the variables of all conditions."""
     ends, rows = np.cumsum([len(region.mass) for region in variables[0]])[:-1], list[Rows]()
     first, *others = [np.split(region, ends) for region in columns]

@@ -62,7 +62,7 @@ def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: 
         InfeasibleError: no variables keep the limits.
         PinpressError: the program was not solved.
     """
-    problem = _restricted(problem, [*objective, *limits])
+    problem = _restrict(problem, [*objective, *limits])
     states = {signal: _first_states(signal) for signal in problem.signals}
     total = sum(objective.values())
     shares = {target: weight / total for target, weight in objective.items()}  # so that the cost is about one
@@ -110,14 +110,14 @@ def _values(problem: BalancingProblem, target: Target, u: Array) -> list[float]:
 
 def _least_relaxation(problem: BalancingProblem, limits: Mapping[Target, float]) -> tuple[float, list[tuple[str, float]]]:
     """The least share by which all numerical limits (also of regions) must be relaxed, and the name and part of each limit."""
-    problem = _restricted(problem, limits)
+    problem = _restrict(problem, limits)
     states = {signal: _first_states(signal) for signal in problem.signals}
-    best, rows = _over_all_states(problem, states, lambda: _relaxed(*_program(problem, {}, limits, states, zero_as_equations=False)))
+    best, rows = _over_all_states(problem, states, lambda: _relax(*_program(problem, {}, limits, states, zero_as_equations=False)))
     parts = [(part, float(price[0] if part.kind == CONE else price.sum())) for part, price in zip(rows, best.prices, strict=True)]
     return best.value, [(part.name, share) for part, share in parts if part.name and part.unit]
 
 
-def _restricted(problem: BalancingProblem, targets: Collection[Target]) -> BalancingProblem:
+def _restrict(problem: BalancingProblem, targets: Collection[Target]) -> BalancingProblem:
     """The problem with only the signals of these targets."""
     return replace(problem, signals=tuple(signal for signal in problem.signals if signal.criterion in targets))
 
@@ -269,7 +269,7 @@ def _preferring_light(problem: BalancingProblem, cost: Array, rows: tuple[Rows, 
     return cost + LIGHTER * mass, rows
 
 
-def _relaxed(cost: Array, rows: tuple[Rows, ...]) -> Program:
+def _relax(cost: Array, rows: tuple[Rows, ...]) -> Program:
     """The program of the least relaxation of all named numerical constraints; the share of relaxation is one more variable."""
     more = []
     for part in rows:

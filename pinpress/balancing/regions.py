@@ -175,13 +175,13 @@ def _point_variables(press: Linkage, region: CounterweightRegion, joint: int, re
     """A region with one variable, the mass."""
     if region.at is None:
         assert replaced is not None  # a region without a place replaces the link's mass
-        unit_body = _scaled(replaced, unit / replaced.mass)
+        unit_body = _scale_density(replaced, unit / replaced.mass)
     else:
         _, point = carrying_joint(press, region.link, region.at, region.words)
         unit_body = rigid_body(unit, point, region.gyration**2 * unit * unit_tensor(press, joint))
     parts = (points_of(press, region.link, unit_body),)
     rows = _mass_rows(region, np.array([unit]), positive=False)
-    return RegionVariables(region, joint, parts, np.array([unit]), replaced, rows, lambda u: _scaled(unit_body, float(u[0])))
+    return RegionVariables(region, joint, parts, np.array([unit]), replaced, rows, lambda u: _scale_density(unit_body, float(u[0])))
 
 
 def _shape_variables(
@@ -307,6 +307,6 @@ def _in_link(press: Linkage, link: str, masses: Array, points: Array) -> PointMa
     return PointMasses(link, masses[used], np.array([placement.actInv(point) for point in points[used]]))
 
 
-def _scaled(inertia: pin.Inertia, factor: float) -> pin.Inertia:
+def _scale_density(inertia: pin.Inertia, factor: float) -> pin.Inertia:
     """The inertia of a body of this shape with its density multiplied by a factor."""
     return rigid_body(factor * inertia.mass, inertia.lever, factor * inertia.inertia)

@@ -105,7 +105,7 @@ def trade_off(
     cycle_times = suitable_numbers(
         "times", in_unit("times", times, "s"), expected, (None,), lambda t: len(t) > 0 and np.all((t >= 1e-9) & (t <= 1e9))
     )
-    task = _asked(press, drive, loads, minimise, float(cycle_times.max()), path, limits, friction, points)
+    task = _make_task(press, drive, loads, minimise, float(cycle_times.max()), path, limits, friction, points)
     caution_flank(press, task.limits, loads)
     curve, near = [], None
     for time in cycle_times.tolist():
@@ -168,18 +168,18 @@ def best_motion(
             contradict one another, or the program was not solved.
         UnknownNameError: the press does not have a bearing with this name.
     """
-    task = _asked(press, drive, loads, minimise, time, path, limits, friction, points)
+    task = _make_task(press, drive, loads, minimise, time, path, limits, friction, points)
     if ratios is not None and len(task.wanted) > 1:
         raise PinpressError("ratios cannot be compared by several quantities: minimise one of heat, time and energy, or give one ratio")
     caution_flank(press, task.limits, loads)
     drives = [drive] if ratios is None else [replace(drive, ratio=ratio) for ratio in _ratios(ratios)]
-    stopping = cache(lambda: _asked(press, drive, loads, minimise, time, Stop(), limits, friction, points)) if path is None else None
+    stopping = cache(lambda: _make_task(press, drive, loads, minimise, time, Stop(), limits, friction, points)) if path is None else None
     tried: dict[float, float] = {}
-    best: _Solved | None = None
+    best: _TaskSolution | None = None
     failed: PinpressError | None = None
     for candidate in drives:
         try:
-            answer = task.solved(candidate) if stopping is None else _turning_or_stopping(task, stopping, candidate)
+            answer = task.solved(candidate) if stopping is None else _turn_or_stop(task, stopping, candidate)
         except PinpressError as error:
             tried[candidate.ratio], failed = np.inf, error
             continue
@@ -198,13 +198,13 @@ def least_heat(
 
     Args and errors are those of `best_motion`.
     """
-    task = _asked(press, drive, loads, "heat", time, path, limits, NONE_GIVEN, points)
+    task = _make_task(press, drive, loads, "heat", time, path, limits, NONE_GIVEN, points)
     if feels_speed(loads, NONE_GIVEN):
         return 0.0
     return _optimum(motion_problem(task.coefficients, drive, task.limits, {"heat": 1.0}, task.time), press.name, True).bound
 
 
-def _asked(
+def _make_task(
     press: Linkage,
     drive: ServoDrive,
     loads: Sequence[Load],
@@ -234,18 +234,18 @@ def _asked(
     if count >= ROUGHLY * LEAST_ROUGH and ("time" not in weights or any(isinstance(limit, limits_.RmsTorque) for limit in checked)):
         rough = path_grid(press, legs, [*load_heights(press, loads), *limit_heights(checked)], count // ROUGHLY)
         of_press = coefficients(press, rough, loads, friction, speed, bearings)
-        like = _roughly(motion_problem(of_press, drive, checked, weights, most), press.name)
+        like = _rough_motion(motion_problem(of_press, drive, checked, weights, most), press.name)
     of_path = coefficients(press, grid, loads, friction, speed, bearings, like)
     return _Task(press, loads, friction, Turn() if path is None else path, of_path, checked, weights, most)
 
 
-def _turning_or_stopping(turning: _Task, stopping: Callable[[], _Task], drive: ServoDrive) -> _Solved:
+def _turn_or_stop(turning: _Task, stopping: Callable[[], _Task], drive: ServoDrive) -> _TaskSolution:
     """The best turn; or a stop at top dead centre, if the best turn would be faster than the time and the stop needs less than the turn."""
     try:
         turn = turning.solved(drive)
     except NoTurnError as error:
         try:
-            return stopping().solved(drive).saying("the search found no turn that keeps the limits in this time without a rest")
+            return stopping().solved(drive).with_choice("the search found no turn that keeps the limits in this time without a rest")
         except PinpressError:
             raise error from None
     if turn.problem.time == turning.time:
@@ -257,14 +257,16 @@ def _turning_or_stopping(turning: _Task, stopping: Callable[[], _Task], drive: S
     more = turn.answer.value / stop.answer.value - 1.0
     quantities = " and ".join(turning.wanted)
     if more <= 0:
-        return turn.saying(f"a stop at top dead centre, path=servo.Stop(), would need {100 * (1 / (1 + more) - 1):.2g} % more {quantities}")
-    return stop.saying(
+        return turn.with_choice(
+            f"a stop at top dead centre, path=servo.Stop(), would need {100 * (1 / (1 + more) - 1):.2g} % more {quantities}"
+        )
+    return stop.with_choice(
         f"the crank rests at top dead centre: the best turn found without a rest needs {100 * more:.2g} % more {quantities} in this time;"
         " path=servo.Turn() gives that turn"
     )
 
 
-def _roughly(problem: MotionProblem, press_name: str) -> PathMotion | None:
+def _rough_motion(problem: MotionProblem, press_name: str) -> PathMotion | None:
     """A motion with few nodes, which decides at which places the torque is evaluated; None if no motion was found."""
     weights = problem.weights if len(problem.weights) == 1 else {"heat": 1.0}
     try:
@@ -346,7 +348,7 @@ class _Task:
     turns: dict[object, CoarseTurn] = field(default_factory=dict)
     levels: dict[int, Coefficients] = field(default_factory=dict)
 
-    def solved(self, drive: ServoDrive, start: Array | None = None) -> _Solved:
+    def solved(self, drive: ServoDrive, start: Array | None = None) -> _TaskSolution:
         """Solve the task with this drive; ``start``: b of a motion near the solution."""
         feels = feels_speed(self.loads, self.friction)
         of_press, value, last = self.coefficients, np.inf, start
@@ -368,7 +370,7 @@ class _Task:
                 f"the best motion of {self.press.name} was not found: with {' and '.join(feels)} the search does not converge within"
                 f" {MOST_ROUNDS} rounds; make these loads smaller, or remove them"
             )
-        return _Solved(self, problem, answer, tuple(notes))
+        return _TaskSolution(self, problem, answer, tuple(notes))
 
     def _once(self, found: Coefficients, drive: ServoDrive, last: Array | None) -> tuple[MotionProblem, Solution, list[str]]:
         """Solve one program with fixed loads; ``last``: b of the motion at whose speeds the loads were taken."""
@@ -425,7 +427,7 @@ class _Task:
             return self.coefficients
         return coefficients(self.press, grid, self.loads, self.friction, speed, bearings_of(self.press, self.limits), like)
 
-    def _kept_between_nodes(self, problem: MotionProblem, answer: Solution) -> tuple[MotionProblem, Solution, FullMotion, list[str]]:
+    def _keep_between_nodes(self, problem: MotionProblem, answer: Solution) -> tuple[MotionProblem, Solution, FullMotion, list[str]]:
         """The motion with torque and power limited between nodes too, if it exceeds them there; the bound does not change."""
         full = full_motion(self.press, self.loads, self.friction, problem, answer.b)
         first = excess_of(problem, full)
@@ -435,7 +437,7 @@ class _Task:
         chosen, least = first, first.share
         for _ in range(MOST_AMENDED):
             try:
-                narrow, new = self._limited_at_states(*last, chosen)
+                narrow, new = self._limit_at_states(*last, chosen)
             except PinpressError:
                 break
             last = narrow, new, full_motion(self.press, self.loads, self.friction, narrow, new.b)
@@ -456,7 +458,7 @@ class _Task:
         )
         return best[0], amended, best[2], [note]
 
-    def _limited_at_states(
+    def _limit_at_states(
         self, problem: MotionProblem, answer: Solution, full: FullMotion, chosen: Excess
     ) -> tuple[MotionProblem, Solution]:
         """The best motion that keeps limits of torque and power within the chosen segments too, by tangents at the last motion."""
@@ -484,7 +486,7 @@ class _Task:
             bearings[name] = replace(part, fixed=force - part.by_acceleration * rate - part.by_square * square)
         return replace(c, inner_torque=c.inner_torque + by_speed, mean_torque=c.mean_torque + by_speed.mean(axis=0), bearings=bearings)
 
-    def on_enough_nodes(self, found: _Solved, refined: bool) -> tuple[_Solved, float]:
+    def on_enough_nodes(self, found: _TaskSolution, refined: bool) -> tuple[_TaskSolution, float]:
         """The motion with limits between nodes too, and its node error.
 
         The error follows from the same task with half of the nodes and, if there are many, a quarter.
@@ -493,17 +495,17 @@ class _Task:
             found: the motion.
             refined: whether the number of nodes is doubled until their error is small.
         """
-        found = found.kept_between_nodes()
+        found = found.keep_between_nodes()
         count, drive, values = len(self.coefficients.grid.step), found.problem.drive, [found.answer.value]
         for coarser in (count // 2, count // 4) if count >= 4 * ORDERLY else (count // 2,):
             try:
                 level = replace(self._on(coarser, found), proved=False, explained=False).solved(drive)
-                values.insert(0, level.kept_between_nodes().answer.value)
+                values.insert(0, level.keep_between_nodes().answer.value)
             except PinpressError:  # so few nodes leave no motion
                 break
         error = node_error(values)
         while len(values) == 1 or (refined and error > NODE_ERROR and 2 * count <= MOST_POINTS):
-            finer = self._on(2 * count, found).solved(drive)._replace(choice=found.choice).kept_between_nodes()
+            finer = self._on(2 * count, found).solved(drive)._replace(choice=found.choice).keep_between_nodes()
             values.append(finer.answer.value)
             error = node_error(values)
             if not refined:  # the user chose the number of nodes
@@ -511,14 +513,14 @@ class _Task:
             found, count = finer, 2 * count
         return found, error
 
-    def _on(self, segments: int, found: _Solved) -> _Task:
+    def _on(self, segments: int, found: _TaskSolution) -> _Task:
         """The task with this number of segments, for motions near the one found."""
         if segments not in self.levels:
             like = PathMotion(found.problem.coefficients.grid.way_gone, found.answer.b)
             self.levels[segments] = self._coefficients(segments, like)
         return replace(self, coefficients=self.levels[segments])
 
-    def result(self, found: _Solved, tried: Mapping[float, float], refined: bool) -> MotionOptimum:
+    def result(self, found: _TaskSolution, tried: Mapping[float, float], refined: bool) -> MotionOptimum:
         """The result: the motion by full inverse dynamics, its proof and its active limits."""
         raw_gap = found.answer.gap
         found, error = self.on_enough_nodes(found, refined)
@@ -587,7 +589,7 @@ class _Task:
         caution(f"the best motion of {self.press.name}, {cost.time:.6g} s a cycle, has {what}{why}; give more time, or wider limits")
 
 
-class _Solved(NamedTuple):
+class _TaskSolution(NamedTuple):
     """The solution of the last convex program of a task, with notes on its proof and on the choice of its path."""
 
     task: _Task
@@ -597,15 +599,15 @@ class _Solved(NamedTuple):
     choice: tuple[str, ...] = ()
     full: FullMotion | None = None
 
-    def saying(self, note: str) -> _Solved:
+    def with_choice(self, note: str) -> _TaskSolution:
         """This motion, with a note on the choice of its path."""
         return self._replace(choice=(*self.choice, note))
 
-    def kept_between_nodes(self) -> _Solved:
+    def keep_between_nodes(self) -> _TaskSolution:
         """This motion, with the drive's torque and power limited between nodes too."""
         if self.problem.drive.peak_torque is None and self.problem.drive.power is None:
             return self
-        problem, answer, full, notes = self.task._kept_between_nodes(self.problem, self.answer)
+        problem, answer, full, notes = self.task._keep_between_nodes(self.problem, self.answer)
         return self._replace(problem=problem, answer=answer, full=full, notes=(*self.notes, *notes))
 
 

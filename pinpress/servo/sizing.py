@@ -218,7 +218,7 @@ def choose_motor(
     for motor in sorted(catalogue, key=lambda each: each.rated_power):
         sufficing: list[tuple[MotorUtilisation, MotionOptimum]] = []
         for ratio in gear_ratios.tolist():
-            row, sufficient = _tried(press, motor, ratio, at_crank, loads, time, path, limits, idle, points)
+            row, sufficient = _try_motor(press, motor, ratio, at_crank, loads, time, path, limits, idle, points)
             tried.append(row)
             sufficing += sufficient
         if sufficing:
@@ -227,7 +227,7 @@ def choose_motor(
     return MotorChoice(press, None, None, None, Records(TriedMotor, tried))
 
 
-def _tried(
+def _try_motor(
     press: Linkage,
     motor: CatalogueMotor,
     ratio: float,

@@ -80,7 +80,7 @@ class _Cycle:
 
     def turning(self, parts: Sequence[_Part], start: float) -> ServoMotion:
         """The motion of a full turn, or of several equal strokes, from the parts of a stroke that starts at a crank angle."""
-        return self.motion([_begun_later([*parts] * self.legs.strokes, self._ahead(start))])
+        return self.motion([_start_later([*parts] * self.legs.strokes, self._ahead(start))])
 
     def _ahead(self, start: float) -> float:
         """Angle by which the crank turns from an angle to the start of the path [rad]."""
@@ -151,7 +151,7 @@ def _by_law(law: MotionLaw, way: float, duration: float) -> _Part:
     return _Part(duration, at, tuple(duration * share for share in law.corners))
 
 
-def _begun_later(parts: list[_Part], angle: float) -> list[_Part]:
+def _start_later(parts: list[_Part], angle: float) -> list[_Part]:
     """The parts of a closed path, starting after the crank has turned by an angle; the parts before that come last."""
     for k, part in enumerate(parts):
         turned = float(part.at(np.array([part.duration]))[0][0])

@@ -22,7 +22,7 @@ from ..derivatives.motion import Pivots
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .problem import Function
-from .synthesis import UNCONSTRAINED, SynthesisResult, local_optimum, stated_problem, synthesise
+from .synthesis import UNCONSTRAINED, SynthesisResult, local_optimum, state_problem, synthesise
 
 FIRST, SECOND = "first objective", "second objective"  # names of constraints
 GIVEN = 1e-4  # an end of the curve may be worse than the best by this share of the curve's range, to improve the other objective
@@ -106,7 +106,7 @@ def trade_off(
 
     def best(minimise: Function, start: Mapping[str, Any], limits: Mapping[str, Any]) -> SynthesisResult:
         # the search starts at an optimum, where slopes may be too small to compare them with difference quotients
-        problem = stated_problem(press, start, minimise, {**subject_to, **objectives, **limits}, geometry)
+        problem = state_problem(press, start, minimise, {**subject_to, **objectives, **limits}, geometry)
         with warnings.catch_warnings():  # the bound of an objective is the curve's, not the caller's
             warnings.filterwarnings("ignore", "constraint '(first|second) objective' misses its bound", PinpressWarning)
             return local_optimum(press, problem, speed, points, loads)

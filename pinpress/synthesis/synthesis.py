@@ -87,21 +87,21 @@ def synthesise(
             fully, a function fails or has a wrong gradient, no design keeps the constraints, or the search does not converge.
         UnknownNameError: the linkage does not have a bearing or link with this name.
     """
-    problem = stated_problem(press, variables, minimise, subject_to, geometry)
+    problem = state_problem(press, variables, minimise, subject_to, geometry)
     refuse_unknown(loads)
     if not isinstance(method, str) or method not in ("local", "global"):
         raise PinpressError(f"method is {shown(method)}: write 'local' or 'global'")
     start = _start(press, problem, speed, points, loads)
     verify_gradients(start, [np.random.default_rng(0).uniform(0.5, 1.0, len(problem.variables))])
     search = Search(start.problem)
-    return _found(start, search, search.local(start) if method == "local" else search.best(start, seed), speed, points)
+    return _result_of_search(start, search, search.local(start) if method == "local" else search.best(start, seed), speed, points)
 
 
 def local_optimum(press: Linkage, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> SynthesisResult:
     """The optimum next to the start of a problem whose gradients are already checked. Raises as `synthesise`."""
     start = _start(press, problem, speed, points, loads)
     search = Search(start.problem)
-    return _found(start, search, search.local(start), speed, points)
+    return _result_of_search(start, search, search.local(start), speed, points)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -176,7 +176,7 @@ class BoundedQuantity(Record):
     upper: float | None
 
 
-def stated_problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geometry: Any) -> Problem:
+def state_problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geometry: Any) -> Problem:
     """The problem of checked arguments, with requirements that are not yet scaled."""
     planar(press)
     for name, mapping in (("variables", variables), ("subject_to", subject_to)):
@@ -244,13 +244,15 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int | None, l
     except (AssemblyError, SingularityError) as error:
         listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
         raise PinpressError(f"the start, {listed}, is not a valid press: {error}; start elsewhere") from error
-    design = _closed(drawn, motion, values, loads)
+    design = _close_design(drawn, motion, values, loads)
     point = problem.at(problem.scaled(values), design)
-    scaled = tuple(_scaled(requirement, values_) for requirement, values_ in zip(problem.requirements, point.values, strict=True))
+    scaled = tuple(
+        _scale_requirement(requirement, values_) for requirement, values_ in zip(problem.requirements, point.values, strict=True)
+    )
     return Problem(problem.variables, problem.geometry, scaled).at(point.z, design)
 
 
-def _closed(drawn: Linkage, motion: Motion, values: dict[str, float], loads: Sequence[Load]) -> Design:
+def _close_design(drawn: Linkage, motion: Motion, values: dict[str, float], loads: Sequence[Load]) -> Design:
     """The design of a drawn press, closed at the crank angles of a motion."""
     plane = planar(drawn)
     closure = drawn.engine().close(motion.crank_angle, motion.joint_position.T)
@@ -258,13 +260,13 @@ def _closed(drawn: Linkage, motion: Motion, values: dict[str, float], loads: Seq
     return Design(Start(drawn, plane, motion, loads), values, nowhere(drawn), [], plane, *state)
 
 
-def _scaled(requirement: Requirement, values: Array) -> Requirement:
+def _scale_requirement(requirement: Requirement, values: Array) -> Requirement:
     """The requirement, scaled by the larger of the sizes of its values and its bounds."""
     sizes = [float(np.abs(values).max()), *(abs(bound) for bound in (requirement.lower, requirement.upper) if math.isfinite(bound))]
     return Requirement(requirement.name, requirement.function, requirement.lower, requirement.upper, max(sizes) or 1.0)
 
 
-def _found(start: Point, search: Search, found: Point, speed: float, points: int | None) -> SynthesisResult:
+def _result_of_search(start: Point, search: Search, found: Point, speed: float, points: int | None) -> SynthesisResult:
     """The result of a search.
 
     Raises:
@@ -287,7 +289,7 @@ def _finer(found: Point, speed: float) -> Point:
     values = drawn.values(found.z)
     press = reshaped(design.press, drawn.pivots(values))
     motion = cycle(press, speed, points=FINER * len(design.motion.time))
-    return drawn.at(found.z, _closed(press, motion, values, design.start.loads))
+    return drawn.at(found.z, _close_design(press, motion, values, design.start.loads))
 
 
 def _missed_between(found: Point, finer: Point) -> tuple[float, str]:

@@ -23,7 +23,7 @@ from ..common.tables import Column
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage, OfPress
 from .dead_centre_scatter import dead_centre_gradients
-from .dimensions import Dimension, checked_dimensions, correlation_matrix
+from .dimensions import Dimension, check_dimensions, correlation_matrix
 from .scatter import written_tolerance
 
 QUANTITIES = ("height", "top", "stroke")
@@ -148,7 +148,7 @@ def allocate(
             cost or target is not positive; also as `bottom_dead_centre`.
         UnknownNameError: a dimension or quantity does not exist.
     """
-    checked = checked_dimensions(press, parts)
+    checked = check_dimensions(press, parts)
     tied = correlation_matrix(checked, correlation)
     present = np.array([part.tolerance for part in checked])
     prices = _costs(checked, cost)
@@ -166,7 +166,7 @@ def allocate(
     if not correlation:
         _refuse_missed(checked, limits, spreads, ends[:, 0] / present)
 
-    optimum = _cheapest(prices / prices.sum(), list(spreads.values()), ends / present[:, None], limits)
+    optimum = _minimise_cost(prices / prices.sum(), list(spreads.values()), ends / present[:, None], limits)
     factors = np.clip(optimum.x[: len(checked)], *(ends / present[:, None]).T)
     chosen = tuple(_with_tolerance(part, float(factor)) for part, factor in zip(checked, factors, strict=True))
     reached = {name: limit * float(np.linalg.norm(spreads[name] @ factors)) for name, limit in limits.items()}
@@ -244,7 +244,7 @@ def _refuse_missed(parts: Sequence[Dimension], limits: Mapping[str, float], spre
         raise PinpressError(f"{'; '.join(missed)}: give smaller lower bounds, or larger targets")
 
 
-def _cheapest(prices: Array, spreads: Sequence[Array], ends: Array, limits: Mapping[str, float]) -> Optimum:
+def _minimise_cost(prices: Array, spreads: Sequence[Array], ends: Array, limits: Mapping[str, float]) -> Optimum:
     """The optimum in the factors u of the present tolerances and s >= 1 / u.
 
     Args:

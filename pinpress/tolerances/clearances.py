@@ -250,7 +250,7 @@ def play(
         shares[contact.bearing] += offset
         open_[contact.bearing] |= weak
         sure += np.where(weak, 0.0, offset)
-        spread += np.where(weak, contact.width * np.linalg.norm(contact.unit, axis=1), _leaning(contact, friction))
+        spread += np.where(weak, contact.width * np.linalg.norm(contact.unit, axis=1), _friction_offset(contact, friction))
     shift, rotation = _in_guide(press, motion, contacts, widths)
     reversals = [reactions_ for contact in contacts for reactions_ in _reversals(motion, contact)]
     return SlidePlay(
@@ -297,7 +297,7 @@ class Contact(NamedTuple):
         return np.asarray(self.width * np.einsum("nk,nk->n", self.unit, self.direction))
 
 
-def _leaning(contact: Contact, friction: Mapping[str, Friction]) -> Array:
+def _friction_offset(contact: Contact, friction: Mapping[str, Friction]) -> Array:
     """(n,) largest further offset of the slide, because friction turns a pin's contact from the force by the angle of friction [m]."""
     law = friction.get(contact.bearing)
     sine = 0.0 if law is None or law.radius is None else min(law.coefficient, 1.0)

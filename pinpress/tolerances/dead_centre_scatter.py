@@ -28,7 +28,7 @@ from ..kinematics.main_data import sense_of_rotation
 from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..kinematics.slide_path import TurningPoints, turning_points
 from ..linkage.linkage import Linkage, OfPress
-from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
+from .dimensions import Dimension, check_dimensions, correlation_matrix, draw_deviations
 from .scatter import Scatter, scatter
 from .sets_of_lengths.endings import Ending, shapes_of, sound
 from .sets_of_lengths.flat_dead_centres import TurningPoint, outermost_positions
@@ -172,9 +172,9 @@ def bottom_dead_centre(
     Warns:
         PinpressWarning: a tolerance is larger than a tenth of its link, or than 0.1 rad, or a dimension does not move the slide.
     """
-    checked = checked_dimensions(press, parts)
+    checked = check_dimensions(press, parts)
     tied = correlation_matrix(checked, correlation)
-    drawn = drawn_deviations(checked, tied, samples, seed)
+    drawn = draw_deviations(checked, tied, samples, seed)
     if motion is None:
         refuse_several_drivers(press)
         points, shapes = turning_points(press), _shapes(press, checked)
@@ -185,7 +185,7 @@ def bottom_dead_centre(
         shapes = _shapes(press, checked)
         bottom, top = (_at_end(shapes, motion, upwards) for upwards in (False, True))
     _doubt_effects(checked, [bottom, top])
-    travels = [_Travel.on_the_way_down(shapes, bottom, *travel) for travel in _asked(press, forces or {}, speeds or {})]
+    travels = [_Travel.on_the_way_down(shapes, bottom, *travel) for travel in _quantities_at_heights(press, forces or {}, speeds or {})]
 
     stroke = top.gradient - bottom.gradient
     gradients = np.array([bottom.gradient, top.gradient, stroke, *(travel.gradient for travel in travels)])
@@ -407,7 +407,9 @@ class _Travel(NamedTuple):
         return self.factor * sound(shapes, deviations, ending, f"{1e3 * self.height:g} mm above bottom dead centre").rate
 
 
-def _asked(press: Linkage, forces: Mapping[float, float], speeds: Mapping[float, float]) -> Iterator[tuple[str, float, float, bool]]:
+def _quantities_at_heights(
+    press: Linkage, forces: Mapping[float, float], speeds: Mapping[float, float]
+) -> Iterator[tuple[str, float, float, bool]]:
     """Unit of each quantity, height, force or speed of the crank, and whether the crank turns backwards."""
     if (forces or speeds) and not press.driver_coordinates[0].turns:
         raise PinpressError(

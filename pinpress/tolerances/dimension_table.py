@@ -24,7 +24,7 @@ from ..common.reading.columns import Wanted, read_columns
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..linkage.linkage import Linkage
-from .dimensions import Dimension, checked_dimensions, link_length, pin_angle, pin_position
+from .dimensions import Dimension, check_dimensions, link_length, pin_angle, pin_position
 
 HEADS = ("dimension", "tolerance", "unit", "shape", "sd", "name", "cost", "smallest", "largest")
 LENGTHS = {"mm": 1e3, "um": 1e6, "µm": 1e6, "m": 1.0}  # units per metre: 50 / 1e6 is exactly 5e-05, 50 * 1e-6 is not
@@ -98,7 +98,7 @@ def read_dimensions(press: Linkage, path: str | os.PathLike[str]) -> DimensionTa
             raise PinpressError(f"{name}, {place}: {error}") from None
         parts.append(part)
     try:
-        return DimensionTable(checked_dimensions(press, parts), costs, bounds)
+        return DimensionTable(check_dimensions(press, parts), costs, bounds)
     except PinpressError as error:
         raise PinpressError(f"{name}: {error}") from None
 

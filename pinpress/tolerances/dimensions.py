@@ -93,7 +93,7 @@ class Dimension(Frozen):
         if self.shape == "uniform":
             return self.tolerance / math.sqrt(3.0)
         sd: float = self.sd or self.tolerance / DEVIATIONS
-        return sd if _is_normal(self) else sd * _shortened(self.tolerance / sd)
+        return sd if _is_normal(self) else sd * _truncated_sd(self.tolerance / sd)
 
     @property
     def mean(self) -> float:
@@ -147,7 +147,7 @@ class Dimension(Frozen):
         return sample
 
 
-def _shortened(limit: float) -> float:
+def _truncated_sd(limit: float) -> float:
     """Standard deviation of a standard normal variable that is truncated at +/- limit."""
     if limit < 1e-3:  # nearly uniform, where the difference below cancels
         return limit / math.sqrt(3.0)
@@ -190,7 +190,11 @@ def link_length(
     arm = _arm(press, body, first, second)
     along = arm / np.linalg.norm(arm)
     return Dimension(
-        _joined(first, second) if name is None else name, _moved_pin(press, body, press.link_of(body), second, along), tolerance, shape, sd
+        _join_names(first, second) if name is None else name,
+        _moved_pin(press, body, press.link_of(body), second, along),
+        tolerance,
+        shape,
+        sd,
     )
 
 
@@ -240,7 +244,7 @@ def pin_angle(
         normal /= size
     away = np.cross(normal, second_arm) * (1.0 if np.cross(first_arm, second_arm) @ normal >= 0 else -1.0)  # the angle grows
     return Dimension(
-        f"angle {_joined(first, vertex, second)}" if name is None else name,
+        f"angle {_join_names(first, vertex, second)}" if name is None else name,
         _moved_pin(press, body, press.link_of(body), second, away),
         tolerance,
         shape,
@@ -399,14 +403,14 @@ def _normal(press: Linkage, body: int) -> Array | None:
     return _frame(press, body).rotation.T @ axes[0] if len(axes) == 1 else None
 
 
-def _joined(*pins: str) -> str:
+def _join_names(*pins: str) -> str:
     return "".join(pins) if all(len(pin) == 1 for pin in pins) else "-".join(pins)
 
 
 # ------------------------------------------------------------------------------------------------------------------------ all dimensions
 
 
-def checked_dimensions(press: Linkage, parts: Sequence[Dimension]) -> tuple[Dimension, ...]:
+def check_dimensions(press: Linkage, parts: Sequence[Dimension]) -> tuple[Dimension, ...]:
     """The checked dimensions of a press, each once.
 
     Raises:
@@ -497,7 +501,7 @@ def _is_normal(part: Dimension) -> bool:
     return isinstance(part.shape, str) and part.shape == "normal"
 
 
-def drawn_deviations(parts: Sequence[Dimension], correlation: Array, samples: int, seed: int) -> Array:
+def draw_deviations(parts: Sequence[Dimension], correlation: Array, samples: int, seed: int) -> Array:
     """Deviations (k, samples) of the dimensions from the nominal ones [m or rad].
 
     Args:

@@ -44,7 +44,7 @@ from ..kinematics.poses import bearing_points, poses
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
-from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
+from .dimensions import Dimension, check_dimensions, correlation_matrix, draw_deviations
 from .scatter import Scatter, scatter
 from .sets_of_lengths.endings import Ending, shapes_of, sound
 from .sets_of_lengths.shapes import Shapes
@@ -263,7 +263,7 @@ def parallelism(
     at_bottom = np.where(np.abs(at_bottom) > ROUNDING * np.abs(slopes).max(), at_bottom, 0.0)
     left, forces = slopes_of_heights.misfit @ bottom_heights, slopes_of_heights.forces @ bottom_heights
 
-    drawn = drawn_deviations(dimensions, tied, samples, seed)
+    drawn = draw_deviations(dimensions, tied, samples, seed)
     corners = [sign * np.sign(gradient) * tolerances for gradient in at_bottom for sign in (-1.0, 1.0)]
     everything = np.column_stack([drawn, *corners])
     exact = slopes_of_heights.slopes @ np.array([chain.heights(everything) for chain in chains])
@@ -356,7 +356,7 @@ def _each_once(press: Linkage, parts: Mapping[str, Sequence[Dimension]]) -> tupl
     for point, of_chain in parts.items():
         if isinstance(of_chain, Dimension) or not isinstance(of_chain, Sequence):
             raise PinpressError(f"parts of {point!r} is not a list: give the dimensions of this point's chain, {{{point!r}: [...]}}")
-        for part in checked_dimensions(press, of_chain) if len(of_chain) else ():
+        for part in check_dimensions(press, of_chain) if len(of_chain) else ():
             if dimensions.setdefault(part.name, part) is not part:
                 raise PinpressError(
                     f"two different dimensions have the name {part.name!r}: give different names, or give the same dimension to both points"

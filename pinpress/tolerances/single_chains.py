@@ -37,7 +37,7 @@ class SingleChain(NamedTuple):
         """
         largest = max(float(np.abs(force).max()) for force in unit.force.values())
         loops = [k for k, loop in enumerate(press.loops) if float(np.abs(unit.force[loop.name]).max()) > CARRIES * largest]
-        joints = _held(press, loops)
+        joints = _kept_joints(press, loops)
         model, locked = press.model, [joint + 1 for joint in range(press.model.nv) if joint not in joints]
         ends = [end for k in loops for end in (press.loops[k].joint1, press.loops[k].joint2)]
         if any(place in locked for place in (*ends, *(model.parents[joint + 1] for joint in joints))):
@@ -65,7 +65,7 @@ class SingleChain(NamedTuple):
         return Displacements(moved.joints[self.joints], moved.ends[self.loops])
 
 
-def _held(press: Linkage, loops: list[int]) -> list[int]:
+def _kept_joints(press: Linkage, loops: list[int]) -> list[int]:
     """Rising indices in v of the drivers, the slide's guide, the joints on these loops, and those that gears couple to them."""
     indices = {*press.driver_indices, press.slide_guide.joint}
     indices.update(joint for k in loops for joint in press.structure.joints_of_loop[k])

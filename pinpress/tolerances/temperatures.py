@@ -180,15 +180,15 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
     for body in range(press.model.njoints):
         if (body == frame and temperatures.table is None) or (body == slide and temperatures.face is None):
             continue
-        shift = unit.shift(_grown(press, body))
+        shift = unit.shift(_growth(press, body))
         if body == frame:
             shift = shift - np.float64(temperatures.table)
         elif body == slide:
             place = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement.translation
             up = press.model.jointPlacements[slide].rotation.T @ press.slide_direction
             shift = shift + float(place @ up) + np.float64(temperatures.face)
-        displacements[_named(press, body, temperatures)] = coefficients.get(body, temperatures.of("")) * shift
-    warm = {_named(press, body, temperatures): value for body, value in rises.items() if value}
+        displacements[_name_of(press, body, temperatures)] = coefficients.get(body, temperatures.of("")) * shift
+    warm = {_name_of(press, body, temperatures): value for body, value in rises.items() if value}
     return HeatShift(
         _press=press,
         rise=FrozenMapping(dict(temperatures.rise)),
@@ -198,7 +198,7 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
     )
 
 
-def _grown(press: Linkage, body: int) -> Displacements:
+def _growth(press: Linkage, body: int) -> Displacements:
     """Displacements of the pivots of a body for a relative growth of 1, from the origin of its frame."""
     moved = nowhere(press)
     for joint, parent in enumerate(list(press.model.parents)[1:]):
@@ -235,6 +235,6 @@ def _body(press: Linkage, link: str) -> int:
     return int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint)
 
 
-def _named(press: Linkage, body: int, temperatures: Temperatures) -> str:
+def _name_of(press: Linkage, body: int, temperatures: Temperatures) -> str:
     """The name under which a body has a rise, or the name of its first link."""
     return next((name for name in temperatures.rise if _body(press, name) == body), press.link_of(body))

@@ -648,23 +648,3 @@ def test_what_would_do_does():
     servo.best_motion(knuckle(), dataclasses.replace(drive, peak_torque=4510.0), COINING, time=0.5, path=servo.Stop(0.15), points=240)
     with pytest.raises(pp.PinpressError):
         servo.best_motion(knuckle(), drive, COINING, time=0.593, path=servo.Stop(0.15), points=240)
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: servo.ServoDrive(inertia=0.0), "inertia is 0"),
-        (lambda: servo.ServoDrive(inertia=1.0, regeneration=1.5), "a share from 0 to 1"),
-        (lambda: servo.ServoDrive(1.0, curve_speed=[0.0, 9.0]), "one torque for each speed"),
-        (lambda: servo.ServoDrive(1.0, curve_speed=[0.0, 9.0], curve_torque=[1.0, 2.0]), "torques in curve_torque that do not rise"),
-        (lambda: servo.ServoDrive(1.0, curve_speed=[0.0, 9.0], curve_torque=[2.0, 1.0], top_speed=10.0), "extend the curve to top_speed"),
-        (lambda: servo.SlideSpeed(0.0), "positive"),
-        (lambda: servo.SlideSpeed(0.1, (0.1, 0.1)), "two different heights"),
-        (lambda: servo.SlideSpeed(0.1, flank="left"), 'give "down", "up" or "both"'),
-        (lambda: servo.Pulse((0.01, 0.02)), "falling heights"),
-        (lambda: servo.Stop(bottom=-1.0), "not negative"),
-    ],
-)
-def test_descriptions_refused(make, words):
-    with pytest.raises(pp.PinpressError, match=words):
-        make()

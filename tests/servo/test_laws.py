@@ -51,10 +51,3 @@ def test_a_law_goes_from_rest_to_rest_and_is_symmetric(name):
     assert law.speed([0, 1]).tolist() == [0, 0]
     assert law.position(time) + law.position(1 - time) == pytest.approx(np.ones(97), abs=1e-15)
     assert np.all(np.diff(law.position(time)) > 0)
-
-
-def test_what_is_no_law_or_no_time_is_refused():
-    with pytest.raises(pp.UnknownNameError, match="no motion law 'bestehorn', did you mean 'Bestehorn'"):
-        pp.servo.vdi_law("bestehorn")
-    with pytest.raises(pp.PinpressError, match=r"time is 1\.5: give times from 0 to 1"):
-        pp.servo.vdi_law("cubic").position(1.5)

@@ -26,7 +26,7 @@ POWER, RATE, RATIO, DRAG = 25e3, 4e4, 20.0, 0.6 * 20.0**2
 
 
 def problem_of(path, drive=DRIVE):
-    asked = optimum._asked(texts.shipped("crank_slide"), drive, [], "heat", 3.0, PATHS[path], [], {}, 120)
+    asked = optimum._make_task(texts.shipped("crank_slide"), drive, [], "heat", 3.0, PATHS[path], [], {}, 120)
     return motion_problem(asked.coefficients, drive, asked.limits, {"heat": 1.0}, asked.time)
 
 
@@ -136,7 +136,7 @@ def test_first_tangents_are_drawn_where_the_power_is_kept(path):
 def test_nodes_stand_where_forces_begin_and_where_the_slide_turns_back(path):
     """On every leg, in its direction, whichever that is; a turn back at a height is an end of a leg anyhow."""
     press, blank = texts.shipped("crank_slide"), pp.loads.Blanking(1e5, 0.05, 0.02)
-    grid = optimum._asked(press, DRIVE, [blank], "heat", 3.0, PATHS[path], [], {}, 120).coefficients.grid
+    grid = optimum._make_task(press, DRIVE, [blank], "heat", 3.0, PATHS[path], [], {}, 120).coefficients.grid
     lowest = pp.dead_centres(press).bottom_position
 
     def height(angle):

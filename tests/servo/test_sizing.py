@@ -95,11 +95,6 @@ def test_the_smallest_motor_that_suffices_is_chosen():
     assert rested.tried[0].thermal < 1
 
 
-def test_limits_that_no_motion_keeps_are_refused_for_all_motors():
-    with pytest.raises(pp.PinpressError, match="no motion of crank_slide keeps the"):
-        pp.servo.choose_motor(pp.load("crank_slide"), [MOTOR], ratios=[10.0], time=0.1, limits=[pp.servo.CrankSpeed(10.0)], points=60)
-
-
 HEAD = "motor,inertia [kg m2],copper loss [W/(N m)2],speed [r/min],rated torque [N m],peak torque [N m]\n"
 
 
@@ -136,13 +131,3 @@ def test_what_is_no_catalogue_is_refused(content, words, tmp_path):
     path.write_text(content)
     with pytest.raises(pp.PinpressError, match=words):
         pp.servo.read_motors(path)
-
-
-def test_a_motion_of_another_rotor_and_voltages_the_wrong_way_round_are_refused():
-    motion = turning(ServoDrive(inertia=3.0), states=41)
-    with pytest.raises(pp.PinpressError, match=r"whose rotor has 3 kg m2, but short has 0\.5"):
-        pp.servo.motor_use(MOTOR, motion)
-    with pytest.raises(pp.PinpressError, match="not above the lower_voltage"):
-        pp.servo.capacitor(motion, 400.0, 500.0)
-    with pytest.raises(pp.PinpressError, match=r"missing\.csv cannot be read"):
-        pp.servo.read_motors("missing.csv")

@@ -111,24 +111,6 @@ def test_a_pendulum_and_pulses_rest_where_their_paths_say():
     assert sorted({round(1e3 * height, 6) for height in rests}, reverse=True) == [20.0, 10.0, 0.0]
 
 
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (lambda p: pp.servo.two_speed(p, DRIVE, time=2.4, path=Stop(), limit=LIMIT), "path has rests"),
-        (lambda p: pp.servo.two_speed(p, DRIVE, time=6.0, limit=LIMIT), r"at constant crank speed the slide reaches at most 0\.13"),
-        (lambda p: pp.servo.two_speed(p, DRIVE, time=0.5, limit=LIMIT), r"the window of heights alone takes 0\.9"),
-        (lambda p: pp.servo.constant_slide_speed(p, DRIVE, time=0.2, limit=LIMIT), r"the window of heights alone takes 0\.3 s"),
-        (lambda p: pp.servo.two_speed(p, DRIVE, time=2.4, limit=SlideSpeed(0.2, (0.5, 0.4))), r"above the stroke of 0\.301261 m"),
-        (lambda p: pp.servo.motion_by_law(p, DRIVE, "cubic", time=2.4, path=Turn()), "the laws go from rest to rest"),
-        (lambda p: pp.servo.motion_by_law(p, DRIVE, "cubic", time=2.4, path=Stop(bottom=3.0)), "the path rests for 3 s"),
-        (lambda p: pp.servo.two_speed(p, DRIVE, time=2.4, limit=SlideSpeed(0.2, flank="up")), "limit holds on the way up"),
-    ],
-)
-def test_what_does_not_go_together_is_refused(call, words):
-    with pytest.raises(pp.PinpressError, match=words):
-        call(press("zxn2_3000b"))
-
-
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("backwards", [False, True])
 @pytest.mark.parametrize("name", pp.presses())

@@ -108,19 +108,6 @@ def test_targets_that_cannot_be_kept_say_by_how_much(press, parts):
         tol.allocate(press, exact, None, {"height": 5e-6})
 
 
-def test_bad_targets_costs_and_bounds_are_refused(press, parts):
-    for arguments, said in [
-        ((None, {}), "targets is empty"),
-        ((None, {"heigth": 5e-5}), "no quantity 'heigth', did you mean 'height'"),
-        ((None, {"height": -5e-5}), "target of height is -5e-05: give one finite number, positive"),
-        (({"XY": 1.0}, {"height": 5e-5}), "no dimension 'XY'"),
-        (({"EF": 0.0}, {"height": 5e-5}), "cost of EF is 0.0"),
-        ((None, {"height": 5e-5}, {"EF": (2e-5, 1e-5)}), r"bounds of EF is \(2e-05, 1e-05\): give smallest and largest tolerance \[m\]"),
-    ]:
-        with pytest.raises(pp.PinpressError, match=said):
-            tol.allocate(press, parts, *arguments)
-
-
 def test_costs_that_no_solver_can_compare_are_named_as_costs():
     """Costs of 1e9 and 1e-9: solved, or refused in words of tolerances."""
     six_bar = texts.shipped("zxn2_3000b")

@@ -93,22 +93,6 @@ def test_the_lowest_place_may_be_aside_of_the_rigid_dead_centre(crank_slide):
     assert found.shift == pytest.approx(found.clearances + found.crank)
 
 
-@pytest.mark.filterwarnings("ignore:Stiffness")
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({}, "give clearance, stiffness or temperatures"),
-        ({"clearance": {"W": 1e-5}, "speeds": [0.0]}, "a speed of zero: give speeds of the crank"),
-        ({"clearance": {"W": 1e-5}, "stiffness_known_to": 10.0}, "stiffness_known_to is 10"),
-        ({"stiffness": pp.elasticity.Stiffness({"W": 1e9}), "process": "much"}, "process"),
-        ({"stiffness": pp.elasticity.Stiffness({"W": 1e3})}, r"deflect by .* mm at 1 rad/s, but the stroke is only 200 mm: check"),
-    ],
-)
-def test_budgets_that_cannot_be_are_refused(crank_slide, arguments, said):
-    with pytest.raises(pp.PinpressError, match=said):
-        tol.budget(crank_slide, **{"speeds": [1.0], **arguments})
-
-
 @pytest.mark.parametrize(("samples", "said"), [(4000, "in 99.73 % of presses"), (300, "in 95 % of presses"), (5, "in 5 presses")])
 def test_machining_is_shown_of_small_samples_too(crank_slide, samples, said):
     machining = tol.bottom_dead_centre(crank_slide, [tol.link_length(crank_slide, "O", "P", 1e-4)], samples=samples)

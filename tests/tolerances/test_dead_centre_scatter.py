@@ -14,7 +14,7 @@ from pinpress.derivatives import pivot_positions, reshaped
 from pinpress.derivatives.motion import directed
 from pinpress.kinematics.servo_motion import angle_on_flank
 from pinpress.tolerances.dead_centre_scatter import dead_centre_gradients
-from pinpress.tolerances.sets_of_lengths.endings import Ending, followed_to
+from pinpress.tolerances.sets_of_lengths.endings import Ending, follow_to_end
 from pinpress.tolerances.sets_of_lengths.planar_shapes import PlanarShapes
 from pinpress.tolerances.sets_of_lengths.spatial_shapes import SpatialShapes
 
@@ -218,7 +218,7 @@ def test_shapes_in_space_of_a_planar_press_are_those_in_its_plane():
         for one, other in zip(*(each.slide_slopes(state.joint_position[0], state.v[0]) for each in (plane, space)), strict=True):
             assert one == pytest.approx(other, abs=1e-12)
         ending = Ending(state.joint_position[0], np.zeros(len(moved)), "held")
-        ends = [followed_to(each, deviations, ending) for each in (plane, space)]
+        ends = [follow_to_end(each, deviations, ending) for each in (plane, space)]
         assert ends[0].position == pytest.approx(ends[1].position, abs=1e-13)
         assert ends[0].rate == pytest.approx(ends[1].rate, abs=1e-12)
         assert all(each.sound.all() for each in ends)

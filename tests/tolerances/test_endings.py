@@ -10,7 +10,7 @@ from support import texts
 import pinpress as pp
 from pinpress.derivatives import pivot_positions
 from pinpress.derivatives.motion import directed
-from pinpress.tolerances.sets_of_lengths.endings import Ending, followed_to, shapes_of
+from pinpress.tolerances.sets_of_lengths.endings import Ending, follow_to_end, shapes_of
 
 R, L = 0.1, 0.4  # of the shipped crank-slide, drawn at bottom dead centre [m]
 DEVIATIONS = np.geomspace(1e-4, 6e-2, 60)
@@ -34,7 +34,7 @@ def test_dead_centres_of_a_guide_beside_the_shaft(press):
     assert (at.joint_position[0], at.slide_position[0]) == (pytest.approx(start, abs=1e-15), pytest.approx(-(R + L), abs=1e-15))
     ending = Ending(start, np.array([1.0 / (R + L)]), "dead centre")
     for e in DEVIATIONS:
-        ended = followed_to(shapes, np.array([[e]]), ending)
+        ended = follow_to_end(shapes, np.array([[e]]), ending)
         assert ended.sound.all()
         assert ended.position[0] == pytest.approx(-np.sqrt((R + L) ** 2 - e * e), abs=4e-16)
         assert abs(ended.rate[0]) < 1e-9
@@ -57,14 +57,14 @@ def test_heights_of_a_crank_that_is_longer(press):
     ending = Ending(state.joint_position[0], -np.array([(at_height(R + by)[0] - at_height(R - by)[0]) / (2 * by)]), "height")
     for d in DEVIATIONS[DEVIATIONS < 0.03]:  # longer ones are too far from first order to be known for the same assembly
         low = -(R + d + L)
-        ended = followed_to(shapes, np.array([[d]]), ending._replace(target=np.array([low + h])))
+        ended = follow_to_end(shapes, np.array([[d]]), ending._replace(target=np.array([low + h])))
         assert ended.sound.all()
         assert (ended.position[0], ended.rate[0]) == (pytest.approx(low + h, abs=4e-16), pytest.approx(at_height(R + d)[1], rel=1e-13))
 
     for off in (1e-6, 2e-6, 4e-6):  # a start that is nearly there is not there yet
         d = 1e-12
         nearly = ending._replace(angle_slopes=np.array([off / d]), target=np.array([-(R + d + L) + h]))
-        ended = followed_to(shapes, np.array([[d]]), nearly)
+        ended = follow_to_end(shapes, np.array([[d]]), nearly)
         assert ended.rate[0] == pytest.approx(at_height(R + d)[1], rel=1e-13)
 
 
@@ -73,7 +73,7 @@ def test_held_drivers_stand_still(press):
     shapes = alone(press, ("W", "rod"))
     ending = Ending(pp.servo_cycle(press, [np.pi / 2], speed=0.0).joint_position[0], np.zeros(1), "held")
     for d in DEVIATIONS:
-        ended = followed_to(shapes, np.array([[d]]), ending)
+        ended = follow_to_end(shapes, np.array([[d]]), ending)
         assert ended.sound.all()
         assert ended.position[0] == pytest.approx(-np.sqrt((L + d) ** 2 - R * R), abs=4e-16)
 
@@ -82,6 +82,6 @@ def test_a_set_that_cannot_be_closed_is_not_sound(press):
     """A rod shorter than the crank: the others of its piece are followed all the same."""
     shapes = alone(press, ("W", "rod"))
     ending = Ending(pp.servo_cycle(press, [np.pi / 2], speed=0.0).joint_position[0], np.zeros(1), "held")
-    ended = followed_to(shapes, np.array([[-0.35, 0.001]]), ending)
+    ended = follow_to_end(shapes, np.array([[-0.35, 0.001]]), ending)
     assert ended.sound.tolist() == [False, True]
     assert ended.position[1] == pytest.approx(-np.sqrt(0.401**2 - R * R), abs=4e-16)

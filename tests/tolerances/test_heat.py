@@ -55,18 +55,8 @@ def test_materials_by_link_and_a_report_that_names_what_decides(six_bar):
     assert "slide" not in steel.bottom_per_kelvin
 
 
-def test_heat_that_cannot_be_is_refused_by_name(six_bar):
+def test_a_temperature_in_place_of_its_rise_has_a_warning():
     Temperatures = tolerances.Temperatures
-    with pytest.raises(pp.PinpressError, match=r"give the position of its table, Temperatures\(..., table"):
-        tolerances.heat(six_bar, Temperatures({"frame": 5.0}))
-    with pytest.raises(pp.PinpressError, match="'slide' of zxn2_3000b is warm: give the position of its face"):
-        tolerances.heat(six_bar, Temperatures({"slide": 5.0}))
-    with pytest.raises(pp.UnknownNameError, match="no link 'rods'"):
-        tolerances.heat(six_bar, Temperatures({"rods": 5.0}))
-    with pytest.raises(pp.PinpressError, match=r"rise is \{\}"):
-        Temperatures({})
-    with pytest.raises(pp.PinpressError, match=r"expansion of all links is 12 1/K: give 0 to 0.0001 1/K; steel has 1\.2e-5"):
-        Temperatures({"rod": 5.0}, 12.0)
     with pytest.warns(pp.PinpressWarning, match=r"'rod' is 303\.15 K, more than usual: give the rise since the press was set"):
         Temperatures({"rod": 303.15})
     assert np.isclose(Temperatures({"rod": 5.0}).times(0.5).rise["rod"], 2.5)

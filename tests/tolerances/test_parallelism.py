@@ -294,29 +294,3 @@ def test_a_guide_beside_several_points_may_not_stand_askew_by_a_moment_that_is_o
     assert tol.play(press, motion, {"guide": 2e-5}).offset == pytest.approx(0.0, abs=1e-5)
     with pytest.raises(pp.PinpressError, match="does not determine the moment of this guide"):
         tol.play(press, motion, {"guide": tol.GuideClearance(2e-5, 0.3)})
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"parts": {"P4_front": []}}, "hangs on P4_front, P4_back, .* for each of these points"),
-        ({"parts": {"P4_front": [], "Z": []}}, "no bearing 'Z'"),
-        ({"parts": {"P4_front": [], "P4_back": []}}, "parts has no dimensions"),
-        ({"guide_stiffness": 1e8}, "give both, or neither"),
-        ({"guide_stiffness": 1e8, "point_stiffness": -1.0}, "point_stiffness"),
-    ],
-)
-def test_parallelism_that_cannot_be_asked_is_refused(two_points, arguments, said):
-    with pytest.raises(pp.PinpressError, match=said):
-        tol.parallelism(two_points, **{"parts": chains(two_points), **arguments})
-
-
-def test_slides_on_one_point_and_dimensions_of_one_name_are_refused(two_points, found):
-    single = texts.shipped("jf75g_125")
-    with pytest.raises(pp.PinpressError, match="hangs on one point, P4"):
-        tol.parallelism(single, {"P4": [tol.link_length(single, "P2", "P4", 1e-5)]})
-    both = {point: [tol.link_length(two_points, point.replace("4", "2"), point, 1e-5, name="rod")] for point in ("P4_front", "P4_back")}
-    with pytest.raises(pp.PinpressError, match="two different dimensions have the name 'rod'"):
-        tol.parallelism(two_points, both)
-    with pytest.raises(pp.PinpressError, match="permissible"):
-        found.within(-1e-5)

@@ -27,7 +27,7 @@ from ...linkage.checks import elements as element_checks
 from ...linkage.document import Document, check_command, refuse_errors
 from ...linkage.linkage import Linkage
 from ...linkage.text import MOMENTS, tag
-from ..counterweights import combined, rigid_body, with_counterweights, with_die
+from ..counterweights import combine_inertias, rigid_body, with_counterweights, with_die
 from .crank_slider import CENTRED, CrankSlider, approximate_balance, as_crank_slider, harmonic_coefficients
 
 SPARE = 0.1  # distance of the counterweight's limits beyond its travel, in auxiliary crank radii
@@ -181,7 +181,7 @@ def mirrored(press: Linkage, shaft_distance: float) -> Linkage:
     shaft = _shaft(press, drawn)
     across = _across(press, drawn, guided, shaft)
     return press_of(
-        replace(_doubled(drawn, guided, shaft, across, distance), name=f"{press.name}_symmetric"),
+        replace(_double_plan(drawn, guided, shaft, across, distance), name=f"{press.name}_symmetric"),
         "Two mirrored halves on two shafts that a gear pair lets turn against each other (Zhang 2007, 3.6). SI units.",
     )
 
@@ -391,7 +391,7 @@ def _with_auxiliary(drawn: PressPlan, main: CrankSlider, auxiliary: CrankSlider)
     return replace(
         drawn,
         bodies=(
-            *(replace(body, inertia=combined(body.inertia, added)) if body is crank else body for body in drawn.bodies),
+            *(replace(body, inertia=combine_inertias(body.inertia, added)) if body is crank else body for body in drawn.bodies),
             _auxiliary_rod(auxiliary),
             _counterweight(drawn.frame, slide, auxiliary, end),
         ),
@@ -464,7 +464,7 @@ def _across(press: Linkage, drawn: PressPlan, guided: Sequence[str], shaft: Arra
     return np.asarray(across)
 
 
-def _doubled(drawn: PressPlan, shared: Sequence[str], shaft: Array, across: Array, distance: float) -> PressPlan:
+def _double_plan(drawn: PressPlan, shared: Sequence[str], shaft: Array, across: Array, distance: float) -> PressPlan:
     """The plan of both halves; see `mirrored`.
 
     Args:
@@ -513,18 +513,18 @@ def _doubled(drawn: PressPlan, shared: Sequence[str], shaft: Array, across: Arra
 def _link(name: str, inertia: pin.Inertia, size: float) -> str:
     if not inertia.mass:  # the frame's
         return tag("link", {"name": name})
-    origin, mass = tag("origin", {"xyz": _written(inertia.lever, size)}), tag("mass", {"value": _written([inertia.mass])})
+    origin, mass = tag("origin", {"xyz": _write_numbers(inertia.lever, size)}), tag("mass", {"value": _write_numbers([inertia.mass])})
     largest = float(np.abs(inertia.inertia).max())
-    moments = tag("inertia", {name: _written([inertia.inertia[i, j]], largest) for name, i, j in MOMENTS})
+    moments = tag("inertia", {name: _write_numbers([inertia.inertia[i, j]], largest) for name, i, j in MOMENTS})
     return tag("link", {"name": name}, tag("inertial", {}, origin + mass + moments))
 
 
 def _joint(body: PlanBody, place: pin.SE3, size: float) -> str:
     ends = tag("parent", {"link": body.parent}) + tag("child", {"link": body.link})
-    content = ends + tag("origin", _placement(place, size)) + tag("axis", {"xyz": _written(body.axis, 1.0)})
+    content = ends + tag("origin", _placement(place, size)) + tag("axis", {"xyz": _write_numbers(body.axis, 1.0)})
     if body.limits:
         names = ("lower", "upper", "effort", "velocity")
-        content += tag("limit", {name: _written([value]) for name, value in zip(names, body.limits, strict=True)})
+        content += tag("limit", {name: _write_numbers([value]) for name, value in zip(names, body.limits, strict=True)})
     if body.leader is not None:
         content += tag("mimic", {"joint": body.leader, "multiplier": f"{body.ratio:g}", "offset": "0"})
     return tag("joint", {"name": body.joint, "type": "prismatic" if body.limits else "continuous"}, content)
@@ -535,14 +535,14 @@ def _loop(each: PlanPin, places: Mapping[str, pin.SE3], normal: Array, size: flo
     place = pin.SE3(np.eye(3), each.point)
     ends = (("link1", each.link1), ("link2", each.link2))
     content = "".join(tag(end, {"link": link} | _placement(places[link].actInv(place), size)) for end, link in ends)
-    content += tag("axis", {"xyz": _written(normal, 1.0)}) if each.type == "revolute" else ""
+    content += tag("axis", {"xyz": _write_numbers(normal, 1.0)}) if each.type == "revolute" else ""
     return tag("loop_joint", {"name": each.name, "type": each.type}, content)
 
 
 def _placement(place: pin.SE3, size: float) -> dict[str, str]:
-    return {"xyz": _written(place.translation, size), "rpy": _written(pin.rpy.matrixToRpy(place.rotation), 1.0)}
+    return {"xyz": _write_numbers(place.translation, size), "rpy": _write_numbers(pin.rpy.matrixToRpy(place.rotation), 1.0)}
 
 
-def _written(numbers: Array | list[float], size: float = 0.0) -> str:
+def _write_numbers(numbers: Array | list[float], size: float = 0.0) -> str:
     """Numbers as text; numbers that are rounding, relative to a size, are written as zero."""
     return " ".join(repr(float(number) if abs(number) > BELOW_ROUNDING * size else 0.0) for number in numbers)

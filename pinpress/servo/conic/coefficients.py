@@ -153,7 +153,7 @@ def path_grid(press: Linkage, legs: PathLegs, heights: Iterable[float], points: 
     for k, (start, end) in enumerate(zip(legs.angles[:-1], legs.angles[1:], strict=True)):
         marks = _marks(press, start, end, wanted)
         count = max(4, round(points * ways[k] / ways.sum()))
-        nodes = _graded(start, end, marks, count, legs.closed)
+        nodes = _grade_nodes(start, end, marks, count, legs.closed)
         angles.append(nodes[1:])
         leg.append(np.full(len(nodes) - 1, k))
         share.append(np.append(((nodes - start) / (end - start))[1:-1], 0.0))
@@ -336,7 +336,7 @@ def _marks(press: Linkage, start: float, end: float, positions: Array) -> Array:
     return found if end > start else found[::-1]
 
 
-def _graded(start: float, end: float, marks: Array, count: int, even: bool) -> Array:
+def _grade_nodes(start: float, end: float, marks: Array, count: int, even: bool) -> Array:
     """About ``count`` + 1 nodes from start to end, through the marks; equally spaced, or closer to each other towards both ends."""
     fine = np.linspace(0.0, 1.0, 2049)
     graded = fine if even else _denser_at_ends(fine, GRADED)

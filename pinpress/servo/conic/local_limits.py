@@ -31,7 +31,7 @@ from .torque_curve import curve_tangents, curve_use
 
 MOST_ROUNDS, FEW_ROUNDS = 40, 3  # rounds of tangents; few if loads depend on the speed, because those have separate rounds
 SETTLED = 1e-8  # relative change of the value that ends the rounds
-KEPT = 1e-9  # share by which the power may be exceeded
+KEPT = 1e-9  # share by which a motion may exceed the power
 ENCLOSED = 8  # most rounds that enclose b
 PROVED = 5e-4  # a gap below this ends the rounds
 MOST_WORK = 5000  # above this product of loaded nodes and segments b is not enclosed: each node takes two programs a round
@@ -80,7 +80,7 @@ def within_local_limits(
     """
     power, proved = limits.power, limits.proved
     powerful = power is not None and powers(problem, free.b).max() > power * (1.0 + KEPT)
-    if not exceeded(problem, free.b, limits):
+    if not exceeds_limits(problem, free.b, limits):
         return free, problem, []
     words = words_of(problem, limits, free.b)
     them, are = ("them", "are") if len(words) > 1 else ("it", "is")
@@ -122,7 +122,7 @@ def _by_tangents(
         except PinpressError as error:
             slower += 1
             if answer is None and slower <= len(SLOWER):
-                b = SLOWER[slower - 1] * b  # the tangents were drawn where the limits are far exceeded
+                b = SLOWER[slower - 1] * b  # the tangents touch a motion far above the limits
                 continue
             raise PinpressError(
                 f"no motion within {words} was found, though one may exist; without this limit the motor has a power of"
@@ -148,7 +148,7 @@ def tangents(problem: MotionProblem, b: Array, limits: LocalLimits) -> list[Boun
     return rows + ([] if limits.rate is None else _rate_tangents(problem, b, limits.rate))
 
 
-def exceeded(problem: MotionProblem, b: Array, limits: LocalLimits) -> bool:
+def exceeds_limits(problem: MotionProblem, b: Array, limits: LocalLimits) -> bool:
     """Whether a motion exceeds one of the limits."""
     return bool(words_of(problem, limits, b))
 
@@ -249,20 +249,20 @@ def _bound(problem: MotionProblem, free: Solution, best: Solution, power: float)
     if found is None:
         return bound, 0, 0
     bound = max(bound, found.bound)
-    loaded = _loaded(problem, found.b, best.b, power)
+    loaded = _loaded_nodes(problem, found.b, best.b, power)
     if len(loaded) * len(grid.step) > MOST_WORK:
         return bound, 0, len(loaded)
     rounds, scale = 0, abs(best.value)
     ceiling = best.value + 1e-7 * scale
     while rounds < ENCLOSED and best.value - bound > PROVED * scale:
         for node in loaded:  # every node uses the ranges computed so far
-            relaxed = _enclosed(replace(problem, power=relaxed, ceiling=ceiling), relaxed, sizes, int(node))
+            relaxed = _enclose(replace(problem, power=relaxed, ceiling=ceiling), relaxed, sizes, int(node))
         rounds += 1
         found = _solved(replace(problem, power=relaxed), sizes)
         if found is None:
             break
         before, bound = bound, max(bound, found.bound)
-        loaded = np.union1d(loaded, _loaded(problem, found.b, best.b, power))
+        loaded = np.union1d(loaded, _loaded_nodes(problem, found.b, best.b, power))
         if len(loaded) * len(grid.step) > MOST_WORK:
             break
         if rounds > 3 and bound - before < 0.05 * (best.value - before):
@@ -270,7 +270,7 @@ def _bound(problem: MotionProblem, free: Solution, best: Solution, power: float)
     return min(bound, best.value), rounds, len(loaded)
 
 
-def _enclosed(problem: MotionProblem, relaxed: RelaxedPower, sizes: Sizes, node: int) -> RelaxedPower:
+def _enclose(problem: MotionProblem, relaxed: RelaxedPower, sizes: Sizes, node: int) -> RelaxedPower:
     """The ranges of b, after two programs have narrowed the range at a node."""
     if relaxed.most[node] < NARROW * relaxed.least[node]:
         return relaxed
@@ -283,7 +283,7 @@ def _enclosed(problem: MotionProblem, relaxed: RelaxedPower, sizes: Sizes, node:
     return RelaxedPower(relaxed.power, least, most)
 
 
-def _loaded(problem: MotionProblem, relaxed: Array, best: Array, power: float) -> NDArray[np.intp]:
+def _loaded_nodes(problem: MotionProblem, relaxed: Array, best: Array, power: float) -> NDArray[np.intp]:
     """Nodes of segments that use the power in the best or the relaxed motion, and the nodes next to them."""
     segments = (powers(problem, relaxed) > power * (1.0 + 1e-6)) | (powers(problem, best) > NEAR * power)
     nodes = np.append(segments, False) | np.append(False, segments)

@@ -96,7 +96,7 @@ def coarse_turn(coarse: MotionProblem, faster: float, limits: LocalLimits) -> Co
         NoTurnError: the search found no such turn.
     """
     assert coarse.time is not None
-    bound, passing = _passing_the_mean_speed(_never_resting(coarse))
+    bound, passing = _bound_past_mean_speed(_never_resting(coarse))
     best = None
     starts = [_even(coarse), *([] if passing is None else [passing])]
     if limits.power is not None or limits.rate is not None or coarse.rms is not None:  # an even speed may be far from what they allow
@@ -143,9 +143,9 @@ def turn_in_time(
     """
     size, turn = len(problem.coefficients.grid.step), coarse.turn
     if size > 2 * FINER * COARSE:
-        turn = _refined(at(FINER * COARSE, turn.as_motion), turn, limits, SOME_ROUNDS)
+        turn = _refine(at(FINER * COARSE, turn.as_motion), turn, limits, SOME_ROUNDS)
     if size > 2 * COARSE:
-        turn = _refined(at(None, turn.as_motion), turn, limits, FEW_ROUNDS)
+        turn = _refine(at(None, turn.as_motion), turn, limits, FEW_ROUNDS)
     _refuse_late(problem, turn)
     answer, gap = turn.answer, coarse.gap
     share = answer.value - gap * abs(answer.value)
@@ -174,11 +174,11 @@ def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) 
     """Find the motion by tangents, starting from an approximate motion."""
     assert problem.time is not None
     whole, best, value, least_late = _never_resting(problem), None, np.inf, np.inf
-    b = _in_time(problem, b)
+    b = _scale_to_time(problem, b)
     for k in range(max(3 * rounds, MANY_ROUNDS)):  # beyond `rounds` while the time is not met
         rows = [_time_tangent(problem, b, problem.time), *tangents(problem, b, limits)]
         limited = replace(whole, bounds=(*whole.bounds, *rows))
-        answer = _solved(replace(_with_end(limited), rolled_at=b), sizes_of(problem, b), FINE)
+        answer = _try_to_solve(replace(_with_end(limited), rolled_at=b), sizes_of(problem, b), FINE)
         if not isinstance(answer, Solution):
             break
         turn = TimedTurn(answer, replace(limited, time=None), abs(value - answer.value) / abs(answer.value))
@@ -188,7 +188,7 @@ def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) 
             best, least_late = turn, late
         if late <= LATE and (turn.change <= SETTLED or k + 1 >= rounds):
             break
-        b = _in_time(problem, answer.b)
+        b = _scale_to_time(problem, answer.b)
     if best is None:
         raise NoTurnError(
             f"no turn that takes {problem.time:.6g} s was found, though one may exist: give another time, wider limits, or"
@@ -224,13 +224,13 @@ def _refuse_late(problem: MotionProblem, found: TimedTurn) -> None:
         )
 
 
-def _refined(problem: MotionProblem, found: TimedTurn, limits: LocalLimits, most: int) -> TimedTurn:
+def _refine(problem: MotionProblem, found: TimedTurn, limits: LocalLimits, most: int) -> TimedTurn:
     """The motion on a finer path."""
     way, b = found.as_motion
     return _rounds(problem, np.interp(problem.coefficients.grid.way_gone, way, b), limits, most)
 
 
-def _in_time(problem: MotionProblem, b: Array) -> Array:
+def _scale_to_time(problem: MotionProblem, b: Array) -> Array:
     """b, scaled so that the motion takes its time."""
     assert problem.time is not None
     return b * (float(segment_times(problem.coefficients, b).sum()) / problem.time) ** 2
@@ -285,7 +285,7 @@ def _time_tangent(problem: MotionProblem, b: Array, time: float) -> Bounded:
     return Bounded("", np.full(len(h), time), time, "s", quantity, total=True)
 
 
-def _passing_the_mean_speed(problem: MotionProblem) -> tuple[float, Array | None]:
+def _bound_past_mean_speed(problem: MotionProblem) -> tuple[float, Array | None]:
     """The least bound of all motions within the time whose speed falls past the mean speed in a segment, and the motion of this bound."""
     mean, most, sizes = _mean_square(problem), _most(problem), first_sizes(problem)
     least, motion = np.inf, None
@@ -293,9 +293,9 @@ def _passing_the_mean_speed(problem: MotionProblem) -> tuple[float, Array | None
         before = Affine(np.array([-1.0 / mean]), np.zeros(1), np.array([2.0]), np.array([k]))
         rows = Bounded("", np.ones(1), 1.0, "", before), Bounded("", np.array([mean]), 1.0, "", nodes=np.array([k + 1]))
         passing = replace(problem, bounds=(*problem.bounds, *rows))
-        optimum = _solved(passing, sizes, ROUGH)
+        optimum = _try_to_solve(passing, sizes, ROUGH)
         if not isinstance(optimum, Solution):  # only a tight tolerance proves that there is no motion
-            optimum = _solved(passing, first_sizes(problem), CLOSE)
+            optimum = _try_to_solve(passing, first_sizes(problem), CLOSE)
         if optimum is None:
             continue
         if isinstance(optimum, UnsolvedError):
@@ -306,7 +306,7 @@ def _passing_the_mean_speed(problem: MotionProblem) -> tuple[float, Array | None
     return (least, motion) if motion is not None else (-np.inf, None)
 
 
-def _solved(problem: MotionProblem, sizes: Sizes, tolerance: float) -> Solution | UnsolvedError | None:
+def _try_to_solve(problem: MotionProblem, sizes: Sizes, tolerance: float) -> Solution | UnsolvedError | None:
     """The optimum; None if the solver proved that no motion keeps the limits."""
     failed: UnsolvedError | None = None
     for times in (1.0, 3.0):

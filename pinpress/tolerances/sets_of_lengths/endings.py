@@ -78,7 +78,7 @@ def sound(shapes: Shapes, deviations: Array, ending: Ending, where: str) -> Ende
     Raises:
         PinpressError: some of these presses cannot be closed there.
     """
-    ended = followed_to(shapes, deviations, ending)
+    ended = follow_to_end(shapes, deviations, ending)
     refuse_lost(shapes, deviations, ended.sound, where)
     return ended
 
@@ -94,7 +94,7 @@ def refuse_lost(shapes: Shapes, deviations: Array, sound: NDArray[np.bool_], whe
         )
 
 
-def followed_to(shapes: Shapes, deviations: Array, ending: Ending) -> Ended:
+def follow_to_end(shapes: Shapes, deviations: Array, ending: Ending) -> Ended:
     """Every set of deviations (k, n) at its end. This function never raises an error, see `sound`."""
     still, first = shapes.joint_slopes(ending.start)
     slopes, count = still + first * ending.angle_slopes, deviations.shape[1]
@@ -107,14 +107,14 @@ def followed_to(shapes: Shapes, deviations: Array, ending: Ending) -> Ended:
 
 
 def _piece(shapes: Shapes, deviations: Array, ending: Ending, slopes: Array) -> Ended:
-    """`followed_to` of a piece; ``slopes``: (nv, k) of the joint coordinates."""
+    """`follow_to_end` of a piece; ``slopes``: (nv, k) of the joint coordinates."""
     guide, _, sign = shapes.press.slide_guide
     moved, added = product(slopes, deviations), shapes.added(deviations)
     x = ending.start[:, None] + moved
     with np.errstate(all="ignore"):  # a set that fails shows in its gap
         for _ in range(MOST_NEWTON_STEPS + 1):
             solution = shapes.evaluated(x, added)
-            turn = _turned(shapes, x, deviations, solution, ending)
+            turn = _step_to_end(shapes, x, deviations, solution, ending)
             close = solution.gap <= ACCEPTED * shapes.tolerance
             at_rest = np.abs(turn) <= (TURNED_BACK if ending.kind == "dead centre" else TURNED)
             if (close & at_rest).all() or not np.isfinite(solution.gap).any():
@@ -133,7 +133,7 @@ def same_assembly(shapes: Shapes, way: Array, moved: Array) -> NDArray[np.bool_]
     return np.asarray(np.abs(way - moved).max(axis=0) <= CORRECTED * expected + NEARLY * size)
 
 
-def _turned(shapes: Shapes, x: Array, deviations: Array, found: Evaluated, ending: Ending) -> Array:
+def _step_to_end(shapes: Shapes, x: Array, deviations: Array, found: Evaluated, ending: Ending) -> Array:
     """Step (n,) of the crank towards the end of every set."""
     guide, _, sign = shapes.press.slide_guide
     if ending.kind == "dead centre":

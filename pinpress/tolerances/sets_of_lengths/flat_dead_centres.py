@@ -18,7 +18,7 @@ from ...common.numerics import bracketed_roots
 from ...common.products import product
 from ...common.quantities import Array
 from ...engines.engine import ACCEPTED, MOST_NEWTON_STEPS
-from .endings import PIECE, Ending, followed_to, refuse_lost, same_assembly
+from .endings import PIECE, Ending, follow_to_end, refuse_lost, same_assembly
 from .shapes import Evaluated, Shapes
 
 SHARP = 0.5  # with more than this share of the nominal curvature a set turns back at one place, like the nominal press
@@ -54,7 +54,7 @@ def outermost_positions(shapes: Shapes, deviations: Array, point: TurningPoint) 
     Raises:
         PinpressError: some of these presses cannot be closed there.
     """
-    ended, outwards = followed_to(shapes, deviations, point.ending), 1.0 if point.upwards else -1.0
+    ended, outwards = follow_to_end(shapes, deviations, point.ending), 1.0 if point.upwards else -1.0
     position, sound = ended.position, ended.sound
     if point.ending.kind == "dead centre":
         flat = ~sound | (outwards * ended.second > -SHARP * abs(point.second))
@@ -63,7 +63,7 @@ def outermost_positions(shapes: Shapes, deviations: Array, point: TurningPoint) 
     doubtful = np.flatnonzero(flat)
     for begin in range(0, len(doubtful), PIECE):
         sets = doubtful[begin : begin + PIECE]
-        position[sets], sound[sets] = _followed(shapes, deviations[:, sets], point, outwards)
+        position[sets], sound[sets] = _follow(shapes, deviations[:, sets], point, outwards)
     refuse_lost(shapes, deviations, sound, f"at {'top' if point.upwards else 'bottom'} dead centre")
     return position
 
@@ -100,7 +100,7 @@ class _States(NamedTuple):
         return _States.at(shapes, x, self.deviations)
 
 
-def _followed(shapes: Shapes, deviations: Array, point: TurningPoint, outwards: float) -> tuple[Array, NDArray[np.bool_]]:
+def _follow(shapes: Shapes, deviations: Array, point: TurningPoint, outwards: float) -> tuple[Array, NDArray[np.bool_]]:
     """Outermost positions (n,) of sets, searched from the driver's nominal position, and whether a set is closed on the whole way."""
     guide, _, sign = shapes.press.slide_guide
     start, (still, _) = point.ending.start[:, None], shapes.joint_slopes(point.ending.start)
@@ -119,7 +119,7 @@ def _followed(shapes: Shapes, deviations: Array, point: TurningPoint, outwards: 
             sound[sets] &= ahead.closed
             between = np.flatnonzero(ahead.closed & (before >= 0.0) & (after < 0.0))
             if len(between):
-                turned_back = _turned_back(shapes, ahead.of(between), -way * point.step, outwards)
+                turned_back = _turning_positions(shapes, ahead.of(between), -way * point.step, outwards)
                 np.maximum.at(farthest, sets[between], turned_back) if point.upwards else np.minimum.at(
                     farthest, sets[between], turned_back
                 )
@@ -130,7 +130,7 @@ def _followed(shapes: Shapes, deviations: Array, point: TurningPoint, outwards: 
     return farthest, sound & (turned | (point.ending.kind == "held"))
 
 
-def _turned_back(shapes: Shapes, after: _States, back: float, outwards: float) -> Array:
+def _turning_positions(shapes: Shapes, after: _States, back: float, outwards: float) -> Array:
     """Positions (n,) where the slide turns back within a step of the driver, from the states after it."""
     guide, _, sign = shapes.press.slide_guide
 
