@@ -373,7 +373,7 @@ def die_trade_off() -> Figure:
     with contextlib.redirect_stdout(io.StringIO()):
         for word in ("compare_conditions,", "trade_off(press"):
             exec(next(each for each in blocks if word in each).partition("best = balance(")[0], names)
-    return pp.plots.trade_offs(names["curves"])
+    return pp.plots.draw(names["curves"], "trade_off")
 
 
 def report_page() -> bytes:

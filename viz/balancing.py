@@ -3,8 +3,10 @@
 python viz/balancing.py
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+
+from matplotlib.figure import Figure
 
 import pinpress as pp
 from pinpress.accuracy.work_precision import least_seconds
@@ -99,6 +101,17 @@ def jf75g_table() -> str:
     return "\n".join(lines)
 
 
+def picture(found: Mapping[str, pp.balancing.TradeOffCurve]) -> Figure:
+    """A chart for each pair of criteria, side by side."""
+    pairs: dict[tuple[str, str], dict[str, pp.balancing.TradeOffCurve]] = {}
+    for name, curve in found.items():
+        pairs.setdefault((curve.first.words, curve.second.words), {})[name] = curve
+    figure = Figure(figsize=(7.0 * len(pairs) / 2, 3.2), layout="constrained")
+    for axes, some in zip(figure.subplots(1, len(pairs)), pairs.values(), strict=True):
+        pp.plots.draw(some, "trade_off", ax=axes)
+    return figure
+
+
 def curves() -> dict[str, pp.balancing.TradeOffCurve]:
     """Horizontal against vertical range for some added masses, and both against added mass."""
     press = pp.load("zxn2_3000b")
@@ -123,4 +136,4 @@ if __name__ == "__main__":
     print("\nOne call of balance, with the reactions before and after:")
     for what, solve in jf75g().items():
         print(f"  {what}: {1e3 * least_seconds([solve], REPEATED)[0]:.0f} ms")
-    print(light(pp.plots.save(pp.plots.trade_offs(curves()), HERE / "balancing.png")))
+    print(light(pp.plots.save(picture(curves()), HERE / "balancing.png")))

@@ -115,13 +115,9 @@ class TradeOffCurve(Tabular):
         ends = " and ".join(f"{self.values[0, k]:.6g} to {self.values[-1, k]:.6g} {unit}" for k, unit in enumerate(units))
         return f"TradeOffCurve of the {self.first.words} and the {self.second.words}: {len(self.designs)} designs, {ends}"
 
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return tuple(f"{target.words} [{target.unit}]" for target in (self.second, self.first))
-
     def columns(self) -> dict[str, Array]:
         """A row for each design: both criteria, the proven bound of the first, and the added mass."""
-        columns = {name: self.values[:, k] for k, name in enumerate(reversed(self._pictured))}
+        columns = {f"{target.words} [{target.unit}]": self.values[:, k] for k, target in enumerate((self.first, self.second))}
         columns[f"bound of the {self.first.words} [{self.first.unit}]"] = self.bounds
         return columns | {"added mass [kg]": np.array([design.added_mass for design in self.designs])}
 

@@ -1,28 +1,25 @@
-"""A balanced press: its counterweights, the proof of the optimum, and the criteria before and after, as text and columns."""
+"""A balanced press: its counterweights, the proof of the optimum, and the criteria before and after."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ..common import tables
-from ..common.quantities import RPM, Array
+from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..dynamics.extremes import AXES, Rounding, rounding
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
-from ..kinematics.motion import ROUNDING
 from ..linkage.linkage import Linkage
-from .counterweights import Counterweight, OperatingCondition, moving_mass
-from .problem import AddedMass, Criterion, Peak, Range, Target, limit_words
+from .counterweights import Counterweight, OperatingCondition
+from .problem import Criterion, Peak, Range, Target
 
-MASS = AddedMass()
 FINER = 8  # factor for the number of states with which criteria are evaluated between a motion's states
 
 
@@ -148,9 +145,6 @@ class BalancedPress(Tabular):
     def title(self) -> str:
         return f"BalancedPress {self.press.name}: {self.added_mass:.6g} kg added, {len(self.counterweights)} counterweights"
 
-    def __str__(self) -> str:
-        return _text(self)
-
     @cached_property
     def side_effects(self) -> Records[CriterionChange]:
         """Changes of the criteria that were neither minimised nor limited, condition by condition; computed at the first access.
@@ -203,159 +197,6 @@ def _without_rounding(criterion: Criterion, reactions: Reactions, least: Roundin
     return value if value > (least.force if criterion.unit == "N" else least.moment) else 0.0
 
 
-def _text(balanced: BalancedPress) -> str:
-    """Counterweights, objective with its proof, active constraints, and all criteria before and after, with units."""
-    heads = [_condition_words(each) for each in balanced.conditions]
-    asked, rest = [list(_cells(balanced, rows)) for rows in (balanced.changes, balanced.side_effects)]
-    width = max(len(cells[0]) for cells in [*asked, *rest])
-    proof = "largest violation of the conditions of optimality, relative to before"
-    return "\n".join(
-        [
-            f"{balanced.original.name}, balanced: {heads[0]}" if len(heads) == 1 else f"{balanced.original.name}, balanced in",
-            *(f"  condition {number}: {words}" for number, words in enumerate(heads) if len(heads) > 1),
-            *_counterweight_lines(balanced),
-            *_objective_lines(balanced),
-            *_active_lines(balanced),
-            *_criterion_lines("Criteria", balanced, asked, width),
-            *_criterion_lines("The rest of the press", balanced, rest, width),
-            "",
-            "Checks",
-            tables.entry("proof of the optimum", f"{balanced.residual:.3g}", proof),
-            *_between_lines(balanced),
-        ]
-    )
-
-
-def _between_lines(balanced: BalancedPress) -> list[str]:
-    share = balanced.between_states
-    if share is None:
-        return []
-    return [tables.entry("between the states", f"{100 * share:.2g}", "%", "most by which a criterion is larger there, relative to before")]
-
-
 def condition_name(balanced: BalancedPress, number: int) -> str:
     """The name of an operating condition in tables: its own, or its number."""
     return balanced.conditions[number].name or f"{number}"
-
-
-def _condition_words(condition: OperatingCondition) -> str:
-    speed, states = condition.motion.crank_speed, f"{len(condition.motion.crank_angle)} states"
-    even = speed.ndim == 1 and abs(speed - speed[0]).max() <= ROUNDING * abs(speed[0])
-    named = f"{condition.name}, " if condition.name else ""
-    loads = f", {len(condition.loads)} load{'s' if len(condition.loads) > 1 else ''}" if condition.loads else ""
-    motion = f"{speed[0] / RPM:g} r/min of joint {condition.motion.drivers[0]}, {states}" if even else f"a motion of {states}"
-    return f"{named}{motion}{loads}"
-
-
-def _counterweight_lines(balanced: BalancedPress) -> list[str]:
-    most = balanced.limits.get(MASS)
-    rows = [
-        [weight.link, condition, tables.cell(weight.mass), *places, tables.cell(weight.inertia)]
-        for condition, weight, places in counterweight_rows(balanced)
-    ]
-    several = any(row[1] for row in rows)
-    heads = ["", "condition", "mass [kg]", "x [mm]", "y [mm]", "z [mm]", "inertia [kg m2]"]
-    kept = [k for k in range(len(heads)) if k != 1 or several]
-    width = max(26, *(len(row[0]) + 2 for row in rows)) if rows else 26
-    limited = "" if most is None else f", at most {most:g} kg"
-    masses = tables.scale("kg", [moving_mass(balanced.original)])
-    shown = [heads, *rows, ["added mass", "", tables.cell(balanced.added_mass)]]
-    *lines, added = tables.table([[row[k] for k in kept if k < len(row)] for row in shown], [width, 16])
-    return [
-        "",
-        "Counterweights (centre of mass in the link's own frame; where one replaces the link's own mass, it is all of that mass)",
-        *lines,
-        f"{added} kg, beside {masses.shown(moving_mass(balanced.original))} {masses.unit} of moving mass{limited}",
-    ]
-
-
-def counterweight_rows(balanced: BalancedPress) -> Iterator[tuple[str, Counterweight, list[str]]]:
-    """Condition, counterweight and its centre of mass in words [mm]; the condition is empty for one that all conditions share."""
-    lengths = tables.scale("m", [], ROUNDING * balanced.original.size)
-    for number, weights in enumerate(balanced.settings):
-        for weight in weights:
-            shared = all(weight in others for others in balanced.settings)
-            if not (shared and number):
-                yield "" if shared else condition_name(balanced, number), weight, [lengths.shown(float(x)) for x in weight.position]
-
-
-def _objective_lines(balanced: BalancedPress) -> list[str]:
-    terms, unit = balanced.objective, balanced.unit
-    how = (
-        ""
-        if len(balanced.conditions) == 1
-        else "; the worst condition counts"
-        if balanced.shares is None
-        else "; the mean by shares counts"
-    )
-    if unit:
-        (target,) = terms
-        what, before = f"{target.words}{how}", before_balancing(balanced, target)
-    else:
-        sums = " + ".join(f"{weight:g} x {target.words}" for target, weight in terms.items())
-        what = f"{sums}; each relative to before{how}"
-        before = sum(
-            weight * before_balancing(balanced, target) / max(change.before for change in balanced.changes if change.criterion == target)
-            for target, weight in terms.items()
-            if isinstance(target, Criterion)
-        )
-    gap = balanced.value - balanced.bound
-    scale = tables.scale(unit, [before, balanced.value])
-    return [
-        "",
-        f"Objective: {what}",
-        tables.entry("before", scale.shown(before), scale.unit),
-        tables.entry("reached", scale.shown(balanced.value), scale.unit),
-        tables.entry("proven bound", scale.shown(balanced.bound), scale.unit, "no counterweights in these regions have less"),
-        tables.entry("gap", "0" if abs(gap) < ROUNDING * (abs(before) or abs(balanced.value)) else f"{gap * scale.factor:.3g}", scale.unit),
-    ]
-
-
-def before_balancing(balanced: BalancedPress, target: Target) -> float:
-    """A criterion that was minimised or limited, before balancing: its worst value or its mean by shares. No mass is added then."""
-    values = [change.before for change in balanced.changes if change.criterion == target] or [0.0]
-    return max(values) if balanced.shares is None or len(values) == 1 else float(balanced.shares @ values)
-
-
-def _active_lines(balanced: BalancedPress) -> list[str]:
-    if not balanced.active:
-        return []
-    return ["", "Held back by", *tables.fitted_words([[each.constraint, price_in_words(balanced, each)] for each in balanced.active])]
-
-
-def price_in_words(balanced: BalancedPress, active: ActiveConstraint) -> str:
-    """The price of a constraint in words; the shape of a region has none."""
-    if active.price is None:
-        return ""
-    units = {limit_words(target, limit): target.unit for target, limit in balanced.limits.items()}
-    unit = units.get(active.constraint, MASS.unit)  # all other constraints on numbers are on masses of regions
-    falls = f"{active.price:.3g} {balanced.unit}".rstrip()
-    return f"the objective falls by {falls} for each {unit} relaxed"
-
-
-def _cells(balanced: BalancedPress, rows: Sequence[CriterionChange]) -> Iterator[list[str]]:
-    """For each criterion its name with unit, operating condition where there are several, values before and after, change and limit."""
-    for row in rows:
-        limit = balanced.limits.get(row.criterion)
-        same = [value for each in rows if each.criterion == row.criterion for value in (each.before, each.after)]
-        scale = tables.scale(row.criterion.unit, same)
-        yield [
-            f"{row.criterion.words} [{scale.unit}]",
-            condition_name(balanced, row.condition) if len(balanced.conditions) > 1 else "",
-            scale.shown(row.before),
-            scale.shown(row.after),
-            "" if math.isnan(row.change) else f"{round(100 * row.change, 2) + 0.0:+.2f} %",
-            "" if limit is None else scale.shown(limit),
-        ]
-
-
-def _criterion_lines(title: str, balanced: BalancedPress, rows: list[list[str]], width: int) -> list[str]:
-    several, limited = len(balanced.conditions) > 1, any(row[5] for row in rows)
-    heads = [title, "condition" if several else "", "before", "after", "change", "at most" if limited else ""]
-    kept = [k for k in range(len(heads)) if heads[k]]
-    widths = [11 if k == 1 else 14 for k in kept[1:]]
-    head, *lines = (
-        tables.table([[cells[k] for k in kept]], [width + 4 - len(indent), *widths], indent)[0].rstrip()
-        for indent, cells in [("", heads), *(("  ", row) for row in rows)]
-    )
-    return ["", head, *lines] if rows else []

@@ -1,4 +1,3 @@
-from .balancing import trade_offs as trade_offs
 from .charts import draw as draw
 from .identification import identifiability as identifiability
 from .measured_vibration import measured_modes as measured_modes

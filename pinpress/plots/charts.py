@@ -128,10 +128,11 @@ def _joined(first: Drawn, same: Mapping[str, Drawn]) -> Drawn:
         return replace(first, series=series, band=None)
     curves: list[Curve] = []
     guides = dict[str, Curve]()
+    shared = _shared_points([each for each in same.values() if isinstance(each, Chart)])
     for name, each in same.items():
         if not isinstance(each, Chart) or (each.along.name, each.quantity) != (first.along.name, first.quantity):
             raise PinpressError(f"{name} has its chart {first.name} over another quantity: draw it alone")
-        own = [curve for curve in each.curves if curve.look not in ("guide", "limit")]
+        own = [curve for curve in each.curves if curve.look not in ("guide", "limit") and curve.name not in shared]
         x = each.along.values
         for curve in own:
             places, values = _closed(x if curve.x is None else curve.x, curve.y, _period(each.along, curve), curve.x is None)
@@ -139,6 +140,13 @@ def _joined(first: Drawn, same: Mapping[str, Drawn]) -> Drawn:
             curves.append(replace(curve, name=named(name, curve.name, len(own)), x=places, y=values, band=band))
         guides |= {curve.name: replace(curve, x=x if curve.x is None else curve.x) for curve in each.curves if curve not in own}
     return replace(first, curves=[*curves, *guides.values()], along=replace(first.along, period=None))
+
+
+def _shared_points(charts: Sequence[Chart]) -> list[str]:
+    """Names of curves of a single point that is the same in all charts, as the press before balancing."""
+    points = [{curve.name: (curve.x, curve.y) for curve in chart.curves if len(curve.y) == 1} for chart in charts]
+    first, *others = points
+    return [name for name, place in first.items() if all(name in each and np.array_equal(each[name], place) for each in others)]
 
 
 def _refuse_incomparable(chart: Drawn, old: Drawn | None) -> None:
@@ -262,6 +270,8 @@ def _look(curve: Curve, k: int) -> tuple[str, dict[str, Any]]:
     style: dict[str, Any] = {"color": colour, "linestyle": LINES[k // len(COLOURS) % len(LINES)]}
     if curve.look == "points" or len(curve.y) == 1:
         style = {"color": colour, "linestyle": "none", "marker": "o", "markersize": 3.5}
+    elif curve.look == "marked":
+        style |= {"marker": "o", "markersize": 2.5}
     elif curve.look == "strong":
         style |= {"linewidth": STRONG, "alpha": 0.75, "solid_capstyle": "round"}
     elif curve.look == "limit":

@@ -1,5 +1,7 @@
 """Curves between two criteria: their ends, their shape, and their picture."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from support import texts
@@ -122,16 +124,20 @@ def test_bounds_lie_below_the_values_and_next_to_them(forces, weight):
 
 
 @pytest.mark.exhaustive
-def test_curves_of_the_same_criteria_share_a_panel(forces, weight):
-    figure = pp.plots.trade_offs({"661 kg": forces, "again": forces, "light": weight})
-    shared, alone = figure.axes
+def test_curves_of_the_same_criteria_are_drawn_over_each_other(forces, weight):
+    (shared,) = pp.plots.draw({"661 kg": forces, "half": dataclasses.replace(forces, values=0.5 * forces.values)}, "trade_off").axes
     assert len(shared.lines) == 3  # and the press before balancing
-    assert [text.get_text() for text in shared.get_legend().get_texts()] == ["661 kg", "again"]
+    assert [text.get_text() for text in shared.get_legend().get_texts()] == ["661 kg", "half", "before balancing"]
     assert shared.get_xlabel() == "range of the shaking force, z [kN]"
+    (alone,) = pp.plots.draw(weight, "trade_off").axes
     assert alone.get_xlabel() == "added mass [kg]"
-    np.testing.assert_allclose(alone.lines[0].get_xdata(), weight.values[:, 1])
-    np.testing.assert_allclose(alone.lines[0].get_ydata(), 1e-3 * weight.values[:, 0])
-    assert alone.lines[1].get_ydata()[0] == pytest.approx(1e-3 * weight.designs[0].changes[0].before)
+    curve, before = alone.lines
+    factor = {"N": 1.0, "kN": 1e-3}[alone.get_ylabel().partition("[")[2].strip("]")]
+    np.testing.assert_allclose(curve.get_xdata(), weight.values[:, 1])
+    np.testing.assert_allclose(curve.get_ydata(), factor * weight.values[:, 0])
+    assert before.get_ydata()[0] == pytest.approx(factor * weight.designs[0].changes[0].before)
+    with pytest.raises(pp.PinpressError, match="light has its chart trade_off over another quantity: draw it alone"):
+        pp.plots.draw({"661 kg": forces, "light": weight}, "trade_off")
 
 
 def test_what_is_no_curve_is_refused():
@@ -141,5 +147,5 @@ def test_what_is_no_curve_is_refused():
         pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second=Z, points=1)
     with pytest.raises(pp.PinpressError, match="not a criterion"):
         pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second="z")
-    with pytest.raises(pp.PinpressError, match="no curve"):
-        pp.plots.trade_offs({})
+    with pytest.raises(pp.PinpressError, match="there is nothing to draw: give results"):
+        pp.plots.draw({}, "trade_off")

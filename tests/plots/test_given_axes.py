@@ -25,6 +25,7 @@ PLOTS = {
     "draw campbell": (1, lambda ax: plots.draw(made("CampbellDiagram"), "campbell", ax=ax)),
     "draw two": (1, lambda ax: plots.draw({name: made("SnapThroughResponse") for name in "ab"}, "spring_force", ax=ax)),
     "draw elastic": (2, lambda ax: plots.draw(made("ElasticRun"), "beside_rigid", "forces", ax=ax)),
+    "draw trade_off": (1, lambda ax: plots.draw({name: made("TradeOffCurve") for name in "ab"}, "trade_off", ax=ax)),
     "draw ratings": (3, lambda ax: plots.draw(made("PressRatings"), "force", "near_bottom", "work", ax=ax)),
     "accuracy": (1, lambda ax: pp.accuracy.plot(made("WorkPrecision"), ax=ax)),
     "servo": (4, lambda ax: plots.servo({"even": made("ServoMotion")}, ax=ax)),
@@ -37,7 +38,6 @@ PLOTS = {
     "measured_modes": (2, lambda ax: plots.measured_modes(made("MeasuredModes"), ax=ax)),
     "order_spectra": (1, lambda ax: plots.order_spectra(made("OrderSpectra"), "Ax", ax=ax)),
     "identifiability": (1, lambda ax: plots.identifiability(made("IdentifiableParameters"), ax=ax)),
-    "trade_offs": (1, lambda ax: plots.trade_offs({"press": made("TradeOffCurve")}, ax=ax)),
 }
 
 

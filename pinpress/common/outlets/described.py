@@ -15,8 +15,9 @@ import numpy as np
 
 from ..quantities import Array
 
-Look = Literal["line", "strong", "points", "limit", "guide"]
-"""How a curve is drawn: thin, wide below the others, as points, as a limit of other curves, or pale as a help for the eye."""
+Look = Literal["line", "marked", "strong", "points", "limit", "guide"]
+"""How a curve is drawn: thin, thin with a dot at each of its points, wide below the others, as points alone, as a limit of other curves, or
+pale as a help for the eye."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,6 +229,8 @@ class Table:
         columns: its columns.
         note: a remark; empty for none.
         most: rows that are shown; of more the first and the last ones.
+        quantities: quantity of each row; the numbers of columns that have no quantity are then in one unit for all rows of one name, which
+            stands behind this name, the first cell. Empty if numbers without a quantity are plain.
     """
 
     name: str
@@ -235,6 +238,7 @@ class Table:
     columns: Sequence[Column]
     note: str = ""
     most: int = 24
+    quantities: Sequence[str] = ()
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from .. import tables
 from ..quantities import quantity
@@ -78,9 +79,28 @@ def lines(table: Table, digits: int = DIGITS) -> list[str]:
 
 
 def cells(table: Table, digits: int = DIGITS) -> tuple[list[str], list[list[str]]]:
-    """Heads with units and rows of cells as they are to be read: one unit and one number of decimals a column."""
-    columns = [_column(column, digits) for column in table.columns]
+    """Heads with units and rows of cells as they are to be read: one unit and one number of decimals a column, or a row."""
+    columns = [_column(column, digits) for column in (_with_units_of_rows(table, digits) if table.quantities else table.columns)]
     return [head for head, _ in columns], [list(row) for row in zip(*(column for _, column in columns), strict=True)]
+
+
+def _with_units_of_rows(table: Table, digits: int) -> list[Column]:
+    """The columns of a table whose rows have quantities, with its numbers as words; rows of one name have one unit and its decimals."""
+    first, *others = table.columns
+    numbers: dict[object, list[float]] = {name: [] for name in first.cells}
+    for column in others:
+        if column.quantity is None:
+            for name, cell in zip(first.cells, column.cells, strict=True):
+                numbers[name] += [float(cell)] if isinstance(cell, int | float) else []
+    scales = [quantity(row).scale(numbers[name], digits=digits) for name, row in zip(first.cells, table.quantities, strict=True)]
+    names = [f"{name} [{scale.unit}]" if scale.unit else name for name, scale in zip(first.cells, scales, strict=True)]
+    shown = [replace(first, cells=names)]
+    for column in others:
+        if column.quantity is None:
+            pairs = zip(column.cells, scales, strict=True)
+            column = replace(column, cells=[scale.shown(float(cell)) if isinstance(cell, int | float) else cell for cell, scale in pairs])
+        shown.append(column)
+    return shown
 
 
 def _column(column: Column, digits: int) -> tuple[str, list[str]]:

@@ -62,6 +62,7 @@ class Line:
         before: (b,) values of the press before, over its own abscissa, drawn dashed; None for none.
         at_frames: (k, 2) x and y at the key frames, for a curve that is no function of x; None: the value is read off the curve.
         points: Whether it is drawn as points without a line.
+        marked: Whether it is drawn with a dot at each of its points.
         strong: Whether it is drawn wide, below the others.
         pale: Whether it is drawn thin and grey, as a help for the eye.
         limit: Whether it is a limit of others, drawn with dashes.
@@ -74,6 +75,7 @@ class Line:
     before: Array | None = None
     at_frames: Array | None = None
     points: bool = False
+    marked: bool = False
     strong: bool = False
     pale: bool = False
     limit: bool = False
@@ -137,7 +139,7 @@ class LineChart:
 
     def _curve(self, k: int, line: Line, dotted: bool, wide: bool) -> dict[str, Any]:
         what = f"{self.title}, {line.name}"
-        looks = {"dotted": dotted, "strong": line.strong, "pale": line.pale, "limit": line.limit, "wide": wide}
+        looks = {"dotted": dotted, "strong": line.strong, "pale": line.pale, "limit": line.limit, "marked": line.marked, "wide": wide}
         optional = {"x": line.x, "before": line.before, "at_frames": line.at_frames}
         return {
             "name": line.name,

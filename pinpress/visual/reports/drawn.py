@@ -21,7 +21,8 @@ HEIGHT = "height above bottom dead centre"
 DIGITS = 5  # of numbers on a page
 MOST_POINTS = 5000  # states of which each is a point of a curve over the height
 SAME = 1e-6  # periods by which an angle may lie beyond its period by rounding
-LOOKS = {"points": "points", "strong": "strong", "pale": "guide", "limit": "limit"}  # of a line of the page, and of a curve
+# looks of a line of the page, and of a curve
+LOOKS = {"points": "points", "marked": "marked", "strong": "strong", "pale": "guide", "limit": "limit"}
 Charts = Mapping[str, Any]
 
 

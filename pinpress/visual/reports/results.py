@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ...balancing.optimum import TradeOffCurve
-from ...balancing.result import BalancedPress
 from ...common.errors import PinpressError, shown
 from ...common.results import Tabular
 from ...linkage.linkage import OfPress
@@ -21,14 +19,12 @@ from ...tolerances.clearances_over_speed import DeadCentresInClearances
 from ...tolerances.dead_centre_scatter import DeadCentreScatter
 from ...tolerances.points import SlideParallelism
 from ...tolerances.temperatures import HeatShift
-from . import balancing, servo, tolerances
+from . import servo, tolerances
 from .blocks import Section
 from .drawn import section
 from .shown import Shown, refuse_others
 
 MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
-    BalancedPress: balancing.section,
-    TradeOffCurve: balancing.trade_off,
     MotionOptimum: servo.optimum,
     MotionComparison: servo.comparison,
     MotorChoice: servo.choice,

@@ -97,7 +97,7 @@ function lineChart(parent, chart) {
   const curves = unpacked.map((curve, i) => {
     const pale = curve.look === "pale", place = unpacked.slice(0, i).filter(({ look }) => look !== "pale").length;
     const colour = pale ? "#b9c3cc" : COLOURS[place % COLOURS.length], mine = [traces.length], name = asText(brief(curve.name));
-    const line = { mode: curve.points ? "markers" : chart.logarithmic === "xy" ? "lines+markers" : MODE, hovertemplate: `%{y:.5g} ${chart.unit}` };
+    const line = { mode: curve.points ? "markers" : chart.logarithmic === "xy" || curve.look === "marked" ? "lines+markers" : MODE, hovertemplate: `%{y:.5g} ${chart.unit}` };
     if (chart.stacked) Object.assign(line, { stackgroup: "all", fillcolor: colour + "aa" });
     traces.push({ ...line, x: curve.x, y: curve.y, name, line: look(curve, colour, place), marker: { color: colour, size: 6 } });
     if (curve.band) {  // its lower end, and its upper one with the room between

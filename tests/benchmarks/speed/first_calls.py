@@ -184,7 +184,6 @@ SEARCHES = {
 PLOTS = {
     "plots.draw": "pp.plots.draw(reactions, 'bearings')",
     "plots.save": "pp.plots.save(pp.plots.draw(motion, 'position'), folder / 'plot.svg')",
-    "plots.trade_offs": "pp.plots.trade_offs({'one': curve})",
 }
 KINDS = {
     "calls": QUICK,

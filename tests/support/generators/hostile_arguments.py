@@ -1380,7 +1380,6 @@ def calls() -> dict[str, Call]:
         ),
         ("plots.draw", lambda result, name: pp.plots.draw(result, name), lambda: {"result": reactions(), "name": "torque"}),
         ("plots.tolerances", pp.plots.tolerances, lambda: {"scatter": scattered(), "limit": 5e-5}),
-        ("plots.trade_offs", pp.plots.trade_offs, lambda: {"curves": {"one": curve()}}),
         ("measures.bearing_positions", measures.bearing_positions, lambda: {"press": press(), "motion": motion()}),
         ("measures.dwell_angle", measures.dwell_angle, lambda: {"motion": motion(), "tolerance": 1e-3}),
         ("measures.dwell_time", measures.dwell_time, lambda: {"motion": motion(), "tolerance": 1e-3}),
