@@ -161,7 +161,7 @@ def checked(limits: object) -> tuple[Limit, ...]:
 
 
 def span(limit: Window) -> tuple[float, float]:
-    """Lower and upper height between which a limit holds [m]; infinite where it holds everywhere."""
+    """Lower and upper height between which a limit holds [m]; infinite for a limit without heights."""
     return (-np.inf, np.inf) if limit.heights is None else (min(limit.heights), max(limit.heights))
 
 

@@ -257,35 +257,6 @@ def test_what_cannot_be_is_refused_by_name(six_bar, turn, regions, minimise, lim
     assert [word for word in said if word not in str(refusal.value)] == []
 
 
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (lambda: pp.balancing.CounterweightRegion("crank"), ["'crank'", "at, radius or corners"]),
-        (lambda: pp.balancing.CounterweightRegion("crank", at=(0, 0, 0), radius=0.1), ["'crank'", "one of"]),
-        (lambda: pp.balancing.CounterweightRegion("crank", radius=-0.1), ["'crank'", "radius", "-0.1"]),
-        (lambda: pp.balancing.CounterweightRegion("crank", radius=float("nan")), ["'crank'", "radius is nan"]),
-        (lambda: pp.balancing.CounterweightRegion("crank", at=(0, 0, 0), gyration=-1.0), ["'crank'", "gyration", "-1.0"]),
-        (lambda: pp.balancing.CounterweightRegion("crank", radius=0.1, mass=(5, 1)), ["'crank'", "(5, 1)", "least and largest mass"]),
-        (lambda: pp.balancing.CounterweightRegion("crank", radius=0.1, mass=(float("nan"), 1)), ["'crank'", "nan"]),
-        (lambda: pp.balancing.CounterweightRegion("crank", radius=0.1, mass=7.0), ["'crank'", "7.0"]),
-        (lambda: pp.balancing.CounterweightRegion("crank", radius=0.1, mass=(-5, 1)), ["'crank'", "-5 kg", "at=..."]),
-        (lambda: pp.balancing.CounterweightRegion("crank", replaces=True, gyration=0.1), ["'crank'", "gyration"]),
-        (lambda: pp.balancing.Range("shaking_force"), ["range", "axis", "Rms or Peak"]),
-        (lambda: pp.balancing.Range("speed", "x"), ["speed", "shaking_force"]),
-        (lambda: pp.balancing.Range("shaking_force", "w"), ["'w'", "'x'"]),
-        (lambda: pp.balancing.Rms("shaking_force", (0.0, 0.0, 0.0)), ["axis", "three numbers"]),
-        (lambda: pp.balancing.Peak("bearing_force"), ["bearing="]),
-        (lambda: pp.balancing.Peak("shaking_force", bearing="A"), ["bearing="]),
-        (lambda: pp.balancing.Range("driving_torque", "x"), ["no axis"]),
-        (lambda: pp.balancing.Rms("shaking_force", about=(0, 0, 1)), ["about", "shaking moment"]),
-    ],
-)
-def test_regions_and_criteria_without_sense_are_refused(make, said):
-    with pytest.raises(pp.PinpressError) as refusal:
-        make()
-    assert [word for word in said if word not in str(refusal.value)] == []
-
-
 def test_motions_and_loads_that_do_not_belong_are_refused(six_bar, turn, jf75g):
     for motion, loads, said in (
         (pp.cycle(jf75g, 1.0), (), "jf75g_125"),

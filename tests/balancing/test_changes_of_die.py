@@ -252,20 +252,6 @@ def test_what_does_not_fit_is_refused(plain, arguments, says):
         pp.balancing.balance(plain, cases, minimise=Z, **given)
 
 
-@pytest.mark.parametrize(
-    ("place", "reset", "says"),
-    [
-        ({"radius": 0.1}, "mass", "needs a fixed place"),
-        ({"at": (0.1, 0, 0)}, "position", "needs room"),
-        ({"replaces": True}, "position", "needs room"),
-        ({"radius": 0.1}, "shape", "reset is 'shape'"),
-    ],
-)
-def test_a_region_says_what_can_be_set_anew(place, reset, says):
-    with pytest.raises(pp.PinpressError, match=says):
-        pp.balancing.CounterweightRegion("crank", reset=reset, **place)
-
-
 def test_conditions_are_two_with_names(plain):
     regions = [pp.balancing.CounterweightRegion("crank", radius=0.15)]
     for cases, says in ((conditions(plain, (0.0,)), "fewer than two"), (conditions(plain, (100.0, 100.0)), "have the same name")):

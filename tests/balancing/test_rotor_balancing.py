@@ -152,35 +152,7 @@ def test_unbalance_of_a_crank_is_its_mass_at_the_pin():
 # ---------------------------------------------------------------------------------------------------------------------------- bad input
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (([1.0], [[0, 0]], (0, 1)), "positions \\(1, 2\\)"),
-        (([1.0, 2.0], [[0, 0, 0]], (0, 1)), "masses has shape \\(2,\\)"),
-        (([np.nan], [[0, 0, 0]], (0, 1)), "masses is not finite"),
-        (([1.0], [["a", 0, 0]], (0, 1)), "positions is not a number or an array of numbers"),
-        (([1.0], [[0, 0, 1]], (0.2, 0.2)), "two different planes"),
-        (([1.0], [[0, 0, 1]], (0.2, 0.3, 0.4)), "two different planes"),
-        (([1.0], [[0, 0, 1]], 0.3), "one number for each plane"),
-        (([1.0], [[0, 1, 1]], (0.0, 1e-320)), "planes that are further apart"),
-    ],
-)
-def test_bad_masses_and_planes_are_refused(arguments, said):
-    masses, positions, planes = arguments
-    with pytest.raises(pp.PinpressError, match=said):
-        classical.two_plane_balance(masses, positions, planes=planes)
-
-
 @pytest.mark.parametrize("radius", [0.0, -0.1, np.nan, np.inf, "0.1", True])
 def test_a_radius_is_positive(radius):
     with pytest.raises(pp.PinpressError, match=r"radius of the counterweight on 'rotor' is .* give a positive number"):
         classical.static_balance(MASSES, POSITIONS).counterweight("rotor", radius)
-
-
-def test_only_what_turns_on_the_frame_is_a_rotor():
-    press = texts.shipped("crank_slide")
-    for link in ("rod", "slide", "frame"):
-        with pytest.raises(pp.PinpressError, match=f"{link!r} does not turn on the frame: give one of crank"):
-            classical.unbalance(press, link)
-    with pytest.raises(pp.UnknownNameError, match="did you mean 'crank'"):
-        classical.unbalance(press, "cranck")

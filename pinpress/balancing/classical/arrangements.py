@@ -334,11 +334,11 @@ def _balance_shaft(drawn: PressPlan, main: CrankSlider, order: int, side: str, r
 def _auxiliary(
     main: CrankSlider, crank_radius: float, rod_length: float | None, rod_mass: float | None, rod_inertia: float | None
 ) -> CrankSlider:
-    """The auxiliary crank-slider; arguments as of `with_opposed_balancer`."""
+    """The auxiliary crank-slider; arguments as in `with_opposed_balancer`."""
     radius, length, mass = _auxiliary_sizes(main, crank_radius, rod_length, rod_mass)
     scale = radius / main.crank_radius
     similar = main.rod_inertia * mass / main.rod_mass * (length / main.rod_length) ** 2
-    # A centre beside the line gives a mass moment; times the crank radius it must be that of the main rod.
+    # A centre off the line gives a mass moment, which times the crank radius must equal that of the main rod.
     share = complex(main.rod_share.real, main.rod_share.imag * main.rod_mass / (scale * mass))
     counterweight = (main.reciprocating_mass / scale - mass * share).real
     if not counterweight > 0:

@@ -69,7 +69,7 @@ def within_local_limits(
         problem: the problem without these limits.
         free: the optimum of this problem.
         limits: the limits.
-        optimum: solves a convex problem; raises PinpressError where it has no solution.
+        optimum: solves a convex problem; raises PinpressError if there is no solution.
         start: (N + 1,) b of the motion at which the first tangents touch, or None.
 
     Returns:

@@ -80,7 +80,7 @@ class PlanarShapes(Shapes):
         return Evaluated(gap, slopes.solve([*gaps, *slips]), first, second)
 
     def _opened(self, basis: ComplexArray, added: ComplexArray) -> ComplexArray:
-        """The gaps (loops, n) of every set at a basis (nb, n), or what its derivatives do to them; ``added``: (m, n) to the entries that
+        """The gaps (loops, n) of every set at a basis (nb, n), or their changes by its derivatives; ``added``: (m, n) to the entries that
         change."""
         rows = np.array(product(self.plane.gap_rows, basis))
         for (row, column), values in zip(self.places, added, strict=True):
