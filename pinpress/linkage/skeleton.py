@@ -18,41 +18,42 @@ from ..engines.structure import Axis, drawn_placements
 
 WIDTH, HEIGHT, MARGIN = 360.0, 260.0, 34.0  # of the picture [pixels]
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # Okabe and Ito
-TOWARDS = np.array([0.1, -1.0, 0.5])  # direction towards the viewer of a planar linkage, roughly
-OBLIQUE = np.array([0.40, -0.80, 0.45])  # the same of a linkage in space
-PARALLEL = 1e-6  # sine of the angle between axes that are drawn as parallel
-SHORT, FAR = 16.0, 8.0  # half the length of a slide's block, and of the rails beside it beyond it [pixels]
+FRONT = np.array([0.1, -1.0, 0.5])  # a planar linkage is seen along its normal, from the side on which this direction lies
+OBLIQUE = np.array([0.40, -0.80, 0.45])  # direction towards the viewer of a linkage in space
+PARALLEL = 1e-6  # sine of the largest angle between axes that are drawn as parallel, and cosine to those that are drawn as perpendicular
+HALF_BLOCK, RAIL_OVERHANG = 16.0, 8.0  # half the length of a slide's block; how far a rail goes on beyond each end of it [pixels]
 
 
 class _Bearing(NamedTuple):
-    """A bearing: its place in world axes [m], and the Pinocchio joints whose bodies it connects; of a guide only the sliding body."""
+    """A bearing: its place in world axes [m], and the Pinocchio joints whose bodies it connects (0: the frame). A guide has its sliding body
+    alone, since it stands for no pin on its carrier."""
 
     name: str
     point: Array
     bodies: tuple[int, ...]
 
 
-def skeleton(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis], links: Sequence[str], words: str) -> str:
+def skeleton(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis], links: Sequence[str], description: str) -> str:
     """SVG of a linkage in its drawn pose.
 
     Args:
         model: its tree.
         loops: the bearings at which loops were cut.
-        axes: axes of the moving joints.
-        links: name of the link that the body of each joint begins with, that of the frame first.
-        words: description for readers who do not see the picture.
+        axes: of the moving joints, each in the frame of its joint.
+        links: name of the body of each Pinocchio joint, that of the frame first.
+        description: for readers who do not see the picture.
     """
     places = drawn_placements(model)
     bearings = _bearings(model, loops, axes, places)
-    guided = {joint: places[joint].rotation @ axis.direction for joint, axis in enumerate(axes, 1) if not axis.turns}
-    right, up = _view([places[joint].rotation @ axis.direction for joint, axis in enumerate(axes, 1)], axes)
-    origins = [place.translation for place in places[1:]]
-    points = _onto_sheet(np.array([each.point for each in bearings] or origins) @ np.array([right, up]).T)
+    directions = [places[joint].rotation @ axis.direction for joint, axis in enumerate(axes, 1)]
+    guided = {joint: directions[joint - 1] for joint, axis in enumerate(axes, 1) if not axis.turns}
+    right, up = _view(directions, axes)
+    points = _onto_sheet(np.array([bearing.point for bearing in bearings]) @ np.array([right, up]).T)
     size = {"width": f"{WIDTH:g}", "height": f"{HEIGHT:g}", "viewBox": f"0 0 {WIDTH:g} {HEIGHT:g}"}
-    look = {"font-family": "sans-serif", "font-size": "11", "fill": "currentColor", "role": "img", "aria-label": words}
-    root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", **size, **look})
-    corners = [
-        np.array([points[k] for k, each in enumerate(bearings) if joint in each.bodies]).reshape(-1, 2) for joint in range(len(links))
+    style = {"font-family": "sans-serif", "font-size": "11", "fill": "currentColor", "role": "img", "aria-label": description}
+    root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", **size, **style})
+    corners = [  # of each body: its bearings on the sheet
+        np.array([points[k] for k, bearing in enumerate(bearings) if joint in bearing.bodies]).reshape(-1, 2) for joint in range(len(links))
     ]
     for joint in guided:
         carrier = int(model.parents[joint])
@@ -61,29 +62,28 @@ def skeleton(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis],
     for joint, link in enumerate(links[1:], 1):
         colour = COLOURS[(joint - 1) % len(COLOURS)]
         if joint in guided and len(corners[joint]):
-            way = np.array([guided[joint] @ right, -(guided[joint] @ up)])
-            _block(root, corners[joint].mean(axis=0), way, on_frame=int(model.parents[joint]) == 0, link=link, colour=colour)
+            along = np.array([guided[joint] @ right, -(guided[joint] @ up)])  # in an SVG y points down
+            _block(root, corners[joint].mean(axis=0), along, on_frame=int(model.parents[joint]) == 0, link=link, colour=colour)
         if len(corners[joint]):
             _link(root, corners[joint], link, colour)
-    for (x, y), each in zip(points, bearings, strict=True):
-        if 0 in each.bodies:  # the frame under it
+    for (x, y), bearing in zip(points, bearings, strict=True):
+        if 0 in bearing.bodies:  # the frame under it
             path = f"M{x:.1f} {y:.1f} l-9 14 h18 z M{x - 12:.1f} {y + 14:.1f} h24"
             look = {"fill": "none", "stroke": "currentColor", "stroke-opacity": "0.6", "stroke-width": "1.5"}
             SubElement(root, "path", {"d": path, **look})
-    _pins(root, points, [each.name for each in bearings] if len(bearings) <= 24 else [])  # names of more would cover the picture
+    _pins(root, points, [bearing.name for bearing in bearings] if len(bearings) <= 24 else [])  # names of more would cover the picture
     return tostring(root, encoding="unicode")
 
 
 def _bearings(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis], places: Sequence[pin.SE3]) -> list[_Bearing]:
-    """Bearings that have a place: joints that turn, and loops. A guide is drawn as a block where its body's bearings are; where there
-    are none, it has the place of its joint."""
+    """Joints that turn, and loops. A guide is a bearing only if its sliding body has no other; it is then at the origin of its joint."""
     bearings = [_Bearing(loop.name, places[loop.joint1].act(loop.point1), (loop.joint1, loop.joint2)) for loop in loops]
     joints = [
         _Bearing(model.names[joint], place.translation, (int(model.parents[joint]), joint)) for joint, place in enumerate(places) if joint
     ]
-    bearings += [each for each, axis in zip(joints, axes, strict=True) if axis.turns]
-    placed = {joint for each in bearings for joint in each.bodies}
-    return bearings + [each._replace(bodies=each.bodies[1:]) for each in joints if each.bodies[1] not in placed]
+    bearings += [joint for joint, axis in zip(joints, axes, strict=True) if axis.turns]
+    with_bearings = {body for bearing in bearings for body in bearing.bodies}
+    return bearings + [guide._replace(bodies=guide.bodies[1:]) for guide in joints if guide.bodies[1] not in with_bearings]
 
 
 def _view(directions: Sequence[Array], axes: Sequence[Axis]) -> tuple[Array, Array]:
@@ -94,7 +94,7 @@ def _view(directions: Sequence[Array], axes: Sequence[Axis]) -> tuple[Array, Arr
     planar = all(np.linalg.norm(np.cross(normal, other)) < PARALLEL for other in turning) and all(
         abs(normal @ other) < PARALLEL for other in sliding
     )
-    towards = (normal if normal @ TOWARDS >= 0 else -normal) if planar else OBLIQUE / np.linalg.norm(OBLIQUE)
+    towards = (normal if normal @ FRONT >= 0 else -normal) if planar else OBLIQUE / np.linalg.norm(OBLIQUE)
     right = np.cross((0.0, 0.0, 1.0), towards)
     right = right / np.linalg.norm(right) if np.linalg.norm(right) > PARALLEL else np.array([1.0, 0.0, 0.0])
     return right, np.cross(towards, right)
@@ -135,38 +135,39 @@ def _around(corners: Array) -> Array:
     return corners[np.argsort(np.arctan2(away[:, 1], away[:, 0]))] if len(corners) > 2 else corners
 
 
-def _block(root: Element, middle: Array, way: Array, *, on_frame: bool, link: str, colour: str) -> None:
-    """What slides, with rails beside it where the frame guides it; ``way``: (2,) direction of the guide on the sheet."""
+def _block(root: Element, middle: Array, along: Array, *, on_frame: bool, link: str, colour: str) -> None:
+    """A sliding body, between two rails if the frame guides it; ``along``: (2,) direction of the guide on the sheet."""
     x, y = middle
-    turn = {"transform": f"translate({x:.1f} {y:.1f}) rotate({np.degrees(np.arctan2(way[1], way[0])):.1f})"}
-    box = {"x": f"{-SHORT:g}", "y": "-11", "width": f"{2 * SHORT:g}", "height": "22", "rx": "2"}
+    turn = {"transform": f"translate({x:.1f} {y:.1f}) rotate({np.degrees(np.arctan2(along[1], along[0])):.1f})"}
+    box = {"x": f"{-HALF_BLOCK:g}", "y": "-11", "width": f"{2 * HALF_BLOCK:g}", "height": "22", "rx": "2"}
     block = SubElement(root, "rect", {**box, **turn, "fill": colour, "fill-opacity": "0.3", "stroke": colour, "stroke-width": "2"})
     SubElement(block, "title").text = link
     if on_frame:
-        rails = "".join(f"M{-SHORT - FAR:g} {side} H{SHORT + FAR:g}" for side in (-14, 14))
+        rails = "".join(f"M{-HALF_BLOCK - RAIL_OVERHANG:g} {side} H{HALF_BLOCK + RAIL_OVERHANG:g}" for side in (-14, 14))
         SubElement(root, "path", {"d": rails, **turn, "stroke": "currentColor", "stroke-opacity": "0.6", "stroke-width": "3"})
 
 
 def _pins(root: Element, points: Array, names: Sequence[str]) -> None:
     """Circles at the bearings with their names; bearings in one place have one circle."""
-    written: list[tuple[Array, list[str]]] = []
+    names_at: list[tuple[Array, list[str]]] = []
     for k, place in enumerate(points):
-        same_place = next((words for other, words in written if np.abs(other - place).max() < 0.5), None)  # [pixels]
-        if same_place is None:
-            same_place = []
-            written.append((place, same_place))
-        same_place += names[k : k + 1]
+        names_here = next((others for point, others in names_at if np.abs(point - place).max() < 0.5), None)  # half a pixel
+        if names_here is None:
+            names_here = []
+            names_at.append((place, names_here))
+        if names:
+            names_here.append(names[k])
     taken: list[Array] = []
-    for place, words in written:
+    for place, names_here in names_at:
         circle = {"cx": f"{place[0]:.1f}", "cy": f"{place[1]:.1f}", "r": "4", "fill": "#fff", "stroke": "#222", "stroke-width": "1.5"}
         SubElement(root, "circle", circle)
-        if words:
-            _name(root, place, ", ".join(words), taken)
+        if names_here:
+            _name(root, place, ", ".join(names_here), taken)
 
 
-def _name(root: Element, place: Array, words: str, taken: list[Array]) -> None:
-    """A name beside a bearing, on the first of four sides where it is clear of the names before it."""
-    width = 6.5 * len(words)  # [pixels] of a mean letter
+def _name(root: Element, place: Array, text: str, taken: list[Array]) -> None:
+    """A name next to a bearing: at the first of four sides where it is clear of the names before it, else at the last."""
+    width = 6.5 * len(text)  # a mean letter has 6.5 pixels
     for side, down in ((1, -7.0), (-1, -7.0), (1, 16.0), (-1, 16.0)):
         low = place + np.array([8.0 if side > 0 else -8.0 - width, down])
         box = low + np.array([[0.0, -9.0], [width, 2.0]])
@@ -174,4 +175,4 @@ def _name(root: Element, place: Array, words: str, taken: list[Array]) -> None:
             break
     taken.append(box)
     position = {"x": f"{place[0] + 8 * side:.1f}", "y": f"{place[1] + down:.1f}", "text-anchor": "start" if side > 0 else "end"}
-    SubElement(root, "text", position).text = words
+    SubElement(root, "text", position).text = text
