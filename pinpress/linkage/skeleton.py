@@ -25,8 +25,8 @@ HALF_BLOCK, RAIL_OVERHANG = 16.0, 8.0  # half the length of a slide's block; how
 
 
 class _Bearing(NamedTuple):
-    """A bearing: its place in world axes [m], and the Pinocchio joints whose bodies it connects (0: the frame). A guide has its sliding body
-    alone, since it stands for no pin on its carrier."""
+    """A bearing: its place in world axes [m], and the Pinocchio joints whose bodies it connects (0: the frame). A guide has its sliding
+    body alone, since it stands for no pin on its carrier."""
 
     name: str
     point: Array
