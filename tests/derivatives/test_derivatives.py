@@ -231,13 +231,6 @@ def test_a_press_made_larger_moves_to_scale(name):
 # ---------------------------------------------------------------------------------------------------------------------------- what is wrong
 
 
-def test_a_direction_in_which_bearings_contradict_each_other_is_refused():
-    press = texts.shipped("jf75g_125_two_point")
-    motion = pp.cycle(press, SPEED, points=12)
-    with pytest.raises(pp.PinpressError, match="do not stay closed"):
-        motion_derivatives(press, motion, [{("P4_front", "main_rod_front"): (1, 0, 0)}])
-
-
 @pytest.mark.exhaustive
 def test_a_spatial_linkage_has_no_derivatives(tmp_path):
     file = tmp_path / "ring.urdf"
@@ -247,10 +240,16 @@ def test_a_spatial_linkage_has_no_derivatives(tmp_path):
         motion_derivatives(press, pp.cycle(press, SPEED, points=12), [])
 
 
-def test_a_direction_out_of_the_plane_and_a_motion_of_another_press_are_refused():
-    press, other = texts.shipped("crank_slide"), texts.shipped("thin_wall")
-    motion = pp.cycle(press, SPEED, points=12)
-    with pytest.raises(pp.PinpressError, match="out of the plane"):
-        motion_derivatives(press, motion, [{("P", "crank"): (0, 1, 0)}])
-    with pytest.raises(pp.PinpressError, match="other joints"):
-        motion_derivatives(other, motion, [{("D", "bar"): (1, 0, 0)}])
+@pytest.mark.parametrize(
+    ("name", "of", "direction", "message"),
+    [
+        ("jf75g_125_two_point", "jf75g_125_two_point", {("P4_front", "main_rod_front"): (1, 0, 0)}, "do not stay closed"),
+        ("crank_slide", "crank_slide", {("P", "crank"): (0, 1, 0)}, "out of the plane"),
+        ("thin_wall", "crank_slide", {("D", "bar"): (1, 0, 0)}, "other joints"),
+    ],
+    ids=["contradiction", "plane", "motion"],
+)
+def test_directions_and_motions_that_do_not_fit_are_refused(name, of, direction, message):
+    motion = pp.cycle(texts.shipped(of), SPEED, points=12)
+    with pytest.raises(pp.PinpressError, match=message):
+        motion_derivatives(texts.shipped(name), motion, [direction])

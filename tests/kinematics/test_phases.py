@@ -114,15 +114,12 @@ def test_refuses_variations_of_no_part(motion, variation):
         measures.even_length(motion, variation)
 
 
-@pytest.mark.parametrize("length", [0.0, 0.4, -1.0])
-def test_refuses_lengths_outside_the_stroke(motion, length):
-    with pytest.raises(pp.PinpressError, match="between 0 and the stroke"):
-        pp.measures.phases(motion, length)
-
-
-@pytest.mark.parametrize("length", [1e-300, 1e-20])
-def test_refuses_lengths_that_are_rounding(motion, length):
-    with pytest.raises(pp.PinpressError, match="but for rounding"):
+@pytest.mark.parametrize(
+    ("length", "message"),
+    [*((length, "between 0 and the stroke") for length in (0.0, 0.4, -1.0)), *((length, "but for rounding") for length in (1e-300, 1e-20))],
+)
+def test_refuses_lengths_outside_the_stroke_and_of_rounding(motion, length, message):
+    with pytest.raises(pp.PinpressError, match=message):
         pp.measures.phases(motion, length)
 
 

@@ -42,19 +42,23 @@ def test_result_is_the_callers_own():
     assert np.abs(press.configuration(0.3)).max() > 0.1
 
 
-@pytest.mark.parametrize("angle", [[], [[0.1]], np.zeros((2, 2))])
-def test_other_shapes_are_refused(angle):
-    with pytest.raises(pp.PinpressError, match=r"angle has shape .*: give one angle or \(n,\) angles \[rad\]"):
-        texts.shipped("crank_slide").configuration(angle)
-
-
 @pytest.mark.parametrize("angle", [0.1, np.zeros(3), np.zeros((0, 12)), np.zeros((2, 3))])
 def test_other_shapes_of_several_drivers_are_refused(legs, angle):
     with pytest.raises(pp.PinpressError, match=r"angle has shape .*: give \(12,\) or \(n, 12\), the angles of all drivers \[rad\]"):
         legs.configuration(angle)
 
 
-@pytest.mark.parametrize(("angle", "problem"), [(np.nan, "angle"), ("0.3", "angle"), (1e8, "turns away"), (None, "angle")])
+SHAPE = r"angle has shape .*: give one angle or \(n,\) angles \[rad\]"
+
+
+@pytest.mark.parametrize(
+    ("angle", "problem"),
+    [
+        *((angle, SHAPE) for angle in ([], [[0.1]], np.zeros((2, 2)))),
+        *((angle, "angle") for angle in (np.nan, "0.3", None)),
+        (1e8, "turns away"),
+    ],
+)
 def test_what_is_no_angle_is_refused(angle, problem):
     with pytest.raises(pp.PinpressError, match=problem):
         texts.shipped("crank_slide").configuration(angle)

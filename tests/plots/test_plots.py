@@ -140,11 +140,6 @@ def test_slide(result):
     assert [text.get_text().strip() for text in height.texts] == ["TDC", "BDC"]
 
 
-def test_no_slide(legs):
-    with pytest.raises(pp.UnknownNameError, match="no chart 'velocity'"):
-        plots.draw(legs, "velocity")
-
-
 def test_bearings(result):
     (axes,) = plots.draw(result, "bearings").axes
     assert legend(axes) == ["A", "B", "D", "C", "E", "slide_guide", "F"]  # in the order of the drawing
@@ -232,9 +227,10 @@ def test_polar_of_a_run_is_its_last_turn(run):
     assert abs(len(paths[0].get_xdata()) - inside) <= 1
 
 
-def test_polar_of_unknown(result):
-    with pytest.raises(pp.UnknownNameError, match="no chart 'polar Z'"):
-        plots.draw(result, "polar A", "polar Z")
+def test_charts_that_a_result_does_not_have_are_refused(result, legs):
+    for shown, charts, message in ((result, ("polar A", "polar Z"), "no chart 'polar Z'"), (legs, ("velocity",), "no chart 'velocity'")):
+        with pytest.raises(pp.UnknownNameError, match=message):
+            plots.draw(shown, *charts)
 
 
 @pytest.mark.exhaustive
