@@ -243,22 +243,34 @@ def test_a_constraint_that_no_design_keeps_beside_another_is_named():
     refused("no design keeps the constraints: constraint 'acceleration' misses its upper bound 1 by", subject_to=gentle)
 
 
+CRANK = {"r": (0.05, 0.1, 0.2)}
+
+
 @pytest.mark.parametrize(
-    ("words", "variables"),
+    ("words", "options"),
     [
-        ("lower bound 0.2 is above its upper bound 0.1", {"P.crank.x": (0.2, 0.15, 0.1)}),
-        ("starts at 0.3, outside its bounds", {"P.crank.x": (0.1, 0.3, 0.2)}),
-        ("finite numbers", {"P.crank.x": (0.1, 0.3, math.inf)}),
-        ("lower bound, start, upper bound", {"P.crank.x": (0.1, 0.3)}),
-        ("lower bound, start, upper bound", {"P.crank.x": 0.1}),
-        ("variables is empty", {}),
-        ("no coordinate 'P.crank.w'", {"P.crank.w": (0.1, 0.2, 0.3)}),
-        ("the start, P.crank.x = 0.3, W.rod.x = 0.25, is not a valid press", {"P.crank.x": (0.1, 0.3, 0.4), "W.rod.x": (0.2, 0.25, 0.8)}),
-        ("the start, W.rod.x = 0.05, is not a valid press", {"W.rod.x": (0.02, 0.05, 0.8)}),
+        ("lower bound 0.2 is above its upper bound 0.1", {"variables": {"P.crank.x": (0.2, 0.15, 0.1)}}),
+        ("starts at 0.3, outside its bounds", {"variables": {"P.crank.x": (0.1, 0.3, 0.2)}}),
+        ("finite numbers", {"variables": {"P.crank.x": (0.1, 0.3, math.inf)}}),
+        ("lower bound, start, upper bound", {"variables": {"P.crank.x": (0.1, 0.3)}}),
+        ("lower bound, start, upper bound", {"variables": {"P.crank.x": 0.1}}),
+        ("variables is empty", {"variables": {}}),
+        ("no coordinate 'P.crank.w'", {"variables": {"P.crank.w": (0.1, 0.2, 0.3)}}),
+        (
+            "the start, P.crank.x = 0.3, W.rod.x = 0.25, is not a valid press",
+            {"variables": {"P.crank.x": (0.1, 0.3, 0.4), "W.rod.x": (0.2, 0.25, 0.8)}},
+        ),
+        ("the start, W.rod.x = 0.05, is not a valid press", {"variables": {"W.rod.x": (0.02, 0.05, 0.8)}}),
+        ("constraint 'stroke': its lower bound 0.3 is above its upper bound 0.2", {"subject_to": {"stroke": (travel, 0.3, 0.2)}}),
+        ("function of a trial, lower bound, upper bound", {"subject_to": {"stroke": travel}}),
+        ("NumPy's functions", {"variables": CRANK, "geometry": lambda r: {("P", "crank"): (math.sqrt(r), 0, 0)}}),
+        ("geometry cannot be called", {"variables": CRANK, "geometry": lambda q: {("P", "crank"): (q, 0, 0)}}),
+        ("does not return a mapping", {"variables": CRANK, "geometry": lambda r: [r]}),
+        ("origin of link 'rod'", {"variables": CRANK, "geometry": lambda r: {("P", "rod"): (r, 0, 0)}}),
     ],
 )
-def test_variables_that_make_no_sense_are_refused(words, variables):
-    refused(words, variables)
+def test_variables_constraints_and_geometries_that_make_no_sense_are_refused(words, options):
+    refused(words, **options)
 
 
 @pytest.mark.exhaustive
@@ -274,11 +286,6 @@ def test_a_global_search_that_finds_nothing_says_why_the_first_start_failed(monk
     with pytest.raises(pp.PinpressError, match="start 1 fails"):
         Search(SimpleNamespace()).best(SimpleNamespace(z=np.zeros(2)), 0)
     assert len(tried) > 1
-
-
-def test_bounds_of_constraints_that_contradict_each_other_are_refused():
-    refused("constraint 'stroke': its lower bound 0.3 is above its upper bound 0.2", subject_to={"stroke": (travel, 0.3, 0.2)})
-    refused("function of a trial, lower bound, upper bound", subject_to={"stroke": travel})
 
 
 @pytest.mark.exhaustive
@@ -337,20 +344,12 @@ def test_a_geometry_without_numbers_is_stepped_back_from():
     assert synthesis.variables["u"] == pytest.approx(4e-4, rel=1e-4)
 
 
-def test_geometries_that_fail_are_refused():
-    one = {"r": (0.05, 0.1, 0.2)}
-    refused("NumPy's functions", one, geometry=lambda r: {("P", "crank"): (math.sqrt(r), 0, 0)})
-    refused("geometry cannot be called", one, geometry=lambda q: {("P", "crank"): (q, 0, 0)})
-    refused("does not return a mapping", one, geometry=lambda r: [r])
-    refused("origin of link 'rod'", one, geometry=lambda r: {("P", "rod"): (r, 0, 0)})
-
-
 @pytest.mark.exhaustive
 def test_what_is_not_known_exactly_is_refused():
     refused("constant PointForces", loads=[pp.loads.SpringDamper("frame", "slide", stiffness=1e3)])
     refused("give datum=", loads=[pp.loads.ConstantForce(1e3, 0.01)])
     refused("give a list", loads=pp.loads.PointForce("slide", (0, 0, 1)))
-    refused("unknown method", method="best")
+    refused("method is 'best'", method="best")
     two_point = texts.shipped("jf75g_125_two_point")
     both = {"l": (0.25, 0.3, 0.4)}
     rods = {"geometry": lambda l: {(f"P4_{end}", f"main_rod_{end}"): (l, 0, 0) for end in ("front", "back")}, "speed": SPEED, "points": 60}  # noqa: E741
