@@ -171,7 +171,7 @@ def test_a_pendulum():
     assert found.multipliers.shape == (1, 0)
 
 
-def test_what_is_refused():
+def test_efforts_and_presses_without_derivatives_are_refused():
     press = texts.shipped("zxn2_3000b")
     motion, derivatives = pp.cycle(press, 7.0, points=3), pp.derivatives.acceleration_derivatives
     with pytest.raises(pp.PinpressError, match="with other joints"):

@@ -629,7 +629,7 @@ def test_numbers_that_make_no_sense(kind, field, sign):
         ),
     ],
 )
-def test_bad_input(kind, changed, message):
+def test_drives_that_make_no_sense_are_refused(kind, changed, message):
     with pytest.raises(pp.PinpressError, match=message):
         kind(**GOOD[kind] | changed)
 

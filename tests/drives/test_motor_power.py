@@ -242,6 +242,6 @@ def test_gears_pass_the_new_states_on():
         (InductionMotor, {**NAMEPLATE, "constant_loss": -1.0}, r"constant_loss is -1\.0; give"),
     ],
 )
-def test_what_makes_no_sense(kind, words, message):
+def test_losses_that_make_no_sense_are_refused(kind, words, message):
     with pytest.raises(pp.PinpressError, match=rf"^{kind.__name__}: {message}"):
         kind(**words)

@@ -66,7 +66,7 @@ def test_flywheel_under_an_even_torque():
         assert np.cos(angle - run.crank_angle[at]) > np.cos(np.radians(2.0))
 
 
-def test_what_has_no_driving_energy():
+def test_motions_without_a_driving_energy_are_refused():
     press = texts.shipped("crank_slide")
     time = np.linspace(0.0, 1.0, 101)
     servo = pp.servo_cycle(press, 2 * np.pi * time - np.sin(2 * np.pi * time), time=time, period=1.0)

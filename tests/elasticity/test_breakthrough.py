@@ -198,12 +198,12 @@ def test_tables(tmp_path):
         ({"break_time": 100.0}, "more than 1000 periods"),
     ],
 )
-def test_refusals(arguments, message):
+def test_breakthroughs_that_make_no_sense_are_refused(arguments, message):
     with pytest.raises(pp.PinpressError, match=message):
         snap_through(**{"force": F, "stiffness": K, "mass": M} | arguments)
 
 
-def test_refusals_of_permissible_forces():
+def test_permissible_forces_that_make_no_sense_are_refused():
     with pytest.raises(pp.PinpressError, match="reverse_force is 0"):
         permissible_breakthrough(0.0, K, mass=M)
     with pytest.raises(pp.PinpressError, match="of one length"):

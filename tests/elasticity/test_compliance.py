@@ -288,6 +288,6 @@ def test_tables(tmp_path):
         ({"O": 1e9}, "stiffness is a dict"),
     ],
 )
-def test_refusals(stiffness, message):
+def test_stiffnesses_that_make_no_sense_are_refused(stiffness, message):
     with pytest.raises(pp.PinpressError, match=message.replace("(", r"\(")):
         compliance(texts.shipped("crank_slide"), stiffness)

@@ -314,7 +314,7 @@ def changed(**more):
         (lambda: flexible_beam(shipped(SIX_BAR), "rocker", ("D", "E"), area=1, second_moment=1), "a beam has two"),
     ],
 )
-def test_refused(link, message):
+def test_links_that_cannot_bend_are_refused(link, message):
     press = shipped(JF75G)
     with pytest.raises(pp.PinpressError, match=message):
         natural_frequencies(press, Elastic(stiffness_of(press), flexible_links=[link()]), angle=[0.0])

@@ -173,7 +173,7 @@ def test_a_slide_that_nothing_presses_stands_in_the_middle():
     assert max(each.max() for each in contact.force.values()) < 1e-6
 
 
-def test_refusals():
+def test_guides_that_make_no_sense_are_refused():
     press, found = reactions((1e4, 0.0, 1e5), (0.1, 0.0, 0.0))
     guide = eight_way_guide(**SHAPE, preload=1e5)
     for surfaces, problem in (

@@ -128,7 +128,7 @@ def test_closed_in_elastic_motion_it_is_a_spring():
     assert joined.stats.energy_error < 1e-10
 
 
-def test_bad_joints():
+def test_joints_that_make_no_sense_are_refused():
     press = shipped("jf75g_125_plain")
     motion = pp.cycle(press, SPEED, points=12)
     for changes, problem in (

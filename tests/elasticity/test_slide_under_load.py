@@ -119,7 +119,7 @@ def test_tables(tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore:Stiffness")
-def test_refusals():
+def test_loads_and_speeds_that_a_deflection_cannot_have_are_refused():
     press = texts.shipped("crank_slide")
     stiffness = Stiffness({"W": 1e9})
     for speed in ([np.nan], [], [[1.0]], "fast"):

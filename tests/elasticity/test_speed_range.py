@@ -89,7 +89,7 @@ def test_strokes_are_found_from_those_beside_them(monkeypatch, loads):
         ({"speeds": [1.0], "orders": 0}, "orders"),
     ],
 )
-def test_refused(given, message):
+def test_speeds_that_make_no_sense_are_refused(given, message):
     press = shipped("jf75g_125_plain")
     with pytest.raises(pp.PinpressError, match=message):
         campbell(press, elastic(press), **given)

@@ -125,7 +125,7 @@ def test_words_of_the_lowest_mode():
         ({"elastic": Elastic(Stiffness({"O": 1e9}), clearances={"P": Clearance(1e-4)})}, "leave the clearances out"),
     ],
 )
-def test_refused(given, message):
+def test_states_and_stiffnesses_that_cannot_vibrate_are_refused(given, message):
     press = shipped("crank_slide")
     with pytest.raises(pp.PinpressError, match=message):
         natural_frequencies(press, **{"elastic": Elastic(stiffness_of(press))} | given)

@@ -252,7 +252,7 @@ def test_bearings_that_are_no_list(six_bar, turn, bearings):
 
 
 @pytest.mark.parametrize("name", ["G", "a", "", None, 0, ["A"], np.array(["A", "B"])], ids=str)
-def test_unknown_bearings(six_bar, turn, name):
+def test_unknown_bearings_are_refused(six_bar, turn, name):
     with pytest.raises(pp.UnknownNameError):
         pp.inverse_dynamics(six_bar, turn, bearings=["A", name])
 

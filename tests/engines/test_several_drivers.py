@@ -189,7 +189,7 @@ def test_a_program_that_stands_still_where_the_run_moves_is_doubted():
         ({"friction": {"left-roll-op": pp.loads.Friction(viscous=1.0)}}, "their runs know no friction in bearings; leave it out"),
     ],
 )
-def test_wrong_arguments(legs, arguments, message):
+def test_arguments_that_several_drivers_do_not_have_are_refused(legs, arguments, message):
     with pytest.raises(pp.PinpressError, match=message):
         pp.simulate(legs, 0.01, **{"method": "constraint", **arguments})
 

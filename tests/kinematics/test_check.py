@@ -491,7 +491,7 @@ def test_wrong_names_are_raised(check, options, error):
 
 
 @pytest.mark.parametrize("name", ["missing.urdf", "missing", "a\0b.urdf"])
-def test_no_such_file(name):
+def test_a_file_that_is_not_there_is_refused(name):
     with pytest.raises(pp.UrdfError):
         pp.check(name)
 

@@ -103,7 +103,7 @@ def test_of_one_driver_both_names_of_its_column_are_told(tmp_path: Path) -> None
         ("time [s],O [deg],O [rad]\n0,1,2\n1,2,2\n", "two columns are called 'O'"),
     ],
 )
-def test_wrong_tables(text: str, says: str, tmp_path: Path) -> None:
+def test_wrong_tables_are_refused(text: str, says: str, tmp_path: Path) -> None:
     (tmp_path / "m.csv").write_text(text, encoding="utf-8")
     with pytest.raises(pp.PinpressError) as caught:
         pp.read_motion(of_two_motors(), tmp_path / "m.csv")

@@ -264,7 +264,7 @@ def test_slide_must_be_a_guided_link():
 
 
 @pytest.mark.parametrize("gravity", [9.81, (0, 0), (0, 0, math.nan), (0, 0, math.inf), (0, 0, "down"), "down", None, [[0, 0, -9.81]]])
-def test_gravity(gravity):
+def test_gravity_that_makes_no_sense_is_refused(gravity):
     with pytest.raises(pp.PinpressError, match=r"^gravity (is not finite|has shape)"):
         pp.load("crank_slide", gravity=gravity)
 
@@ -370,13 +370,13 @@ def test_linkage_that_locks(locking, engine, sign):
         (1 + 2j, "speed is not a number"),
     ],
 )
-def test_speed(press, speed, problem):
+def test_speeds_that_make_no_sense_are_refused(press, speed, problem):
     with pytest.raises(pp.PinpressError, match=problem):
         pp.cycle(press, speed)
 
 
 @pytest.mark.parametrize("points", [0, 1, -3, 2.5, 4.0, True, "360", np.array([3]), np.float64(4)])
-def test_points(press, points):
+def test_numbers_of_points_that_make_no_sense_are_refused(press, points):
     with pytest.raises(pp.PinpressError, match=r"points is .*: give a whole number from 2 to 10000000"):
         pp.cycle(press, 7.0, points=points)
 
@@ -429,7 +429,7 @@ def test_points_are_not_clipped(press):
         ({"engine": None}, "unknown engine None"),
     ],
 )
-def test_servo_motion(press, given, problem):
+def test_servo_motions_that_make_no_sense_are_refused(press, given, problem):
     with pytest.raises(pp.PinpressError, match=problem):
         pp.servo_cycle(press, **({"angle": [0.0, 1.0], "speed": 1.0} | given))
 
@@ -478,7 +478,7 @@ def test_slide_of_a_linkage_without_one(locking):
         (pp.loads.PointForce("slide", lambda motion: None), "force is not"),  # type: ignore[return-value]
     ],
 )
-def test_load(press, motion, engine, load, problem):
+def test_loads_of_another_shape_are_refused(press, motion, engine, load, problem):
     with pytest.raises(pp.PinpressError, match=problem):
         pp.inverse_dynamics(press, motion, loads=[load], engine=engine)
 

@@ -194,7 +194,7 @@ def test_two_sided_stop_stops_an_elastic_press_on_both_sides():
         (lambda: TwoSidedStop(0.02, 0.03, K, damping=C), "TwoSidedStop: depth is missing"),
     ],
 )
-def test_bad_contacts(make, problem):
+def test_contacts_that_make_no_sense_are_refused(make, problem):
     with pytest.raises(pp.PinpressError, match=problem):
         make()
 
@@ -240,7 +240,7 @@ def test_a_mass_is_picked_up_as_scipy_says(preload):
     assert pp.loads.pick_up_force(mass, -speed, stiffness, preload=preload) == pytest.approx(largest, rel=1e-4)
 
 
-def test_bad_masses_to_pick_up():
+def test_masses_to_pick_up_that_make_no_sense_are_refused():
     for given, problem in (((0.0, 0.3, 1e8), "mass is 0"), ((1.0, 0.3, -1e8), "stiffness is -1"), ((1.0, np.nan, 1e8), "speed is nan")):
         with pytest.raises(pp.PinpressError, match=problem):
             pp.loads.pick_up_force(*given)

@@ -108,6 +108,6 @@ def test_scenarios_are_runs_one_by_one():
         (lambda: orifice_coefficient(0.02, -0.01), "orifice is -0.01"),
     ],
 )
-def test_bad_hydraulics(make, problem):
+def test_hydraulics_that_make_no_sense_are_refused(make, problem):
     with pytest.raises(pp.PinpressError, match=problem):
         make()

@@ -615,7 +615,7 @@ NAN, INF = math.nan, math.inf
         (partial(step, 0.0, 0.0, [0.0, 1.0], 0.5, 1.0), "step: h0 is .*: give one finite number"),
     ],
 )
-def test_bad_load(make, problem):
+def test_loads_that_make_no_sense_are_refused(make, problem):
     with pytest.raises(pp.PinpressError, match=problem):
         make()
 
@@ -630,7 +630,7 @@ def test_scenarios_are_refused_by_inverse_dynamics(name, count):
         pp.inverse_dynamics(press, motion, [SCENARIOS[name](np.ones(count))])
 
 
-def test_bad_load_of_inverse_dynamics():
+def test_loads_that_a_motion_cannot_have_are_refused():
     press = shipped("jf75g_125")
     motion, standing = pp.cycle(press, SPEED, points=6), pp.servo_cycle(press, speed=[1.0, -1.0], angle=[0.0, 1.0], acceleration=0.0)
     with pytest.raises(pp.PinpressError, match="no motion in time"):

@@ -138,7 +138,7 @@ def test_a_slide_that_sweeps_all_of_the_volume_is_refused():
         (lambda: CYLINDER.pressure_at("high"), "BalanceCylinder: heights is not a number"),
     ],
 )
-def test_bad_cylinders(make, problem):
+def test_cylinders_that_make_no_sense_are_refused(make, problem):
     with pytest.raises(pp.PinpressError, match=problem):
         make()
 

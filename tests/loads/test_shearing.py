@@ -127,6 +127,6 @@ def test_a_pause_before_break_through_lowers_the_shock():
         ({"force": [1.0, 2.0], "stripping": [1.0, 2.0, 3.0]}, "different numbers of scenarios"),
     ],
 )
-def test_bad_blanking(changes, problem):
+def test_blanking_that_makes_no_sense_is_refused(changes, problem):
     with pytest.raises(pp.PinpressError, match=problem):
         replace(BLANK, **changes)

@@ -62,7 +62,7 @@ def test_curves():
     np.testing.assert_allclose(line.get_ydata(), response.spring_force / 1e6)
 
 
-def test_refusals():
+def test_a_chart_of_nothing_is_refused():
     with pytest.raises(pp.PinpressError, match="there is nothing to draw"):
         pp.plots.draw({}, "shift")
 

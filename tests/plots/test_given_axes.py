@@ -78,7 +78,7 @@ def test_on_given_axes(name):
         ([], "ax has 0 axes, but there are 3 charts to draw"),
     ],
 )
-def test_refused(ax, message):
+def test_axes_that_do_not_fit_are_refused(ax, message):
     with pytest.raises(pp.PinpressError, match=message):
         plots.draw(every_result.motion(), "position", "velocity", "acceleration", ax=ax)
     with pytest.raises(pp.PinpressError, match="ax is 3: give axes of Matplotlib"):

@@ -410,7 +410,7 @@ def test_a_failure_leaves_the_file_as_it_was(torque, tmp_path, monkeypatch):
 # Around it
 
 
-def test_not_finite(result):
+def test_a_curve_that_is_not_finite_is_refused(result):
     torque = np.array(result.driving_torque)
     torque[7] = np.inf
     with pytest.raises(pp.PinpressError, match="driving torque is not finite at index 7"):

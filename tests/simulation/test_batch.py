@@ -583,7 +583,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_arguments(press, name):
+def test_arguments_that_make_no_sense_are_refused(press, name):
     change, message = BAD[name]
     good = {"press": press, "duration": 0.1, "speed": [30.0, 31.0], "flywheel": WHEEL}
     with within(LIMIT), pytest.raises(pp.PinpressError, match=message):

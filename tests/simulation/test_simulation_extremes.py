@@ -931,7 +931,7 @@ def at_stop(torque):
     ids=["nan", "None", "error", "text", "corner", "inertia nan", "inertia text", "inertia None", "less", "negative", "state", "rates"],
 )
 @pytest.mark.parametrize("speed", [0.0, 5.0])
-def test_broken_drives(press, method, drive, speed):
+def test_broken_drives_are_refused(press, method, drive, speed):
     with pytest.raises(pp.PinpressError):
         pp.simulate(press, 1.0, speed=speed, drive=drive, method=method, **AT_5)
 

@@ -582,7 +582,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_arguments(textbook, name):
+def test_arguments_that_make_no_sense_are_refused(textbook, name):
     change, message = BAD[name]
     good = {"press": textbook, "speed": 7.8, "drive": induction(7.5e3, 20.0), "flywheel": pp.drives.Flywheel(50.0), "loads": []}
     with pytest.raises(pp.PinpressError, match=message):

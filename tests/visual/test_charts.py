@@ -253,7 +253,7 @@ def test_every_press_comes_back(name, points):
         (np.zeros((8, 3)), 2.5, "orders is 2.5"),
     ],
 )
-def test_harmonics_of_nonsense(force, orders, message):
+def test_harmonics_of_nonsense_are_refused(force, orders, message):
     with pytest.raises(pp.PinpressError, match=message):
         harmonics(pp.cycle(texts.shipped("crank_slide"), 7.0, points=8), force, orders)
 
@@ -504,7 +504,7 @@ def test_axes_of_a_locus_do_not_hang_on_rounding(ranges, equal, seed):
     assert charts._least_moved(force + noise, 1e-7) == (1 if equal else ranges.index(0.0))
 
 
-def test_unknown_bearing():
+def test_an_unknown_bearing_is_refused():
     result = turn("crank_slide", points=8)
     with pytest.raises(pp.UnknownNameError, match="no bearing 'Q'"):
         charts.loci(result, ["Q"])

@@ -322,7 +322,7 @@ def test_path_that_cannot_be_written_is_found_first(make: Any, name: str, page: 
 @pytest.mark.parametrize(
     ("make", "name", "endings"), [(image, "out.jpg", ".png"), (film, "out.avi", ".mp4 or .gif"), (film, "mp4", ".mp4")]
 )
-def test_unknown_suffix(make: Any, name: str, endings: str, page: Path, tmp_path: Path) -> None:
+def test_a_name_with_an_unknown_ending_is_refused(make: Any, name: str, endings: str, page: Path, tmp_path: Path) -> None:
     with pytest.raises(pp.PinpressError, match=re.escape(f"cannot write {tmp_path / name}: the name of the file must end in {endings}")):
         make(page, tmp_path / name)
 

@@ -359,7 +359,7 @@ def test_what_is_not_finite(name, wrong):
 
 
 @pytest.mark.parametrize("armature", [np.zeros(2), [0, np.nan, 0], [np.inf, 0, 0], 1.0])
-def test_a_bad_armature(armature):
+def test_a_bad_armature_is_refused(armature):
     with pytest.raises(pp.PinpressError, match="give 3 finite inertias"):
         texts.shipped("crank_slide").forward_dynamics(armature)
 

@@ -107,7 +107,7 @@ def test_small_clearance_changes_little_where_the_pin_is_always_pressed():
         ({"radial": 1e-4, "law": "hertz", "restitution": 1.5, "hertz_stiffness": 1e10}, "at most 1"),
     ],
 )
-def test_refused(given, message):
+def test_clearances_that_make_no_sense_are_refused(given, message):
     with pytest.raises(pp.PinpressError, match=message):
         pp.elasticity.Clearance(**given)
 

@@ -96,7 +96,7 @@ def test_an_overloaded_clutch_slips_and_holds_again():
     assert run.stats.energy_error < 1e-11
 
 
-def test_refused_of_couplings():
+def test_couplings_that_an_elastic_press_cannot_have_are_refused():
     with pytest.raises(pp.PinpressError, match="a shaft that twists has no clutch"):
         pp.simulate(jf75g(), 0.1, **STROKE, elastic=springs(jf75g(), shaft=1e7))
     with pytest.raises(pp.PinpressError, match="Flywheel with its own speed"):

@@ -136,7 +136,7 @@ def test_too_soft_and_unstable(monkeypatch):
         ({"flywheel": None, "elastic": "shaft"}, "inertia on its drive's side"),
     ],
 )
-def test_refused_of_runs(change, message):
+def test_drives_that_an_elastic_run_cannot_have_are_refused(change, message):
     given = {"speed": SPEED, "flywheel": WHEEL, "elastic": springs(jf75g())} | change
     if given["elastic"] == "shaft":
         given["elastic"] = springs(jf75g(), shaft=1e7)

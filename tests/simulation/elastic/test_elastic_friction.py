@@ -105,7 +105,7 @@ def test_derivatives_of_friction(kind):
             np.testing.assert_allclose(given[:, :, k], -(ends[0] - ends[1]) / 2e-7, atol=1e-5 * np.abs(given).max())
 
 
-def test_refused_of_friction():
+def test_friction_in_a_pin_with_clearance_is_refused():
     worn = replace(springs(jf75g()), clearances={"P4": pp.elasticity.Clearance(1e-4)})
     held = pp.drives.PrescribedSpeed(SPEED)
     with pytest.raises(pp.PinpressError, match="'P4' has clearance: give it no friction"):

@@ -285,7 +285,7 @@ def test_motion_in_space_beside_dop853():
         ({"shaft": 1e6}, "in space knows no shaft"),
     ],
 )
-def test_refusals_in_space(change, words):
+def test_stiffnesses_that_a_press_in_space_lacks_are_named(change, words):
     press = rssp()
     given = {"bearings": dict.fromkeys(press.bearings, 1e9), "moments": dict.fromkeys(PINS, 1e8), **change}
     with pytest.raises(pp.PinpressError, match=words):

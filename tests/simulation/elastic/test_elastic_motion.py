@@ -76,7 +76,7 @@ def test_decay_is_that_of_the_lowest_vibration():
 @pytest.mark.parametrize(
     ("name", "rpm"), [JF75G, SIX_BAR, ("thin_wall", 40.0), ("jf75g_125_symmetric", 300.0), ("jf75g_125_two_point", 300.0)]
 )
-def test_rigid_limit(name, rpm):
+def test_stiffer_springs_lead_to_the_rigid_press(name, rpm):
     """What is left of the rigid press's forces, torque and motion goes with 1 / stiffness."""
     press = shipped(name)
     rigid = pp.inverse_dynamics(press, pp.cycle(press, rpm * pp.RPM, points=36))
@@ -94,7 +94,7 @@ def test_rigid_limit(name, rpm):
     assert errors[1][1] < 2e-3
 
 
-def test_energy():
+def test_work_of_the_drive_is_that_of_loads_and_losses():
     for run in (stroke(*JF75G), stroke(*SIX_BAR)):
         assert run.stats.energy_error < 1e-10
         assert abs(run.drive_work[-1] - run.load_work[-1] - run.lost[-1]) < 1e-10 * run.drive_work[-1]
@@ -166,7 +166,7 @@ def test_derivatives_of_the_forces():
         ({"drive": pp.drives.PrescribedSpeed(1.0)}, "prescribes 1"),
     ],
 )
-def test_refused(change, message):
+def test_steady_states_that_cannot_be_are_refused(change, message):
     press, speed = shipped(JF75G[0]), 31.4
     given = {"drive": pp.drives.PrescribedSpeed(speed), "elastic": pp.elasticity.Elastic(springs(press))} | change
     with pytest.raises(pp.PinpressError, match=message):

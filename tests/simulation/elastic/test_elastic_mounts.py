@@ -73,7 +73,7 @@ def test_all_turn_with_the_frame(name):
     np.testing.assert_allclose(opening, 0.0, atol=1e-12)
 
 
-def test_refused_of_mounts():
+def test_mounts_that_cannot_be_are_refused():
     given = springs(jf75g())
     for change, message in (
         ({"mounts": mounts(1e6, 0)}, "mounted_frame is None"),
