@@ -101,4 +101,5 @@ if __name__ == "__main__":
     print(table(), ratios(), sep="\n\n")
     best, ready = motions(CASES["A"])
     print(servo.capacitor(best.motion))
-    print(light(pp.plots.save(pp.plots.servo({"least heat": best.motion, **ready}), HERE / "servo.png")))
+    charts = "height", "crank_speed", "torque", "power"
+    print(light(pp.plots.save(pp.plots.draw({"least heat": best.motion, **ready}, *charts), HERE / "servo.png")))

@@ -20,4 +20,4 @@ use = chosen.use
 print(f"{chosen.motor.name} behind a gear of {use.ratio:g}: {use.rms_torque:.0f} N m rms")
 print(f"{100 * use.thermal:.0f} % of its permanent torque, {100 * use.peak:.0f} % of its peak torque")
 
-figure = pp.plots.torque_over_speed({"least heat": chosen.best.motion}, chosen.motor)
+figure = pp.plots.draw(chosen, "plane")

@@ -4,8 +4,6 @@ from .measured_vibration import measured_modes as measured_modes
 from .measured_vibration import measured_spectra as measured_spectra
 from .measured_vibration import order_spectra as order_spectra
 from .press_accuracy import tolerances as tolerances
-from .servo_motions import servo as servo
-from .servo_motions import torque_over_speed as torque_over_speed
 from .slide_accuracy import budget as budget
 from .slide_accuracy import play as play
 from .stroke_force import measured_force as measured_force

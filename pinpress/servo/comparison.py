@@ -92,16 +92,6 @@ class MotionComparison(Tabular):
         """A row for each motion."""
         return self.rows.columns()
 
-    def __str__(self) -> str:
-        rows = [["", "rms [N m]", "more [%]", "peak [N m]", "top [r/min]", "power [kW]", "drawn [kJ]"]]
-        for row in self.rows:
-            more = "" if row.more_than_least is None or row.breaks else f"{100 * row.more_than_least:.1f}"
-            scaled = (row.peak_torque, row.top_speed / RPM, 1e-3 * row.peak_power, 1e-3 * row.energy_drawn)
-            rows.append([row.name, f"{row.rms_torque:.5g}", more, *(f"{value:.4g}" for value in scaled)])
-        broken = [f"{row.name} breaks {row.breaks}" for row in self.rows if row.breaks]
-        unseen = [f"not looked at: {in_words(limit)}" for limit in self.limits if isinstance(limit, NOT_SEEN)]
-        return "\n".join([self.title, *tables.fitted(rows), *broken, *unseen])
-
 
 @typed
 def compare_motions(motions: Mapping[str, ServoMotion], limits: Sequence[Limit] = ()) -> MotionComparison:

@@ -139,10 +139,6 @@ class ServoMotion(OfPress, Tabular):
         returned = np.minimum(self.mains_power, 0.0)
         return float(self.weight @ (np.maximum(self.mains_power, 0.0) + self.drive.regeneration * returned))
 
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "time [s]", "torque [N m]"
-
     def columns(self) -> dict[str, Array]:
         """Time, crank, slide and drive as (n,) columns under their names with units."""
         return {

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common import tables
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..drives.motors import ServoMotor
@@ -108,32 +107,6 @@ class MotionOptimum(OfPress, Tabular):
     def columns(self) -> dict[str, Array]:
         """The columns of the motion."""
         return self.motion.columns()
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return self.motion._pictured
-
-    def __str__(self) -> str:
-        unit = UNITS[next(iter(self.minimise))] if len(self.minimise) == 1 else "-"
-        drive, motion = self.drive, self.motion
-        rows = [
-            ["objective", f"{self.value:.8g} {unit}"],
-            ["no motion is below", f"{self.bound:.8g} {unit}"],
-            ["gap", f"{self.gap:.1e}"],
-            ["error of the nodes", f"{self.node_error:.1e} with {len(self.angle) - 1} segments"],
-            ["cycle", f"{motion.duration:.6g} s, {60.0 / motion.duration:.6g} a minute"],
-            ["rms torque of the motor", f"{motion.rms_motor_torque:.6g} N m"],
-            ["peak torque of the motor", f"{motion.peak_motor_torque:.6g} N m"],
-            ["peak power", f"{1e-3 * motion.peak_power:.6g} kW"],
-            ["energy drawn", f"{1e-3 * motion.energy_drawn:.6g} kJ a cycle"],
-            ["gear ratio", f"{drive.ratio:.6g}"],
-            ["limits are kept to", f"{self.missed:.1e}"],
-            ["heat between nodes", f"{self.deviation:+.1e} of that of the program"],
-        ]
-        lines = [self.title, *(line.rstrip() for line in tables.table(rows, [28, 0]))]
-        lines += ["limits that act, and what 1 % more of each saves:"] if self.limits else ["no limit acts"]
-        lines += [f"  {each.limit}: {each.gain:.3g} %, {each.price:.6g} {each.price_unit}" for each in self.limits]
-        return "\n".join([*lines, *self.notes])
 
     def program(self, *, stiffness: float | None = None, damping: float | None = None) -> ServoMotor:
         """A servo motor that follows the motion, for `simulate`. Its program has the cycle and one cycle before and after it.

@@ -11,7 +11,6 @@ import numpy as np
 from ..common import plausibility, tables
 from ..common.arguments import LARGEST, expect, number, numbers, positive, typed, whole_number
 from ..common.errors import PinpressError, shown
-from ..common.quantities import RPM
 from ..common.results import Record, Records, Tabular
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
@@ -152,16 +151,6 @@ class MotorChoice(OfPress, Tabular):
     def columns(self) -> dict[str, tables.Column]:
         """The columns of what was tried."""
         return self.tried.columns()
-
-    def __str__(self) -> str:
-        heads = ["motor", "ratio", "rms [N m]", "at [r/min]", "thermal [%]", "peak [%]", "speed [%]", "power [kW]", ""]
-        rows = [heads]
-        for each in self.tried:
-            known = (each.rms_torque, each.mean_speed / RPM, 100 * each.thermal)
-            others = ((each.peak, 100), (each.speed, 100), (each.peak_power, 1e-3))
-            shown_ = [f"{value:.4g}" for value in known] + ["" if value is None else f"{by * value:.4g}" for value, by in others]
-            rows.append([each.motor, f"{each.ratio:g}", *shown_, each.remark])
-        return "\n".join([self.title, *(line.rstrip() for line in tables.fitted(rows))])
 
 
 @typed

@@ -9,9 +9,6 @@ from ...common.errors import PinpressError, shown
 from ...common.results import Tabular
 from ...linkage.linkage import OfPress
 from ...ratings.rating import PressRatings
-from ...servo.comparison import MotionComparison
-from ...servo.motion_optimum import MotionOptimum
-from ...servo.sizing import EnergyStore, MotorChoice
 from ...tolerances.accuracy_budget import AccuracyBudget
 from ...tolerances.allocation import AllocatedTolerances
 from ...tolerances.clearances import SlidePlay
@@ -19,16 +16,12 @@ from ...tolerances.clearances_over_speed import DeadCentresInClearances
 from ...tolerances.dead_centre_scatter import DeadCentreScatter
 from ...tolerances.points import SlideParallelism
 from ...tolerances.temperatures import HeatShift
-from . import servo, tolerances
+from . import tolerances
 from .blocks import Section
 from .drawn import section
 from .shown import Shown, refuse_others
 
 MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
-    MotionOptimum: servo.optimum,
-    MotionComparison: servo.comparison,
-    MotorChoice: servo.choice,
-    EnergyStore: servo.energy_store,
     DeadCentreScatter: tolerances.dead_centres,
     AllocatedTolerances: tolerances.allocated,
     SlidePlay: tolerances.play,

@@ -877,12 +877,6 @@ def calls() -> dict[str, Call]:
             pp.plots.budget,
             lambda: {"found": pp.tolerances.budget(press(), speeds=[7.0], clearance={"W": 1e-5})},
         ),
-        ("plots.servo", pp.plots.servo, lambda: {"motions": {"even": served()}}),
-        (
-            "plots.torque_over_speed",
-            pp.plots.torque_over_speed,
-            lambda: {"motions": {"even": served()}, "motor": pp.servo.CatalogueMotor(**catalogue_numbers())},
-        ),
         ("servo.capacitor", pp.servo.capacitor, lambda: {"motion": served(), "upper_voltage": 700.0, "lower_voltage": 400.0}),
         ("servo.SlideSpeed", pp.servo.SlideSpeed, lambda: {"speed": 0.5, "heights": (0.05, 0.0), "flank": "down", "constant": False}),
         ("servo.CrankSpeed", pp.servo.CrankSpeed, lambda: {"speed": 9.0, "heights": (0.05, 0.0), "flank": "both"}),
