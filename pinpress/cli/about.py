@@ -1,4 +1,4 @@
-"""`pinpress about`: versions of what pinpress runs on, and the licences of that and of what its pages hold of others."""
+"""`pinpress about`: print versions and licences of pinpress, of the packages it uses, and of software in its pages."""
 
 import argparse
 import platform
@@ -35,16 +35,16 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `about` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "about",
-        help="versions of pinpress and of what it runs on, and the licences of all that is in its pages",
-        description="Print the versions of pinpress, Python and all packages that it uses, for a bug report, with their licences as each\n"
-        "package states them; then what a page (recording, report, live window) holds of others; the page has the texts of these licences.",
+        help="versions and licences of pinpress, of the packages it uses, and of software in its pages",
+        description="Print the versions of pinpress, Python and all packages that it uses, for a bug report, with the licences that the\n"
+        "packages state; then other software in a page (recording, report, live window). The page has the texts of these licences.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print all of it. Returns 0."""
+    """Print versions and licences. Returns 0."""
     print("\n".join(_lines()))
     return 0
 
@@ -63,7 +63,7 @@ def _lines() -> Iterator[str]:
 
 
 def stated(package: str) -> tuple[str, str]:
-    """Version and licence of a package as its metadata state them: an SPDX expression, or else the words of its classifier or field."""
+    """Version and licence of a package from its metadata: an SPDX expression, or else the text of its classifier or field."""
     try:
         about = metadata.metadata(package)
     except metadata.PackageNotFoundError:
@@ -74,7 +74,7 @@ def stated(package: str) -> tuple[str, str]:
 
 
 def _requirements() -> tuple[list[str], dict[str, list[str]]]:
-    """Packages that are always needed, and the others with the extras of users that name them."""
+    """Packages that are always needed, and optional packages with the extras that name them."""
     try:
         lines = metadata.requires(ITSELF) or []
     except metadata.PackageNotFoundError:
@@ -92,7 +92,7 @@ def _requirements() -> tuple[list[str], dict[str, list[str]]]:
 
 
 def _in_meshcat() -> Iterator[tuple[str, str, str]]:
-    """Meshcat's viewer and what is in it."""
+    """Meshcat's viewer and the software in it."""
     try:
         script = meshcat_script()
     except PinpressError:
@@ -104,7 +104,7 @@ def _in_meshcat() -> Iterator[tuple[str, str, str]]:
 
 
 def _plotly() -> tuple[str, str, str]:
-    """Plotly's charts, by the comment in front of the script."""
+    """Plotly's charts, from the comment at the top of the script."""
     try:
         head = plotly_head()
     except PinpressError:
@@ -114,7 +114,7 @@ def _plotly() -> tuple[str, str, str]:
 
 
 def _in_plotly() -> Iterator[str]:
-    """What is in Plotly's charts: hundreds, so by their licences."""
+    """Licences of the software in Plotly's charts; it has hundreds of parts."""
     _, version, _ = _plotly()
     if version == MISSING:
         return

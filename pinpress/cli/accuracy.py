@@ -1,4 +1,4 @@
-"""`pinpress accuracy`: error against run time of all engines and methods."""
+"""`pinpress accuracy`: compare the errors and run times of all engines and methods."""
 
 import argparse
 
@@ -13,8 +13,8 @@ from .words.progress import progress
 from .words.units import quantity
 
 EPILOG = """\
-every error is against a reference that two independent methods agree on; the table says how closely. Times are the least of several
-rounds in which all take turns. The plot needs 'pinpress[plots]'.
+Every error is relative to a reference on which two independent methods agree; the table shows how closely they agree. Times are the least
+of several rounds in which all methods take turns. The plot needs 'pinpress[plots]'.
 e.g. pinpress accuracy zxn2_3000b --speed 70 --out out
 """
 BAR = "{percentage:3.0f} % |{bar}| {remaining} to go"
@@ -39,7 +39,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         metavar="RPM",
         help="crank speed, in the period and at the start of the runs, in r/min",
     )
-    option("--flywheel", metavar="J", help="inertia at the driver joint, in kg m2 (default: 4 times the linkage's own)")
+    option("--flywheel", metavar="J", help="inertia at the driver joint, in kg m2 (default: 4 times the linkage's inertia)")
     option("--duration", type=quantity("s"), metavar="S", help="length of each run, in s (default: two turns at that speed)")
     option("--points", type=int, default=360, metavar="N", help="number of crank angles in the period (default: %(default)s)")
     option("--repeats", type=int, default=3, metavar="N", help="rounds of timing (default: %(default)s)")
@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: Loading, measuring or writing fails.
     """
-    from ..accuracy.work_precision import compare, plot  # slow to import: so a mistake in the words above is named at once
+    from ..accuracy.work_precision import compare, plot  # slow to import: mistakes in the options are reported before
 
     flywheel = part_specs.flywheel(options.flywheel)
     press = load_press(options)

@@ -1,4 +1,4 @@
-"""`pinpress analyse`: one period at constant speed, or a motion from a table."""
+"""`pinpress analyse`: compute one period at constant speed, or a motion from a table."""
 
 import argparse
 import time
@@ -38,11 +38,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `analyse` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "analyse",
-        help="one period at constant speed, or a motion from a table: driving torque, every bearing force, under loads and friction",
-        description="Turn a press through one period at constant speed: one turn of the crank, or with gears as many turns as it takes\n"
-        "until the press repeats itself; or with --motion move one driver or several as a table says. Prints a summary;\n"
+        help="driving torque and all bearing forces over a period or a motion from a table, under loads and friction",
+        description="Turn a press through one period at constant speed: one turn of the crank, or with gears the number of turns after\n"
+        "which the press repeats itself. Or with --motion move one or several drivers by a table. Prints a summary;\n"
         "with --out also writes cycle.csv (every quantity in every state, units in the header) and recording.html (the press turning\n"
-        "with its forces, a page to open by double click); with --report also report.html, which has charts beside the press.",
+        "with its forces, a page to open by double click); with --report also report.html (the press with charts).",
         epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor')}\n{SIGNS}\n\n{EXAMPLE}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -50,14 +50,14 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     add_motion_options(parser)
     add_force_options(parser)
     add_nominal_options(parser)
-    add_flywheel_option(parser, "its drop of speed at an even motor torque is printed")
+    add_flywheel_option(parser, "prints its drop of speed at a constant motor torque")
     option(
         "--speed-drop",
         type=units.quantity("-"),
         metavar="D",
-        help="drop of the flywheel's speed, e.g. 0.1; the inertia that it takes is printed",
+        help="drop of the flywheel's speed, e.g. 0.1; prints the inertia for this drop",
     )
-    option("--motor", metavar="KIND:KEYS", help="motor, see below; the steady state under it, with loads and flywheel, is printed")
+    option("--motor", metavar="KIND:KEYS", help="motor, see below; prints the steady state under it, with loads and flywheel")
     add_page_options(parser, "the files")
     add_before_option(parser)
     add_points_option(parser)
@@ -65,7 +65,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "--engine",
         choices=("auto", "plane", "space", "pinocchio"),
         default="auto",
-        help="method of computation (default: the fastest that serves)",
+        help="method of computation (default: the fastest that can be used)",
     )
     add_press_options(parser)
     parser.set_defaults(run=run)
@@ -79,10 +79,10 @@ def run(options: argparse.Namespace) -> int:
     """
     refuse_pages_without_folder(options)
     if options.before is not None and not options.report:
-        raise PinpressError("--before is for the report: give --report too")
+        raise PinpressError("--before is for the report: also give --report")
     refuse_beside_motion(options, "nominal_force", "nominal_height", "flywheel", "speed_drop", "motor")
     press = load_press(options)
-    _ = traced(press, options.trace)  # a wrong one is found before the work
+    _ = traced(press, options.trace)  # refuse a wrong point before the work
     flywheel, motor = _driving(press, options)
     reactions, times = _computed(press, options)
     before = None if options.before is None else press_before(options)
@@ -111,19 +111,19 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _driving(press: Linkage, options: argparse.Namespace) -> tuple[Flywheel | None, Drive | PrescribedSpeed | None]:
-    """Flywheel and motor; raises PinpressError where they do not suit a press at constant speed."""
+    """Flywheel and motor; raises PinpressError if they do not suit a press at constant speed."""
     flywheel, motor = part_specs.flywheel(options.flywheel), part_specs.motor(options.motor, press.driver_coordinates[0])
     if flywheel is not None and flywheel.speed is not None:
-        raise PinpressError("--flywheel: at constant speed it turns with the crank: leave speed= out, or simulate the press with a clutch")
-    if any(given is not None for given in (flywheel, options.speed_drop, motor)):
-        press.refuse_sliding_driver(
-            "--flywheel, --speed-drop and --motor are of a crank that keeps turning; pinpress simulate takes --motor"
+        raise PinpressError(
+            "--flywheel: at constant speed the flywheel turns with the crank: leave speed= out, or use pinpress simulate with a clutch"
         )
+    if any(given is not None for given in (flywheel, options.speed_drop, motor)):
+        press.refuse_sliding_driver("--flywheel, --speed-drop and --motor need a crank that keeps turning; pinpress simulate takes --motor")
     return flywheel, motor
 
 
 def _computed(press: Linkage, options: argparse.Namespace) -> tuple[Reactions, str]:
-    """Reactions to the period that the options ask for, and a line with the times that this took."""
+    """Compute the reactions over the period of the options, and a line with the computing times."""
     acting = forces(options, press)
     began = [time.perf_counter()]
     if len(press.drivers) == 1:
@@ -140,7 +140,7 @@ def _computed(press: Linkage, options: argparse.Namespace) -> tuple[Reactions, s
 
 
 def _of_flywheel(reactions: Reactions, flywheel: Flywheel | None, speed_drop: float | None) -> list[str]:
-    """What the press asks of its drive at constant speed, and what that means for the flywheel."""
+    """Work and power of the drive at constant speed, and the flywheel that they need."""
     energy = driving_energy(reactions)
     lowest, highest = (quantity("angle").text(angle) for angle in (energy.lowest_at, energy.highest_at))
     figures = [
@@ -161,7 +161,7 @@ def _of_flywheel(reactions: Reactions, flywheel: Flywheel | None, speed_drop: fl
 
 
 def _of_motor(reactions: Reactions, motor: Drive | PrescribedSpeed, flywheel: Flywheel | None) -> tuple[Run | None, list[str]]:
-    """The steady state under a motor with its speeds and the motor's duty in words; None, and why there is none."""
+    """The steady state under a motor, and lines with its speeds and the motor's duty; None, and lines with the reason."""
     speed = float(reactions.motion.crank_speed[0])
     lines = ["", f"Steady state under the motor near {speed / RPM:g} r/min; all else here is at constant speed"]
     try:

@@ -1,4 +1,4 @@
-"""`pinpress balance`: the best counterweights of a press."""
+"""`pinpress balance`: find the best counterweights of a press."""
 
 import argparse
 from collections.abc import Callable, Mapping, Sequence
@@ -32,14 +32,14 @@ REGION = "LINK:at=X/Y/Z, LINK:radius=R[,centre=X/Y/Z], LINK:corner=X/Y/Z,corner=
 CRITERION = f"{'|'.join(KINDS)}:QUANTITY[:BEARING][:AXIS] or {MASS}"
 EPILOG = f"""\
 regions: {REGION}
-  a point; a circle in the plane of motion; a segment or polygon of corners; or the link itself, with more or less mass in its own shape.
-  Lengths are in m, or have units (300mm), in the link's own frame. All take ,mass=LEAST/MOST in kg (default: 0/inf, without limit) and
-  ,gyration=R, the radius of gyration of the counterweight's material. With ,replaces behind a place the counterweight replaces the link's
-  own mass. With several dies, settings or speeds ,reset=mass is a mass that is set anew for each, ,reset=position one that moves in its
-  shape.
+  a point; a circle in the plane of motion; a segment or polygon of corners; or the link itself, with more or less mass in the same shape.
+  Lengths are in m, or have units (300mm), in the link's frame. All take ,mass=LEAST/MOST in kg (default: 0/inf, without limit) and
+  ,gyration=R, the radius of gyration of the counterweight's material. With ,replaces after a place the counterweight replaces the link's
+  mass. With several dies, settings or speeds: ,reset=mass for a mass that is changed for each of them, ,reset=position for a mass that
+  moves in its shape.
 criteria: {CRITERION}
   quantities: {", ".join(QUANTITIES)}; the last two need a bearing; axes: {", ".join(AXES)}.
-  Range and rms leave the constant part out, peaks count it.
+  Range and rms do not include the constant part, peaks include it.
 
 {part_specs.explained("load", "spring")}
 e.g. pinpress balance zxn2_3000b --speed 70 --region crank:radius=0.3 --region rod:radius=0.3,mass=0/200 --minimise range:shaking_force:z
@@ -51,11 +51,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `balance` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "balance",
-        help="find the counterweights that make shaking forces, torque or bearing forces least",
-        description="Find the best counterweights of a press that turns at constant speed, or with --motion as a table says, and prove\n"
-        "that none are better. Prints them, the limits that hold the optimum back, and all forces before and after. With --out it also\n"
+        help="find the counterweights that minimise shaking forces, torque or bearing forces",
+        description="Find the best counterweights of a press that turns at constant speed, or with --motion by a table, and prove that\n"
+        "they are optimal. Prints them, the limits that are active, and all forces before and after. With --out it also\n"
         "writes balanced.urdf, balance.csv (forces before and after, SI units) and counterweights.csv; with --report also report.html,\n"
-        "the balanced press with its curves, those before balancing dashed.",
+        "the balanced press with its curves (dashed: before balancing).",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -67,23 +67,25 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         action="append",
         default=[],
         metavar="KG",
-        help="mass of an upper die in the slide's centre of mass (default: none); may be given several times, as --speed may",
+        help="mass of an upper die in the slide's centre of mass (default: no die); may be given several times, like --speed",
     )
     option(
         "--setting",
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="how the press is set up, by a parameter of its pin table, such as r=10 for another stroke, several with commas;"
-        " may be given several times, as --die may",
+        help="setting of the press by a parameter of its pin table, such as r=10 for another stroke, several with commas;"
+        " may be given several times, like --die",
     )
     add_balance_options(parser, required=True)
     add_force_options(parser, friction=False, stiffness=False)
     add_refused_option(
-        parser, "--friction", "balancing needs forces that are linear in the masses, and with friction they are not: leave it out"
+        parser, "--friction", "balancing needs forces that are linear in the masses; friction makes them nonlinear: leave it out"
     )
     for name in ("--motor", "--flywheel"):
-        add_refused_option(parser, name, "balancing is at constant speed, where motor and flywheel act on no link: leave it out")
+        add_refused_option(
+            parser, name, "balancing is at constant speed, where motor and flywheel have no effect on the links: leave it out"
+        )
     option("--points", type=int, metavar="N", help="number of crank angles of the period (default: 360 a turn)")
     add_press_options(parser)
     add_out_option(parser, "the files")
@@ -92,13 +94,13 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the counterweights with what they do, and write the files.
+    """Print the counterweights with their effects, and write the files.
 
     Raises:
-        PinpressError: Words name no region or criterion, --report is given without --out, or computing or writing fails.
+        PinpressError: An option names no region or criterion, --report is given without --out, or computing or writing fails.
     """
     if options.out is None and options.report:
-        raise PinpressError("--report needs a folder to write into: give --out DIR too")
+        raise PinpressError("--report needs a folder to write into: also give --out DIR")
     acting = loads(options)
     as_drawn = load_as_drawn(options)
     press = with_zero(as_drawn, options.zero)
@@ -122,7 +124,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _set_up(press: Linkage, options: argparse.Namespace) -> list[tuple[Linkage, str]]:
-    """The press in each setting, and that in words; where there are none the press itself."""
+    """The press in each setting, and the setting as text; without settings the press itself."""
     found = []
     for words in options.setting:
         refuse_without_table(options.file, f"--setting {words}")
@@ -134,13 +136,13 @@ def _set_up(press: Linkage, options: argparse.Namespace) -> list[tuple[Linkage, 
 
 
 def _with_dies(press: Linkage, dies: Sequence[float], behind: str) -> list[tuple[Linkage, str]]:
-    """The press with each upper die [kg], and the die in words, ``behind`` others; where there are none the press itself."""
+    """The press with each upper die [kg], and the die as text after ``behind``; without dies the press itself."""
     if not dies:
         return [(press, "")]
     if press.slide is None:
-        raise PinpressError(f"--die: {press.name} has no slide to fix a die to: leave it out")
+        raise PinpressError(f"--die: {press.name} has no slide to fix a die to: leave --die out")
     if not all(mass >= 0 for mass in dies):
-        raise PinpressError(f"--die {min(dies):g}: the mass of a die is not negative; write e.g. --die 300")
+        raise PinpressError(f"--die {min(dies):g}: the mass of a die cannot be negative; write e.g. --die 300")
     return [(with_die(press, mass, press.slide), f"{behind}die of {mass:g} kg") for mass in dies]
 
 
@@ -161,26 +163,26 @@ def add_balance_options(parser: argparse.ArgumentParser, *, required: bool) -> N
         required=required,
         default=[],
         metavar="CRITERION[=WEIGHT]",
-        help="criterion to minimise, see below; may be given several times: each counts relative to before, times its weight (default: 1)",
+        help="criterion to minimise, see below; may be given several times: each counts relative to its value before, times its weight (1)",
     )
     option(
         "--limit",
         action="append",
         default=[],
         metavar="CRITERION=MOST",
-        help="most of a criterion, in its SI unit or with one of its own, e.g. 12kN; may be given several times",
+        help="upper limit of a criterion, in its SI unit or with a unit, e.g. 12kN; may be given several times",
     )
 
 
 def balanced_by(press: Linkage, conditions: Sequence[OperatingCondition], options: argparse.Namespace) -> BalancedPress:
-    """The press with the best counterweights by `add_balance_options`; raises `PinpressError` where words name no region or criterion."""
+    """Balance a press by `add_balance_options`; raises `PinpressError` if an option names no region or criterion."""
     regions = [_region(words) for words in options.region]
     minimise, limits = _objective(options.minimise), _by_target("--limit", options.limit, "")
     return balance(press, conditions, regions=regions, minimise=minimise, limits=limits)
 
 
 def _inputs(balanced: BalancedPress, options: argparse.Namespace) -> Inputs:
-    """What the balance was computed from, in words; regions and criteria as they were given."""
+    """Inputs of the balance as text; regions and criteria as given."""
     return [
         *of_press(balanced.original),
         *(("motion", motion_in_words(condition.motion)) for condition in balanced.conditions),
@@ -215,7 +217,7 @@ def _write(balanced: BalancedPress, as_drawn: Linkage, folder: Path, with_report
 
 
 def _region(words: str) -> CounterweightRegion:
-    """The region that words such as ``rod:radius=0.3,mass=0/200`` mean."""
+    """Read a region from a text such as ``rod:radius=0.3,mass=0/200``."""
 
     def wrong(problem: str) -> PinpressError:
         return PinpressError(f"--region {words}: {problem}; it takes {REGION}; write e.g. --region crank:radius=0.3,mass=0/200")

@@ -1,4 +1,4 @@
-"""`pinpress new` and `pinpress build`: a pin table to start from; a press from a pin table, as URDF and as a sketch."""
+"""`pinpress new` and `pinpress build`: write a template of a pin table; build a press from a pin table, as URDF and as a sketch."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     _add_new(commands)
     parser = commands.add_parser(
         "build",
-        help="a press from a table of pins: a URDF and a sketch",
-        description="Make a press from a pin table and write its URDF and a sketch of the drawn pose beside the table.",
+        help="build a press from a table of pins: a URDF and a sketch",
+        description="Build a press from a pin table and write its URDF and a sketch of the drawn pose next to the table.",
         epilog="other commands take the table itself too: pinpress analyse press.yaml --speed 60 --set r=150",
     )
     option = parser.add_argument
     option("file", metavar="TABLE", help="pin table (.yaml); `pinpress new` writes one to start from")
     option("parameters", metavar="NAME=VALUE", nargs="*", help="another value of a parameter of the table, such as r=150")
     add_slide_option(parser)
-    add_refused_option(parser, "--set", "build takes values behind the table: pinpress build press.yaml r=150")
+    add_refused_option(parser, "--set", "build takes values after the table: pinpress build press.yaml r=150")
     option("--out", type=Path, metavar="FILE", help="the URDF; default: the table's name with .urdf. The sketch has its name with .svg")
     parser.set_defaults(run=run)
 
@@ -42,26 +42,26 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 def _add_new(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "new",
-        help="a pin table to start from",
-        description="Write a pin table with comments, whose lengths are parameters, to be changed into your press.",
+        help="write a template of a pin table",
+        description="Write a pin table with comments. Its lengths are parameters; change them to describe your press.",
     )
     option = parser.add_argument
-    option("file", metavar="TABLE", type=Path, help="what to write, such as press.yaml; it must not be there yet")
+    option("file", metavar="TABLE", type=Path, help="new file, such as press.yaml; it must not exist")
     option("--template", choices=TEMPLATES, default=TEMPLATES[0], help=f"kind of press (default: {TEMPLATES[0]})")
     parser.set_defaults(run=run_new)
 
 
 def run_new(options: argparse.Namespace) -> int:
-    """Write a table to start from.
+    """Write a template of a pin table.
 
     Returns:
         The exit code, 0.
 
     Raises:
-        PinpressError: the file is there already, or cannot be written.
+        PinpressError: the file exists already, or cannot be written.
     """
     if options.file.suffix not in (".yaml", ".yml"):
-        raise PinpressError(f"{options.file} does not end in .yaml: name it so, as pin tables are YAML")
+        raise PinpressError(f"{options.file} does not end in .yaml: pin tables are YAML files, so give a name with .yaml")
     if os.path.exists(options.file):
         raise PinpressError(f"{options.file} is there already: give another name")
     files.write(options.file, template(options.template))
@@ -70,20 +70,20 @@ def run_new(options: argparse.Namespace) -> int:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write URDF and sketch, and print what was made of the table.
+    """Write URDF and sketch, and print the press of the table.
 
     Returns:
         The exit code, 0.
 
     Raises:
-        PinTableError: the table makes no press; where lengths do not meet, the sketch that is written shows why.
-        PinpressError: the press cannot move as it should, or a file cannot be written.
+        PinTableError: the table makes no press; if lengths do not meet, the written sketch shows why.
+        PinpressError: the press cannot move, or a file cannot be written.
     """
     from ..pin_table import building  # with a parser and shapes that other commands do without
 
     out = options.out or Path(options.file).with_suffix(".urdf")
     if out.suffix == ".svg":
-        raise PinpressError(f"--out is {out}: give the URDF's name, press.urdf; the sketch stands beside it")
+        raise PinpressError(f"--out is {out}: give the URDF's name, press.urdf; the sketch is written next to it")
     sketch = out.with_suffix(".svg")
     try:
         draft = drawn(options.file, options.parameters, option="")
@@ -93,7 +93,7 @@ def run(options: argparse.Namespace) -> int:
             raise PinpressError(f"{error} (drawn in {sketch})") from error
         raise
     if os.path.isfile(out) and building.MARK not in files.read(out, MOST_BYTES):
-        raise PinpressError(f"{out} is there already, and no pin table made it: give another name by --out")
+        raise PinpressError(f"{out} is there already, and was not written from a pin table: give another name by --out")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PinpressWarning)  # `check` says them, with lines of the URDF that is written
         press = draft.press(slide=options.slide)
@@ -106,7 +106,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _other_places(draft: DrawnPress, slide: str | None) -> list[str]:
-    """What another side would have given, for each pin that lengths allow to be elsewhere."""
+    """Results of the other side, for each pin whose lengths allow another place."""
     if not (others := list(draft.other_places())):
         return []
     rows = [["", f"is at [{draft.unit}]", "might be at", "with that"]]
@@ -117,7 +117,7 @@ def _other_places(draft: DrawnPress, slide: str | None) -> list[str]:
 
 
 def _with_other_place(draft: DrawnPress, pin: str, slide: str | None) -> str:
-    """Stroke and least transmission angle with a pin in its other place, or why there are none."""
+    """Stroke and least transmission angle with a pin in its other place, or the reason why the press does not work."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PinpressWarning)
         try:

@@ -1,4 +1,4 @@
-"""`pinpress check`: how a press moves, and everything that is wrong with its file, odd in it, or worth knowing."""
+"""`pinpress check`: report how a press moves, with the errors, doubts and notes about its file."""
 
 import argparse
 from collections.abc import Sequence
@@ -14,25 +14,23 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `check` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "check",
-        help="stroke, dead centres and bearings of a press, and all that is wrong with its file or odd in it",
-        description="Say how a press moves: stroke, dead centres, sense of rotation, masses, bearings, transmission angles. List what is\n"
-        "wrong with its file, with line and remedy: names, numbers, inertias, how links are connected, whether the loops close as drawn\n"
-        "and the driver determines them; then what is odd in it, and what is worth knowing. Of a file with errors it says what it can.",
+        help="stroke, dead centres and bearings of a press, and all errors and doubts about its file",
+        description="Report how a press moves: stroke, dead centres, sense of rotation, masses, bearings, transmission angles. List the\n"
+        "errors of its file, with line and remedy: names, numbers, inertias, connections of links, loops that do not close as drawn or\n"
+        "that the driver does not determine. Then list doubts and notes. For a file with errors the report is as complete as possible.",
         epilog="exit code: 0 without errors (there may be warnings), 1 with errors, 2 for wrong usage",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_reading_options(parser)
-    add_refused_option(
-        parser, "--zero", "check says where the dead centres are in the angles of the file; pinpress analyse counts from them"
-    )
+    add_refused_option(parser, "--zero", "check reports the dead centres in the angles of the file; pinpress analyse can count from them")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print what is found.
+    """Print the report.
 
     Returns:
-        The exit code: 1 where there are errors, else 0.
+        The exit code: 1 if there are errors, else 0.
 
     Raises:
         PinpressError: There is no such file, driver or slide.

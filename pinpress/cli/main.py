@@ -17,10 +17,10 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command.
 
     Args:
-        arguments: words behind ``pinpress``; by default those of this process.
+        arguments: words after ``pinpress``; by default the arguments of this process.
 
     Returns:
-        The exit code: 2 with one line on stderr where the input is at fault, 1 where `check` finds errors, others see
+        The exit code: 2 with one line on stderr if the input is wrong, 1 if `check` finds errors; other codes see
         `command_end.ended`.
     """
     return ended("pinpress", lambda: _run(arguments))
@@ -42,7 +42,7 @@ def _parser() -> argparse.ArgumentParser:
     for command in COMMANDS:
         command.add(commands)
     for subparser in commands.choices.values():
-        subparser.allow_abbrev = False  # a part of an option's name could be meant for another one
+        subparser.allow_abbrev = False  # an abbreviation could stand for another option
     return parser
 
 

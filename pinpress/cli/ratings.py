@@ -1,4 +1,4 @@
-"""`pinpress ratings`: the force, energy and speed that a press may be used with."""
+"""`pinpress ratings`: find the permissible force, energy and speed of a press."""
 
 from __future__ import annotations
 
@@ -39,23 +39,23 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 EPILOG = f"""\
-numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min, of a driver that slides in mm/s.
+Numbers are in SI units, heights above bottom dead centre in m; the speed is in r/min, or in mm/s for a sliding driver.
 e.g. pinpress ratings zxn2_3000b --speed 70 --nominal-force 3000e3 --nominal-height 0.013 --flywheel 2000 --speed-drop 0.2 --bearing A=2e6
      --out out
 
-springs and point forces act beside the process, and go with --at-speed.
+Springs and point forces act in addition to the process, and need --at-speed.
 
 {part_specs.explained("load", "spring", "friction")}"""
 NUMBERS = {
-    "nominal-height": ("H", "m", "height from which down the crank's torque lets the nominal force act"),
+    "nominal-height": ("H", "m", "below this height the crank's torque allows the nominal force"),
     "speed-drop": ("D", "-", "largest drop of the flywheel's speed in a stroke, a fraction, e.g. 0.2"),
-    "motor-power": ("W", "W", "that restores the energy in continuous use; leave it out for single strokes"),
-    "slide-acceleration": ("A", "m/s2", "largest that tool and feed allow"),
-    "shaking-force": ("N", "N", "largest on the foundation, the weight left out"),
-    "contact-height": ("H", "m", "where the tool meets the work; default: the nominal height"),
+    "motor-power": ("W", "W", "power that restores the energy in continuous use; leave it out for single strokes"),
+    "slide-acceleration": ("A", "m/s2", "largest acceleration that tool and feed allow"),
+    "shaking-force": ("N", "N", "largest force on the foundation, weight excluded"),
+    "contact-height": ("H", "m", "height where the tool meets the work; default: the nominal height"),
     "dwell-tolerance": ("H", "m", "distance from bottom dead centre that counts as dwell; default: a hundredth of the stroke"),
 }
-POINTS = 720  # of a turn, over which the process is looked at
+POINTS = 720  # crank angles of a turn at which the process is checked
 POINTS_OF_STROKE = 181  # crank angles of the working stroke
 NOT_CAPACITIES = ("contact_height", "dwell_tolerance")
 
@@ -65,9 +65,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "ratings",
         help="permissible force over the slide's height, energy, and highest speed",
-        description="Print the force that a press may exert at each height, limited by torque, bearings and energy, and its top speed;\n"
-        "with --motion the force that it may exert in each state of that, limited by torques and bearings, of one driver or several.\n"
-        "With --out also writes ratings.csv (SI units) and, where Matplotlib is installed, ratings.png.",
+        description="Print the permissible force of a press at each height, limited by torque, bearings and energy, and its top speed.\n"
+        "With --motion print the permissible force in each state of the motion, limited by the torques of all drivers and by bearings.\n"
+        "With --out also writes ratings.csv (SI units) and, if Matplotlib is installed, ratings.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -76,7 +76,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     add_capacity_options(parser, required=True)
     add_flywheel_option(parser, "goes with --speed-drop")
     add_force_options(parser, stiffness=False)
-    add_refused_option(parser, "--motor", "ratings take the power of the motor: give --motor-power")
+    add_refused_option(parser, "--motor", "ratings need only the power of the motor: give --motor-power")
     option(
         "--points",
         type=int,
@@ -92,17 +92,19 @@ def run(options: argparse.Namespace) -> int:
     """Print the ratings, and write the files.
 
     Raises:
-        PinpressError: the capacity of a bearing is no positive number, one of flywheel and speed drop is missing, or computing or
+        PinpressError: the capacity of a bearing is not a positive number, one of flywheel and speed drop is missing, or computing or
             writing fails.
     """
     if (options.flywheel is None) != (options.speed_drop is None):
-        raise PinpressError("--flywheel and --speed-drop go together, as an energy: give both, e.g. --speed-drop 0.2, or neither")
+        raise PinpressError(
+            "the energy of a flywheel needs --flywheel and --speed-drop: give both, e.g. --speed-drop 0.2, or leave both out"
+        )
     acting = loads(options)
     beside, process_loads = ([load for load in acting if isinstance(load, StandingLoad) == so] for so in (True, False))
     press = load_press(options)
     if options.motion is not None:
         return _along_motion(press, options, beside, process_loads)
-    refuse_without_motion(press, "one speed does not say how they move together")
+    refuse_without_motion(press, "one speed does not determine the motion of several drivers")
     friction = part_specs.frictions(options.friction, press)
     coordinate = press.driver_coordinates[0]
     speed = options.speed.of(coordinate)
@@ -124,7 +126,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _along_motion(press: Linkage, options: argparse.Namespace, beside: Sequence[Load], process_loads: Sequence[Load]) -> int:
-    """Print the permissible force in a motion that is given, and write it; arguments as in `run`."""
+    """Print the permissible force in a given motion, and write it; arguments as in `run`."""
     motion, friction = motion_of(press, options, None), part_specs.frictions(options.friction, press)
     found = rated_along(press, motion, options, beside, friction)
     process = inverse_dynamics(press, motion, process_loads, bearings=()) if process_loads else None
@@ -144,7 +146,7 @@ def _along_motion(press: Linkage, options: argparse.Namespace, beside: Sequence[
 def rated_along(
     press: Linkage, motion: Motion, options: argparse.Namespace, loads: Sequence[Load], friction: Mapping[str, Friction]
 ) -> MotionRatings:
-    """The ratings of a press along a motion by `add_capacity_options`; other arguments and errors as of `rated`."""
+    """Rate a press along a motion by `add_capacity_options`; other arguments and errors as for `rated`."""
     refuse_beside_motion(options, "flywheel", "at_speed", *(name.replace("-", "_") for name in NUMBERS))
     capable = {name: effort.of(coordinate) for name, effort, coordinate in _efforts(press, options)}
     bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")
@@ -153,7 +155,7 @@ def rated_along(
 
 
 def _efforts(press: Linkage, options: argparse.Namespace) -> list[tuple[str, OfDriver, DriverCoordinate]]:
-    """Names of drivers with what --torque says of each, and their coordinates."""
+    """Names of drivers, their values of --torque, and their coordinates."""
     given = by_driver(press, "--torque", options.torque, "=5e3")
     return [(name, effort, press.driver_coordinates[press.drivers.index(name)]) for name, effort in given.items()]
 
@@ -170,7 +172,7 @@ def add_capacity_options(parser: argparse.ArgumentParser, *, required: bool) -> 
         action="append",
         default=[],
         metavar="NM",
-        help="torque capacity at the driver joint, in place of --nominal-height; force capacity of a driver that slides [N]; of several"
+        help="torque capacity at the driver joint, in place of --nominal-height; force capacity of a sliding driver [N]; with several"
         " drivers A=NM, given several times",
     )
     option(
@@ -184,7 +186,7 @@ def add_capacity_options(parser: argparse.ArgumentParser, *, required: bool) -> 
 
 
 def capacities_given(options: argparse.Namespace) -> list[str]:
-    """The options of `add_capacity_options` that are given beside the nominal force."""
+    """The given options of `add_capacity_options` except the nominal force."""
     names = [*NUMBERS, "torque", "bearing", "at-speed"]
     return [f"--{name}" for name in names if getattr(options, name.replace("-", "_")) not in (None, [], False)]
 
@@ -192,17 +194,17 @@ def capacities_given(options: argparse.Namespace) -> list[str]:
 def rated(
     press: Linkage, options: argparse.Namespace, loads: Sequence[Load], friction: Mapping[str, Friction], points: int = POINTS_OF_STROKE
 ) -> PressRatings:
-    """The ratings of a press by `add_capacity_options`.
+    """Rate a press by `add_capacity_options`.
 
     Args:
         press: the press.
-        options: those of `add_capacity_options`, with --speed and --flywheel, which counts as an energy where --speed-drop is given.
-        loads: springs and forces at points that act beside the process.
-        friction: of bearings and guides.
+        options: options of `add_capacity_options`, with --speed and --flywheel (an energy limit if --speed-drop is given).
+        loads: springs and forces at points that act in addition to the process.
+        friction: friction of bearings and guides.
         points: number of crank angles in the working stroke.
 
     Raises:
-        PinpressError: a capacity is none, or the press cannot be rated.
+        PinpressError: a capacity is wrong, or the press cannot be rated.
     """
     given = {name.replace("-", "_"): getattr(options, name.replace("-", "_")) for name in NUMBERS}
     extra = {name: given.pop(name) for name in NOT_CAPACITIES}
@@ -218,7 +220,7 @@ def rated(
 
 
 def permitted(process: Reactions, found: PressRatings | MotionRatings) -> Section:
-    """What the process takes of what is permitted, its force and its work."""
+    """Shares of the process in the permissible force and energy."""
     peaks = at_peaks(process).reactions if isinstance(found, PressRatings) else process
     shares = found.utilisation(peaks)
     at = int(np.argmax(shares))
@@ -230,7 +232,7 @@ def permitted(process: Reactions, found: PressRatings | MotionRatings) -> Sectio
 
 
 def _write(found: PressRatings, process: Reactions | None, folder: Path) -> None:
-    """Write the files and say so."""
+    """Write the files, and print their names."""
     found.to_csv(folder / "ratings.csv")
 
     def draw() -> dict[str, Figure]:

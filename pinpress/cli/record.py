@@ -1,4 +1,4 @@
-"""`pinpress record`: one period of a press as a page, a film or a picture."""
+"""`pinpress record`: show one period of a press as a page, a film or a picture."""
 
 import argparse
 import contextlib
@@ -33,7 +33,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "record",
         help="a page, film or picture of a press turning, with its forces",
-        description="Turn a press through one period at constant speed, or with --motion as a table says, and write it as a page to open\n"
+        description="Turn a press through one period at constant speed, or with --motion by a table, and write it as a page to open\n"
         "by double click (--out), a film (--video) or a picture (--png). Process, bearing and shaking forces are drawn as arrows.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -48,7 +48,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         type=_place,
         default="0",
         metavar="DEG",
-        help="crank angle of the picture, position in mm of a driver that slides; with --motion the time in s from the start (default: 0)",
+        help="crank angle of the picture, or position of a sliding driver in mm; with --motion time from the start in s (default: 0)",
     )
     option("--size", type=_size, metavar="WxH", help="size of film and picture, in pixels (default: 1280x720 and 1280x960)")
     option("--fps", type=int, default=30, metavar="N", help="frames per second of the film (default: %(default)s)")
@@ -56,12 +56,12 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "--slowdown",
         type=float,
         metavar="X",
-        help="factor by which the film is slower than the press; 1: real time (default: so that a period takes at least 4 s)",
+        help="factor by which the film is slower than the press; 1: real time (default: a period takes at least 4 s)",
     )
     option("--repeats", type=int, default=1, metavar="N", help="periods in the film (default: %(default)s)")
     add_force_options(parser)
     for name in ("--motor", "--flywheel"):
-        add_refused_option(parser, name, "a recording is of a given motion: pinpress simulate ... --out DIR records a run under a motor")
+        add_refused_option(parser, name, "record needs a given motion: pinpress simulate ... --out DIR records a run under a motor")
     add_trace_option(parser)
     option("--no-forces", dest="forces", action="store_false", help="leave the forces out")
     option("--points", type=int, metavar="N", help="number of crank angles of the period (default: 360 a turn)")
@@ -70,7 +70,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write what was asked for, and say so on stdout.
+    """Write the requested files, and print their names.
 
     Raises:
         PinpressError: No file is asked for, or computing or writing fails.
@@ -79,12 +79,12 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError("nothing to write: give --out page.html, --video film.mp4 or --png picture.png")
     paths = [path.absolute() for path in (options.out, options.video, options.png) if path is not None]
     if len(set(paths)) < len(paths):
-        raise PinpressError("--out, --video and --png name one file: give each its own")
+        raise PinpressError("--out, --video and --png name the same file: give different names")
     from ..visual.film import film, image  # slow to import
     from ..visual.recording import key_frames, record
 
     if not options.forces and (options.load or options.spring or options.friction or options.stiffness):
-        raise PinpressError("--no-forces leaves out what loads, springs and friction would show: leave out either")
+        raise PinpressError("--no-forces hides the forces of loads, springs and friction: leave it out, or leave these out")
     press = load_press(options)
     acting = forces(options, press)
     coordinate = press.driver_coordinates[0]
@@ -144,5 +144,5 @@ def _place(text: str) -> OfDriver:
 def _size(words: str) -> tuple[int, int]:
     width, by, height = words.partition("x")
     if not (by and width.isdecimal() and height.isdecimal()):
-        raise argparse.ArgumentTypeError(f"{words!r} is no size; give width and height in pixels, e.g. 1280x720")
+        raise argparse.ArgumentTypeError(f"{words!r} is not a size: give width and height in pixels, e.g. 1280x720")
     return int(width), int(height)

@@ -1,4 +1,4 @@
-"""`pinpress report`: all that a press does, on one page."""
+"""`pinpress report`: all results of a press on one page."""
 
 from __future__ import annotations
 
@@ -39,18 +39,18 @@ POINTS = 720  # of a turn
 MOST_STATES = 100_000  # of a period, for the vibration of the frame
 SPEEDS = 61  # at which the press on its mounts is shown
 EPILOG = f"""\
-Each of these adds its part to the page: --load (the process), --nominal-force and other capacities (ratings), --motor with --flywheel (the
-steady state under it), --stiffness (the elastic press, with
---preloaded-joint too), --region with --minimise (the best counterweights), --frame with --mount, of
-springs or with --pad of rubber, or --frame with a frame file (loads of the mounts, modes, vibration and force on the floor; with
---speed-range these over the speed, with --lift-off where the mounts only press).
---frame-point NAME:X,Y,Z is a point of the frame in m in world axes, NAME:PART:X,Y,Z one of a part of it (crown, motor, an interface); of a
-frame that bends PART or NAME:PART is an interface.
+Each of these options adds a part to the page: --load (the process), --nominal-force and other capacities (ratings), --motor with --flywheel
+(the steady state under the motor), --stiffness (the elastic press, also with
+--preloaded-joint), --region with --minimise (the best counterweights), --frame with --mount (springs,
+or rubber with --pad) or with a frame file (loads of the mounts, modes, vibration and force on the floor; with
+--speed-range over the speed, with --lift-off for mounts that only press).
+--frame-point NAME:X,Y,Z is a point of the frame in m in world axes. NAME:PART:X,Y,Z is a point of a part (crown, motor, an interface). On
+a flexible frame PART or NAME:PART is an interface.
 regions: {balance.REGION}
 criteria: {balance.CRITERION}; see pinpress balance --help
 
 {part_specs.explained("load", "spring", "friction", "motor", "joint", "mount")}\
---pad, the rubber pad at each --mount, which then is point= alone; hardness in Shore A, 20 to 80, or shear_modulus:
+--pad, the rubber pad at each --mount (then a mount has only point=); hardness in Shore A, 20 to 80, or shear_modulus:
   {part_specs.keys(part_specs.PAD)}
   e.g. --pad {part_specs.PAD.example} --mount {part_specs.PLACE.example}
 
@@ -64,31 +64,31 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Put `report` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "report",
-        help="one page with all that a press does: it moves beside the charts of its motion, forces and ratings",
-        description="Turn a press through one period at constant speed, or with --motion as a table says, and write a page to open by\n"
-        "double click: the press turning with its forces, charts that follow it, and all that it was computed from.",
+        help="one page with all results of a press: the moving press next to charts of its motion, forces and ratings",
+        description="Turn a press through one period at constant speed, or with --motion by a table, and write a page to open by\n"
+        "double click: the press turning with its forces, charts that follow it, and all inputs.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
     add_motion_options(parser)
     option("--out", type=Path, metavar="HTML", help="write this page")
-    option("--pdf", type=Path, metavar="PDF", help="print it to this file (needs Chromium and pip install 'pinpress[video]')")
+    option("--pdf", type=Path, metavar="PDF", help="print the page to this file (needs Chromium and pip install 'pinpress[video]')")
     add_force_options(parser)
     add_joint_option(parser)
     ratings.add_capacity_options(parser, required=False)
-    option("--motor", metavar="KIND:KEYS", help="motor, see below: the page shows the steady state under it, with loads and flywheel, too")
+    option("--motor", metavar="KIND:KEYS", help="motor, see below: the page also shows the steady state under it, with loads and flywheel")
     add_flywheel_option(parser, "with --motor, and with --speed-drop as an energy of the ratings")
     balance.add_balance_options(parser, required=False)
     add_mount_options(parser, "the page shows its modes, and its vibration at this speed or in this motion")
     option("--pad", metavar="KEYS", help="the rubber pad at each mount, see below")
-    help = "show the vibration of this point of the frame too, see below; may be given several times"
+    help = "also show the vibration of this point of the frame, see below; may be given several times"
     option("--frame-point", type=frame_point, metavar="NAME:X,Y,Z", action="append", default=[], help=help)
-    help = "write a page in which the frame swings in its lowest modes, magnified; with rotors at the highest speed shown"
+    help = "write a page in which the frame swings in its lowest modes, magnified; with rotors at the highest speed of the page"
     option("--modes", type=Path, metavar="HTML", help=help)
-    help = "show the vibration of the idle press from one crank speed to another too, in r/min"
+    help = "also show the vibration of the idle press from one crank speed to another, in r/min"
     option("--speed-range", type=speed_range, metavar="LOW,HIGH", help=help)
-    help = "the mounts press and do not pull: show the vibration over so many strokes, with feet that lift off, too"
+    help = "the mounts press and do not pull: also show the vibration over this number of strokes, with feet that lift off"
     option("--lift-off", type=int, metavar="STROKES", help=help)
     add_before_option(parser)
     add_trace_option(parser)
@@ -98,7 +98,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write the page, and say so on stdout.
+    """Write the page, and print its name.
 
     Raises:
         PinpressError: Options do not go together, or computing or writing fails.
@@ -112,7 +112,7 @@ def run(options: argparse.Namespace) -> int:
 
     _refuse_what_is_incomplete(options)
     press = load_press(options)
-    _ = traced(press, options.trace)  # a wrong one is found before the work
+    _ = traced(press, options.trace)  # refuse a wrong point before the work
     if options.frame is not None and options.motion is None:
         press.refuse_sliding_driver("--frame shows the vibration over turns of a crank: leave it out, or give --motion")
     acting, motion = forces(options, press), motion_of(press, options, options.speed, POINTS)
@@ -148,28 +148,30 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _refuse_what_is_incomplete(options: argparse.Namespace) -> None:
-    """Raise PinpressError where an option is given without the one that it belongs to."""
+    """Refuse an option that is given without the option that it needs."""
     refuse_beside_motion(options, "flywheel", "motor")
     beside = ratings.capacities_given(options)
     if options.nominal_force is None and beside:
-        raise PinpressError(f"{beside[0]} is for the ratings: give --nominal-force too, the largest process force at any height")
+        raise PinpressError(f"{beside[0]} is for the ratings: also give --nominal-force, the largest process force at any height")
     if options.flywheel is None and options.speed_drop is not None:
-        raise PinpressError("--speed-drop is that of a flywheel: give --flywheel too, its inertia")
+        raise PinpressError("--speed-drop needs a flywheel: also give its inertia, --flywheel")
     if options.flywheel is not None and options.motor is None and options.speed_drop is None:
-        raise PinpressError("--flywheel shows at a motor or in the ratings: give --motor, or --nominal-force and --speed-drop")
+        raise PinpressError("--flywheel alone has no effect on the page: also give --motor, or --nominal-force and --speed-drop")
     if bool(options.region) != bool(options.minimise) or (options.limit and not options.region):
-        raise PinpressError("--region, --minimise and --limit go together, to balance the press: give --region and --minimise, or none")
+        raise PinpressError("balancing needs --region and --minimise (and takes --limit): give both, or leave all three out")
     beside = [name for name in ("pad", "frame_point", "speed_range", "lift_off", "modes") if getattr(options, name) not in (None, [])]
     if options.frame is None and not options.mount and beside:
-        raise PinpressError(f"--{beside[0].replace('_', '-')} is for the press on its mounts: give --frame and every --mount too")
+        raise PinpressError(f"--{beside[0].replace('_', '-')} is for the press on its mounts: also give --frame and every --mount")
     if options.region and options.friction:
-        raise PinpressError("--region: balancing needs forces linear in the masses, and with friction they are not: leave out either")
+        raise PinpressError(
+            "--region: balancing needs forces that are linear in the masses; friction makes them nonlinear: leave out one of them"
+        )
 
 
 def _results(
     press: Linkage, reactions: Reactions, acting: Forces, system: MountedPress | None, options: argparse.Namespace
 ) -> Iterator[Tabular]:
-    """What the options ask for beside motion and forces."""
+    """The results that the options request in addition to motion and forces."""
     coordinate, loads = press.driver_coordinates[0], acting["loads"]
     if options.nominal_force is not None and options.motion is not None:
         standing = [load for load in loads if isinstance(load, StandingLoad)]
@@ -205,7 +207,7 @@ def _results(
 
 
 def _resolved(system: MountedPress, reactions: Reactions, acting: Forces, options: argparse.Namespace) -> Reactions:
-    """The reactions over a period of as many states as the vibration needs: more than the page has where a blank breaks through."""
+    """The reactions over a period with enough states for the vibration: more than the page has if a blank breaks."""
     from ..foundation.response import states_that_resolve  # seldom needed
 
     if options.motion is not None:  # its states are those of the table
@@ -217,7 +219,7 @@ def _resolved(system: MountedPress, reactions: Reactions, acting: Forces, option
 
 
 def _on_mounts(system: MountedPress, reactions: Reactions, options: argparse.Namespace) -> Iterator[Tabular]:
-    """What the frame on its mounts does."""
+    """Results of the frame on its mounts."""
     from ..foundation.lifting import lifting_response  # seldom needed
     from ..foundation.mounted_press import modes
     from ..foundation.response import steady_response, time_response
@@ -230,7 +232,7 @@ def _on_mounts(system: MountedPress, reactions: Reactions, options: argparse.Nam
     if options.speed_range is not None:
         low, high = (speed.of(coordinate) for speed in options.speed_range)
         if not 0 < low < high:
-            raise PinpressError("--speed-range takes two positive speeds, the lower one first, e.g. 30,90")
+            raise PinpressError("--speed-range needs two positive speeds, the lower one first, e.g. 30,90")
         speeds, top = np.linspace(low, high, SPEEDS), high
     yield system
     yield modes(system)
@@ -247,7 +249,7 @@ def _on_mounts(system: MountedPress, reactions: Reactions, options: argparse.Nam
 
 
 def shown_points(system: MountedPress) -> dict[str, Any]:
-    """Points whose vibration is shown: the centres of rigid parts, or bed and carrier of a frame that bends; and what stands on it."""
+    """Points whose vibration is shown: centres of rigid parts, or bed and carrier of a flexible frame; and machines on the frame."""
     frame, crown = system.frame, system.crown
     if not isinstance(frame, Frame):
         own: dict[str, Any] = {name: name for name in (frame.carrier, frame.bed)}
@@ -264,7 +266,7 @@ def frame_point(words: str) -> tuple[str, Vector | None]:
 
 
 def _frame_points(system: MountedPress, given: list[tuple[str, Vector | None]]) -> dict[str, Any]:
-    """Points of the frame as options of the command name them, the part before x, y, z and the interface without these included."""
+    """Points of the frame from the options: NAME:X,Y,Z, NAME:PART:X,Y,Z, or an interface without coordinates."""
     found: dict[str, Any] = {}
     for words, place in given:
         head, colon, part = words.rpartition(":")
@@ -284,7 +286,7 @@ def speed_range(words: str) -> tuple[OfDriver, OfDriver]:
     """Reads an option of `argparse`: two speeds of the driver."""
     low, comma, high = words.partition(",")
     if not comma:
-        raise argparse.ArgumentTypeError(f"{words!r} is no range of speeds; give two with a comma between them, e.g. 30,90")
+        raise argparse.ArgumentTypeError(f"{words!r} is not a range of speeds: give two speeds with a comma between them, e.g. 30,90")
     return driver_speed(low), driver_speed(high)
 
 
@@ -296,13 +298,13 @@ def add_nominal_options(parser: argparse.ArgumentParser) -> None:
         "--nominal-height",
         type=quantity("m"),
         metavar="H",
-        help="height from which down the crank's torque lets the nominal force act (default: at any); other limits see pinpress ratings",
+        help="below this height the crank's torque allows the nominal force (default: at any height); other limits see pinpress ratings",
     )
 
 
 def add_before_option(parser: argparse.ArgumentParser) -> None:
     """Option of `press_before`."""
-    help = "another press, or the same pin table without --set, drawn beside this one in the report at the same speed"
+    help = "another press, or the same pin table without --set, for comparison in the report at the same speed"
     parser.add_argument("--before", metavar="FILE", help=help)
 
 
@@ -312,16 +314,16 @@ def add_points_option(parser: argparse.ArgumentParser) -> None:
 
 
 def permissible(press: Linkage, options: argparse.Namespace) -> PressRatings | None:
-    """The permissible force over the height; None where none is given."""
+    """The permissible force over the height; None without a nominal force."""
     if options.nominal_force is None:
         if options.nominal_height is not None:
-            raise PinpressError("--nominal-height is that of a nominal force: give --nominal-force too")
+            raise PinpressError("--nominal-height needs a nominal force: also give --nominal-force")
         return None
     return rate(press, options.speed.of(press.driver_coordinates[0]), Capacities(options.nominal_force, options.nominal_height))
 
 
 def press_before(options: argparse.Namespace) -> Reactions:
-    """Another press at the same speed, under the same forces."""
+    """Compute another press at the same speed, under the same forces."""
     press = load_other(options, options.before, options.slide)
     motion = motion_of(press, options, options.speed, POINTS)
     return inverse_dynamics(press, motion, **forces(options, press))

@@ -1,4 +1,4 @@
-"""`pinpress servo`: the best motion of a servo press, beside those that engineers know; and the smallest motor for it."""
+"""`pinpress servo`: find the best motion of a servo press, compare it with usual motions, and choose the smallest motor."""
 
 from __future__ import annotations
 
@@ -50,10 +50,10 @@ LIMITS: Mapping[str, part_specs.Kind[Any]] = {
 
 def _explained() -> str:
     lines = [
-        "--drive, the motor and its gear; all at the motor's shaft, but gear_inertia:",
+        "--drive, the motor and its gear; all values at the motor's shaft, except gear_inertia:",
         f"  {part_specs.keys(SERVO_DRIVE)}",
         f"  e.g. --drive {SERVO_DRIVE.example}",
-        "--path, where the crank goes in a cycle:",
+        "--path, the path of the crank in a cycle:",
         *tables.table(([f"{name}:", part_specs.keys(kind)] for name, kind in PATHS.items()), [20, 0]),
         "--limit; heights are two of the slide above bottom dead centre, flank is down, up or both:",
         *tables.table(([f"{name}:", part_specs.keys(kind)] for name, kind in LIMITS.items()), [20, 0]),
@@ -62,12 +62,12 @@ def _explained() -> str:
 
 
 EPILOG = f"""\
---time is that of a cycle in s, also as a fraction: 60/25 for 25 cycles a minute. At constant crank speed it would be a turn.
+--time is the time of a cycle in s, also as a fraction: 60/25 for 25 cycles a minute. At constant crank speed a cycle is a turn.
 
 {_explained()}
 
 {part_specs.explained("load", "spring")}
-Give --drive, or a catalogue of --motors with --ratios, of which the smallest motor that suffices is taken: a CSV file with the columns
+Give --drive, or a catalogue of --motors with --ratios to choose the smallest sufficient motor. The catalogue is a CSV file with the columns
   motor, inertia [kg m2], copper loss [W/(N m)2], speed [r/min], rated torque [N m], peak torque [N m]
 and a row for each point of a motor's curves.
 
@@ -80,28 +80,33 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Put `servo` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "servo",
-        help="the motion of a servo press that needs the smallest motor, proved, and which motor that is",
-        description="Find the motion of the crank with the least heat in the motor, time or energy within limits, and prove that none is\n"
-        "better. Prints it beside the motions that engineers know, with the limits that hold it back. With --out it also writes\n"
+        help="find the motion of a servo press that needs the smallest motor, with proof, and choose this motor",
+        description="Find the motion of the crank with the least heat in the motor, time or energy within limits, and prove that it is\n"
+        "optimal. Prints it in comparison with usual motions, with the limits that are active. With --out it also writes\n"
         "servo.csv (the motion, SI units), angle.csv and height.csv (for a controller) and comparison.csv; with --report also\n"
-        "report.html, the press moving so.",
+        "report.html, the press in this motion.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--time", type=cycle_time, metavar="S", help="most time of a cycle [s], see below; not needed with --minimise time")
+    option("--time", type=cycle_time, metavar="S", help="longest time of a cycle [s], see below; not needed with --minimise time")
     option(
         "--minimise",
         choices=("heat", "time", "energy", "peak"),
         default="heat",
-        help="what is to be least: the heat in the motor, the time, the energy drawn, the largest torque (default: %(default)s)",
+        help="quantity to minimise: the heat in the motor, the time, the energy drawn, the largest torque (default: %(default)s)",
     )
     option("--drive", metavar="KEYS", help="motor and gear, see below")
-    option("--motors", type=Path, metavar="CSV", help="catalogue of which the smallest motor that suffices is taken, see below")
-    option("--ratios", type=gear_ratios, metavar="I,I,...", help="gear ratios to try; of --drive the best is taken, in place of its own")
+    option("--motors", type=Path, metavar="CSV", help="catalogue to choose the smallest sufficient motor from, see below")
+    option(
+        "--ratios",
+        type=gear_ratios,
+        metavar="I,I,...",
+        help="gear ratios to try; with --drive the best one replaces the ratio of the drive",
+    )
     option("--gear-inertia", type=quantity("kg m2"), metavar="J", help="inertia of the gears at the crank, with --motors [kg m2]")
     option("--pause", type=quantity("s"), metavar="S", help="pause after each cycle, with --motors: the motor cools [s]")
-    option("--path", metavar="KIND:KEYS", default="turn", help="where the crank goes in a cycle, see below (default: %(default)s)")
+    option("--path", metavar="KIND:KEYS", default="turn", help="path of the crank in a cycle, see below (default: %(default)s)")
     option("--limit", metavar="KIND:KEYS", action="append", default=[], help="limit, see below; may be given several times")
     add_force_options(parser, friction=False, stiffness=False)
     option("--step", type=quantity("s"), default=1e-3, metavar="S", help="step of angle.csv and height.csv (default: %(default)s s)")
@@ -113,23 +118,23 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the best motion beside others, and write the files.
+    """Print the best motion in comparison with others, and write the files.
 
     Raises:
-        PinpressError: Options do not go together, no motion keeps the limits, no motor suffices, or writing fails.
+        PinpressError: Options do not go together, no motion keeps the limits, no motor is sufficient, or writing fails.
     """
-    from ..servo.comparison import compare_motions  # all these to save start-up time, that of all other commands
+    from ..servo.comparison import compare_motions  # imported here to save start-up time of other commands
     from ..servo.sizing import capacitor
     from ..servo.stroke_laws import ready_motions
 
     _refuse_what_does_not_go_together(options)
     press, acting = load_press(options), loads(options)
-    press.refuse_several_drivers("the best motion is that of one crank; give the motion of all to pinpress analyse, --motion FILE")
+    press.refuse_several_drivers("the best motion needs one crank; for several drivers use pinpress analyse --motion FILE")
     path, limits = servo_path(options.path), [limit(words) for words in options.limit]
     choice = _choice(press, acting, path, limits, options) if options.motors is not None else None
     if choice is not None and choice.best is None:
         print(choice)
-        raise PinpressError("none of the motors suffices: give larger ones, other --ratios, more --time or a --pause")
+        raise PinpressError("no motor is sufficient: give larger motors, other --ratios, more --time or a --pause")
     best = _best(press, acting, path, limits, options) if choice is None or choice.best is None else choice.best
     motions = ready_motions(press, best.drive, acting, time=best.motion.duration, path=path, limits=limits)
     compared = compare_motions({f"least {options.minimise}": best.motion, **motions}, limits)
@@ -149,7 +154,7 @@ def cycle_time(text: str) -> float:
     try:
         return read_quantity(above, "s") / read_quantity(below, "-") if slash else read_quantity(text, "s")
     except (ValueError, ZeroDivisionError):
-        raise argparse.ArgumentTypeError(f"{text!r} is no time: give seconds, as 2.4, or 60/25 for 25 a minute") from None
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time: give seconds, as 2.4, or 60/25 for 25 cycles a minute") from None
 
 
 def gear_ratios(text: str) -> list[float]:
@@ -157,17 +162,17 @@ def gear_ratios(text: str) -> list[float]:
     try:
         return [read_quantity(part, "-") for part in text.split(",")]
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} are no ratios: give numbers with commas between them, 40,60,80") from None
+        raise argparse.ArgumentTypeError(f"{text!r} is not a list of ratios: give numbers with commas between them, 40,60,80") from None
 
 
 def servo_path(words: str) -> ServoPath:
-    """The path of a crank that words such as ``stop:bottom=0.15`` mean. Raises as `part_specs.motor`."""
+    """Read the path of a crank from a text such as ``stop:bottom=0.15``. Raises as `part_specs.motor`."""
     made: ServoPath = part_specs.named("--path", PATHS, words)
     return made
 
 
 def limit(words: str) -> Limit:
-    """The limit of a servo motion that words such as ``slide-speed:speed=0.2,heights=60mm/0`` mean. Raises as `part_specs.motor`."""
+    """Read a limit of a servo motion from a text such as ``slide-speed:speed=0.2,heights=60mm/0``. Raises as `part_specs.motor`."""
     made: Limit = part_specs.named("--limit", LIMITS, words)
     return made
 
@@ -176,7 +181,7 @@ def _refuse_what_does_not_go_together(options: argparse.Namespace) -> None:
     if (options.drive is None) == (options.motors is None):
         raise PinpressError(f"give --drive or --motors, one of them; e.g. --drive {SERVO_DRIVE.example}")
     if options.time is None and (options.minimise != "time" or options.motors is not None):
-        raise PinpressError("--time is missing, that of a cycle: give e.g. --time 60/25 for 25 a minute")
+        raise PinpressError("--time of a cycle is missing: give e.g. --time 60/25 for 25 cycles a minute")
     if options.motors is not None and options.ratios is None:
         raise PinpressError("--motors needs the gear ratios to try: give e.g. --ratios 40,60,80")
     if options.motors is not None and options.minimise != "heat":
@@ -187,7 +192,7 @@ def _refuse_what_does_not_go_together(options: argparse.Namespace) -> None:
                 has = ": --drive has it as a key" if name == "gear_inertia" else ": leave it out"
                 raise PinpressError(f"--{name.replace('_', '-')} goes with --motors{has}")
     if options.report and options.out is None:
-        raise PinpressError("--report needs a folder to write into: give --out DIR too")
+        raise PinpressError("--report needs a folder to write into: also give --out DIR")
 
 
 def _choice(press: Linkage, acting: Sequence[Load], path: ServoPath, limits: Sequence[Limit], options: argparse.Namespace) -> MotorChoice:
@@ -225,7 +230,7 @@ def _best(press: Linkage, acting: Sequence[Load], path: ServoPath, limits: Seque
 
 
 def _inputs(press: Linkage, acting: Sequence[Load], options: argparse.Namespace) -> Inputs:
-    """What the motion was computed from, in words; path, drive and limits as they were given."""
+    """Inputs of the motion as text; path, drive and limits as given."""
     given = [("drive", options.drive), ("motors", options.motors), ("path", options.path), *(("limit", words) for words in options.limit)]
     time = [] if options.time is None else [("time", f"{options.time:.6g} s a cycle")]
     return [*of_press(press), *time, *((name, str(words)) for name, words in given if words is not None), *of_loads(acting), stated()]
@@ -239,7 +244,7 @@ def _write(
     parts: Sequence[Tabular],
     options: argparse.Namespace,
 ) -> None:
-    """Write the files and say so."""
+    """Write the files, and print their names."""
     from ..servo.controller import controller_table  # to save start-up time
 
     folder: Path = options.out

@@ -1,4 +1,4 @@
-"""`pinpress simulate`: a press under drive, flywheel and process loads."""
+"""`pinpress simulate`: simulate a press under drive, flywheel and process loads."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from ..elasticity.impacts import ImpactsByTurn
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
-STEADY_POINTS = 720  # states of a turn of the steady state, as of `analyse`: at fewer, peaks of short blows are missed
+STEADY_POINTS = 720  # states of a turn of the steady state, as in `analyse`: fewer states miss peaks of short blows
 EXAMPLE = """\
 e.g. pinpress simulate zxn2_3000b --speed 70 --duration 3 --motor induction:rated_power=75kW,rated_speed=1485,inertia=1.2,ratio=20.7
      --flywheel 6000 --load drawing:force=1000kN,start=10mm --out out --report"""
@@ -53,9 +53,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "simulate",
         help="simulate a press under motor, flywheel and process load",
         description="Simulate a press under drive, flywheel and process loads, or find its steady state. Prints speeds, energies, the\n"
-        "motor's torque, the strokes and the peak force of every bearing, with --stiffness of the press on its springs; with --out also\n"
-        "writes simulation.csv (every quantity at every instant), strokes.csv (one line a stroke, SI units) and recording.html (the press\n"
-        "turning with its forces, a page to open by double click).",
+        "motor's torque, the strokes and the peak force of every bearing. With --stiffness the press runs on springs. With --out also\n"
+        "writes simulation.csv (every quantity at every instant), strokes.csv (a line for each stroke, SI units) and recording.html (the\n"
+        "press turning with its forces, a page to open by double click).",
         epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor', 'clutch', 'elastic', 'mount')}\n{SIGNS}\n\n{EXAMPLE}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -66,8 +66,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         action="append",
         default=[],
         metavar="RPM",
-        help="crank speed at the start, or near that of the steady state, in r/min; of a driver that slides in mm/s; of several drivers"
-        " A=30, once for each that moves (default: 0)",
+        help="crank speed at the start, or near the steady state, in r/min; speed of a sliding driver in mm/s; with several drivers"
+        " A=30, once for each driver that moves (default: 0)",
     )
     option(
         "--angle",
@@ -75,22 +75,22 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         action="append",
         default=[],
         metavar="DEG",
-        help="crank angle at the start, position in mm of a driver that slides; of several drivers A=30 (default: 0)",
+        help="crank angle at the start; position of a sliding driver in mm; with several drivers A=30 (default: 0)",
     )
     until = parser.add_mutually_exclusive_group(required=True)
     until.add_argument("--duration", type=quantity("s"), metavar="S", help="length of the run, in s")
     until.add_argument("--steady", action="store_true", help="find one period of the steady state near --speed")
-    help = "motor or other drive of the crank, see below (default: none); of several drivers A:KIND:KEYS, once for each that has one"
+    help = "motor or other drive of the crank, see below (default: none); with several drivers A:KIND:KEYS, once for each drive"
     option("--motor", metavar="KIND:KEYS", action="append", default=[], help=help)
-    more = "inertia=J,speed=RPM where it turns before a clutch closes; of several drivers A:J, once for each that has one"
+    more = "inertia=J,speed=RPM if it turns before a clutch closes; with several drivers A:J, once for each flywheel"
     add_flywheel_option(parser, more, several=True)
     add_force_options(parser, stiffness=False)
     option("--clutch", metavar="KEYS", help="clutch between flywheel and crank, see below")
     option("--brake", metavar="KEYS", help="brake on the crank, see below")
     add_spring_options(parser)
-    option("--method", choices=METHODS, default="auto", help="method of computation (default: %(default)s, the fastest that serves)")
-    option("--step", type=quantity("s"), metavar="S", help="fixed step of integration, in s (default: steps by error)")
-    help = "relative error of a step (default: 1e-11); of a press on springs that of its displacements (default: 1e-5)"
+    option("--method", choices=METHODS, default="auto", help="method of computation (default: %(default)s, the fastest that can be used)")
+    option("--step", type=quantity("s"), metavar="S", help="fixed step of integration, in s (default: the error controls the steps)")
+    help = "relative error of a step (default: 1e-11); for a press on springs, of its displacements (default: 1e-5)"
     option("--tolerance", type=float, metavar="T", help=help)
     option(
         "--points",
@@ -112,7 +112,7 @@ def run(options: argparse.Namespace) -> int:
     """
     refuse_pages_without_folder(options)
     press = load_press(options, gravity=(0.0, 0.0, -options.gravity))
-    _ = traced(press, options.trace)  # a wrong one is found before the work
+    _ = traced(press, options.trace)  # refuse a wrong point before the work
     acting, friction = loads(options), part_specs.frictions(options.friction, press)
     elastic = springs(options, press)
     done = _run(press, acting, friction, elastic, options)
@@ -121,7 +121,7 @@ def run(options: argparse.Namespace) -> int:
     took = time.perf_counter() - began
     print(f"{done.title}\n\n{written(_sections(done, reactions))}")
     took_words = f"{1e3 * done.stats.wall_time:.1f} ms simulation, {1e3 * took:.1f} ms torque and forces"
-    few = "peaks are those at the states: where a blow falls between two, raise --points"
+    few = "peaks are peaks of the states: if a blow falls between two states, raise --points"
     counted = [Figure("states", f"{len(done.time)}", where=few)] if acting and elastic is not None and not options.steady else []
     print("\n".join(entries([*counted, Figure("time taken", took_words)])))
     print_inputs([*inputs_of(reactions), *(elastic_in_words(elastic) if elastic is not None else [])])
@@ -137,7 +137,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _sections(run: Run, reactions: Reactions) -> list[Section]:
-    """What is printed of a run: all that it shows, its forces, and how well the equations are fulfilled."""
+    """Sections of a printed run: its results, its forces, and the residuals of the equations."""
     forces = [part for part in reactions.described() if part.title not in ("Motion", "Slide", "Process")]
     if isinstance(run, ElasticRun):
         forces = [part for part in forces if part.title == "Checks"]
@@ -147,7 +147,7 @@ def _sections(run: Run, reactions: Reactions) -> list[Section]:
 
 
 def _beside(press: Linkage, run: Run, options: argparse.Namespace) -> list[Tabular]:
-    """What the page of an elastic run shows beside it: its vibrations, or what its journals with clearance do."""
+    """Additional results for the page of an elastic run: its vibrations, or the impacts of journals with clearance."""
     if not (options.report and isinstance(run, ElasticRun)):
         return []
     from ..elasticity.vibration import natural_frequencies  # seldom needed
@@ -158,7 +158,7 @@ def _beside(press: Linkage, run: Run, options: argparse.Namespace) -> list[Tabul
 
 
 def journals(run: ElasticRun) -> list[ImpactsByTurn]:
-    """What the journals of pins with clearance do, of a run of a whole turn or more."""
+    """Impacts of journals with clearance, for a run of at least one turn."""
     from ..elasticity.impacts import journal_impacts  # seldom needed
 
     if abs(run.crank_angle[-1] - run.crank_angle[0]) < 2 * np.pi:
@@ -169,7 +169,7 @@ def journals(run: ElasticRun) -> list[ImpactsByTurn]:
 def _run(
     press: Linkage, acting: Sequence[Load], friction: Mapping[str, Friction], elastic: Elastic | None, options: argparse.Namespace
 ) -> Run:
-    """The run, or one period of the steady state, that the options ask for."""
+    """Compute the run, or one period of the steady state."""
     speeds, angles = _start(press, "--speed", options.speed), _start(press, "--angle", options.angle)
     coordinates = dict(zip(press.drivers, press.driver_coordinates, strict=True))
     motors = by_driver(press, "--motor", [parted(press, words) for words in options.motor], ":constant:value=567")
@@ -190,11 +190,13 @@ def _run(
     clutch = None if options.clutch is None else part_specs.part("--clutch", part_specs.CLUTCH, options.clutch)
     brake = None if options.brake is None else part_specs.part("--brake", part_specs.BRAKE, options.brake)
     if options.steady:
-        press.refuse_sliding_driver("--steady finds the stroke that repeats itself over turns of a crank; give --duration in its place")
+        press.refuse_sliding_driver("--steady needs turns of a crank; give --duration in its place")
         _refuse_beside_steady(press, options, speeds)
     if elastic is not None and (options.method != "auto" or options.step is not None):
         option = "--step" if options.method == "auto" else "--method"
-        raise PinpressError(f"{option} does not go with --stiffness: a press on springs has a method and steps of its own; leave it out")
+        raise PinpressError(
+            f"{option} does not go with --stiffness: a press on springs has a separate method with its steps; leave {option} out"
+        )
     if options.out is not None:
         make_folder(options.out)  # before a run that may be long
     if options.steady:
@@ -216,11 +218,11 @@ def _start(press: Linkage, option: str, given: Sequence[tuple[str, OfDriver]]) -
 
 
 def _refuse_beside_steady(press: Linkage, options: argparse.Namespace, speeds: Sequence[float]) -> None:
-    press.refuse_several_drivers("they have no one stroke that repeats itself; give --duration in place of --steady")
+    press.refuse_several_drivers("several drivers have no common stroke that repeats itself; give --duration in place of --steady")
     for name, absent in (("clutch", None), ("brake", None), ("step", None), ("method", "auto")):
         if getattr(options, name) != absent:
-            raise PinpressError(f"--{name} does not go with --steady: leave it out, or give --duration in place of --steady")
+            raise PinpressError(f"--{name} does not go with --steady: leave --{name} out, or give --duration in place of --steady")
     if not options.motor:
-        raise PinpressError("--steady needs a --motor, which keeps the press running, see --help for its kinds")
+        raise PinpressError("--steady needs a --motor that keeps the press running; its kinds see --help")
     if speeds[0] == 0:
-        raise PinpressError("--steady needs a --speed other than 0, about which the press runs, e.g. --speed 70")
+        raise PinpressError("--steady needs the approximate speed of the press, not 0: --speed, e.g. --speed 70")

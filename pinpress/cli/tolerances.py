@@ -1,4 +1,4 @@
-"""`pinpress tolerances`: how exact the bottom dead centre of a press is, which dimension decides, and the cheapest tolerances."""
+"""`pinpress tolerances`: find the scatter of bottom dead centre, the dimensions that cause it, and the cheapest tolerances."""
 
 from __future__ import annotations
 
@@ -31,21 +31,21 @@ Key = TypeVar("Key", str, float)
 SAMPLES = 100_000
 QUANTITIES = {"height": "bottom dead centre", "top": "top dead centre", "stroke": "the stroke"}
 EPILOG = """\
---dimensions is a table, a CSV file with these columns, of which the first two are needed:
+--dimensions is a table, a CSV file with these columns; the first two are needed:
   dimension           length E F: between two pins of a link; angle C D E: between two arms of a link;
                       position A x: of a pin or guide in the frame; position E x rocker: in another link
   tolerance           +/- of the dimension
-  unit                mm (where there is none), um, m; of angles deg, rad
-  shape, sd           normal (where there is none), uniform or truncated; standard deviation, by default a third
+  unit                mm (default), um, m; for angles deg, rad
+  shape, sd           normal (default), uniform or truncated; standard deviation (default: a third of the tolerance)
   name                in results
-  cost                at this tolerance; half of it costs twice as much (where there is none: 1)
-  smallest, largest   tolerances that can be made (where there are none: a tenth and the tenfold)
+  cost                at this tolerance; half the tolerance costs twice as much (default: 1)
+  smallest, largest   tolerances that can be made (default: a tenth and ten times)
 or a YAML file with a list of such entries, - {dimension: length E F, tolerance: 0.05}.
 
---budget 10,50,70 adds what moves bottom dead centre at these speeds against the first one, at which the die is set: --clearance F=50um
-for each bearing, --stiffness E=3e9 for each that yields, --warm rod=10 for each link that is warmer by so many kelvins, --process 500kN.
+--budget 10,50,70 adds the shift of bottom dead centre at these speeds from the first speed, at which the die is set: --clearance F=50um
+for each bearing, --stiffness E=3e9 for each elastic bearing, --warm rod=10 for each link that is warmer (in kelvins), --process 500kN.
 
-numbers are in SI units, lengths in m, also with a unit of their own: 50um.
+Numbers are in SI units, lengths in m, or have a unit: 50um.
 e.g. pinpress tolerances zxn2_3000b --dimensions docs/zxn2_dimensions.csv --within 50um --force 6mm=3000kN --target height=50um --out out
 """
 
@@ -54,11 +54,11 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Put `tolerances` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "tolerances",
-        help="how exact bottom dead centre and stroke are, which dimension decides, and the cheapest tolerances",
-        description="Close a sample of presses with dimensions that scatter, and print how exact their dead centres are: the band of\n"
-        "99.73 % of the presses, the worst corners, the dimensions by their shares. With --target the cheapest tolerances are\n"
-        "found, and proved to be so. With --budget the bottom dead centre by clearances, springs and heat over the speed. With\n"
-        "--out it also writes dimensions.csv, with --target allocated.csv, with --budget budget.csv, and where Matplotlib is\n"
+        help="scatter of bottom dead centre and stroke, the dimensions that cause it, and the cheapest tolerances",
+        description="Compute a sample of presses with dimensions that scatter, and print the scatter of their dead centres: the band of\n"
+        "99.73 % of the presses, the worst corners, the dimensions by their shares. With --target find the cheapest tolerances,\n"
+        "with proof. With --budget print the shift of bottom dead centre by clearances, springs and heat over the speed. With\n"
+        "--out also write dimensions.csv, with --target allocated.csv, with --budget budget.csv, and if Matplotlib is\n"
         "installed tolerances.png and budget.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -71,30 +71,30 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         action="append",
         default=[],
         metavar="H=N",
-        help="force at a height above bottom dead centre: the crank's torque there, as it turns positively, or negatively if each --speed"
-        " is negative",
+        help="force at a height above bottom dead centre; prints the crank's torque there (the crank turns positively, or negatively if"
+        " each --speed is negative)",
     )
     option(
         "--speed",
         action="append",
         default=[],
         metavar="H=RPM",
-        help="crank speed at a height: the slide's speed there; both on the way down",
+        help="crank speed at a height on the way down; prints the slide's speed there",
     )
     option(
         "--target",
         action="append",
         default=[],
         metavar="QUANTITY=M",
-        help="largest deviation for 3 standard deviations of height (bottom dead centre), top or stroke: the cheapest tolerances; may be"
+        help="largest 3 standard deviations of height (bottom dead centre), top or stroke; finds the cheapest tolerances; may be"
         " given once for each",
     )
-    help = f"a motion whose lowest and highest state take the place of the dead centres, as of a press with several drivers: {MOTION}"
+    help = f"a motion (e.g. of several drivers); its lowest and highest state take the place of the dead centres: {MOTION}"
     option("--motion", metavar="FILE", help=help)
     add_period_option(parser)
     _add_budget_options(parser)
     option("--samples", type=int, default=SAMPLES, metavar="N", help="number of presses (default: %(default)s)")
-    option("--seed", type=int, default=0, metavar="N", help="of the random numbers (default: %(default)s)")
+    option("--seed", type=int, default=0, metavar="N", help="seed of the random numbers (default: %(default)s)")
     add_press_options(parser)
     add_out_option(parser, "the files")
     parser.set_defaults(run=run)
@@ -104,22 +104,30 @@ def _add_budget_options(parser: argparse.ArgumentParser) -> None:
     """The options of the accuracy budget."""
     option = parser.add_argument
     option("--budget", metavar="RPM,RPM", help="crank speeds of the accuracy budget; the press is set at the first one, idle and cold")
-    option("--clearance", action="append", default=[], metavar="BEARING=M", help="radial clearance of a bearing; of a guide on each side")
+    option(
+        "--clearance",
+        action="append",
+        default=[],
+        metavar="BEARING=M",
+        help="radial clearance of a bearing, or clearance of a guide on each side",
+    )
     option("--stiffness", action="append", default=[], metavar="BEARING=N/m", help="stiffness of a bearing")
-    option("--warm", action="append", default=[], metavar="LINK=K", help="by how much a link, or the frame, is warmer than when it was set")
+    option(
+        "--warm", action="append", default=[], metavar="LINK=K", help="temperature of a link or the frame above its temperature at setting"
+    )
     option("--expansion", type=quantity("1/K"), metavar="1/K", help="linear expansion of all links (default: steel, 12e-6)")
-    option("--table", type=quantity("m"), metavar="M", help="place of the table in world coordinates, where the frame is warm")
-    option("--face", type=quantity("m"), metavar="M", help="place of the slide's face from its origin, where the slide is warm")
+    option("--table", type=quantity("m"), metavar="M", help="place of the table in world coordinates, for a warm frame")
+    option("--face", type=quantity("m"), metavar="M", help="place of the slide's face from its origin, for a warm slide")
     option("--process", type=quantity("N"), default=0.0, metavar="N", help="force on the slide at bottom dead centre in production")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print what tolerances make of the press, and write the files.
+    """Print the effect of tolerances on the press, and write the files.
 
     Raises:
-        PinpressError: an option or the table is at fault, presses cannot be closed, a target cannot be kept, or writing fails.
+        PinpressError: an option or the table is wrong, presses cannot be assembled, a target cannot be met, or writing fails.
     """
-    from ..tolerances.allocation import allocate  # both to save start-up time, that of all other commands
+    from ..tolerances.allocation import allocate  # imported here to save start-up time of other commands
     from ..tolerances.dead_centre_scatter import bottom_dead_centre
     from ..tolerances.dimension_table import read_dimensions
 
@@ -149,32 +157,32 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _motion(press: Linkage, options: argparse.Namespace) -> Motion | None:
-    """The motion that the options give; None where the press turns through its dead centres.
+    """Read the motion of the options; None if the press turns through its dead centres.
 
     Raises:
-        PinpressError: a press with several drivers has none, an option does not go with one, or as `read_motion`.
+        PinpressError: a press with several drivers has no motion, an option does not go with a motion, or as for `read_motion`.
     """
     if options.motion is None:
         if options.period is not None:
-            raise PinpressError("--period is that of --motion: give it too, or leave --period out")
-        refuse_without_motion(press, "alone they have no dead centre")
+            raise PinpressError("--period is the period of --motion: also give --motion, or leave --period out")
+        refuse_without_motion(press, "without a motion they have no dead centre")
         return None
     for option in ("force", "speed", "budget"):
         if getattr(options, option):
-            raise PinpressError(f"--{option} is for a crank that turns through its dead centres: leave it or --motion out")
+            raise PinpressError(f"--{option} is for a crank that turns through its dead centres: leave out --{option} or --motion")
     return read_motion(press, options.motion, period=options.period)
 
 
 def _budgeted(press: Linkage, machining: DeadCentreScatter, options: argparse.Namespace) -> AccuracyBudget | None:
-    """The accuracy budget that the options ask for; None for none.
+    """Compute the accuracy budget of the options; None without --budget.
 
     Raises:
-        PinpressError: one of its options without --budget, or one that is at fault.
+        PinpressError: an option of the budget is given without --budget, or is wrong.
     """
     words = {name: getattr(options, name) for name in ("clearance", "stiffness", "warm")}
     if options.budget is None:
         if given := [f"--{name}" for name in words if words[name]]:
-            raise PinpressError(f"{', '.join(given)} belong to the accuracy budget: give its speeds too, --budget 10,70")
+            raise PinpressError(f"{', '.join(given)} can only be used with the accuracy budget: also give its speeds, --budget 10,70")
         return None
     from ..elasticity.springs import Stiffness  # both to save start-up time
     from ..tolerances.accuracy_budget import budget
@@ -202,7 +210,7 @@ def _budgeted(press: Linkage, machining: DeadCentreScatter, options: argparse.Na
 
 
 def _in_words(options: argparse.Namespace, table: DimensionTable) -> Inputs:
-    """The dimensions, the sample and what was asked, as `print_inputs` takes them."""
+    """The dimensions, the sample and the options, for `print_inputs`."""
     asked = ("force", "speed", "target", "clearance", "stiffness", "warm")
     return [
         ("dimensions", f"{len(table.parts)} of {options.dimensions}"),
@@ -214,7 +222,7 @@ def _in_words(options: argparse.Namespace, table: DimensionTable) -> Inputs:
 
 
 def _by_height(option: str, words: Sequence[str], unit: str, factor: float) -> dict[float, float]:
-    """Forces or speeds by heights, from words such as ``6mm=3000kN``."""
+    """Read forces or speeds by heights from texts such as ``6mm=3000kN``."""
     example = {"N": "6mm=3000kN", "r/min": "50mm=70rpm"}[unit]
     return _named(option, words, lambda text: read_quantity(text, "m"), unit, factor, example)
 
@@ -226,10 +234,10 @@ def _quantity(text: str) -> str:
 
 
 def _named(option: str, words: Sequence[str], key: Callable[[str], Key], unit: str, factor: float, example: str) -> dict[Key, float]:
-    """Numbers by what stands before their equals signs.
+    """Read numbers by the key before the equals sign.
 
     Raises:
-        PinpressError: Words that are not so, or something given twice.
+        PinpressError: A text is not KEY=NUMBER, or a key is given twice.
     """
     found: dict[Key, float] = {}
     for text in words:
@@ -254,7 +262,7 @@ def _known(option: str) -> str:
 def _write(
     found: DeadCentreScatter, allocated: AllocatedTolerances | None, budgeted: AccuracyBudget | None, options: argparse.Namespace
 ) -> None:
-    """Write the files and say so."""
+    """Write the files, and print their names."""
     folder, names = options.out, ["dimensions.csv"]
     found.to_csv(folder / "dimensions.csv")
     if allocated is not None:

@@ -1,4 +1,4 @@
-"""`pinpress view`: a press in a window of the browser, to move and to change."""
+"""`pinpress view`: show a press in a window of the browser, to move and to change."""
 
 import argparse
 import sys
@@ -11,20 +11,20 @@ from .words.press import add_press_options, load_press, names_table, naming_valu
 from .words.units import OfDriver, driver_speed
 
 EPILOG = f"""\
-Sliders change link lengths and pivots, of a pin table its own numbers; what is changed can be written to a file beside FILE. The window
-is served to this machine alone, at an address that nobody can guess; Ctrl-C ends it.
+Sliders change link lengths and pivots, or the numbers of a pin table; the changed press can be written to a file next to FILE. The window
+is served only to this machine, at an address that nobody can guess; Ctrl-C ends it.
 {part_specs.explained("load", "spring", "friction")}
 {SIGNS}e.g. pinpress view press.yaml --speed 60 --watch
      pinpress view zxn2_3000b --speed 70 --load blanking:force=1000kN,start=6mm,end=2mm
 """
-LOOK = 0.2  # how often Ctrl-C is looked for [s]
+LOOK = 0.2  # interval between checks for Ctrl-C [s]
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Put `view` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "view",
-        help="a press in a window of the browser, to move and to change",
+        help="show a press in a window of the browser, to move and to change",
         description="Show a press turning in the browser, with its forces, and change its lengths, pivots and speed by sliders:\n"
         "slide, driving torque and largest bearing force follow.",
         epilog=EPILOG,
@@ -34,8 +34,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     add_press_options(parser)
     option("--speed", type=driver_speed, metavar="RPM", help=f"{SPEED} (default: 60 r/min or 100 mm/s)")
     add_force_options(parser)
-    option("--watch", action="store_true", help="read the file again whenever it is saved, and show what is wrong with it")
-    option("--no-browser", action="store_true", help="print the address, and open no browser")
+    option("--watch", action="store_true", help="read the file again whenever it is saved, and show its errors")
+    option("--no-browser", action="store_true", help="print the address, but open no browser")
     parser.set_defaults(run=run)
 
 

@@ -1,1 +1,1 @@
-"""The live window: a press in the browser that moves while its lengths, its pivots and its speed are changed."""
+"""The live window: a moving press in the browser whose lengths, pivots and speed can be changed."""

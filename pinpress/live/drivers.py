@@ -47,7 +47,7 @@ def swing(press: Linkage, speed: float, points: int) -> Motion:
         PinpressError: the speed is 0.
     """
     if not speed:
-        raise PinpressError("speed is 0: the swing never ends")
+        raise PinpressError("speed is 0: the crank does not move. Give a speed other than 0")
     branch = press.branch
     low, high = float(branch.angles[0]), float(branch.angles[-1])
     half = (0.5 - CLEAR) * (high - low)

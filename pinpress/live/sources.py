@@ -277,7 +277,7 @@ def checked_name(name: object, source: Source) -> Path:
     if plain and len(name.encode()) > 200:  # file systems take 255 bytes; a letter may have four
         raise PinpressError("the name is too long: give one of at most 200 bytes, which are 66 Chinese characters")
     if not plain:
-        raise PinpressError("give a plain name, without a folder: the file is written beside the one that is shown")
+        raise PinpressError("give a plain name, without a folder: the file is written next to the file of the press")
     return source.folder / name
 
 

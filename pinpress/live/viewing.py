@@ -1,4 +1,4 @@
-"""A press in a window of the browser, to move and to change."""
+"""Show a press in a window of the browser, to move and to change."""
 
 from __future__ import annotations
 
@@ -21,17 +21,16 @@ from .pictures import Operation
 from .session import Opened, Session
 from .sources import LinkageSource, opened
 
-NO_TORNADO = "the window needs Tornado and Meshcat, which are not installed; pip install 'pinpress[view]'"
+NO_TORNADO = "the window needs Tornado and Meshcat, which are not installed: pip install 'pinpress[view]'"
 HEIGHT = 720  # of a window in a notebook [pixels]
 
 
 class LiveView:
-    """A window that `view` has opened, or several of them at one address. It ends with `close`, at the end of a ``with`` block, or with the
-    program.
+    """A window (or several at one address) that `view` has opened. It ends with `close`, with its ``with`` block, or with the program.
 
     Attributes:
-        url: address of the window, for this machine alone. Whoever knows it can change the press in the window, and write files beside its
-            own; so it has a secret in it.
+        url: address of the window, only for this machine. Whoever knows it can change the press in the window, and write files next to
+            the press's file; so it contains a secret.
     """
 
     def __init__(self, session: Session, watch: bool) -> None:
@@ -47,18 +46,18 @@ class LiveView:
 
     @property
     def broken(self) -> str | None:
-        """Why the file cannot be read as it is now; None where it can."""
+        """The reason why the file cannot be read now; None if it can be read."""
         return self._session.broken
 
     def close(self) -> None:
-        """End the window's server. Windows that are open stay as they are, and say so."""
+        """End the window's server. Open windows stay as they are and report this."""
         self._server.close()
 
     def wait(self, seconds: float) -> bool:
         """Wait, and return whether the server has ended.
 
         Args:
-            seconds: how long at most [s].
+            seconds: longest time to wait [s].
         """
         return self._server.join(seconds)
 
@@ -89,31 +88,31 @@ def view(
 ) -> LiveView:
     """Open a window in the browser in which a press moves with its forces, and can be changed.
 
-    Sliders change link lengths and pivots, of a pin table its own numbers, and the speed; slide, driving torque and largest bearing force
-    follow. Of several drivers one moves while the others stand where sliders put them. A changed press can be written to a file beside its
-    own. In a notebook the window stands in the cell whose last line is ``pp.view(press)``.
+    Sliders change link lengths and pivots (or the numbers of a pin table) and the speed; slide, driving torque and largest bearing force
+    follow. Of several drivers one moves; sliders set the positions of the others. A changed press can be written to a file next to the
+    press's file. In a notebook the window appears in the cell whose last line is ``pp.view(press)``.
 
-    The window is served on 127.0.0.1, to whoever knows its address.
+    The window is served on 127.0.0.1 to everybody who knows its address.
 
     Args:
         press: a press, or the path of a pin table, URDF, SDF or MJCF file, or the name of a shipped press.
-        speed: of the driver [rad/s or m/s]; by default 60 r/min, or 0.1 m/s of a driver that slides. The window can change it.
+        speed: speed of the driver [rad/s or m/s]; by default 60 r/min, or 0.1 m/s for a sliding driver. The window can change it.
         loads: see `inverse_dynamics`.
         friction: see `inverse_dynamics`.
         stiffness: see `inverse_dynamics`.
         watch: whether the file is read again whenever it is saved.
-        browser: whether a window is opened at once; by default outside of notebooks.
+        browser: whether a window is opened at once; by default only outside notebooks.
 
     Returns:
         The window, with its address.
 
     Raises:
-        PinpressError: the press cannot be opened, what `cycle` and `inverse_dynamics` raise of it, `watch` without a file, or Tornado or
+        PinpressError: the press cannot be opened, `cycle` or `inverse_dynamics` refuse it, `watch` is given without a file, or Tornado or
             Meshcat is not installed.
     """
     path = None if isinstance(press, Linkage) else path_of("press", press)
     if watch and path is None:
-        raise PinpressError("watch is True, but a press has no file that could be saved: give the path of one")
+        raise PinpressError("watch is True, but the press is not given as a file: give the path of its file")
 
     def opening() -> Opened:
         source = LinkageSource.of(press) if isinstance(press, Linkage) else opened(os.fspath(press), load, {})
@@ -125,11 +124,11 @@ def view(
 
 
 def window(opening: Callable[[], Opened], watched: str | None, browser: bool) -> LiveView:
-    """A window of what is opened.
+    """Open a window.
 
     Args:
-        opening: what opens the press, at once and whenever its file is saved.
-        watched: the file, where it is opened anew when that is saved; it may then be wrong at first. None where it is not.
+        opening: function that opens the press, at once and whenever its file is saved.
+        watched: file that opens the press again when it is saved; then its first version may be wrong. None: no file is watched.
         browser: whether the browser is opened.
 
     Raises:

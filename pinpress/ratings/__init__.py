@@ -5,8 +5,8 @@
     print(rated)  # which limit governs at which height
     pp.plots.draw(rated, "force", "near_bottom", "work")
 
-Capacities are what the parts stand: nominal force, crank torque, bearings, flywheel, motor. Heights are slide positions above bottom dead
-centre [m].
+Capacities are the limits of the parts: nominal force, crank torque, bearings, flywheel, motor. Heights are slide positions above bottom
+dead centre [m].
 """
 
 from ..common.public_names import public_names

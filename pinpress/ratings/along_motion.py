@@ -1,4 +1,4 @@
-"""The process force that a press may exert along a motion that is given, of one driver or several, such as that of two servo motors.
+"""The permissible process force along a given motion of one or several drivers, such as two servo motors.
 
 In a state of the motion all reactions are affine in the process force F: R = R0 + F R1. R0 are those of the press with its weights, inertia
 forces and springs in this motion, R1 those of its links without mass to a force of 1 N. |R0 + F R1| = C gives the force that a capacity C
@@ -44,8 +44,8 @@ from .permissible_force import (
 )
 
 INSTEAD = {
-    "nominal_height": "there is no one bottom dead centre; give torques, drivers={...}",
-    "flywheel_inertia": "there is no one stroke that takes energy; see driving_torque * crank_speed of inverse_dynamics",
+    "nominal_height": "a motion has no single bottom dead centre; give torques, drivers={...}",
+    "flywheel_inertia": "a motion has no single stroke that takes energy; see driving_torque * crank_speed of inverse_dynamics",
     "motor_power": "see driving_torque * crank_speed of inverse_dynamics",
     "slide_acceleration": "compare it with slide_acceleration of the motion",
     "shaking_force": "compare it with shaking_force of inverse_dynamics",
@@ -54,17 +54,17 @@ INSTEAD = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionRatings(OfPress, Tabular):
-    """The process force that a press may exert in each of the n states of a motion. All arrays are read-only.
+    """The permissible process force of a press in each of the n states of a motion. All arrays are read-only.
 
     A process force presses on the slide along its guide, upwards in an upright press, as the process does on the way down.
 
     Attributes:
         press_name: name of the press.
-        capacities: capacities as they were given.
+        capacities: capacities as given.
         motion: the motion.
-        loads: springs, balance cylinders and constant forces that act beside the process, as they were given.
-        friction: the friction of bearings and guides, as it was given.
-        force: (n,) permissible process force, the smallest that a limit permits [N].
+        loads: springs, balance cylinders and constant forces in addition to the process, as given.
+        friction: friction of bearings and guides, as given.
+        force: (n,) permissible process force, the smallest force that a limit permits [N].
         limits: name of a limit -> (n,) process force that it permits alone, at most the nominal force [N]. The names are "nominal force",
             "torque A" or, of a driver that slides, "driving force A", with the drivers' names, and "bearing NAME".
         limited_by: (n,) name of the limit that governs.
@@ -84,27 +84,26 @@ class MotionRatings(OfPress, Tabular):
         return f"MotionRatings of {self.press_name}: {len(self.force)} states, at least {self.force.min():.6g} N"
 
     def utilisation(self, reactions: Reactions) -> Array:
-        """(n,) process force of reactions divided by the permissible force in the same state [-], read-only: 1 where the press is used up,
-        above 1 where it is overloaded.
+        """Process force / permissible force in the same state (n,) [-], read-only: above 1 the press is overloaded.
 
         Args:
             reactions: reactions of the same press to the same motion under process loads.
 
         Raises:
-            PinpressError: the reactions are of another press or another motion.
+            PinpressError: the reactions belong to another press or another motion.
         """
         expect("reactions", reactions, Reactions, "inverse_dynamics")
         given, mine = reactions.motion, self.motion
         if reactions._press.name != self.press_name:
             raise PinpressError(
-                f"the reactions are of {reactions._press.name}, the ratings of {self.press_name}: give those of the same press"
+                f"the reactions belong to {reactions._press.name}, but the ratings to {self.press_name}: give reactions of the same press"
             )
         if not all(np.array_equal(getattr(given, name), getattr(mine, name)) for name in ("joint_position", "v", "a")):
-            raise PinpressError("the reactions are of another motion: give inverse_dynamics(press, ratings.motion, loads)")
+            raise PinpressError("the reactions belong to another motion: give inverse_dynamics(press, ratings.motion, loads)")
         return read_only(reactions.process_force / self.force)
 
     def columns(self) -> dict[str, Array | list[str]]:
-        """A row for each state: time and drivers, the slide, the permissible force, and what each limit permits."""
+        """A row for each state: time, drivers, slide, permissible force, and the force that each limit permits."""
         motion = self.motion
         return {
             **{name: column for name, column in motion.columns().items() if name == "time [s]"},
@@ -127,23 +126,22 @@ def rate_motion(
     friction: Mapping[str, Friction] = NONE_GIVEN,
     engine: str = "auto",
 ) -> MotionRatings:
-    """Find the process force that a press may exert in each state of a motion, beside weights and inertia forces.
+    """Find the permissible process force in each state of a motion, in addition to weights and inertia forces.
 
-    It serves servo presses and presses with several drivers, each of which has a capacity of its own; `rate` is for a crank at constant
+    This is for servo presses and presses with several drivers, each with a separate capacity; `rate` is for a crank at constant
     speed.
 
     Args:
         press: a press with a slide.
-        motion: a motion of this press, of `servo_cycle`, `read_motion`, `simulate` or `cycle`.
-        capacities: the nominal force, capacities of the drivers (``drivers``; ``torque`` where there is one) and of bearings.
-        loads: springs and dampers, e.g. a balance cylinder, and constant forces on links, which act beside the process.
-        friction: of bearings and guides, by their names, as in `inverse_dynamics`: in a state at rest there is none.
+        motion: a motion of this press, from `servo_cycle`, `read_motion`, `simulate` or `cycle`.
+        capacities: the nominal force, capacities of the drivers (``drivers``, or ``torque`` with one driver) and of bearings.
+        loads: springs and dampers, e.g. a balance cylinder, and constant forces on links, in addition to the process.
+        friction: name of a bearing or guide -> friction, as in `inverse_dynamics`; a state at rest has no friction.
         engine: as in `cycle`.
 
     Raises:
-        PinpressError: the press has no slide, friction locks it, the motion is of another press, a capacity is none of a motion or in a
-            unit that the driver does not have, a load is a process load, or the press exceeds a capacity without a process, in the state
-            that is named.
+        PinpressError: the press has no slide, friction locks it, the motion belongs to another press, a capacity does not suit a motion or
+        has a wrong unit, a load is a process load, or the press exceeds a capacity without a process (the message names the state).
         UnknownNameError: the press has no such driver, bearing or link.
         SingularityError: the linkage locks in a state.
     """
@@ -257,8 +255,8 @@ def _beside_friction(given: _Given, limits: Sequence[_Limit]) -> dict[str, Array
             if beyond.any():
                 place = given.motion.place(int(beyond.argmax()))
                 raise PinpressError(
-                    f"at {place} friction leaves no one permissible force: '{limit.name}' permits {force[beyond.argmax()]:.6g} N, but not"
-                    " every smaller force; rate the motion without friction"
+                    f"at {place} there is no single permissible force with friction: '{limit.name}' permits"
+                    f" {force[beyond.argmax()]:.6g} N, but not every smaller force. Rate the motion without friction"
                 )
         found[limit.name] = np.where(limited, force, np.inf)
     return found
@@ -288,10 +286,10 @@ def _of_drivers(press: Linkage, capacities: Capacities) -> dict[str, float]:
     """Capacities of drivers by their names; raises as `rate_motion` where capacities are none of a motion."""
     for name, instead in INSTEAD.items():
         if getattr(capacities, name) is not None:
-            raise PinpressError(f"{name} is no capacity of a motion that is given: {instead}")
+            raise PinpressError(f"{name} is not a capacity along a given motion: {instead}")
     if capacities.torque is not None:
         first = press.drivers[0]
-        press.refuse_several_drivers(f"torque names none of them; give drivers={{{first!r}: {capacities.torque:g}}}")
+        press.refuse_several_drivers(f"torque does not name a driver; give drivers={{{first!r}: {capacities.torque:g}}}")
         refuse_other_effort(capacities, press.driver_coordinates[0])
         return {press.driver: capacities.torque}
     for name in capacities.drivers:

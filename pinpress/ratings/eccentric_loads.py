@@ -65,7 +65,7 @@ class Gibs:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GuideReaction(Tabular):
-    """Reaction of the slide's guide to a process force beside the slide's axis, at n states. All arrays are read-only.
+    """Reaction of the slide's guide to an eccentric process force, at n states. All arrays are read-only.
 
     Attributes:
         guide: name of the slide's bearing in its guide.
@@ -111,14 +111,13 @@ class GuideReaction(Tabular):
 def eccentric_load(
     press: Linkage, motion: Motion, *, force: float, offset: Sequence[float], gibs: Gibs, engine: str = "auto"
 ) -> GuideReaction:
-    """Guide reaction and gib pressure under a process force beside the slide's axis, without weights and inertia forces.
+    """Compute guide reaction and gib pressure under an eccentric process force, without weights and inertia forces.
 
     Args:
         press: a press with a slide.
         motion: motion of n states at which the force acts, e.g. ``servo_cycle(press, speed=0.0, angle=[...])``.
         force: force on the slide along the guide's axis, against the working stroke [N].
-        offset: (3,) how far beside `Linkage.tool` it acts, in the slide link's own axes [m]; a shift along the guide's axis makes no
-            difference.
+        offset: (3,) offset of the force from `Linkage.tool`, in the slide link's axes [m]; a shift along the guide's axis has no effect.
         gibs: the gibs of the slide's guide.
         engine: as in `cycle`.
 
@@ -151,7 +150,7 @@ def eccentric_load(
 def permissible_eccentricity(
     press: Linkage, motion: Motion, *, force: float, gibs: Gibs, pressure: float, engine: str = "auto"
 ) -> tuple[float, float]:
-    """Find how far beside `Linkage.tool` a process force may act before the gibs reach a pressure at some state of the motion.
+    """Find the largest offset of a process force from `Linkage.tool` at which the gibs keep a pressure in all states of a motion.
 
     Args:
         press: a press with a slide.
@@ -163,11 +162,11 @@ def permissible_eccentricity(
 
     Returns:
         Least and largest coordinate of the force along the gibs' normal, from `Linkage.tool`; the first is not positive [m]. Their
-        magnitudes may differ, because the guide carries the lateral force of the rod too.
+        magnitudes may differ, because the guide also carries the lateral force of the rod.
 
     Raises:
-        PinpressError: as `eccentric_load`, or the central force alone is too much (the message names the crank angle), or the guide carries
-            none of the tilting moment.
+        PinpressError: as for `eccentric_load`, or the central force alone is too large (the message names the crank angle), or the guide
+            carries no part of the tilting moment.
     """
     newtons, allowed = positive("force", force, "N"), positive("pressure", pressure, "Pa")
     normal, about = _across(press, gibs)
@@ -181,13 +180,13 @@ def permissible_eccentricity(
     worst = int(np.argmax(np.abs(constant) - most))
     if most[worst] <= 0 or abs(constant[worst]) > most[worst]:
         raise PinpressError(
-            f"at {motion.place(worst)} the gibs bear no eccentricity of a force of {newtons:.6g} N: a central"
-            " force reaches the pressure already, or does not press on a single gib; give larger gibs, less force, or two gibs without"
+            f"at {motion.place(worst)} the gibs permit no eccentricity of a force of {newtons:.6g} N: a central"
+            " force alone reaches the pressure, or does not press on a single gib. Give larger gibs, less force, or two gibs without"
             " clearance"
         )
     right, left = (float(largest_factor(constant[:, None], way * slope[:, None], most).min()) for way in (1.0, -1.0))
     if not (math.isfinite(right) and math.isfinite(left)):
-        raise PinpressError("the guide carries none of the tilting moment: its gibs do not limit the eccentricity")
+        raise PinpressError("the guide carries no part of the tilting moment, so its gibs do not limit the eccentricity")
     return -left, right
 
 
@@ -208,7 +207,7 @@ def _across(press: Linkage, gibs: Gibs) -> tuple[Array, Array]:
     if gibs.normal is not None:
         normal = np.array(gibs.normal, dtype=float)
     else:
-        refusal = f"{press.name} is not planar: say which way the gibs face, Gibs(..., normal=(x, y, z))"
+        refusal = f"{press.name} is not planar: give the direction in which the gibs face, Gibs(..., normal=(x, y, z))"
         normal = np.cross(press.plane_or_refuse(refusal).normal, axis)
         normal *= np.sign(normal[np.abs(normal).argmax()])
     normal = normal / np.abs(normal).max()  # so that nothing overflows
@@ -257,7 +256,7 @@ def _pressure(gibs: Gibs, normal: Array, tilting: Array, motion: Motion) -> tupl
     tips = m >= 0.5 * gibs.length * n
     if np.any(tips & (m > 0)):
         raise PinpressError(
-            f"the slide tips at {motion.place(int(np.argmax(tips & (m > 0))))}: the force on the gib acts beyond its end; give longer gibs,"
+            f"the slide tips at {motion.place(int(np.argmax(tips & (m > 0))))}: the force on the gib acts beyond its end. Give longer gibs,"
             " less eccentricity, or two gibs without clearance (one_sided=False)"
         )
     lifted = m > n * gibs.length / 6

@@ -65,26 +65,26 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Capacities(Frozen):
-    """Capacities of a press. A capacity that is None, and a bearing without one, limit nothing.
+    """Capacities of a press. A capacity of None and a bearing without capacity do not limit the press.
 
     Attributes:
         nominal_force: largest process force at any height [N].
         nominal_height: height above bottom dead centre from which downwards the crank's torque permits the nominal force [m].
-        torque: torque capacity at the driver joint, in place of the nominal height [N m]; of a driver that slides its force [N].
+        torque: torque capacity at the driver joint, in place of the nominal height [N m]; force capacity of a sliding driver [N].
         bearings: name of a bearing or guide -> largest magnitude of the force in it, in a planar press the radial force [N].
-        drivers: name of a driver -> its torque capacity [N m], or the force capacity of one that slides [N], in place of ``torque``; for
-            `rate_motion`, of presses with several drivers.
+        drivers: name of a driver -> its torque capacity [N m], or force capacity of a sliding driver [N], in place of ``torque``; for
+            `rate_motion` of presses with several drivers.
         flywheel_inertia: moment of inertia of the flywheel reduced to the driver joint, without the linkage [kg m2].
         speed_drop: largest drop of the flywheel's speed in a stroke, divided by the speed [-]. It goes with the flywheel. Usual values are
             0.2 to 0.3 in single strokes and 0.1 to 0.15 in continuous ones.
         motor_power: power of the motor that restores the energy from stroke to stroke in continuous use [W]. Leave it out for single
             strokes, between which there is time enough.
         slide_acceleration: largest slide acceleration that tool and feed allow [m/s2].
-        shaking_force: largest force on the foundation beside the weight [N].
+        shaking_force: largest force on the foundation, weight excluded [N].
 
     Raises:
-        PinpressError: a number is not positive and finite, or has a unit of something else, both torque and nominal height are given, one
-            of flywheel and drop of speed is given without the other, or the drop is larger than the speed.
+        PinpressError: a number is not positive and finite, or has the unit of another quantity, both torque and nominal height are given,
+            flywheel or drop of speed is missing, or the drop is larger than the speed.
     """
 
     nominal_force: float
@@ -113,7 +113,7 @@ class Capacities(Frozen):
         }
         object.__setattr__(self, "drivers", FrozenMapping(capable))
         if self.drivers and self.torque is not None:
-            raise PinpressError("torque and drivers both state what the drivers bear: leave torque out")
+            raise PinpressError("torque and drivers both give capacities of the drivers: leave torque out")
         for name, unit in UNITS.items():
             value = getattr(self, name)
             if value is not None or name == "nominal_force":
@@ -123,9 +123,9 @@ class Capacities(Frozen):
         known = {name: positive(f"the capacity of bearing {shown(name)}", value, "N") for name, value in self.bearings.items()}
         object.__setattr__(self, "bearings", FrozenMapping(known))
         if self.torque is not None and self.nominal_height is not None:
-            raise PinpressError("torque and nominal_height both state the torque capacity: leave one out")
+            raise PinpressError("torque and nominal_height both give the torque capacity: leave one out")
         if (self.flywheel_inertia is None) != (self.speed_drop is None):
-            raise PinpressError("flywheel_inertia and speed_drop go together: give both, or neither")
+            raise PinpressError("the energy of a flywheel needs flywheel_inertia and speed_drop: give both, or leave both out")
         if self.speed_drop is not None and self.speed_drop > 1.0:
             raise PinpressError(f"speed_drop is {self.speed_drop:g}: give a fraction of the speed, 1 or less")
 
@@ -160,7 +160,7 @@ def refuse_other_effort(given: Capacities, coordinate: DriverCoordinate, driver:
 def refuse_by_driver(given: Capacities) -> None:
     """Raise PinpressError where capacities are given by drivers, which only `rate_motion` takes."""
     if given.drivers:
-        raise PinpressError("drivers states capacities along a motion, see rate_motion: give that of the one driver as torque")
+        raise PinpressError("drivers gives capacities along a motion, see rate_motion: give the capacity of a single driver as torque")
 
 
 def capacities_in_words(given: Capacities, coordinate: DriverCoordinate) -> Inputs:
@@ -334,8 +334,8 @@ def _refuse_turning_back(press: Linkage, ends: DeadCentres) -> None:
     if travelled < (1 - TIE) * (high - low) or np.any(speeds[1:-1] >= 0):
         first, last, bottom = (press.driver_coordinates[0].shown(place) for place in (low, high, ends.bottom_angle))
         raise PinpressError(
-            f"the slide of {press.name} turns back while its driver goes from {first} to {last}, and so has no one working stroke: let the"
-            f" <limit> of joint {press.driver!r}, or the travel in its table, end where the slide turns back (bottom dead centre:"
+            f"the slide of {press.name} turns back while its driver goes from {first} to {last}, so it has no single working stroke: let"
+            f" the <limit> of joint {press.driver!r}, or the travel in its table, end where the slide turns back (bottom dead centre:"
             f" {bottom})"
         )
 
@@ -372,23 +372,23 @@ def refuse_unrated(press: Linkage, loads: object, friction: Mapping[str, Frictio
         if not isinstance(load, StandingLoad):
             kind = type(load).__name__ if isinstance(load, ProcessLoad | TimeForce) and not isinstance(load, type) else shown(load)
             raise PinpressError(
-                f"{kind} is no load of ratings, which find the force of the process: give springs (SpringDamper), balance cylinders"
-                " and constant forces (PointForce); ratings.utilisation(reactions) compares a process with what is permitted"
+                f"{kind} is not a load of ratings, which find the process force: give springs (SpringDamper), balance cylinders"
+                " and constant forces (PointForce); ratings.utilisation(reactions) compares a process with the permissible force"
             )
     _ = law(friction, press)
     if at_speed:
         return
     if loads:
-        raise PinpressError("springs and other forces stand beside weights and inertia forces: give at_speed=True (--at-speed) too")
+        raise PinpressError("springs and other forces count only with weights and inertia forces: also give at_speed=True (--at-speed)")
     for name, given in friction.items():
         if given.viscous:
             raise PinpressError(
-                f"friction of {shown(name)}: viscous friction goes with the speed, not with the process force: give at_speed=True"
-                " (--at-speed) too, or leave it out"
+                f"friction of {shown(name)}: viscous friction depends on the speed, not on the process force: also give at_speed=True"
+                " (--at-speed), or leave it out"
             )
         if given.preload:
             raise PinpressError(
-                f"friction of {shown(name)}: gibs rub by their preload without a process force: give at_speed=True (--at-speed) too, or"
+                f"friction of {shown(name)}: preloaded gibs have friction without a process force: also give at_speed=True (--at-speed), or"
                 " leave it out"
             )
 
@@ -642,7 +642,7 @@ class _Utilisation:
         if beyond.any():
             worst = int(np.argmax(beyond))
             raise PinpressError(
-                f"at {self.rated.coordinate.at(float(self.angle[worst]))} friction leaves no one permissible force: '"
+                f"at {self.rated.coordinate.at(float(self.angle[worst]))} there is no single permissible force with friction: '"
                 f"{self.names[int(self.limit[worst])]}' permits {force[worst]:.6g} N, but not every smaller force; rate the press without"
                 " friction"
             )

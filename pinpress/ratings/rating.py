@@ -51,30 +51,30 @@ class PressRatings(OfPress, Tabular):
 
     Attributes:
         press_name: name of the press.
-        capacities: capacities as they were given.
-        driver_coordinate: what the coordinate of its driver is.
+        capacities: capacities as given.
+        driver_coordinate: coordinate of its driver.
         speed: speed of the driver joint, negative backwards [rad/s]; of a driver that slides its highest one, with the sign of the way to
             bottom dead centre [m/s].
         at_speed: whether the forces take weights and inertia forces at this speed into account. False: the process force alone, as
             catalogues print it.
-        loads: springs, balance cylinders and constant forces that act beside the process, as they were given.
-        friction: the friction of bearings and guides, as it was given.
-        torque_capacity: torque capacity at the driver joint, given or found from nominal force and height [N m]; of a driver that slides
-            its force capacity [N]. None: it limits nothing. Of a nominal height it has the friction that the nominal force causes there.
-        crank_angle: (n,) crank angle, unwrapped [rad]; position of a driver that slides [m].
+        loads: springs, balance cylinders and constant forces in addition to the process, as given.
+        friction: friction of bearings and guides, as given.
+        torque_capacity: torque capacity at the driver joint, given or from nominal force and height [N m]; force capacity of a sliding
+            driver [N]. None: no limit. From a nominal height it includes the friction that the nominal force causes there.
+        crank_angle: (n,) crank angle, unwrapped [rad]; position of a sliding driver [m].
         height: (n,) height of the slide above bottom dead centre, falling to 0 [m].
         travel_per_angle: (n,) ds/dtheta of the slide along its guide's axis [m/rad]. Its magnitude is the driving torque for a process
             force of 1 N without losses [N m/N]; its inverse is the mechanical advantage, which grows without bounds at the dead centres.
             Of a driver that slides it is the travel of the slide by that of the driver [-], the driving force for 1 N.
         slide_velocity: (n,) velocity of the slide along the guide's axis [m/s].
-        force: (n,) permissible process force, the smallest that a limit permits [N].
+        force: (n,) permissible process force, the smallest force that a limit permits [N].
         limits: name of a limit -> (n,) process force that it permits alone, at most the nominal force [N]. The names are "nominal force",
             "torque" or, of a driver that slides, "driving force", "bearing NAME", "flywheel energy" and "motor energy". An energy E permits
             E / height, a constant force from there to bottom dead centre; with friction the work that the crank does for 1 N stands in
             place of the height.
         limited_by: (n,) name of the limit that governs.
-        changes: heights at which another limit begins to govern, falling, accurate to rounding [m]; they are among ``height``.
-        work: (n,) work of the force that all limits but energy permit, from there to bottom dead centre [J]. It may be more than an energy.
+        changes: heights at which another limit begins to govern, falling, accurate within rounding error [m]; ``height`` contains them.
+        work: (n,) work of the force that all limits except energy permit, down to bottom dead centre [J]. It may exceed an energy.
         energies: work that a stroke may take from each source, "flywheel energy" and "motor energy" [J].
         stroke: stroke of the slide [m].
         quick_return_ratio: time of the working stroke divided by that of the return stroke [-]; None where the driver slides.
@@ -84,7 +84,7 @@ class PressRatings(OfPress, Tabular):
             driver that slides [-]; None without a height.
         dwell_tolerance: distance from bottom dead centre that counts as dwell [m]; None where the driver slides.
         dwell_time: time in which the slide is within this distance [s]; None where the driver slides.
-        speed_limit: speed at which the idle press reaches a capacity; None where no speed does, where the driver slides, and with friction
+        speed_limit: speed at which the idle press reaches a capacity; None if no speed reaches one, for a sliding driver, and with friction
             or dampers.
         turns: turns of the driver joint from stroke to stroke; 1 where it slides.
     """
@@ -122,26 +122,28 @@ class PressRatings(OfPress, Tabular):
         return f"PressRatings of {self.press_name}: {len(self.height)} heights, nominal force {self.capacities.nominal_force:.6g} N"
 
     def utilisation(self, reactions: Reactions) -> Array:
-        """(n,) process force of reactions divided by the permissible force at the slide's height [-], read-only: 1 where the press is used
-        up, above 1 where it is overloaded. Between the ratings' heights the permissible force is interpolated linearly.
+        """Process force / permissible force at the slide's height (n,) [-], read-only: above 1 the press is overloaded.
+
+        Between the ratings' heights the permissible force is interpolated linearly.
 
         Args:
             reactions: reactions of the same press to a motion of n states under process loads.
 
         Raises:
-            PinpressError: the reactions are of another press.
+            PinpressError: the reactions belong to another press.
         """
         expect("reactions", reactions, Reactions, "inverse_dynamics")
         press = reactions._press
         if press.name != self.press_name:
-            raise PinpressError(f"the reactions are of {press.name}, the ratings of {self.press_name}: give those of the same press")
+            raise PinpressError(
+                f"the reactions belong to {press.name}, but the ratings to {self.press_name}: give reactions of the same press"
+            )
         refuse_motion_of_another(self._press, reactions.motion)
         height = reactions.motion.slide_position - dead_centres(press).bottom_position
         return read_only(reactions.process_force / np.interp(height, self.height[::-1], self.force[::-1]))
 
     def columns(self) -> dict[str, Array | list[str]]:
-        """A row for each height from top to bottom dead centre, with all quantities. Of a driver that slides they include driver_position
-        and travel_per_driver_travel."""
+        """A row for each height from top to bottom dead centre; with a sliding driver also driver_position and travel_per_driver_travel."""
         (position, unit), *_ = self.driver_coordinate.heads
         travel = "travel_per_angle [m/rad]" if self.driver_coordinate.turns else "travel_per_driver_travel [m/m]"
         return {
@@ -170,16 +172,16 @@ def rate(
     dwell_tolerance: float | None = None,
     engine: str = "auto",
 ) -> PressRatings:
-    """Find the force that a press may exert over its working stroke, and the speed at which it may run.
+    """Find the permissible force of a press over its working stroke, and its permissible speed.
 
     The permissible force is the smallest of F_N, C / |ds/dtheta|, E / h and the forces that the bearings permit. A nominal height h_N
     stands for the torque C = F_N |ds/dtheta| at h_N. The working stroke goes downwards, against the slide's direction.
 
-    Friction raises the torque for a process force and changes the bearing forces; what a process force loses by it comes off the energies.
-    What friction takes of the idle press, and dampers, is left to the motor.
+    Friction raises the torque for a process force and changes the bearing forces. The friction loss of a process force reduces energies;
+    the motor covers the losses of the idle press and of dampers.
 
-    Of a driver that slides, C is its force capacity and theta its position. It moves harmonically, as in `cycle`. Capacities of energy and
-    of speed, and the dwell, are those of a crank; they are refused.
+    For a sliding driver C is its force capacity and theta its position. It moves harmonically, as in `cycle`. Capacities of energy and
+    speed, and the dwell, need a crank; for a sliding driver they are refused.
 
     Args:
         press: a press with one driver, and a slide with one top and one bottom dead centre; where the driver slides, these are the ends of
@@ -190,8 +192,8 @@ def rate(
         at_speed: whether torque and bearings also carry weights and inertia forces at this speed, as in operation. By default they carry
             the process force alone, as catalogues print ratings. A nominal height stands for one torque capacity in both cases, so that at
             speed the force at this height differs from the nominal one.
-        loads: springs and dampers, e.g. a balance cylinder, and constant forces on links, which act beside the process; with ``at_speed``,
-            because they stand beside weights and inertia forces.
+        loads: springs and dampers, e.g. a balance cylinder, and constant forces on links, in addition to the process; only with
+            ``at_speed``, like weights and inertia forces.
         friction: friction of bearings and guides, by their names. By default it is that of the process force alone; with ``at_speed``
             weights, inertia forces and springs cause friction too, it may be viscous, and gibs preloaded.
         points: number of crank angles, or positions of a driver that slides, in equal steps from top to bottom dead centre, at least 3. The
@@ -202,7 +204,7 @@ def rate(
 
     Raises:
         PinpressError: the press has several drivers or a slide that turns back more than twice in a stroke, a height is not within the
-            stroke, a capacity is none of a driver that slides, a load is a process load, friction locks the press, another argument is not
+            stroke, a sliding driver cannot have a capacity, a load is a process load, friction locks the press, another argument is not
             as described, or the idle press exceeds a capacity, by its weight alone or (with ``at_speed``) at its speed. The message names
             the capacity, the crank angle and the speed.
         UnknownNameError: the press has no such bearing or link.
@@ -339,7 +341,7 @@ def _speed(speed: float, turning: bool) -> float:
 
 
 def conditions_in_words(ratings: PressRatings) -> str:
-    """The speed, and what the forces take into account beside the process."""
+    """The speed, and the forces that count in addition to the process."""
     what = "with weights and inertia forces at this speed" if ratings.at_speed else "the process force alone, as catalogues print it"
     what += "".join(f", with {words}" for words, given in (("springs", ratings.loads), ("friction", ratings.friction)) if given)
     if ratings.driver_coordinate.turns:

@@ -80,8 +80,9 @@ def speed_limit(
     loads: Sequence[ProcessLoad] = (),
     engine: str = "auto",
 ) -> PermissibleSpeed | None:
-    """Find the highest constant speed at which torque, bearings, slide acceleration and shaking force stay within their capacities, of a
-    crank that turns positively; `rate` at a negative speed finds that of the other sense.
+    """Find the highest constant speed at which torque, bearings, slide acceleration and shaking force keep their capacities.
+
+    The crank turns positively; for the other sense use `rate` at a negative speed.
 
     Args:
         press: a press with one driver.
@@ -91,8 +92,8 @@ def speed_limit(
         engine: as in `cycle`.
 
     Returns:
-        The speed with the limit and the crank angle; None where no speed reaches a capacity. The crank angle is accurate to rounding,
-        except under loads with edges less than a degree apart.
+        The speed with the limit and the crank angle; None if no speed reaches a capacity. The crank angle is accurate within rounding
+        error, except under loads with edges less than a degree apart.
 
     Raises:
         PinpressError: the press has several drivers, weights and loads alone exceed a capacity, a load depends on the speed, or an argument
@@ -102,15 +103,13 @@ def speed_limit(
     """
     known_bearings(capacities, press)
     press.refuse_several_drivers(NO_RATINGS)
-    press.refuse_sliding_driver(
-        "the highest constant speed is that of a crank; ratings.rate(press, speed, capacities, at_speed=True) says whether a speed may be"
-    )
+    press.refuse_sliding_driver("a speed limit needs a crank; ratings.rate(press, speed, capacities, at_speed=True) checks one speed")
     refuse_by_driver(capacities)
     refuse_other_effort(capacities, press.driver_coordinates[0])
     if torque is not None:
         torque = positive("torque", torque, "N m")
         if capacities.torque is not None:
-            raise PinpressError("torque is among the capacities already: leave one out")
+            raise PinpressError("torque is given twice, as argument and in capacities: leave one out")
     return limiting_speed(press, capacities, capacities.torque if torque is None else torque, 1.0, loads, engine)
 
 

@@ -1,4 +1,4 @@
-"""The work of a sweep, in this process or by the workers of an executor: pieces that are done one by one or several a task."""
+"""Carry out the work of a sweep in this process or by workers of an executor: pieces one by one, or several in a task."""
 
 import time
 from collections import deque

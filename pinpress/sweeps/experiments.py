@@ -1,10 +1,10 @@
-"""Experiments: points of a sweep that fill ranges evenly, all combinations of levels or a Latin hypercube.
+"""Experiments: points of a sweep that fill ranges evenly, as all combinations of levels or as a Latin hypercube.
 
     points = pp.sweeps.latin_hypercube({"rod": (0.0, 150.0), "counterweight": (900.0, 1200.0)}, 200, seed=1)
     table = pp.sweeps.sweep(shaking_of, points, paired=True)  # def shaking_of(rod, counterweight): ... return {"range": ...}
 
-A full factorial of d arguments with k levels has k^d points, and shows each argument at k values only. A Latin hypercube of n points has n
-values of each argument, one in every n-th part of its range, and as many points as one can afford, in any number of arguments.
+A full factorial of d arguments with k levels has k^d points, and shows each argument at only k values. A Latin hypercube of n points has n
+values of each argument, one in every n-th part of its range. Its number of points is free for any number of arguments.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ MOST_ARGUMENTS = 1000
 
 @typed
 def full_factorial(ranges: Mapping[str, object], levels: int | Mapping[str, int]) -> dict[str, tuple[float, ...]]:
-    """The axes of all combinations of equally spaced levels, a grid for `sweep`.
+    """Make the axes of all combinations of equally spaced levels, a grid for `sweep`.
 
     Args:
         ranges: name of an argument -> its lowest and highest value.
-        levels: number of levels of every argument, the ends included, at least 2; or of each by its name.
+        levels: number of levels of every argument, including the ends, at least 2; or name -> number of levels.
 
     Returns:
         Name -> levels (k,), rising.
 
     Raises:
-        PinpressError: a range is no two finite numbers, the lower one first, or there are fewer than two levels or too many points.
-        UnknownNameError: levels are given of an argument that has no range.
+        PinpressError: a range is not two finite numbers, the lower one first, or there are fewer than two levels or too many points.
+        UnknownNameError: levels are given for an argument that has no range.
     """
     ends = _ends(ranges)
     if isinstance(levels, Mapping):
@@ -42,7 +42,7 @@ def full_factorial(ranges: Mapping[str, object], levels: int | Mapping[str, int]
                 raise UnknownNameError("range", name, tuple(ends))
         missing = [name for name in ends if name not in levels]
         if missing:
-            raise PinpressError(f"levels: there are none of {', '.join(map(shown, missing))}; give a number of levels of each range")
+            raise PinpressError(f"levels: {', '.join(map(shown, missing))} is missing; give a number of levels for each range")
     counts = {
         name: whole_number(f"levels of {shown(name)}", levels[name] if isinstance(levels, Mapping) else levels, 2, MOST_POINTS)
         for name in ends
@@ -57,24 +57,24 @@ def full_factorial(ranges: Mapping[str, object], levels: int | Mapping[str, int]
 
 @typed
 def latin_hypercube(ranges: Mapping[str, object], count: int, *, seed: int = 0) -> dict[str, tuple[float, ...]]:
-    """The columns of a Latin hypercube, for `sweep` with ``paired=True``: each n-th part of each range has one point, at random in it.
+    """Make the columns of a Latin hypercube, for `sweep` with ``paired=True``: each n-th part of each range has one random point.
 
     Args:
         ranges: name of an argument -> its lowest and highest value.
         count: number n of points.
-        seed: of the random numbers; the same one gives the same points.
+        seed: seed of the random numbers; the same seed gives the same points.
 
     Returns:
         Name -> values (n,) of the points.
 
     Raises:
-        PinpressError: a range is no two finite numbers, the lower one first, or a number of points or seed makes no sense.
+        PinpressError: a range is not two finite numbers, the lower one first, or the number of points or the seed is wrong.
     """
     ends = _ends(ranges)
     points = whole_number("count", count, 1, MOST_POINTS)
     start = whole_number("seed", seed, 0, 2**63 - 1)
     if points * len(ends) > MOST_POINTS:
-        raise PinpressError(f"count is {points} points of {len(ends)} arguments; give fewer than {MOST_POINTS} values in all")
+        raise PinpressError(f"count is {points} points of {len(ends)} arguments; give fewer than {MOST_POINTS} values in total")
     from scipy.stats import qmc  # slow to import
 
     shares = qmc.LatinHypercube(len(ends), seed=np.random.default_rng(start)).random(points)
@@ -92,12 +92,12 @@ def _ends(ranges: Mapping[str, object]) -> dict[str, tuple[float, float]]:
     found = {}
     for name, given in ranges.items():
         if not isinstance(name, str) or not name:
-            raise PinpressError(f"ranges: {shown(name)} is no name of an argument; give words")
+            raise PinpressError(f"ranges: {shown(name)} is not a name of an argument; give texts")
         ends = given.tolist() if isinstance(given, np.ndarray) else given
         if not isinstance(ends, list | tuple) or len(ends) != 2:
-            raise PinpressError(f"ranges: that of {shown(name)} is {shown(given)}; give its lowest and highest value, (5.0, 7.0)")
+            raise PinpressError(f"ranges: the range of {shown(name)} is {shown(given)}; give its lowest and highest value, (5.0, 7.0)")
         low, high = (number(f"range of {shown(name)}", end) for end in ends)
         if not low < high:
-            raise PinpressError(f"ranges: that of {shown(name)} goes from {low:g} to {high:g}; give the lower end first")
+            raise PinpressError(f"ranges: the range of {shown(name)} goes from {low:g} to {high:g}; give the lower end first")
         found[name] = (low, high)
     return found

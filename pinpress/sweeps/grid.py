@@ -1,4 +1,4 @@
-"""The points of a sweep: axes of labelled values, all combinations or side by side, and the comparison of two sweeps."""
+"""The points of a sweep: axes of labelled values, all combinations or paired, and the comparison of two sweeps."""
 
 import math
 import operator
@@ -21,12 +21,12 @@ LARGEST = 2**53  # largest whole number up to which a float holds all exactly
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Grid:
-    """Points of a sweep, numbered from 0 with the last axis fastest.
+    """Points of a sweep, numbered from 0; the last axis changes fastest.
 
     Attributes:
-        axes: name -> labels of each axis, numbers or words.
-        objects: name -> objects passed to the function; the labels themselves, unless the axis was given as a mapping.
-        paired: whether the axes run side by side, as columns of equal length.
+        axes: name -> labels of each axis, numbers or texts.
+        objects: name -> objects for the function; the labels themselves, unless the axis is a mapping.
+        paired: whether the axes are columns of equal length.
     """
 
     axes: Mapping[str, tuple[Scalar, ...]]
@@ -38,7 +38,7 @@ class Grid:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Lengths of the axes; (n,) where they run side by side."""
+        """Lengths of the axes; (n,) if the axes are paired."""
         lengths = tuple(len(labels) for labels in self.axes.values())
         return lengths[:1] if self.paired else lengths
 
@@ -69,7 +69,7 @@ class Grid:
         for name, labels in self.axes.items():
             if len({kind(label) for label in labels}) > 1:
                 raise PinpressError(
-                    f"grid: the labels of axis {shown(name)} are of several kinds: give numbers alone, bools alone or words alone"
+                    f"grid: the labels of axis {shown(name)} are of several kinds: give only numbers, only bools or only texts"
                 )
 
     def _places(self, number: int) -> list[int]:
@@ -86,8 +86,8 @@ def make_grid(grid: object, paired: bool) -> Grid:
     """A caller's grid; see `pinpress.sweeps.sweep`.
 
     Raises:
-        PinpressError: it is no mapping, an axis has no values, a value twice or one that a table cannot hold, or paired axes differ in
-            length.
+        PinpressError: the grid is not a mapping, an axis has no values, a value twice or a value that a table cannot hold, or paired axes
+            differ in length.
     """
     if not isinstance(grid, Mapping) or not grid:
         raise PinpressError("grid: give a mapping of at least one argument's name to its values, {'speed': [...], 'force': [...]}")

@@ -1,4 +1,4 @@
-"""Operating points of a press: torque and forces at every speed and every amplitude of its load, without a loop over them.
+"""Operating points of a press: torque and forces at every speed and every amplitude of its load, without a loop over the points.
 
 At a given crank angle and a constant speed w, torque and every reaction are affine in w^2 and in the amplitude F of a load,
 
@@ -67,7 +67,7 @@ class OperatingMap(Tabular):
         forces: (m,) amplitudes of the load [N].
         results: name -> (n, m) values. The names are largest_driving_torque and smallest_driving_torque [N m]; peak_force_A and so on, the
             largest magnitude of the force in each bearing [N]; range_shaking_force_x, _y and _z, largest less smallest value [N].
-        angles: name of an extreme torque or peak force -> (n, m) crank angle at which it occurs [rad]; empty where not asked for.
+        angles: name of an extreme torque or peak force -> (n, m) crank angle at which it occurs [rad]; empty if not requested.
     """
 
     press_name: str
@@ -97,18 +97,18 @@ class OperatingMap(Tabular):
 
     @property
     def axes(self) -> dict[str, Array]:
-        """The axes of the grid by their names in the columns."""
+        """Name in the columns -> axis of the grid."""
         return {"speed": self.speeds, "force": self.forces}
 
     def columns(self) -> dict[str, Array]:
-        """A row for each point, forces fastest: speed, force, results and angles."""
+        """A row for each point (the force changes fastest): speed, force, results and angles."""
         columns = {"speed": np.repeat(self.speeds, self.shape[1]), "force": np.tile(self.forces, self.shape[0])}
         columns |= {name: values.ravel() for name, values in self.results.items()}
         columns |= {f"angle_of_{name}": values.ravel() for name, values in self.angles.items()}
         return {f"{name} [{_unit(name)}]": values for name, values in columns.items()}
 
     def grid(self, name: str) -> Array:
-        """A result (n, m), speeds by forces.
+        """Read a result (n, m), speeds by forces.
 
         Raises:
             UnknownNameError: there is no such result.
@@ -132,34 +132,34 @@ def operating_points(
 ) -> OperatingMap:
     """Find the extremes of torque and forces over a period at constant speed, at every speed and every amplitude of a load.
 
-    They are those of `inverse_dynamics` of `cycle` up to rounding, at a million points a second.
+    They agree with `inverse_dynamics` of `cycle` within rounding error, at a million points a second.
 
     Args:
         press: a press with one driver that turns fully.
         speeds: (n,) speeds of the driver, all positive or all negative [rad/s].
-        forces: (m,) amplitudes by which ``unit_load`` is multiplied, in N where it is a load of 1 N.
+        forces: (m,) amplitudes by which ``unit_load`` is multiplied, in N for a load of 1 N.
         unit_load: one or several process loads or point forces, such as ``DeepDrawing(force=1.0, start=0.010)``.
         loads: loads that are equal at all points, such as springs.
-        bearings: names of the bearings whose peak forces are wanted; by default all.
+        bearings: names of the bearings whose peak forces are computed; by default all.
         points: number of crank angles of the period, in equal steps from 0; by default 360 a turn.
-        angles: whether to find the crank angles of extreme torques and peak forces too, which takes longer.
+        angles: whether to find also the crank angles of extreme torques and peak forces, which takes longer.
 
     Raises:
-        PinpressError: an argument is not as described, or a load depends on the speed or on time, as dampers do, or is not proportional to
-            its amplitude, by more than 1e-9 of the largest value. For such loads use `sweep`, which computes every point.
+        PinpressError: an argument is not as described, a load depends on the speed or on time (for example a damper), or a load is not
+            proportional to its amplitude within 1e-9 of the largest value. For such loads use `sweep`, which computes every point.
         UnknownNameError: the press has no such bearing.
         SingularityError: the linkage locks within the period.
         AssemblyError: the linkage cannot be assembled at some crank angle.
     """
-    press.refuse_several_drivers("operating points are of a press with one; sweep computes any function, with servo_cycle in it")
-    press.refuse_sliding_driver("operating points are those of a crank at constant speeds; sweep computes any points")
+    press.refuse_several_drivers("operating points need a press with one driver; sweep computes any function, also with servo_cycle")
+    press.refuse_sliding_driver("operating points need a crank at constant speeds; sweep computes any points")
     speed, force = _axis("speeds", speeds, "rad/s"), _axis("forces", forces, "N")
     if not (np.all(speed > 0) or np.all(speed < 0)):
-        raise PinpressError("speeds: give them all positive or all negative, as loads depend on the direction of travel; none zero")
+        raise PinpressError("speeds: give only positive or only negative speeds, not 0, because loads depend on the direction of travel")
     truth_value("angles", angles)
     units, constant = _loads(unit_load, loads)
     if not units and force.any():
-        raise PinpressError("forces are amplitudes of unit_load, and there is none: give e.g. pp.loads.DeepDrawing(force=1.0, start=0.010)")
+        raise PinpressError("forces are amplitudes of unit_load, which is missing: give e.g. pp.loads.DeepDrawing(force=1.0, start=0.010)")
 
     doubt_speeds(press, speed)
     at = partial(_cycle, press, units, constant, bearings, points)
@@ -225,7 +225,7 @@ def _loads(unit_load: Load | Sequence[Load], loads: Sequence[Load]) -> tuple[Seq
     if any(isinstance(load, SpringDamper) for load in units):
         raise PinpressError("unit_load has a spring or damper, which has no amplitude: give it in loads")
     if any(isinstance(load, TimeForce) for load in (*units, *constant)):
-        raise PinpressError("a TimeForce depends on time, and so on the speed: use sweep, which computes every point")
+        raise PinpressError("a TimeForce depends on time and thus on the speed: use sweep, which computes every point")
     return units, constant
 
 
@@ -312,8 +312,8 @@ def _confirm(at: Cycle, affine: dict[str, Affine], tried: set[tuple[float, float
             terms = max(float(np.abs(part).max()) for part in (a * speed**2, c, d * force, values))
             if not np.abs(a * speed**2 + c + d * force - values).max() <= AFFINE * _scale(name, affine, speed, force, terms):
                 raise PinpressError(
-                    f"{name} is not affine in the square of the speed and the amplitude of the load: a load depends on the speed, as"
-                    " a damper does, or is not proportional to its amplitude. Use sweep, which computes every point"
+                    f"{name} is not affine in the square of the speed and the amplitude of the load: a load depends on the speed (as"
+                    " a damper does), or is not proportional to its amplitude. Use sweep, which computes every point"
                 )
 
 

@@ -1,4 +1,4 @@
-"""A function at points of a sweep, one at a time or many at once, and its results as columns: what a worker does."""
+"""The job of a worker: call a function at points of a sweep, one at a time or many at once, and return its results as columns."""
 
 from __future__ import annotations
 
@@ -199,13 +199,13 @@ def _columns_of(returned: object, numbers: Sequence[int], arguments: Mapping[str
     if all(errors):
         return Results(numbers, errors, {}, [])
     if not columns:
-        raise ClashError("the function returned errors alone, though some points have none; return values of these")
+        raise ClashError("the function returned only errors, but some points have no error; return values for these points")
     kinds = {name: {"f": "number", "b": "bool", "O": "word"}[values.dtype.kind] for name, values in columns.items()}
     return Results(numbers, errors, kinds, list(columns.values()))
 
 
 def axis_name_taken(name: str) -> str:
-    """What is said of a result that is named as an axis."""
+    """Message for a result with the name of an axis."""
     return f"the function returns {shown(name)}, which is the name of an axis: give the result another name"
 
 

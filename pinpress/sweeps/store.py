@@ -1,12 +1,12 @@
-"""Results of a sweep as they arrive: an SQLite database, in a file or in memory, to which every point is written as soon as it is done.
+"""Store the results of a sweep as they arrive: an SQLite database in a file or in memory that gets every point at once.
 
 Points are committed to a write-ahead log. A kill (-9) at any instant leaves each commit in it whole or absent. No commit waits for the
 disk: SQLite waits only when it copies the log into the database. So after a power cut the last points may be missing, but the database is
 whole. (A rollback journal is as quick only with ``synchronous=OFF``, where a power cut may destroy the file.) The process that sweeps locks
 the database, and the lock ends with the process. A sweep that ends or is interrupted leaves one file and no log.
 
-Every result is a column of its own, which other programs can read. SQLite does not notice changes by hand or by a faulty disk: so the
-description of the sweep and every point have a checksum. The labels of the points are in the description alone, once for each axis.
+Every result is a separate column, which other programs can read. SQLite does not notice changes by hand or by a faulty disk: so the
+description of the sweep and every point have a checksum. Only the description contains the labels of the points, once for each axis.
 """
 
 from __future__ import annotations
@@ -197,7 +197,7 @@ class Store:
             return
         number = next(row[0] for row, checksum in zip(rows, self._checksums(rows), strict=True) if row[-1] != checksum)
         raise PinpressError(
-            f"{self._name}: point {number} is damaged or was changed, its checksum does not fit; to compute it again, delete"
+            f"{self._name}: point {number} is damaged or was changed: its checksum does not fit. To compute it again, delete"
             f" it: DELETE FROM points WHERE point = {number}"
         )
 
@@ -271,7 +271,7 @@ def open_file(path: Path | None, description: Mapping[str, Any] | None = None) -
     if path is not None and path.is_dir():
         raise PinpressError(f"{path} is a folder, not the file of a sweep: give the file, whose name ends with {SUFFIX}")
     if path is not None and path.exists() and not path.is_file():
-        raise PinpressError(f"{path} is no regular file: a sweep is kept in one of its own; give another name")
+        raise PinpressError(f"{path} is not a regular file: a sweep needs a separate file; give another name")
     with name_in_errors(name):
         connection = sqlite3.connect(":memory:" if path is None else path, timeout=0.0, isolation_level=None)
     try:
@@ -287,7 +287,7 @@ def open_file(path: Path | None, description: Mapping[str, Any] | None = None) -
                     connection.execute("INSERT INTO sweep VALUES (?, ?)", _describe(description, {}))
                 database = Store(name, connection)
         if description is not None and (differ := "; ".join(differences(database.description, description))):
-            raise PinpressError(f"{path} is of another sweep: {differ}. Give another file, or repeat the sweep that it is of")
+            raise PinpressError(f"{path} belongs to another sweep: {differ}. Give another file, or repeat the sweep of this file")
         yield database
     finally:
         with suppress(sqlite3.Error):  # on a full disk the log stays beside the file, and is copied into it when it is opened next
@@ -307,7 +307,7 @@ def name_in_errors(name: str) -> Iterator[None]:
             ) from None
         raise PinpressError(f"cannot write {name}: {error}; give a file in a directory you can write to") from error
     except (sqlite3.DatabaseError, ValueError) as error:
-        raise PinpressError(f"{name} is damaged, or no file of a sweep ({error}): give another file, or delete it") from error
+        raise PinpressError(f"{name} is damaged, or is not the file of a sweep ({error}): give another file, or delete it") from error
 
 
 def _describe(description: Mapping[str, Any], kinds: Mapping[str, str]) -> tuple[str, int]:

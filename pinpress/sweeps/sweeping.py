@@ -1,4 +1,4 @@
-"""Sweeps: a function at every point of a grid, on one machine or a cluster, resumed where it was stopped; and its table of results."""
+"""Sweeps: call a function at every point of a grid, on one machine or a cluster, resume after a stop, and make a table of results."""
 
 from __future__ import annotations
 
@@ -49,32 +49,32 @@ def sweep(
     """Call a function at every point of a grid, and collect the results.
 
     Args:
-        function: function that takes the axes' names as keyword arguments and returns a mapping of names to numbers, words or bools, with
-            equal names and kinds of values at every point. Where it raises (anything but KeyboardInterrupt), returns a number that is not
-            finite, or ends the executor's process that it runs in, the point counts as failed, and the sweep goes on.
-        grid: name -> sequence of numbers or words, or mapping of labels (numbers or words) to any objects, such as loads. The labels stand
-            in the results. The points are all combinations, the last axis fastest.
-        to: SQLite file for the results, with a name that ends with ``.sqlite``. Every finished point is in it at once. Repeat the call
-            after Ctrl-C, a crash or a kill, and it does the missing points; after the end it reads the file. The file knows the sweep by
-            the names of the function and the axes and by the labels, not by the function's code. Checksums find what was changed or
-            damaged, which is refused. `read` makes a table of an unfinished file.
-        at_once: whether the function takes many points at once, or how many (True: 1000). It then takes an array (n,) of values for each
-            axis, whose labels are of one kind, and returns an array (n,) or a list for each name. It may also return ``"error"``, n errors
-            (exceptions or words; None for a point that succeeded). Where it raises, halves of the points are tried, down to those at which
-            it raises: these have failed.
+        function: function that takes the axes' names as keyword arguments and returns a mapping of names to numbers, texts or bools, with
+            the same names and kinds of values at every point. A point fails if the function raises (anything except KeyboardInterrupt),
+            returns a number that is not finite, or ends its process; then the sweep continues.
+        grid: name -> sequence of numbers or texts, or mapping of labels (numbers or texts) to any objects, such as loads. The results
+            contain the labels. The points are all combinations; the last axis changes fastest.
+        to: SQLite file for the results, with a name that ends with ``.sqlite``. Every finished point is written at once. After Ctrl-C, a
+            crash or a kill repeat the call: it computes the missing points; after the end it reads the file. The file identifies the
+            sweep by the names of the function and the axes and by the labels, not by the function's code. Checksums detect changes and
+            damage, and such a file is refused. `read` makes a table of an unfinished file.
+        at_once: whether the function takes many points at once, or their number (True: 1000). Then it takes an array (n,) of values for
+            each axis, with labels of one kind, and returns an array (n,) or a list for each name. It may also return ``"error"``: n errors
+            (exceptions or texts; None for a point that succeeded). If it raises, halves of the points are tried, until only the points
+            that raise remain: these have failed.
         executor: an executor of `concurrent.futures`, such as ``ProcessPoolExecutor()``, or ``distributed.Client(...).get_executor()`` of a
-            Dask cluster; it stays open. None: point by point in this process. When a worker of a process pool dies, the pool is broken, and
-            the sweep goes on with pools of one process each, made with the pool's arguments.
-        paired: whether the axes are columns of equal length, so that point k has value k of each.
+            Dask cluster; it stays open. None: point by point in this process. If a worker of a process pool dies, the pool breaks; then the
+            sweep continues with pools of one process each, made with the pool's arguments.
+        paired: whether the axes are columns of equal length, so that point k has value k of each axis.
         retry_failed: whether to repeat points that failed in an earlier run.
-        in_flight: number of tasks submitted at once; on a cluster at least twice its threads. A task has so many points that it takes about
-            a tenth of a second, which is lost when its worker is killed; but at least one call of the function.
-        progress: function called with the share of points done, 0 to 1, those of earlier runs included.
+        in_flight: number of tasks submitted at once; on a cluster at least twice its threads. A task is at least one call of the function
+            and takes about a tenth of a second, which is lost if its worker is killed.
+        progress: function called with the share of finished points, 0 to 1, including points of earlier runs.
 
     Raises:
-        PinpressError: an argument is not as described, the function cannot be sent to other processes, the file is of another sweep, is
-            damaged, in use, or cannot be written, results differ in names or kinds or make no table, or the executor is gone. The file has
-            all that was finished.
+        PinpressError: an argument is not as described, the function cannot be sent to other processes, the file belongs to another sweep,
+            is damaged, in use, or cannot be written, results differ in names or kinds or make no table, or the executor has stopped. The
+            file contains all finished points.
     """
     _check_arguments(function, executor, in_flight, progress)
     together = _points_at_once(at_once)
@@ -102,10 +102,10 @@ def sweep(
 
 @typed
 def read(path: str | os.PathLike[str]) -> Sweep:
-    """Read the file of a sweep, finished or stopped. Results of points that failed or are not done yet are masked.
+    """Read the file of a finished or stopped sweep. Results of failed and missing points are masked.
 
     Args:
-        path: the file that `sweep` has written, its argument ``to``.
+        path: the file of `sweep` (its argument ``to``).
 
     Raises:
         PinpressError: there is no such file, it is damaged, or a sweep is writing it.
@@ -121,16 +121,16 @@ def read(path: str | os.PathLike[str]) -> Sweep:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sweep(Tabular):
-    """Results at all n points of a sweep, in the order of the grid (last axis fastest). All arrays are read-only.
+    """Results at all n points of a sweep, in the order of the grid (the last axis changes fastest). All arrays are read-only.
 
     Attributes:
         function: name of the function.
         axes: name -> labels of each axis.
         paired: whether the axes run side by side.
-        results: name -> (n,) values of each result, as masked arrays with a mask at points that failed or are missing. Numbers are
-            floats, 0.0 in place of -0.0.
-        errors: number of a point that failed -> type and text of the exception.
-        missing: numbers of the points that are not done yet, where `read` reads a sweep that was stopped; else empty.
+        results: name -> (n,) values of each result, as masked arrays with a mask at failed and missing points. Numbers are floats, with
+            0.0 in place of -0.0.
+        errors: number of a failed point -> type and text of the exception.
+        missing: numbers of the missing points if `read` reads a stopped sweep; else empty.
     """
 
     function: str
@@ -158,7 +158,7 @@ class Sweep(Tabular):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Lengths of the axes; (n,) where they run side by side."""
+        """Lengths of the axes; (n,) if the axes are paired."""
         return self._grid.shape
 
     @property
@@ -167,11 +167,11 @@ class Sweep(Tabular):
         return Records(FailedPoint, self._failed(None))
 
     def columns(self) -> dict[str, Column | list[str]]:
-        """A row for each point: labels, results, and the error where it failed."""
+        """A row for each point: labels, results, and the error of a failed point."""
         return self._rows(0, len(self._grid))
 
     def column(self, name: str) -> Column:
-        """An axis' labels or a result, of all points (n,); results are masked at points that failed or are missing.
+        """Read an axis' labels or a result of all points (n,); results are masked at failed and missing points.
 
         Raises:
             UnknownNameError: there is no such axis or result.
@@ -183,7 +183,7 @@ class Sweep(Tabular):
         raise UnknownNameError("result", name, [*self.results])
 
     def grid(self, name: str) -> Column:
-        """The same as an array with the axes' lengths as its shape.
+        """Read an axis' labels or a result as an array with the axes' lengths as its shape.
 
         Raises:
             UnknownNameError: there is no such axis or result.
@@ -191,7 +191,7 @@ class Sweep(Tabular):
         return self.column(name).reshape(self.shape)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Write a Parquet file, a hundred thousand points a piece; missing values are null. Needs pyarrow.
+        """Write a Parquet file with pieces of a hundred thousand points; missing values are null. Needs pyarrow.
 
         Raises:
             PinpressError: the file cannot be written, or pyarrow is not installed.
@@ -260,7 +260,7 @@ def _sweep(function: str, grid: Grid, contents: Contents) -> Sweep:
 
 
 def _points_at_once(at_once: object) -> int:
-    """How many points the function takes at once; 0: it takes one point."""
+    """Number of points in a call; 0: the function takes one point."""
     if isinstance(at_once, bool | np.bool_):
         return POINTS_AT_ONCE if at_once else 0
     if not is_whole_number(at_once) or not 1 <= at_once <= MOST_AT_ONCE:
@@ -273,17 +273,17 @@ def _check_arguments(function: object, executor: object, in_flight: object, prog
         raise PinpressError(f"function is {shown(function)}: give a function that takes the axes' names and returns a mapping")
     if executor is not None and not isinstance(executor, Executor):
         raise PinpressError(
-            f"executor is {shown(executor)}: give one of concurrent.futures, such as ProcessPoolExecutor(), or get_executor() of a"
+            f"executor is {shown(executor)}: give an executor of concurrent.futures, such as ProcessPoolExecutor(), or get_executor() of a"
             " Dask client"
         )
     if not is_whole_number(in_flight) or in_flight < 1:
         raise PinpressError(f"in_flight is {shown(in_flight)}: give a whole number of tasks, at least 1")
     if progress is not None and not callable(progress):
-        raise PinpressError(f"progress is {shown(progress)}: give a function of the share done")
+        raise PinpressError(f"progress is {shown(progress)}: give a function of the finished share")
 
 
 def _check_call(function: Function, grid: Grid) -> None:
-    """Refuse a function that does not take the axes, before it fails at every point."""
+    """Refuse a function that does not take the axes; otherwise it would fail at every point."""
     try:
         signature = inspect.signature(function)
     except (TypeError, ValueError):  # some functions written in C have no signature

@@ -158,7 +158,7 @@ def test_settings_that_are_none(capsys: pytest.CaptureFixture[str], words: list[
     assert said in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("words", "said"), [(["--die", -5], "not negative"), (["--die", "5mm"], "kg")])
+@pytest.mark.parametrize(("words", "said"), [(["--die", -5], "cannot be negative"), (["--die", "5mm"], "kg")])
 def test_dies_that_are_none(capsys: pytest.CaptureFixture[str], words: list[object], said: str) -> None:
     asked = ["crank_slide", "--speed", 60, "--region", "crank:radius=0.1", "--minimise", "range:shaking_force:z"]
     with pytest.raises(SystemExit) if said == "kg" else contextlib.nullcontext():
@@ -306,7 +306,7 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
         (["--speed", "0"], ["speed is 0"]),
         (["--points", "1"], ["points is 1"]),
         (["--driver", "Q"], ["no moving joint 'Q'"]),
-        (["--report"], ["--report needs a folder to write into: give --out DIR too"]),
+        (["--report"], ["--report needs a folder to write into: also give --out DIR"]),
         (["--out", "README.md"], ["README.md"]),
     ],
 )

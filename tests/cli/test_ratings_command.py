@@ -77,12 +77,12 @@ def test_without_matplotlib_it_writes_the_table(capsys, monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        (["--bearing", "A"], "--bearing A: it takes NAME=N"),
-        (["--bearing", "A=much"], "it takes NAME=N"),
-        (["--bearing", "A=-1"], "it takes NAME=N"),
+        (["--bearing", "A"], "--bearing A: it needs NAME=N"),
+        (["--bearing", "A=much"], "it needs NAME=N"),
+        (["--bearing", "A=-1"], "it needs NAME=N"),
         (["--bearing", "A=1e6", "--bearing", "A=2e6"], "given twice"),
         (["--bearing", "Q=1e6"], "no bearing 'Q'"),
-        (["--speed-drop", "0.2"], "--flywheel and --speed-drop go together"),
+        (["--speed-drop", "0.2"], "the energy of a flywheel needs --flywheel and --speed-drop"),
         (["--torque", "1e5"], "leave one out"),
         (["--dwell-tolerance", "7"], "between 0 and the stroke"),
     ],

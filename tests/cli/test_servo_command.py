@@ -98,7 +98,7 @@ def test_every_kind_of_path_and_limit_makes_its_part() -> None:
     [
         ([*TASK], "give --drive or --motors, one of them"),
         ([*TASK, *DRIVE, "--motors", "a.csv"], "give --drive or --motors, one of them"),
-        (["crank_slide", *DRIVE], "--time is missing"),
+        (["crank_slide", *DRIVE], "--time of a cycle is missing"),
         ([*TASK, "--motors", "a.csv"], "--motors needs the gear ratios"),
         ([*TASK, "--motors", "a.csv", "--ratios", "3", "--minimise", "time"], "--motors chooses the motor by its heat"),
         ([*TASK, *DRIVE, "--gear-inertia", 3], "--gear-inertia goes with --motors: --drive has it as a key"),

@@ -470,7 +470,7 @@ def test_errors_list_what_there_is(
     ("arguments", "says"),
     [
         (["--speed", "70"], "--steady needs a --motor"),
-        (["--motor", "constant:value=5"], "a --speed other than 0"),
+        (["--motor", "constant:value=5"], "the approximate speed of the press, not 0"),
         (["--speed", "70", "--motor", "constant:value=5"], "no steady state is found"),
         (["--speed", "70", "--motor", "prescribed:speed=70"], "needs a motor"),
         (["--speed", "70", "--motor", MOTOR, "--clutch", "torque=5"], "--clutch does not go with --steady"),
@@ -515,8 +515,11 @@ def test_several_drivers(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["--speed", "60"], "--speed is of one of the 2 drivers of geared_five_bar: write e.g. --speed O=30"),
-        (["--motor", "constant:value=4"], "--motor is of one of the 2 drivers of geared_five_bar: write e.g. --motor O:constant:value=567"),
+        (["--speed", "60"], "--speed needs the name of one of the 2 drivers of geared_five_bar: write e.g. --speed O=30"),
+        (
+            ["--motor", "constant:value=4"],
+            "--motor needs the name of one of the 2 drivers of geared_five_bar: write e.g. --motor O:constant:value=567",
+        ),
         (["--speed", "O=6", "--speed", "O=7"], "--speed of O is given twice"),
         (["--angle", "Q=6"], "no driver 'Q'"),
         (["--clutch", "torque=60,closes=0.1s"], "clutch and brake are for one; leave them out"),

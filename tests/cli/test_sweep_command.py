@@ -96,13 +96,13 @@ def test_a_latin_hypercube(study, capsys):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["{}:area", "--axis", "a=0:3"], "say how many values there are, FIRST:LAST:COUNT, or give --latin-hypercube"),
+        (["{}:area", "--axis", "a=0:3"], "the number of values is missing: write FIRST:LAST:COUNT, or give --latin-hypercube"),
         (["{}:area", "--axis", "a=0:3:4", "--latin-hypercube", "9"], "a Latin hypercube fills ranges: write NAME=LOW:HIGH"),
         (["{}:area", "--axis", "a=1,2", "--latin-hypercube", "9"], "a Latin hypercube fills ranges: write NAME=LOW:HIGH"),
         (["{}:area", "--axis", "a=low:high", "--latin-hypercube", "9"], "a Latin hypercube fills ranges: write NAME=LOW:HIGH"),
         (["{}:area", "--axis", "a=3:0", "--latin-hypercube", "9"], "that of 'a' goes from 3 to 0; give the lower end first"),
         (["{}:area", "--axis", "a=0:3", "--latin-hypercube", "0"], "count is 0"),
-        (["{}:area", "--axis", "a=1,2", "--seed", "3"], "--seed is that of a --latin-hypercube"),
+        (["{}:area", "--axis", "a=1,2", "--seed", "3"], "--seed is the seed of a --latin-hypercube"),
         (["{}:area", "--axis", "a=1"], "does not take the axes a: missing a required argument: 'b'"),
         (["{}:are", "--axis", "a=1"], "did you mean 'area'"),
         (["{}:number", "--axis", "a=1"], "no function of"),
@@ -111,14 +111,14 @@ def test_a_latin_hypercube(study, capsys):
         (["broken.py:area", "--axis", "a=1"], "broken.py cannot be imported (ZeroDivisionError"),
         (["json.py:area", "--axis", "a=1"], "json.py has the name of another module"),
         (["{}:area", "--axis", "a"], "--axis a: write NAME=FIRST:LAST:COUNT"),
-        (["{}:area", "--axis", "a=1kN"], "'1kN' is no number"),
-        (["{}:area", "--axis", "a=1:2:1"], "how many values there are"),
-        (["{}:area", "--axis", "a=1:2:2.5"], "how many values there are"),
-        (["{}:area", "--axis", "a=x:2:3"], "give two numbers"),
+        (["{}:area", "--axis", "a=1kN"], "'1kN' is not a number"),
+        (["{}:area", "--axis", "a=1:2:1"], "the number of values, at least 2"),
+        (["{}:area", "--axis", "a=1:2:2.5"], "the number of values, at least 2"),
+        (["{}:area", "--axis", "a=x:2:3"], "give the first and the last number"),
         (["{}:area", "--axis", "a=1", "--axis", "a=2"], "a is given twice"),
         (["{}:area", "--axis", "a=1", "--processes", "0"], "--processes 0"),
         (["{}:slowly", "--axis", "a=1", "--at-once", "--points-a-part", "0"], "at_once is 0"),
-        (["{}:slowly", "--axis", "a=1", "--points-a-part", "9"], "give --at-once too, or leave it out"),
+        (["{}:slowly", "--axis", "a=1", "--points-a-part", "9"], "also give --at-once, or leave it out"),
     ],
 )
 def test_what_is_refused(study, capsys, words, says):
@@ -155,7 +155,7 @@ def test_ctrl_c_leaves_what_was_done(study, where):
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does, to the processes of the pool too
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert "of the points are in runs.sqlite; the same command goes on" in said
+    assert "of the points are in runs.sqlite; the same command continues the work" in said
     assert "Traceback" not in said
     assert 0 < len(pp.sweeps.read("runs.sqlite").missing) < 40
     done = subprocess.run([*command, *where], stdout=subprocess.PIPE, text=True, check=True)

@@ -82,7 +82,7 @@ def test_the_picture(capsys, asked, tmp_path):
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        (["--clearance", "F=50um"], "--clearance belong to the accuracy budget: give its speeds too"),
+        (["--clearance", "F=50um"], "--clearance can only be used with the accuracy budget: also give its speeds"),
         (["--budget", "10;70"], "--budget 10;70 is no number"),
         (["--budget", "10", "--warm", "rod"], "--warm rod: write it as in --warm rod=10; a link, and kelvins"),
         (["--budget", "10", "--clearance", "F=5"], "clearance of 'F' is 5 m: give the radial clearance in m"),

@@ -91,9 +91,9 @@ def test_utilisation_is_that_of_the_process_in_the_same_states(press, motion):
     np.testing.assert_allclose(found.utilisation(reactions), reactions.process_force / found.force)
     assert found.utilisation(reactions).max() > 0.1
     again = pp.servo_cycle(press, np.column_stack([TURNED, -TURNED]), time=TIME, period=1.0)
-    with pytest.raises(PinpressError, match="of another motion"):
+    with pytest.raises(PinpressError, match="belong to another motion"):
         found.utilisation(pp.inverse_dynamics(press, again, loads=[drawing]))
-    with pytest.raises(PinpressError, match="give those of the same press"):
+    with pytest.raises(PinpressError, match="give reactions of the same press"):
         found.utilisation(pp.inverse_dynamics(shipped("crank_slide"), pp.cycle(shipped("crank_slide"), 1.0)))
 
 
@@ -110,8 +110,8 @@ def test_the_table_names_states_and_limits(press, motion):
     ("given", "says"),
     [
         ({"torque": 5e3}, "give drivers={'A': 5000}"),
-        ({"nominal_height": 0.01}, "nominal_height is no capacity of a motion"),
-        ({"motor_power": 1e4}, "motor_power is no capacity of a motion"),
+        ({"nominal_height": 0.01}, "nominal_height is not a capacity along a given motion"),
+        ({"motor_power": 1e4}, "motor_power is not a capacity along a given motion"),
         ({"drivers": {"A": 200.0}}, "the driving torque of 'A' is .* without a process, but the capacity is 200 N m"),
         ({"bearings": {"S": 10.0}}, "the force in bearing 'S' is"),
         ({"drivers": {"A": UNITS.Quantity(5.0, "kN")}}, "the capacity of driver 'A' is given in N, but the driver turns"),
@@ -129,13 +129,13 @@ def test_what_does_not_go_together_is_refused(press, motion):
         Capacities(4e5, torque=1e3, drivers={"A": 5e3})
     with pytest.raises(PinpressError, match="give a mapping"):
         Capacities(4e5, drivers=[5e3])
-    with pytest.raises(PinpressError, match="no load of ratings"):
+    with pytest.raises(PinpressError, match="is not a load of ratings"):
         rate_motion(press, motion, Capacities(4e5), loads=[pp.loads.Blanking(1e3, 0.01, 0.0)])
     for call in (
         lambda given: rate(shipped("crank_slide"), 1.0, given),
         lambda given: pp.ratings.speed_limit(shipped("crank_slide"), given),
     ):
-        with pytest.raises(PinpressError, match="give that of the one driver as torque"):
+        with pytest.raises(PinpressError, match="give the capacity of a single driver as torque"):
             call(Capacities(4e5, drivers={"O": 5e3}))
     with pytest.raises(PinpressError):
         rate_motion(shipped("crank_slide"), motion, Capacities(4e5))

@@ -135,12 +135,15 @@ def test_no_friction_is_no_friction():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"loads": [pp.loads.Blanking(1e6, 0.006, 0.002)], "at_speed": True}, "Blanking is no load of ratings, which find the force"),
-        ({"loads": [pp.loads.TimeForce(np.sin)], "at_speed": True}, "TimeForce is no load of ratings"),
+        (
+            {"loads": [pp.loads.Blanking(1e6, 0.006, 0.002)], "at_speed": True},
+            "Blanking is not a load of ratings, which find the process force",
+        ),
+        ({"loads": [pp.loads.TimeForce(np.sin)], "at_speed": True}, "TimeForce is not a load of ratings"),
         ({"loads": [PointForce("slide", lambda motion: np.zeros(3))], "at_speed": True}, "load on 'slide': ratings take a constant force"),
         ({"loads": CYLINDER, "at_speed": True}, "give a list"),
-        ({"loads": [CYLINDER]}, r"give at_speed=True \(--at-speed\) too"),
-        ({"friction": {"A": Friction(0.1, 0.06, 5.0)}}, "friction of 'A': viscous friction goes with the speed"),
+        ({"loads": [CYLINDER]}, r"also give at_speed=True"),
+        ({"friction": {"A": Friction(0.1, 0.06, 5.0)}}, "friction of 'A': viscous friction depends on the speed"),
         ({"friction": {"A": Friction(0.1)}}, "its radius is missing"),
         ({"friction": 0.1}, "friction is a float: give a mapping"),
         ({"friction": {"A": 0.1}}, "friction of 'A' is 0.1: give a Friction"),

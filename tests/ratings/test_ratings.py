@@ -375,8 +375,8 @@ def test_bad_arguments(changed, words):
         ({"nominal_force": 1.0, "torque": 1.0, "nominal_height": 0.1}, "leave one out"),
         ({"nominal_force": 1.0, "bearings": {"A": -1.0}}, "bearing 'A' is -1.0"),
         ({"nominal_force": 1.0, "bearings": ["A"]}, "mapping"),
-        ({"nominal_force": 1.0, "flywheel_inertia": 1.0}, "go together"),
-        ({"nominal_force": 1.0, "speed_drop": 0.2}, "go together"),
+        ({"nominal_force": 1.0, "flywheel_inertia": 1.0}, "flywheel_inertia and speed_drop: give both"),
+        ({"nominal_force": 1.0, "speed_drop": 0.2}, "flywheel_inertia and speed_drop: give both"),
         ({"nominal_force": 1.0, "flywheel_inertia": 1.0, "speed_drop": 1.2}, "speed_drop is 1.2"),
     ],
 )

@@ -80,8 +80,8 @@ def test_a_sweep_is_filled():
     [
         ({}, "ranges is"),
         ([("a", (0, 1))], "ranges"),
-        ({"": (0, 1)}, "no name of an argument; give words"),
-        ({3: (0, 1)}, "3 is no name"),
+        ({"": (0, 1)}, "not a name of an argument; give texts"),
+        ({3: (0, 1)}, "3 is not a name"),
         ({"a": 5.0}, r"'a' is 5\.0; give its lowest and highest value"),
         ({"a": (0, 1, 2)}, "give its lowest and highest value"),
         ({"a": (1.0, 1.0)}, "from 1 to 1; give the lower end first"),
@@ -108,7 +108,7 @@ def test_numbers_that_make_no_sense():
     for bad in (1, 0, 1.5, "3", {"a": 1, "b": 2}):
         with pytest.raises(pp.PinpressError, match="levels"):
             pp.sweeps.full_factorial(ranges, bad)
-    with pytest.raises(pp.PinpressError, match="there are none of 'b'"):
+    with pytest.raises(pp.PinpressError, match="levels: 'b' is missing"):
         pp.sweeps.full_factorial(ranges, {"a": 3})
     with pytest.raises(pp.UnknownNameError, match="'c'"):
         pp.sweeps.full_factorial(ranges, {"a": 3, "b": 3, "c": 3})

@@ -140,13 +140,13 @@ def depends_on_speed(motion):
     ("arguments", "words"),
     [
         ({"press": 3}, "press is a int"),
-        ({"speeds": [1.0, 0.0]}, "all positive or all negative"),
-        ({"speeds": [1.0, -1.0]}, "all positive or all negative"),
+        ({"speeds": [1.0, 0.0]}, "only positive or only negative"),
+        ({"speeds": [1.0, -1.0]}, "only positive or only negative"),
         ({"speeds": []}, "speeds must be"),
         ({"speeds": "fast"}, "speeds is not a number or an array of numbers, but text: 'fast'"),
         ({"forces": [np.nan]}, "forces is not finite at point 0"),
         ({"forces": [[1.0]]}, "forces must be"),
-        ({"unit_load": ()}, "there is none"),
+        ({"unit_load": ()}, "which is missing"),
         ({"unit_load": SPRING}, "no amplitude"),
         ({"unit_load": pp.loads.TimeForce(lambda time: 1.0)}, "depends on time"),
         ({"unit_load": pp.loads.PointForce("slide", depends_on_speed)}, "is not affine in the square of the speed"),
@@ -168,7 +168,7 @@ def test_refused(arguments, words):
 
 
 def test_several_drivers_are_refused():
-    with pytest.raises(pp.PinpressError, match="geared has 2 drivers: operating points are of a press with one"):
+    with pytest.raises(pp.PinpressError, match="geared has 2 drivers: operating points need a press with one driver"):
         operating_points(two_cranks(), [7.0])
 
 

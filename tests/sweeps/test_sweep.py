@@ -282,7 +282,7 @@ def test_a_point_that_is_deleted_is_done_again(file):
 @pytest.mark.parametrize("content", [b"a,b\n1,2\n", b"SQLite format 3\0" + bytes(200), bytes(5000)])
 def test_other_files_are_refused_and_left_alone(file, content):
     file.write_bytes(content)
-    with pytest.raises(pp.PinpressError, match=r"r\.sqlite is damaged, or no file of a sweep"):
+    with pytest.raises(pp.PinpressError, match=r"r\.sqlite is damaged, or is not the file of a sweep"):
         sweep(product, GRID, to=file)
     assert file.read_bytes() == content
 
@@ -435,7 +435,7 @@ def test_labels_of_several_kinds_are_exported(tmp_path, write):
 
 def test_a_sweep_is_kept_in_a_regular_file(tmp_path):
     os.mkfifo(tmp_path / "r.sqlite")
-    with pytest.raises(pp.PinpressError, match="no regular file"):
+    with pytest.raises(pp.PinpressError, match="not a regular file"):
         sweep(product, GRID, to=tmp_path / "r.sqlite")
 
 

@@ -164,7 +164,7 @@ def test_points_that_fail_are_found_by_halving():
         ({"point": np.ones(2)}, "name them by a word other than"),
         ({"\ud800": np.ones(2)}, "name them by a word other than"),
         ({"x": np.ones(2), "error": "bad"}, "under 'error'; return for each of the 2 points"),
-        ({"error": [None, "bad"]}, "errors alone, though some points have none"),
+        ({"error": [None, "bad"]}, "only errors, but some points have no error"),
     ],
 )
 def test_what_makes_no_table_ends_the_sweep(returned, words):

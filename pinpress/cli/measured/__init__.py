@@ -1,1 +1,1 @@
-"""Commands that read records of a press: what it is, its process force, its vibration."""
+"""Commands that read records of a press: identification, process force and vibration."""

@@ -1,4 +1,4 @@
-"""`pinpress force`: the process force over the height of the slide, from records of crank angle and motor torque of a working press."""
+"""`pinpress force`: find the process force over the height of the slide from records of crank angle and motor torque."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 
 DRAWN = 6  # most strokes in the picture
 EPILOG = """\
-records are .csv, .parquet, .mat or .mf4 files of the press at work; name their columns with units, --angle "crank [deg]".
-With --idle, records of it running without a blank, the press is first identified (see pinpress identify): masses, friction, balance
-cylinder, and where its encoder has its zero. Without, it is taken as described and without friction.
+Records are .csv, .parquet, .mat or .mf4 files of the press at work; name their columns with units, --angle "crank [deg]".
+With --idle (records without a blank) the press is identified first (see pinpress identify): masses, friction, balance
+cylinder and zero of the encoder. Without --idle the press is as described and has no friction.
 e.g. pinpress force zxn2_3000b docs/records/stroke.csv --idle docs/records/21.csv --idle docs/records/42.csv --idle docs/records/63.csv
      --angle "crank [deg]" --torque "motor [N m]" --ratio 20.7 --friction crank,gibs --cylinder
      --heights 0,1mm,2mm,3mm,4mm,5mm,6mm,7mm,8mm,9mm,10mm,11mm --heights-up 0,2mm,5mm,9mm --out out
@@ -40,9 +40,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "force",
         help="process force over the height, from records of crank angle and motor torque",
-        description="Print the largest force and the work of each stroke, with 95 % bands, and the force over the height of that with\n"
-        "most work. With --out also writes for each record RECORD_force.csv, all strokes over the height, and\n"
-        "RECORD_strokes.csv, and where Matplotlib is installed force.png.",
+        description="Print the largest force and the work of each stroke, with 95 % bands, and the force over the height of the stroke\n"
+        "with most work. With --out also writes for each record RECORD_force.csv, all strokes over the height, and\n"
+        "RECORD_strokes.csv, and if Matplotlib is installed force.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -54,10 +54,15 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     )
     heights = "heights above bottom dead centre between which the force is linear, on the way {}, such as 0,1mm,2mm,5mm,10mm"
     option("--heights", type=_heights, required=True, metavar="H,H,...", help=heights.format("down"))
-    option("--heights-up", type=_heights, default=[], metavar="H,H,...", help=heights.format("up; without, no force acts there"))
+    option("--heights-up", type=_heights, default=[], metavar="H,H,...", help=heights.format("up; without it no force acts on the way up"))
     add_column_options(parser)
     add_identification_options(parser)
-    option("--stiffness", type=quantity("N/m"), metavar="N/m", help="of the press between crank and die, by which the slide lags behind")
+    option(
+        "--stiffness",
+        type=quantity("N/m"),
+        metavar="N/m",
+        help="stiffness of the press between crank and die: the slide lags behind under force",
+    )
     add_out_option(parser, "the files")
     parser.set_defaults(run=run)
 
@@ -66,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
     """Print the forces, and write the files.
 
     Raises:
-        PinpressError: an option or a record is at fault, or computing or writing fails.
+        PinpressError: an option or a record is wrong, or computing or writing fails.
     """
     from ...measured.stroke_force import force_sensor  # to save start-up time, that of all other commands
 
@@ -101,21 +106,19 @@ def _heights(text: str) -> list[float]:
     try:
         return [read_quantity(part, "m") for part in text.split(",")]
     except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text!r} are no heights, a part is {error}: write them as 0,1mm,2mm,5mm") from None
+        raise argparse.ArgumentTypeError(f"{text!r} is not a list of heights, a part is {error}: write 0,1mm,2mm,5mm") from None
 
 
 def _refuse_what_needs_idle_records(options: argparse.Namespace) -> None:
     if not options.idle and (options.known or options.cylinder or options.friction != "crank,slide_guide"):
-        raise PinpressError(
-            "--known, --friction and --cylinder say what is found from idle records: give them too, --idle 30.csv --idle 60.csv"
-        )
+        raise PinpressError("--known, --friction and --cylinder need idle records: also give them, --idle 30.csv --idle 60.csv")
 
 
 def _by_name(records: Sequence[str], options: argparse.Namespace) -> dict[str, MeasuredRun]:
     """Records by the names of their files without endings.
 
     Raises:
-        PinpressError: two have one name; as `measured.record`.
+        PinpressError: two records have the same name; or as for `measured.record`.
     """
     found: dict[str, MeasuredRun] = {}
     for file in records:
@@ -128,7 +131,7 @@ def _by_name(records: Sequence[str], options: argparse.Namespace) -> dict[str, M
 
 
 def _identified(press: Linkage, options: argparse.Namespace) -> IdentifiedPress | None:
-    """The press as idle records show it; None where there are none."""
+    """Identify the press from idle records; None without idle records."""
     if not options.idle:
         return None
     from ...measured.identification import identify  # to save start-up time
@@ -138,7 +141,7 @@ def _identified(press: Linkage, options: argparse.Namespace) -> IdentifiedPress 
 
 
 def _in_words(strokes: Sequence[MeasuredForce]) -> str:
-    """The force of the stroke with most work, and where there are several the largest force and the work of each."""
+    """The force of the stroke with most work; with several strokes also the largest force and the work of each stroke."""
     most = max(range(len(strokes)), key=lambda k: strokes[k].work)
     if len(strokes) == 1:
         return str(strokes[0])
@@ -153,7 +156,7 @@ def _in_words(strokes: Sequence[MeasuredForce]) -> str:
 
 
 def _write(strokes: Mapping[str, Sequence[MeasuredForce]], folder: Path) -> None:
-    """Write the files and say so."""
+    """Write the files, and print their names."""
     names = []
     for name, forces in strokes.items():
         numbers = range(1, len(forces) + 1)

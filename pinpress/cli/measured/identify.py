@@ -1,4 +1,4 @@
-"""`pinpress identify`: masses, friction, balance cylinder and motor constant of a press from records of it running idle."""
+"""`pinpress identify`: find masses, friction, balance cylinder and motor constant of a press from records of idle running."""
 
 from __future__ import annotations
 
@@ -23,8 +23,9 @@ if TYPE_CHECKING:
     from ...measured.what_is_known import IdentifiableParameters
 
 EPILOG = """\
-records are .csv, .parquet, .mat or .mf4 files of the press running idle; name their columns with units, --angle "crank [deg]".
-Measure at three speeds or more, or with speeds that swing by a third in 2.6 strokes; a constant speed does not tell masses from friction.
+Records are .csv, .parquet, .mat or .mf4 files of the press running idle; name their columns with units, --angle "crank [deg]".
+Measure at three or more speeds, or with speeds that swing by a third in 2.6 strokes. One constant speed does not separate masses from
+friction.
 e.g. pinpress identify zxn2_3000b docs/records/21.csv docs/records/42.csv docs/records/63.csv --angle "crank [deg]" --torque "motor [N m]"
      --ratio 20.7 --friction crank,gibs --cylinder --out out
 """
@@ -35,8 +36,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "identify",
         help="masses, friction, balance cylinder of a press from records of crank angle and motor torque",
-        description="Print what records of a running press can teach, and what they do: masses, inertias, friction, balance cylinder and\n"
-        "motor constant with 95 % intervals. With --out also writes identified.urdf, parameters.csv, and where Matplotlib is\n"
+        description="Print what records of a running press can show, and what they show: masses, inertias, friction, balance cylinder and\n"
+        "motor constant with 95 % intervals. With --out also writes identified.urdf, parameters.csv, and if Matplotlib is\n"
         "installed identifiability.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -45,19 +46,25 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     add_press_options(parser)
     option("records", nargs="+", metavar="RECORD", help="files of measured columns")
     add_column_options(parser)
-    option("--added", action="append", default=[], metavar="RECORD:LINK=KG", help="mass fastened to a link for one record; with currents")
+    option(
+        "--added",
+        action="append",
+        default=[],
+        metavar="RECORD:LINK=KG",
+        help="mass fastened to a link for one record (needed with currents)",
+    )
     add_identification_options(parser)
     add_out_option(parser, "the files")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print what can be learnt and what was, and write the files.
+    """Print what the records can show and what they show, and write the files.
 
     Raises:
-        PinpressError: an option or a record is at fault, or computing or writing fails.
+        PinpressError: an option or a record is wrong, or computing or writing fails.
     """
-    from ...measured.identification import identify  # both to save start-up time, that of all other commands
+    from ...measured.identification import identify  # imported here to save start-up time of other commands
     from ...measured.what_is_known import identifiability
 
     press = load_press(options)
@@ -99,7 +106,7 @@ def _added(words: Sequence[str], records: Sequence[str]) -> dict[str, dict[str, 
 
 
 def _write(found: IdentifiedPress, revealed: IdentifiableParameters, folder: Path) -> None:
-    """Write the files and say so."""
+    """Write the files, and print their names."""
     from ...linkage.writing import write_urdf  # to save start-up time
 
     names = ["identified.urdf", "parameters.csv"]

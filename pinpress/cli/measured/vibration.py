@@ -1,4 +1,4 @@
-"""`pinpress vibration`: from accelerometers the modes and mounts of a frame that was hit, or the orders of a running press."""
+"""`pinpress vibration`: find modes and mounts of a frame from hits, or orders of a running press, from accelerometers."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
     from ...measured.vibration_spectra import OrderSpectra
 
 EPILOG = f"""\
---points is a CSV file with the columns channel (with its unit, "A [g]"), x, y, z [m], direction (x, -z, ...), and if need be part (bed or
+--points is a CSV file with the columns channel (with its unit, "A [g]"), x, y, z [m], direction (x, -z, ...) and, if needed, part (bed or
 crown) and gain [m/s2 per V]. Records are .csv, .parquet, .mat or .mf4 files with these channels, all in equal steps of time.
 
-Of the resting frame, hit with a soft hammer, the modes are found; give --band, or --press with --frame and --mount, beside whose calculated
-modes they then stand, and with which --fit finds stiffness and damping of the mounts:
+For a frame at rest that is hit with a soft hammer, the command finds the modes. Give --band, or --press with --frame and --mount: then the
+measured modes are compared with calculated modes, and --fit finds stiffness and damping of the mounts:
 {part_specs.explained("mount")}
---pad, the rubber pad at each --mount, which then is point= alone:
+--pad, the rubber pad at each --mount (then a mount has only point=):
   {part_specs.keys(part_specs.PAD)}
 
-Of the running press, whose crank --angle, --tacho or --speed tells, amplitudes by order of the speed are found.
+For a running press with --angle, --tacho or --speed of the crank, the command finds amplitudes by order of the speed.
 
 e.g. pinpress vibration hits.csv --points points.csv --band 3,100 --out out
      pinpress vibration run.csv --points points.csv --angle "crank [deg]" --orders 6 --out out
@@ -47,25 +47,25 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "vibration",
         help="natural frequencies, damping and mounts from hits on the frame, or orders of the running press, from accelerometers",
-        description="Print the modes of a frame that was hit, with their deviations, beside the calculated ones where the frame is given;\n"
-        "or the orders of a running press. With --out also writes channels.csv, spectra.csv, modes.csv or orders.csv, with --fit\n"
-        "mounts.csv, and where Matplotlib is installed spectra.png, modes.png or orders.png.",
+        description="Print the modes of a frame from hits, with their deviations, and compare them with calculated modes if the frame is\n"
+        "given; or print the orders of a running press. With --out also writes channels.csv, spectra.csv, modes.csv or orders.csv,\n"
+        "with --fit mounts.csv, and if Matplotlib is installed spectra.png, modes.png or orders.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
     option("records", nargs="+", metavar="RECORD", help="files of measured columns, all with the same channels")
-    option("--points", type=Path, required=True, metavar="CSV", help="where accelerometers sit and which way they point, see below")
-    option("--time", metavar="COLUMN", help="default: the one called time or t")
+    option("--points", type=Path, required=True, metavar="CSV", help="places and directions of the accelerometers, see below")
+    option("--time", metavar="COLUMN", help="column of the time (default: time or t)")
     option("--angle", metavar="COLUMN", help="crank angle of a running press, rad, deg or turns")
     option("--tacho", metavar="COLUMN", help="pulses of a tacho on the crank of a running press")
     option("--pulses", type=int, default=1, metavar="N", help="pulses of the tacho in a turn of the crank (default: 1)")
-    option("--speed", type=_speeds, metavar="RPM,...", help="speed of a running press, where it is constant; one, or one for each record")
+    option("--speed", type=_speeds, metavar="RPM,...", help="constant speed of a running press: one speed, or one for each record")
     option("--orders", type=float, default=12.0, metavar="N", help="highest order (default: %(default)g)")
-    option("--band", type=_band, metavar="HZ,HZ", help="lowest and highest frequency of modes (default: by the calculated ones)")
-    option("--count", type=int, metavar="N", help="number of modes (default: as many as stand out of the noise)")
-    option("--press", metavar="FILE", help="the press, for calculated modes: a file, or the name of a shipped one")
-    add_mount_options(parser, "its modes stand beside the measured ones")
+    option("--band", type=_band, metavar="HZ,HZ", help="lowest and highest frequency of modes (default: from the calculated modes)")
+    option("--count", type=int, metavar="N", help="number of modes (default: all modes above the noise)")
+    option("--press", metavar="FILE", help="the press, for calculated modes: a file, or the name of a shipped press")
+    add_mount_options(parser, "its modes are compared with the measured modes")
     option("--pad", metavar="KEYS", help="the rubber pad at each mount, see below")
     option("--fit", action="store_true", help="fit stiffness and damping of the mounts to the measured modes")
     add_out_option(parser, "the files")
@@ -76,9 +76,9 @@ def run(options: argparse.Namespace) -> int:
     """Print modes or orders, and write the files.
 
     Raises:
-        PinpressError: options do not go together, a record or its points are at fault, or computing or writing fails.
+        PinpressError: options do not go together, a record or its points are wrong, or computing or writing fails.
     """
-    from ...measured.mount_fit import fit_mounts  # all these to save start-up time, that of all other commands
+    from ...measured.mount_fit import fit_mounts  # imported here to save start-up time of other commands
     from ...measured.vibration_record import vibration
 
     running = any(each is not None for each in (options.angle, options.tacho, options.speed))
@@ -105,7 +105,7 @@ def _speeds(text: str) -> list[float]:
     try:
         return [RPM * read_quantity(part, "r/min") for part in text.split(",")]
     except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text!r} is no speed, a part is {error}: write it as 200, or 150,200,250") from None
+        raise argparse.ArgumentTypeError(f"{text!r} is not a list of speeds, a part is {error}: write 200, or 150,200,250") from None
 
 
 def _band(text: str) -> tuple[float, float]:
@@ -113,7 +113,7 @@ def _band(text: str) -> tuple[float, float]:
     try:
         low, high = (read_quantity(part, "Hz") for part in text.split(","))
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no band: give its lowest and highest frequency in Hz, 3,100") from None
+        raise argparse.ArgumentTypeError(f"{text!r} is not a band: give the lowest and highest frequency in Hz, 3,100") from None
     return low, high
 
 
@@ -121,36 +121,36 @@ def _refuse_what_does_not_go_together(options: argparse.Namespace, running: bool
     of_hits = [f"--{name}" for name in ("band", "count", "press", "frame", "mount", "pad", "fit") if getattr(options, name)]
     if running and of_hits:
         raise PinpressError(
-            f"{of_hits[0]} is for hits on the resting frame, and a crank is given, that turns: leave out either; orders of a running press"
+            f"{of_hits[0]} is for hits on a frame at rest, but a turning crank is given: leave out one of them. Orders of a running press"
             " look like modes"
         )
     if options.frame is not None and options.press is None:
-        raise PinpressError("--frame needs the press that stands on it: give --press FILE too")
+        raise PinpressError("--frame needs the press that stands on it: also give --press FILE")
     if options.press is not None and options.frame is None:
-        raise PinpressError("--press has no modes without its mounts: give --frame and every --mount too")
+        raise PinpressError("--press has no modes without its mounts: also give --frame and every --mount")
     if options.fit and options.frame is None:
-        raise PinpressError("--fit needs the mounts as they are thought to be: give --press, --frame and every --mount too")
+        raise PinpressError("--fit needs the mounts as described: also give --press, --frame and every --mount")
     if not running and options.frame is None and options.band is None:
         raise PinpressError(
-            "which frequencies to look for is missing: give --band 3,100, or --press with --frame and --mount; of a running press give"
+            "the band of frequencies is missing: give --band 3,100, or --press with --frame and --mount; for a running press give"
             " --angle, --tacho or --speed"
         )
 
 
 def _standing(options: argparse.Namespace) -> MountedPress | None:
-    """The press on its mounts, as it is thought to be; None where it is not given."""
+    """The press on its mounts as described; None if it is not given."""
     return None if options.press is None else mounted_press(options, load_other(options, options.press), options.pad)
 
 
 def _modes(record: VibrationRecord, system: MountedPress | None, options: argparse.Namespace) -> MeasuredModes:
-    """The measured modes, beside the calculated ones where there are any."""
+    """The measured modes, compared with the calculated modes if the press is given."""
     from ...foundation.mounted_press import modes  # to save start-up time
 
     return record.modes(None if system is None else modes(system), band=options.band, count=options.count)
 
 
 def _inputs(system: MountedPress | None, options: argparse.Namespace) -> Inputs:
-    """What it was computed from, in words."""
+    """Inputs as text."""
     given = [("records", ", ".join(options.records)), ("points", str(options.points))]
     if system is not None:
         given += [("frame", options.frame), *(("mount", words) for words in options.mount)]
@@ -162,7 +162,7 @@ def _inputs(system: MountedPress | None, options: argparse.Namespace) -> Inputs:
 def _write(
     record: VibrationRecord, results: dict[str, Tabular], orders: OrderSpectra | None, found: MeasuredModes | None, folder: Path
 ) -> None:
-    """Write the files and say so."""
+    """Write the files, and print their names."""
     spectra = record.spectra()
     tables = {**results, "spectra": spectra}
     for name, each in tables.items():

@@ -1,1 +1,1 @@
-"""What the words of the command line mean: options that several commands have, parts described by their keys, numbers with units."""
+"""Read the command line: options of several commands, parts described by their keys, numbers with units."""

@@ -1,4 +1,4 @@
-"""What options give for each driver: of a press with one driver the words alone, of one with several behind the driver's name.
+"""Read options for each driver: without a name for a press with one driver, else after the driver's name.
 
 --speed 70                            one driver
 --speed A=30 --speed B=-30            several drivers
@@ -16,10 +16,10 @@ T = TypeVar("T")
 
 
 def named(read: Callable[[str], OfDriver]) -> Callable[[str], tuple[str, OfDriver]]:
-    """What reads an option of `argparse`: a speed or position, behind the name of a driver where there is one, ``A=30``.
+    """Make a reader for `argparse` of a speed or position, optionally after the name of a driver, ``A=30``.
 
     Args:
-        read: what reads the speed or position.
+        read: reader of the speed or position.
     """
 
     def of_driver(text: str) -> tuple[str, OfDriver]:
@@ -30,7 +30,7 @@ def named(read: Callable[[str], OfDriver]) -> Callable[[str], tuple[str, OfDrive
 
 
 def parted(press: Linkage, words: str) -> tuple[str, str]:
-    """The name of a driver and what is behind it in ``A:induction:ratio=20``; with one driver, and where no driver is named, no name."""
+    """Split ``A:induction:ratio=20`` into the driver's name and the rest; the name is empty with one driver or no name."""
     begins = [name for name in press.drivers if words.startswith(f"{name}:")]
     if len(press.drivers) == 1 or not begins:
         return "", words
@@ -39,24 +39,24 @@ def parted(press: Linkage, words: str) -> tuple[str, str]:
 
 
 def by_driver(press: Linkage, option: str, given: Sequence[tuple[str, T]], example: str) -> dict[str, T]:
-    """What an option gives by the names of drivers.
+    """Read the values of an option by the names of drivers.
 
     Args:
         press: the press.
         option: the option, for messages.
-        given: names and what stands behind them; a press with one driver needs no name.
-        example: what may stand behind a name, with what parts them, for messages.
+        given: names and values; a press with one driver needs no name.
+        example: separator and example of a value, for messages.
 
     Raises:
-        PinpressError: several drivers and no name, or something given twice.
-        UnknownNameError: a driver that the press does not have.
+        PinpressError: there are several drivers but no name, or a driver is given twice.
+        UnknownNameError: the press has no such driver.
     """
     found: dict[str, T] = {}
     for name, value in given:
         if not name and len(press.drivers) > 1:
             first = press.drivers[0]
             raise PinpressError(
-                f"{option} is of one of the {len(press.drivers)} drivers of {press.name}: write e.g. {option} {first}{example}"
+                f"{option} needs the name of one of the {len(press.drivers)} drivers of {press.name}: write e.g. {option} {first}{example}"
             )
         driver = name or press.driver
         if driver not in press.drivers:

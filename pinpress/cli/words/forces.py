@@ -1,4 +1,4 @@
-"""What acts on a press: the options of loads, springs between links, friction, flywheel and stiffnesses that share forces."""
+"""Options of forces on a press: loads, springs between links, friction, flywheel, and stiffnesses that share forces."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .part_specs import ALL
 
 
 def add_force_options(parser: argparse.ArgumentParser, *, friction: bool = True, stiffness: bool = True) -> None:
-    """Options of `forces`: loads and springs, and where it is computed with them friction and stiffnesses of bearings."""
+    """Options of `forces`: loads and springs, and on request friction and stiffnesses of bearings."""
     option = parser.add_argument
     option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
     option("--spring", metavar="KEYS", action="append", default=[], help="spring, see below; may be given several times")
@@ -25,19 +25,19 @@ def add_force_options(parser: argparse.ArgumentParser, *, friction: bool = True,
             metavar="NAME=N/m",
             action="append",
             default=[],
-            help=f"stiffness of a bearing, or with {ALL}= of those not named otherwise, by which forces are shared that rigid mechanics"
-            " leaves open; may be given several times",
+            help=f"stiffness of a bearing, or with {ALL}= of all other bearings; it shares the forces of redundant bearings"
+            "; may be given several times",
         )
 
 
 def add_flywheel_option(parser: argparse.ArgumentParser, meaning: str, *, several: bool = False) -> None:
-    """Option --flywheel; ``meaning``: what else its help says; ``several``: whether it may be given several times."""
+    """Option --flywheel; ``meaning``: the end of its help; ``several``: whether it may be given several times."""
     action, default = ("append", list[str]()) if several else ("store", None)
     parser.add_argument("--flywheel", metavar="J", action=action, default=default, help=f"inertia at the driver joint, in kg m2; {meaning}")
 
 
 class Forces(TypedDict):
-    """What acts on the links besides gravity, under the names that `inverse_dynamics` gives it."""
+    """Forces on the links in addition to gravity, as arguments of `inverse_dynamics`."""
 
     loads: list[Load]
     friction: dict[str, Friction]
@@ -54,7 +54,7 @@ def forces(options: argparse.Namespace, press: Linkage) -> Forces:
     """Loads, springs, friction and stiffnesses of `add_force_options`.
 
     Raises:
-        PinpressError: Words that are none; see `part_specs`.
+        PinpressError: A text does not describe a part; see `part_specs`.
     """
     stiffness = part_specs.by_bearing("--stiffness", options.stiffness, "N/m", "stiffness", "1e9")
     return {
@@ -65,7 +65,7 @@ def forces(options: argparse.Namespace, press: Linkage) -> Forces:
 
 
 def with_others(given: dict[str, float], names: Sequence[str]) -> dict[str, float]:
-    """Numbers by names, with that of `ALL` for those of ``names`` that are not given."""
+    """Numbers by names; of ``names`` without a number, with the number of `ALL`."""
     if ALL not in given or ALL in names:
         return given
     return dict.fromkeys(names, given[ALL]) | {name: number for name, number in given.items() if name != ALL}

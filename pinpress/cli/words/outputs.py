@@ -1,4 +1,4 @@
-"""What a command prints and writes: pages, pictures, paths of points, and what a result was computed from."""
+"""Output of a command: pages, pictures, paths of points, and inputs of a result."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SIGNS = """\
-angles are in degrees of the driver joint, 0 as the file draws it, or with --zero at a dead centre; forces are the action of parent on child
-(of a loop, of link1 on link2) in world axes, z up; the shaking force is the action of the machine on its foundation.
+Angles are in degrees of the driver joint, 0 in the pose of the file, or with --zero at a dead centre. Forces act from parent on child
+(in a loop from link1 on link2), in world axes, z up. The shaking force acts from the machine on its foundation.
 """
 
 
 def add_out_option(parser: argparse.ArgumentParser, files: str) -> None:
-    """Option --out; ``files``: the files that are written, in words for the help."""
-    parser.add_argument("--out", type=Path, metavar="DIR", help=f"folder for {files}; made if it is not there")
+    """Option --out; ``files``: the written files, for the help."""
+    parser.add_argument("--out", type=Path, metavar="DIR", help=f"folder for {files}; created if it does not exist")
 
 
 def add_page_options(parser: argparse.ArgumentParser, files: str) -> None:
-    """Options of `write_pages`; ``files``: the files that are written, in words for the help."""
+    """Options of `write_pages`; ``files``: the written files, for the help."""
     add_out_option(parser, files)
     add_trace_option(parser)
     parser.add_argument("--report", action="store_true", help="also write report.html: the recording and charts that follow it")
@@ -45,10 +45,10 @@ def add_trace_option(parser: argparse.ArgumentParser) -> None:
 
 
 def named_point(of: str, example: str) -> Callable[[str], tuple[str, tuple[float, float, float]]]:
-    """What reads an option of `argparse`: a name and x, y, z [m], ``coupler:0.6,0,0.1``.
+    """Make a reader for `argparse` of a name and x, y, z [m], ``coupler:0.6,0,0.1``.
 
     Args:
-        of: What the name is of, for messages.
+        of: Kind of the named object, for messages.
         example: A point, for messages.
     """
 
@@ -59,16 +59,16 @@ def named_point(of: str, example: str) -> Callable[[str], tuple[str, tuple[float
         except ValueError:
             x = y = z = math.nan
         if not name or not math.isfinite(x + y + z):
-            raise argparse.ArgumentTypeError(f"{words!r} is no point of {of}; give its name and x, y, z in m, e.g. {example}")
+            raise argparse.ArgumentTypeError(f"{words!r} is not a point of {of}: give its name and x, y, z in m, e.g. {example}")
         return name, (x, y, z)
 
     return read
 
 
 def refuse_pages_without_folder(options: argparse.Namespace) -> None:
-    """Raise PinpressError where a report or paths are asked for, and no folder to write them into."""
+    """Refuse --report or --trace without a folder to write into."""
     if options.out is None and (options.report or options.trace):
-        raise PinpressError(f"--{'report' if options.report else 'trace'} needs a folder to write into: give --out DIR too")
+        raise PinpressError(f"--{'report' if options.report else 'trace'} needs a folder to write into: also give --out DIR")
 
 
 def write_pages(
@@ -80,16 +80,16 @@ def write_pages(
     results: Sequence[Tabular] = (),
     flywheel: Flywheel | None = None,
 ) -> None:
-    """Write recording.html, and report.html where it is wanted, and say what has been written.
+    """Write recording.html, and report.html on request, and print their names.
 
     Args:
-        press: the linkage that is shown.
-        reactions: to the motion that is shown.
-        options: those of `add_page_options`.
-        names: of the files that have been written before, in the same folder.
+        press: the linkage of the pages.
+        reactions: reactions to the motion of the pages.
+        options: options of `add_page_options`.
+        names: names of the files that were written before, in the same folder.
         before: reactions of another press, for the report.
         results: other results of the press, for the report.
-        flywheel: on the driver's shaft; None: that of a run.
+        flywheel: flywheel on the driver's shaft; None: the flywheel of a run.
     """
     from ...visual.recording import record  # the pages are slow to import
 
@@ -114,12 +114,12 @@ def write_pages(
 
 
 def write_pictures(folder: Path, written: Sequence[str], draw: Callable[[], Mapping[str, Figure]]) -> None:
-    """Write pictures where Matplotlib is installed, and say which files have been written.
+    """Write pictures if Matplotlib is installed, and print the names of the written files.
 
     Args:
-        folder: of the files.
-        written: names of those that have been written before.
-        draw: gives the figures by the names of their files; it is called where Matplotlib is installed.
+        folder: folder of the files.
+        written: names of the files that were written before.
+        draw: returns file name -> figure; it is called only if Matplotlib is installed.
     """
     if importlib.util.find_spec("matplotlib") is None:
         print(f"\nwrote {', '.join(str(folder / name) for name in written)}; for pictures: pip install 'pinpress[plots]'")
@@ -133,11 +133,11 @@ def write_pictures(folder: Path, written: Sequence[str], draw: Callable[[], Mapp
 
 
 def print_inputs(rows: Inputs) -> None:
-    """Print what a result was computed from."""
+    """Print the inputs of a result."""
     print("\n".join(["", "Inputs", *tables.fitted_words(rows)]))
 
 
 def say_written(folder: Path, names: Sequence[str]) -> None:
-    """Print which files have been written."""
+    """Print the names of the written files."""
     *first, last = (str(folder / name) for name in names)
     print(f"\nwrote {', '.join(first)} and {last}")

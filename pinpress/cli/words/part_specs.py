@@ -1,9 +1,11 @@
-"""What acts on a press from words of the command line, ``--motor induction:rated_power=75kW,rated_speed=1485,ratio=20.7``, one grammar for
-all commands: loads, springs, friction, motors, flywheels, clutches, brakes, what yields, and the frame on its mounts.
+"""Read parts of a press from the command line, such as ``--motor induction:rated_power=75kW,rated_speed=1485,ratio=20.7``.
 
-Keys are the fields of the classes of `drives`, `loads` and `foundation`. Values are in SI units, except speeds, which are in r/min (of a
-driver that slides in mm/s), or have a unit of their own. A clutch or brake is switched at a time, ``0.1s``, or at a crank angle,
-``180deg``. Points and forces are ``x/y/z``. Tables of numbers come from CSV files of two columns.
+All commands have the same grammar for loads, springs, friction, motors, flywheels, clutches, brakes, elastic parts, and the frame on its
+mounts.
+
+Keys are the fields of the classes of `drives`, `loads` and `foundation`. Values are in SI units or have a unit; speeds are in r/min, or in
+mm/s for a sliding driver. A clutch or brake is switched at a time, ``0.1s``, or at a crank angle, ``180deg``. Points and forces are
+``x/y/z``. Tables of numbers come from CSV files of two columns.
 """
 
 import math
@@ -154,13 +156,13 @@ PLACE = Kind(Place, "point=0.55/0.6/-1.3")
 
 @dataclass(frozen=True)
 class Yielding:
-    """What yields in an elastic motion beside bearings and guides, and its damping; see `Elastic` and its `Stiffness`.
+    """Elastic parts in addition to bearings and guides, and damping of an elastic motion; see `Elastic` and its `Stiffness`.
 
     Attributes:
-        damping_ratio: of the lowest vibration at bottom dead centre [-].
-        shaft: torsional stiffness [N m/rad].
+        damping_ratio: damping ratio of the lowest vibration at bottom dead centre [-].
+        shaft: torsional stiffness of the shaft [N m/rad].
         frame: stiffness of the columns [N/m].
-        crown_mass: mass that they carry [kg].
+        crown_mass: mass that the columns carry [kg].
     """
 
     damping_ratio: float = declare(default=0.02, metadata=parameter("-"))
@@ -176,11 +178,11 @@ COLUMNS = "frame"  # name of the columns between crown and table, beside those o
 
 
 def motor(words: str | None, coordinate: DriverCoordinate) -> Drive | PrescribedSpeed | None:
-    """The motor or other drive that words such as ``constant:value=567`` mean.
+    """Read the motor or other drive from a text such as ``constant:value=567``.
 
     Args:
-        words: What was given; None: nothing, and there is no drive.
-        coordinate: That of the driver on which it acts. Where this slides, what acts without a ratio has forces and not torques.
+        words: Text of the option; None: no drive.
+        coordinate: Coordinate of the driver. A drive without a ratio on a sliding driver has forces, not torques.
 
     Raises:
         PinpressError: A kind or key is unknown, a key is missing, or a value is wrong; the message lists kinds or keys with an example.
@@ -193,18 +195,19 @@ def motor(words: str | None, coordinate: DriverCoordinate) -> Drive | Prescribed
 
 
 def load(words: str) -> Load:
-    """The load that words such as ``die:height=0.001,stiffness=1e9`` mean. Raises as `motor`."""
+    """Read the load from a text such as ``die:height=0.001,stiffness=1e9``. Raises as `motor`."""
     made: Load = named("--load", LOADS, words)
     return made
 
 
 def frictions(specs: Sequence[str], press: Linkage) -> dict[str, Friction]:
-    """Friction by the names of bearings and guides from words such as ``A:coefficient=0.08,radius=60mm`` or, of all that are not named
-    otherwise, ``all:...``, whose radius is that of those that turn.
+    """Read friction of bearings and guides from texts such as ``A:coefficient=0.08,radius=60mm``.
+
+    ``all:...`` is friction of all bearings and guides without a separate text; its radius is for bearings that turn.
 
     Raises:
-        PinpressError: As `motor`; also where a name is given twice.
-        UnknownNameError: A bearing that the press does not have.
+        PinpressError: As for `motor`; also if a name is given twice.
+        UnknownNameError: The press has no such bearing.
     """
     found: dict[str, Friction] = {}
     for words in specs:
@@ -220,9 +223,11 @@ def frictions(specs: Sequence[str], press: Linkage) -> dict[str, Friction]:
     if every is None:
         return found
     if every.viscous:
-        raise PinpressError(f"--friction {ALL}: viscous is in N m s/rad of a bearing and in N s/m of a guide; give it of each by its name")
+        raise PinpressError(
+            f"--friction {ALL}: viscous has the unit N m s/rad for a bearing and N s/m for a guide; give it for each by name"
+        )
     if every.preload:
-        raise PinpressError(f"--friction {ALL}: preload is that of the gibs of a guide; give it of each guide by its name")
+        raise PinpressError(f"--friction {ALL}: preload is the force of a guide's gibs; give it for each guide by name")
     turning = [axis.turns for axis in press.axes] + [True] * len(press.loops)
     fixed = {loop.name for loop in press.loops if loop.type == "fixed"}
     of_all = {
@@ -234,17 +239,17 @@ def frictions(specs: Sequence[str], press: Linkage) -> dict[str, Friction]:
 
 
 def by_bearing(option: str, specs: Sequence[str], unit: str, quantity: str, example: str) -> dict[str, float]:
-    """Positive numbers by the names of bearings and guides, from words such as ``A=2e6``.
+    """Read positive numbers by the names of bearings and guides from texts such as ``A=2e6``.
 
     Args:
         option: The option, for messages.
-        specs: What was given.
-        unit: The unit of bare numbers.
-        quantity: What the numbers are, for messages.
+        specs: Texts of the option.
+        unit: Unit of numbers without a unit.
+        quantity: Name of the quantity, for messages.
         example: A number, for messages.
 
     Raises:
-        PinpressError: Words without a name or a positive number, or a bearing given twice.
+        PinpressError: A text has no name or no positive number, or a bearing is given twice.
     """
     found: dict[str, float] = {}
     for spec in specs:
@@ -254,7 +259,7 @@ def by_bearing(option: str, specs: Sequence[str], unit: str, quantity: str, exam
         except ValueError:
             number = float("nan")
         if not equals or not name or not number > 0:
-            raise PinpressError(f"{option} {spec}: it takes NAME={unit}, a positive {quantity} [{unit}]; write e.g. {option} A={example}")
+            raise PinpressError(f"{option} {spec}: it needs NAME={unit}, a positive {quantity} [{unit}]; write e.g. {option} A={example}")
         if name in found:
             raise PinpressError(f"{option} {spec}: {name} is given twice")
         found[name] = number
@@ -262,18 +267,20 @@ def by_bearing(option: str, specs: Sequence[str], unit: str, quantity: str, exam
 
 
 def clearances(specs: Sequence[str], press: Linkage) -> dict[str, Clearance]:
-    """Clearances by the names of pins from words such as ``A:radial=0.1mm``. Raises as `frictions`."""
+    """Read clearances by the names of pins from texts such as ``A:radial=0.1mm``. Raises as `frictions`."""
     return _by_part("--clearance", CLEARANCE, specs, press.bearings, "it names no pin")
 
 
 def joints(specs: Sequence[str], press: Linkage) -> dict[str, PreloadedJoint]:
-    """Preloaded joints by the names of guides, or that of `COLUMNS`, from words such as
-    ``frame:loaded=2GN/m,relieved=6GN/m,preload=2500kN``. Raises as `frictions`."""
+    """Read preloaded joints of guides or of `COLUMNS` from texts such as ``frame:loaded=2GN/m,relieved=6GN/m,preload=2500kN``.
+
+    Raises as `frictions`.
+    """
     return _by_part("--preloaded-joint", JOINT, specs, (*press.bearings, COLUMNS), "it names neither a guide nor the frame")
 
 
 def _by_part(option: str, kind: Kind[T], specs: Sequence[str], names: Sequence[str], nameless: str) -> dict[str, T]:
-    """What is given for some of these names, ``NAME:KEYS`` each; ``nameless``: what is wrong without a name, for messages."""
+    """Read ``NAME:KEYS`` for these names; ``nameless``: message for a text without a name."""
     found: dict[str, T] = {}
     for words in specs:
         name, colon, rest = words.rpartition(":")
@@ -288,7 +295,7 @@ def _by_part(option: str, kind: Kind[T], specs: Sequence[str], names: Sequence[s
 
 
 def flywheel(words: str | None) -> Flywheel | None:
-    """The flywheel that words such as ``2000`` (its inertia) or ``inertia=2000,speed=70`` mean; None where none are given.
+    """Read the flywheel from a text such as ``2000`` (its inertia) or ``inertia=2000,speed=70``; None without a text.
 
     Raises as `part`.
     """
@@ -298,11 +305,11 @@ def flywheel(words: str | None) -> Flywheel | None:
 
 
 def mounts(specs: Sequence[str], pad: str | None) -> list[Mount]:
-    """The mounts of a frame. Raises as `part`.
+    """Read the mounts of a frame. Raises as `part`.
 
     Args:
-        specs: What each is, ``point=0.55/0.6/-1.3,stiffness=5e7/5e7/2e8``, or with ``pad`` only where.
-        pad: What the rubber pad of each is, ``length=200mm,width=200mm,thickness=10mm,hardness=65``; None for none.
+        specs: A text for each mount, ``point=0.55/0.6/-1.3,stiffness=5e7/5e7/2e8``; with ``pad`` only the point.
+        pad: Rubber pad of each mount, ``length=200mm,width=200mm,thickness=10mm,hardness=65``; None without pads.
     """
     if pad is None:
         return [part("--mount", MOUNT, words) for words in specs]
@@ -311,12 +318,12 @@ def mounts(specs: Sequence[str], pad: str | None) -> list[Mount]:
 
 
 def part(option: str, kind: Kind[T], words: str) -> T:
-    """The part that words such as ``torque=6e4,closes=0.2s`` mean.
+    """Read a part from a text such as ``torque=6e4,closes=0.2s``.
 
     Args:
-        option: Option that takes them, for messages.
-        kind: What it makes.
-        words: What was given.
+        option: Name of the option, for messages.
+        kind: Kind of the part.
+        words: Text of the option.
 
     Raises:
         PinpressError: A key is unknown or missing, or a value is wrong; the message lists the keys with an example.
@@ -331,10 +338,9 @@ def keys(kind: Kind[Any]) -> str:
 
 
 def explained(*parts: str) -> str:
-    """What the options of these names take, for the help of all commands that have them: load, spring, friction, motor, clutch, elastic,
-    joint (which is in elastic), mount."""
+    """Help of the options of these names: load, spring, friction, motor, clutch, elastic, joint (part of elastic), mount."""
     intro = "KIND:KEYS are e.g. blanking:force=1000kN,start=6mm,end=2mm; keys in brackets are optional. Numbers are in SI units, speeds in"
-    lines = [intro, "r/min, or have units of their own. Files are CSV of two columns."]
+    lines = [intro, "r/min, or numbers have units. Files are CSV of two columns."]
     for part in parts:
         lines += ["", *_EXPLAINED[part]()]
     return "\n".join(lines) + "\n"
@@ -344,13 +350,13 @@ def _of_loads() -> list[str]:
     return [
         "--load; heights are slide positions above bottom dead centre, or above the slide position datum=:",
         *_kinds(LOADS),
-        "  all act between slide and frame, but point-force: on one link, from outside, in world axes, at a point in the link's frame",
+        "  all loads act between slide and frame, except point-force: on one link from outside, in world axes, at a point of the link",
     ]
 
 
 def _of_springs() -> list[str]:
     return [
-        "--spring, with a damper beside it, between points of two links in their frames:",
+        "--spring, with a parallel damper, between points of two links in their frames:",
         f"  {keys(SPRING)}",
         f"  e.g. --spring {SPRING.example}",
     ]
@@ -358,10 +364,10 @@ def _of_springs() -> list[str]:
 
 def _of_friction() -> list[str]:
     return [
-        f"--friction of a bearing (moment coefficient x radius x force) or guide (coefficient x force), or of {ALL} not named otherwise:",
+        f"--friction of a bearing (moment coefficient x radius x force), of a guide (coefficient x force), or of {ALL} others:",
         f"  NAME:{keys(FRICTION)}",
-        f"  e.g. --friction {ALL}:{FRICTION.example} --friction A:viscous=50; viscous is in N m s/rad, of a guide in N s/m;",
-        "  preload is the force of all gibs of a guide together, where they press without a load",
+        f"  e.g. --friction {ALL}:{FRICTION.example} --friction A:viscous=50; viscous is in N m s/rad, for a guide in N s/m;",
+        "  preload is the sum of the forces of all gibs of a guide without a load",
     ]
 
 
@@ -370,7 +376,7 @@ def _of_motors() -> list[str]:
         "--motor; with ratio= it acts on the crank through gears:",
         *_kinds(MOTORS),
         f"  e.g. --motor induction:{MOTORS['induction'].example}",
-        "  on a driver that slides, without ratio=: constant, servo and prescribed, with forces in N, speeds in mm/s, the program in mm,",
+        "  on a sliding driver, without ratio=: constant, servo and prescribed, with forces in N, speeds in mm/s, the program in mm,",
         "  e.g. --motor constant:value=20kN",
     ]
 
@@ -381,10 +387,10 @@ def _of_clutches() -> list[str]:
 
 def _of_springs_of_bearings() -> list[str]:
     return [
-        "--stiffness of a bearing, or guide across its axis [N/m], and --moment-stiffness of a guide against turning [N m/rad], or of",
-        f"  {ALL} not named otherwise: the press runs on these springs",
+        "--stiffness of a bearing, or of a guide across its axis [N/m], --moment-stiffness of a guide against turning [N m/rad]; or of",
+        f"  {ALL} others: the press runs on these springs",
         f"  e.g. --stiffness {ALL}=2GN/m --stiffness A=3e9 --moment-stiffness {ALL}=2e8",
-        "--elastic, what else yields (shaft, columns under a crown), and the damping ratio of the lowest vibration:",
+        "--elastic, other elastic parts (shaft, columns under a crown), and the damping ratio of the lowest vibration:",
         f"  {keys(ELASTIC)}",
         f"  e.g. --elastic {ELASTIC.example}",
         "--clearance of a pin, with law=hertz also restitution= and hertz_stiffness=:",
@@ -396,7 +402,7 @@ def _of_springs_of_bearings() -> list[str]:
 
 def _of_joints() -> list[str]:
     return [
-        f"--preloaded-joint of two members, a positive load adding to the loaded one, in place of a stiffness; {COLUMNS}: of the columns:",
+        f"--preloaded-joint of two members in place of a stiffness; a positive load adds to the loaded member; {COLUMNS}: of the columns:",
         f"  NAME:{keys(JOINT)}",
         f"  e.g. --preloaded-joint {COLUMNS}:{JOINT.example}, tie rods and uprights",
     ]
@@ -404,7 +410,7 @@ def _of_joints() -> list[str]:
 
 def _of_mounts() -> list[str]:
     return [
-        "--frame, all that is fixed to it and not in the file, in world axes, and --mount, each of the springs that it stands on:",
+        "--frame, all masses fixed to the frame that are not in the file, in world axes, and --mount, each spring below the frame:",
         f"  {keys(FRAME)}",
         f"  {keys(MOUNT)}",
         f"  e.g. --frame {FRAME.example} --mount {MOUNT.example}",
@@ -434,7 +440,7 @@ class _Key:
 
     Attributes:
         name: Name of the key.
-        note: Note shown beside the name.
+        note: Note shown next to the name.
         optional: Whether the key may be left out.
         read: Function that makes a value of a text.
     """
@@ -449,7 +455,7 @@ class _Key:
 
 
 def named(option: str, kinds: Mapping[str, Kind[Any]], words: str) -> Any:
-    """A part of the kind that the words name before a colon; arguments and errors as of `part`."""
+    """Read a part of the kind that the text names before a colon; arguments and errors as for `part`."""
     name, _, rest = words.partition(":")
     if name not in kinds:
         example = next(f"{option} {known}:{kind.example}" for known, kind in kinds.items() if kind.example)
@@ -467,7 +473,7 @@ def _made(option: str, kind: Kind[Any], words: str) -> Any:
 
     def wrong(problem: str) -> PinpressError:
         speeds = f", speeds in {kind.driver.shown_speed[0]}" if any(map(_is_speed, fields(kind.made))) else ""
-        takes = f"it takes {keys(kind)}, SI units{speeds} or units of their own (12mm, 4000kN)"
+        takes = f"it takes {keys(kind)}, SI units{speeds} or with units (12mm, 4000kN)"
         return PinpressError(f"{line(words)}: {problem}; {takes}; write e.g. {line(kind.example)}")
 
     known = _keys(kind)

@@ -1,6 +1,6 @@
-"""Values of the parts that the command line describes: texts as numbers, instants, points and tables of a file.
+"""Read values of parts of the command line: numbers, instants, points and tables of a file.
 
-Every reader raises ValueError with what is wrong with the text.
+Every reader raises ValueError with the fault of the text.
 """
 
 import contextlib
@@ -13,17 +13,17 @@ from ...common.quantities import DriverCoordinate, readable
 from ...common.reading.columns import Wanted, read_columns, split_head
 from ...drives.transmission import SwitchPoint
 
-LARGEST_FILE = 10**8  # of a table of two columns [bytes]
+LARGEST_FILE = 10**8  # largest file of a table with two columns [bytes]
 
 
 def speed(text: str, driver: DriverCoordinate) -> float:
-    """A speed of a driver in SI units, from one in the unit in which its speeds are shown."""
+    """Read a speed of a driver in SI units from a number in r/min or mm/s."""
     unit, size = driver.shown_speed
     return read_quantity(text, unit) * size
 
 
 def whole_number(text: str) -> int:
-    """A whole number."""
+    """Read a whole number."""
     try:
         return int(text)
     except ValueError:
@@ -31,7 +31,7 @@ def whole_number(text: str) -> int:
 
 
 def numbers(text: str, unit: str) -> tuple[float, ...]:
-    """Numbers with a slash between them."""
+    """Read numbers with a slash between them."""
     return tuple(read_quantity(part, unit) for part in text.split("/"))
 
 
@@ -43,7 +43,7 @@ def truth(text: str) -> bool:
 
 
 def instant(text: str) -> SwitchPoint:
-    """A time, ``0.1s``, or a crank angle, ``180deg``."""
+    """Read a time, ``0.1s``, or a crank angle, ``180deg``."""
     with contextlib.suppress(ValueError, PinpressError):
         if text.endswith(tuple(readable("deg"))):
             return SwitchPoint(angle=math.radians(read_quantity(text, "deg")))
@@ -53,7 +53,7 @@ def instant(text: str) -> SwitchPoint:
 
 
 def vector(text: str, unit: str) -> tuple[float, ...]:
-    """Three numbers with slashes between them."""
+    """Read three numbers with slashes between them."""
     parts = re.split(r"/(?=\s*[-+.\d])", text)  # the slash of a unit, as in 50MN/m, is followed by no number
     if len(parts) != 3:
         raise ValueError("not x/y/z as 0/0/-0.2")
@@ -61,7 +61,7 @@ def vector(text: str, unit: str) -> tuple[float, ...]:
 
 
 def pairs_of_file(path: str, columns: tuple[str, str]) -> list[tuple[float, float]]:
-    """The rows of a CSV file of two columns, in their units; a first line without numbers is its header, which may name other units."""
+    """Read a CSV file of two columns in these units. A first line without numbers is a header, which may name other units."""
     heads = [split_head(column) for column in columns]
     try:
         table = read_columns(path, {name: Wanted(unit, bare=unit) for name, unit in heads}, by_order=True)

@@ -1,4 +1,4 @@
-"""How far long work has come, and how long the rest will take: a bar on a terminal, a line a minute elsewhere, as in a log."""
+"""Show the progress of long work and the remaining time: a bar on a terminal, elsewhere (as in a log) a line a minute."""
 
 import sys
 import time
@@ -14,16 +14,16 @@ WIDTH = 80  # of a line
 
 @contextmanager
 def progress(total: float, shape: str = LEFT) -> Iterator[Callable[[float], None]]:
-    """Show on standard error how far work has come.
+    """Show progress on standard error.
 
-    What the first call tells may be from an earlier run: the time left follows from what comes after it.
+    The first call may report work of an earlier run: the remaining time follows from the later calls.
 
     Args:
-        total: what is reached at the end.
+        total: amount of work at the end.
         shape: tqdm's ``bar_format``.
 
     Yields:
-        A function that is told how much has been reached.
+        A function that takes the amount of work done.
     """
     if not sys.stderr.isatty():
         yield _line_a_minute(total, shape)

@@ -1,4 +1,4 @@
-"""Options of commands that read records of a running press, and of what is found from idle ones."""
+"""Options of commands that read records of a running press or identify a press."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ def add_column_options(parser: argparse.ArgumentParser) -> None:
     option = parser.add_argument
     option("--angle", required=True, metavar="COLUMN", help="angle of the crank or the motor, rad, deg, turns or counts")
     option("--torque", required=True, metavar="COLUMN", help="torque of the motor, N m or kN m, or its current, A")
-    option("--time", metavar="COLUMN", help="default: the one called time or t")
-    option("--ratio", type=float, default=1.0, metavar="R", help="turns of the motor by turns of the crank, for the torque (default: 1)")
-    option("--angle-ratio", type=float, default=1.0, metavar="R", help="turns of the encoder by turns of the crank (default: 1)")
+    option("--time", metavar="COLUMN", help="column of the time (default: time or t)")
+    option("--ratio", type=float, default=1.0, metavar="R", help="motor turns / crank turns, for the torque (default: 1)")
+    option("--angle-ratio", type=float, default=1.0, metavar="R", help="encoder turns / crank turns (default: 1)")
     option(
-        "--offset", type=float, default=0.0, metavar="A", help="angle of the column where the crank angle is 0, in its unit (default: 0)"
+        "--offset", type=float, default=0.0, metavar="A", help="reading of the angle's column at crank angle 0, in its unit (default: 0)"
     )
     option("--counts", type=float, metavar="N", help="counts of the encoder in a turn, for an angle in counts")
 
 
 def read_record(options: argparse.Namespace, file: str, **more: Any) -> MeasuredRun:
-    """A record by the options of `add_column_options`; ``more`` goes to `measured.record`, whose errors it raises."""
+    """Read a record by `add_column_options`; ``more`` goes to `measured.record`. Raises as `measured.record`."""
     from ...measured.records import record  # to save start-up time
 
     asked = {name: getattr(options, name) for name in ("torque", "time", "ratio", "angle_ratio", "counts")}
@@ -44,17 +44,20 @@ def add_identification_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME=VALUE,SD",
-        help='weighed or gauged, in SI units: "slide mass=2200,5"; may be given several times',
+        help='weighed or gauged value with standard deviation, in SI units: "slide mass=2200,5"; may be given several times',
     )
     option(
-        "--friction", default="crank,slide_guide", metavar="KINDS", help="of crank, pins, slide_guide, gibs, or none (default: %(default)s)"
+        "--friction",
+        default="crank,slide_guide",
+        metavar="KINDS",
+        help="kinds of friction: crank, pins, slide_guide, gibs, or none (default: %(default)s)",
     )
     option("--cylinder", action="store_true", help="a balance cylinder carries the slide")
-    option("--drive-inertia", type=quantity("kg m2"), default=0.0, metavar="J", help="of motor, gears and flywheel at the crank")
+    option("--drive-inertia", type=quantity("kg m2"), default=0.0, metavar="J", help="inertia of motor, gears and flywheel at the crank")
 
 
 def identification(options: argparse.Namespace) -> dict[str, Any]:
-    """What `measured.identify` and `measured.identifiability` are asked, by the options of `add_identification_options`."""
+    """Arguments of `measured.identify` and `measured.identifiability` from `add_identification_options`."""
     friction = [] if options.friction == "none" else options.friction.split(",")
     return {"prior": options.prior, "known": _known(options.known), "friction": friction, "cylinder": options.cylinder}
 
@@ -75,7 +78,7 @@ def _known(words: Sequence[str]) -> Mapping[str, tuple[float, float]]:
             value, deviation = (float(each) for each in numbers.split(","))
         except ValueError:
             raise PinpressError(
-                f"--known {shown(text)} is no value with its standard deviation: write NAME=VALUE,SD, as in --known 'slide mass=2200,5'"
+                f"--known {shown(text)} is not a value with its standard deviation: write NAME=VALUE,SD, as in --known 'slide mass=2200,5'"
             ) from None
         found[name.strip()] = value, deviation
     return found

@@ -1,4 +1,4 @@
-"""What yields in a press: the options of stiffnesses, preloaded joints, clearances, and of the frame on its mounts."""
+"""Options of elastic parts: stiffnesses, preloaded joints, clearances, and the frame on its mounts."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ def add_spring_options(parser: argparse.ArgumentParser) -> None:
     option = parser.add_argument
     help = "the press runs on springs: stiffness of a bearing, or of all, see below; may be given several times"
     option("--stiffness", metavar="NAME=N/m", action="append", default=[], help=help)
-    help = "that of a guide against turning, see below"
+    help = "stiffness of a guide against turning, see below"
     option("--moment-stiffness", metavar="NAME=Nm/rad", action="append", default=[], help=help)
     option("--elastic", metavar="KEYS", help="damping, shaft and frame of a press on springs, see below")
     option("--clearance", metavar="NAME:KEYS", action="append", default=[], help="clearance of a pin of a press on springs, see below")
     add_joint_option(parser)
     add_mount_options(parser, "a press on springs shakes it")
-    why = "loss of rubber belongs to vibration of one frequency; give --mount with stiffness= and damping=, of the pad at that which counts"
+    why = "the loss factor of rubber needs one frequency; give --mount with stiffness= and damping= of the pad at the main frequency"
     add_refused_option(parser, "--pad", why)
 
 
@@ -51,11 +51,11 @@ def add_mount_options(parser: argparse.ArgumentParser, what: str) -> None:
 
 
 def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
-    """The springs on which a press runs, of `add_spring_options`; None where none are given.
+    """Read the springs on which a press runs from `add_spring_options`; None without springs.
 
     Raises:
-        UnknownNameError: a bearing or guide that the press does not have.
-        PinpressError: as `part_specs`; also where a bearing or guide has no stiffness.
+        UnknownNameError: the press has no such bearing or guide.
+        PinpressError: as for `part_specs`; also if a bearing or guide has no stiffness.
     """
     if not options.stiffness:
         beside = ("moment_stiffness", "elastic", "clearance", "preloaded_joint", "frame", "mount")
@@ -63,7 +63,7 @@ def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
         if alone is None:
             return None
         option = f"--{alone.replace('_', '-')}"
-        raise PinpressError(f"{option} is for a press on springs: give --stiffness of its bearings too, e.g. --stiffness {ALL}=2e9")
+        raise PinpressError(f"{option} is for a press on springs: also give --stiffness of its bearings, e.g. --stiffness {ALL}=2e9")
     balls = {loop.name for loop in press.loops if loop.type == "spherical"}
     guides = [name for name, axis in zip(press.joints, press.axes, strict=True) if not axis.turns]
     turning_ones = guides if "plane" in press.engines else [name for name in press.bearings if name not in balls]
@@ -73,7 +73,9 @@ def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
     clearances = part_specs.clearances(options.clearance, press)
     joints = part_specs.joints(options.preloaded_joint, press)
     if COLUMNS in joints and also.frame is not None:
-        raise PinpressError(f"--elastic frame={also.frame:g}: --preloaded-joint {COLUMNS} stands for the columns: leave out either")
+        raise PinpressError(
+            f"--elastic frame={also.frame:g}: --preloaded-joint {COLUMNS} also describes the columns: leave out one of them"
+        )
     stiffness = Stiffness(
         _of_all("--stiffness", across, press.bearings, "2e9") | {name: joint for name, joint in joints.items() if name != COLUMNS},
         moments=_of_all("--moment-stiffness", turning, turning_ones, "2e8"),
@@ -88,14 +90,14 @@ def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
 
 
 def _of_all(option: str, given: dict[str, float], names: Sequence[str], example: str) -> dict[str, float]:
-    """Numbers by all names; those that are not given take that of `ALL`."""
+    """Numbers for all names; names without a number take the number of `ALL`."""
     found = with_others(given, names)
     for name in found:
         if name not in names:
             raise UnknownNameError("bearing", name, (*names, ALL))
     missing = [repr(name) for name in names if name not in found]
     if missing:
-        lacks = f"{option} lacks {', '.join(missing)}: all of them yield in an elastic motion"
+        lacks = f"{option} lacks {', '.join(missing)}: in an elastic motion all of them are elastic"
         raise PinpressError(f"{lacks}; give e.g. {option} {ALL}={example} for the rest")
     return {name: found[name] for name in names}
 
@@ -103,30 +105,32 @@ def _of_all(option: str, given: dict[str, float], names: Sequence[str], example:
 def mounted_press(
     options: argparse.Namespace, press: Linkage, pad: str | None = None, *, motion: Motion | None = None
 ) -> MountedPress | None:
-    """The press on its mounts, of `add_mount_options`; None where none are given.
+    """Read the press on its mounts from `add_mount_options`; None without mounts.
 
     Args:
-        options: those of `add_mount_options`.
+        options: options of `add_mount_options`.
         press: the press that stands on them.
-        pad: what the rubber pad of each mount is; None for none.
-        motion: as of `mounted`.
+        pad: rubber pad of each mount; None without pads.
+        motion: as for `mounted`.
 
     Raises:
-        PinpressError: one is given without the other, or beside a file; as `part_specs`, `read_mounted` and `mounted`.
+        PinpressError: frame or mounts are missing, or are given in addition to a file; as for `part_specs`, `read_mounted` and `mounted`.
     """
     from ...foundation.frame_file import read_mounted  # seldom needed
     from ...foundation.mounted_press import mounted
 
     if _is_frame_file(options.frame):
         if options.mount or pad is not None:
-            raise PinpressError(f"--{'mount' if options.mount else 'pad'}: the mounts stand in {options.frame}: leave it out")
+            raise PinpressError(
+                f"--{'mount' if options.mount else 'pad'}: {options.frame} already contains the mounts: leave this option out"
+            )
         return read_mounted(press, options.frame, motion=motion)
     given = _frame_and_mounts(options, pad)
     return None if given is None else mounted(press, *given, motion=motion)
 
 
 def _rigid_frame(options: argparse.Namespace, press: Linkage) -> tuple[Frame | None, Sequence[Mount]]:
-    """The frame and its mounts, of `add_mount_options`, for a press on springs; raises as `mounted_press`, and where there is more."""
+    """The frame and its mounts for a press on springs; raises as `mounted_press`, and if the frame is not one rigid body."""
     system = mounted_press(options, press) if _is_frame_file(options.frame) else None
     if system is None:
         return _frame_and_mounts(options, None) or (None, [])
@@ -142,9 +146,9 @@ def _is_frame_file(words: str | None) -> bool:
 
 
 def _frame_and_mounts(options: argparse.Namespace, pad: str | None) -> tuple[Frame, list[Mount]] | None:
-    """The frame and its mounts from words; None where none are given."""
+    """Read the frame and its mounts from texts; None without both."""
     if (options.frame is None) != (not options.mount):
-        raise PinpressError("--frame and --mount go together, for the press on its mounts: give --frame and every --mount, or a frame file")
+        raise PinpressError("a press on its mounts needs --frame and --mount: give --frame and every --mount, or a frame file")
     if options.frame is None:
         return None
     return part_specs.part("--frame", part_specs.FRAME, options.frame), part_specs.mounts(options.mount, pad)

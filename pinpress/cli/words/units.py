@@ -1,4 +1,4 @@
-"""Numbers of the command line: bare ones in the unit that the help names, others with one of their own (12mm, 4000kN, 70rpm, 15deg)."""
+"""Read numbers of the command line: without a unit (then the help names it) or with a unit (12mm, 4000kN, 70rpm, 15deg)."""
 
 import argparse
 from collections.abc import Callable
@@ -11,7 +11,7 @@ from ...common.quantities import CRANK, RAM, DriverCoordinate, readable
 
 
 def quantity(unit: str) -> Callable[[str], float]:
-    """What reads an option of `argparse`: a number in this unit, or with a unit of its own."""
+    """Make a reader for `argparse` of a number in this unit, or with another unit."""
 
     def read(text: str) -> float:
         try:
@@ -24,12 +24,12 @@ def quantity(unit: str) -> Callable[[str], float]:
 
 @dataclass(frozen=True)
 class OfDriver:
-    """A speed, position or effort of the driver as it was given, whose unit depends on the press.
+    """A speed, position or effort of the driver as text; its unit depends on the press.
 
     Attributes:
-        text: As given.
-        turning: Unit of a bare number where the driver turns, "r/min", "deg" or "N m".
-        sliding: Unit of a bare number where it slides, "mm/s", "mm" or "N".
+        text: Text of the option.
+        turning: Unit of a number without a unit if the driver turns: "r/min", "deg" or "N m".
+        sliding: Unit of a number without a unit if the driver slides: "mm/s", "mm" or "N".
     """
 
     text: str
@@ -37,10 +37,10 @@ class OfDriver:
     sliding: str
 
     def of(self, coordinate: DriverCoordinate) -> float:
-        """The number in SI units, of a driver with this coordinate.
+        """Read the number in SI units, for a driver with this coordinate.
 
         Raises:
-            PinpressError: its unit is of something else.
+            PinpressError: its unit belongs to another quantity.
         """
         unit = self.turning if coordinate.turns else self.sliding
         try:

@@ -47,7 +47,7 @@ def test_one_stroke_of_a_press_as_described(capsys, tmp_path):
     """A record of little more than a stroke; the warning is that the press is not as described."""
     lines = (RECORDS / "stroke.csv").read_text().splitlines()
     (tmp_path / "one.csv").write_text("\n".join(lines[:613]) + "\n")
-    with pytest.warns(pp.PinpressWarning, match="identify it from a run without a blank"):
+    with pytest.warns(pp.PinpressWarning, match="identify the press from a run without a blank"):
         assert main(["force", "zxn2_3000b", str(tmp_path / "one.csv"), *COLUMNS, "--heights", "0,4mm,8mm,12mm"]) == 0
     assert capsys.readouterr().out.startswith("MeasuredForce one.csv: at most")
 
@@ -57,7 +57,7 @@ def test_one_stroke_of_a_press_as_described(capsys, tmp_path):
     [
         (["--heights", "0,4 inches"], "a part is in 'inches'"),
         (["--heights", "0,4"], "give heights within its stroke, in m"),
-        (["--heights", "0,4mm", "--cylinder"], "give them too, --idle 30.csv --idle 60.csv"),
+        (["--heights", "0,4mm", "--cylinder"], "also give them, --idle 30.csv --idle 60.csv"),
         ([str(RECORDS / "stroke.csv"), "--heights", "0,4mm"], "two records are called stroke"),
         (["--heights", "0,4mm", "--torque", "force"], "no column in"),
     ],

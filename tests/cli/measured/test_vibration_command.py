@@ -67,14 +67,14 @@ def test_orders_of_a_running_press(capsys, tmp_path):
     ("words", "said"),
     [
         ([], "give --band 3,100, or --press with --frame and --mount"),
-        (["--band", "3"], "give its lowest and highest frequency in Hz, 3,100"),
-        (["--speed", "200", "--band", "3,50"], "--band is for hits on the resting frame"),
-        (["--speed", "fast"], "is no speed"),
-        (["--band", "3,50", "--fit"], "--fit needs the mounts as they are thought to be"),
+        (["--band", "3"], "give the lowest and highest frequency in Hz, 3,100"),
+        (["--speed", "200", "--band", "3,50"], "--band is for hits on a frame at rest"),
+        (["--speed", "fast"], "is not a list of speeds"),
+        (["--band", "3,50", "--fit"], "--fit needs the mounts as described"),
         (["--band", "3,50", "--press", "jf75g_125"], "--press has no modes without its mounts"),
         (STANDING[2:], "--frame needs the press that stands on it"),
-        ([*STANDING, *PAD, "--angle", "crank [deg]"], "is for hits on the resting frame"),
-        (["--band", "3,5000"], "do not carry 5000 Hz"),
+        ([*STANDING, *PAD, "--angle", "crank [deg]"], "is for hits on a frame at rest"),
+        (["--band", "3,5000"], "are too few for 5000 Hz"),
     ],
 )
 def test_wrong_words(capsys, files, words, said):

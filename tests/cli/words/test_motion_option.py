@@ -101,7 +101,7 @@ def test_tolerances(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(capsys, "tolerances", *MOTION, *words)
     assert "DeadCentreScatter of two_servos: 1 dimensions, 1000 presses" in text
     assert "motion        motion.csv" in text
-    assert "alone they have no dead centre; give --motion FILE" in refused(capsys, "tolerances", "press.yaml", *words)
+    assert "without a motion they have no dead centre; give --motion FILE" in refused(capsys, "tolerances", "press.yaml", *words)
     assert "--budget is for a crank" in refused(capsys, "tolerances", *MOTION, *words, "--budget", "10,70")
 
 
@@ -175,12 +175,12 @@ def test_one_driver(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ("arguments", "says"),
     [
         (["analyse", "press.yaml", "--speed", "30"], "give --motion FILE, a table with the columns time [s], A [deg], B [deg]"),
-        (["analyse", *MOTION, "--points", "90"], "leave it out, the states are those of --motion"),
+        (["analyse", *MOTION, "--points", "90"], "leave it out, because --motion has its states"),
         (["analyse", *MOTION, "--flywheel", "3"], "--flywheel is for a press at constant speed: give --speed in place of --motion"),
         (["report", *MOTION, "--nominal-force", "3e6", "--nominal-height", "3mm", "--out", "r.html"], "--nominal-height is for a press at"),
         (["analyse", *MOTION, "--zero", "tdc"], "leave out --zero tdc"),
-        (["analyse", "zxn2_3000b", "--speed", "70", "--period", "1"], "--period is that of --motion"),
-        (["servo", "press.yaml", "--time", "1", "--drive", "inertia=1,ratio=6,peak_torque=2"], "the best motion is that of one crank"),
+        (["analyse", "zxn2_3000b", "--speed", "70", "--period", "1"], "--period is for --motion"),
+        (["servo", "press.yaml", "--time", "1", "--drive", "inertia=1,ratio=6,peak_torque=2"], "the best motion needs one crank"),
     ],
 )
 def test_wrong_words(arguments: list[str], says: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

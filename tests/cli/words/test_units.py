@@ -125,7 +125,7 @@ def test_commands_take_them(capsys, plain, named):
         (("analyse", "crank_slide", "--speed", "60mm"), "'60mm' is in 'mm', which is none of r/min"),
         (("analyse", "crank_slide", "--speed", "60,5"), "write decimals after a point"),
         (("simulate", "crank_slide", "--duration", "1", "--load", "drawing:force=100km,start=50mm"), "in 'km', which is none of N"),
-        (("ratings", "crank_slide", "--speed", "60", "--nominal-force", "1e5", "--bearing", "W=2mm"), "it takes NAME=N"),
+        (("ratings", "crank_slide", "--speed", "60", "--nominal-force", "1e5", "--bearing", "W=2mm"), "it needs NAME=N"),
     ],
 )
 def test_wrong_units_are_refused(capsys, words, said):
@@ -183,8 +183,11 @@ def test_motors_refuse_units_of_the_other_drivers(words, coordinate, said):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("analyse", "--speed", "100", "--zero", "tdc"), "its positions are 0 where the press is drawn; leave out --zero tdc"),
-        (("analyse", "--speed", "100", "--motor", "constant:value=20kN"), "of a crank that keeps turning; pinpress simulate takes --motor"),
+        (("analyse", "--speed", "100", "--zero", "tdc"), "its positions are 0 in the drawn pose; leave out --zero tdc"),
+        (
+            ("analyse", "--speed", "100", "--motor", "constant:value=20kN"),
+            "need a crank that keeps turning; pinpress simulate takes --motor",
+        ),
         (("simulate", "--speed", "100", "--motor", "constant:value=20kN", "--steady"), "give --duration in its place"),
     ],
 )
