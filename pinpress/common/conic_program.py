@@ -132,17 +132,19 @@ def minimise(
         InfeasibleError: there is no solution.
         UnsolvedError: neither a solution nor that there is none was found, or the solution violates the optimality conditions.
     """
-    fault = ""
+    from scipy import sparse  # to save start-up time
+
+    fault, matrix = "", sparse.csc_matrix(sparse.vstack([sparse.coo_matrix(part.matrix) for part in rows]))
     for method, scaled in (("faer", False), ("qdldl", True)) if equilibrate is None else (("auto", equilibrate),):
-        x, prices, status = _answer(cost, squares, rows, tolerance, method, scaled)
+        x, prices, status = _answer(cost, squares, rows, matrix, tolerance, method, scaled)
         if "PrimalInfeasible" in status:
-            if _proves_contradiction(rows, prices):
+            if _proves_contradiction(rows, matrix, prices):
                 raise InfeasibleError
             fault = f"{status}, which its dual variables do not prove"
         elif not (np.isfinite(x).all() and all(np.isfinite(z).all() for z in prices)):
             fault = status
         else:
-            optimum = _proved(cost, squares, rows, x, prices)
+            optimum = _proved(cost, squares, rows, matrix, x, prices)
             if optimum.residual <= within:
                 return optimum
             fault = f"{status}: its conditions are missed by {optimum.residual:.1e}, more than rounding"
@@ -150,7 +152,7 @@ def minimise(
 
 
 def _answer(
-    cost: Array, squares: float, rows: Sequence[Rows], tolerance: float, method: str, equilibrate: bool
+    cost: Array, squares: float, rows: Sequence[Rows], matrix: Matrix, tolerance: float, method: str, equilibrate: bool
 ) -> tuple[Array, list[Array], str]:
     """What Clarabel returns: variables, dual variables of every `Rows` moved into their cones, and its status."""
     import clarabel  # to save start-up time
@@ -179,33 +181,37 @@ def _answer(
     solution = clarabel.DefaultSolver(
         squares * sparse.eye_array(len(cost), format="csc") if squares else sparse.csc_matrix((len(cost), len(cost))),
         cost,
-        sparse.csc_matrix(sparse.vstack([sparse.coo_matrix(part.matrix) for part in rows])),
+        matrix,
         np.concatenate([part.bound for part in rows]),
         cones,
         settings,
     ).solve()
-    split = np.split(np.array(solution.z), np.cumsum([len(part.bound) for part in rows])[:-1])
+    split = _split(np.array(solution.z), rows)
     prices = [z if part.kind == EQUAL or not np.isfinite(z).all() else part.into_cone(z) for part, z in zip(rows, split, strict=True)]
     return np.array(solution.x), prices, str(solution.status)
 
 
-def _proves_contradiction(rows: Sequence[Rows], prices: Sequence[Array]) -> bool:
+def _split(values: Array, rows: Sequence[Rows]) -> list[Array]:
+    """Values of all rows, by `Rows`."""
+    return np.split(values, np.cumsum([len(part.bound) for part in rows])[:-1])
+
+
+def _proves_contradiction(rows: Sequence[Rows], matrix: Matrix, prices: Sequence[Array]) -> bool:
     """Whether dual variables show that no x of at most the size `REACH` fulfils the constraints."""
-    slope = np.abs(sum(part.matrix.T @ z for part, z in zip(rows, prices, strict=True))).sum()
+    slope = np.abs(matrix.T @ np.concatenate(prices)).sum()
     return -float(sum(part.bound @ z for part, z in zip(rows, prices, strict=True))) > REACH * float(slope)
 
 
-def _proved(cost: Array, squares: float, rows: Sequence[Rows], x: Array, prices: Sequence[Array]) -> Optimum:
+def _proved(cost: Array, squares: float, rows: Sequence[Rows], matrix: Matrix, x: Array, prices: Sequence[Array]) -> Optimum:
     """The solver's answer with its proof. Residuals are relative to the magnitudes of their terms."""
     curved = 0.5 * squares * float(x @ x)
     value, dual = float(cost @ x) + curved, -float(sum(part.bound @ z for part, z in zip(rows, prices, strict=True))) - curved
-    slope, terms = cost + squares * x, np.abs(cost) + squares * np.abs(x)
-    missed = [0.0]
-    for part, z in zip(rows, prices, strict=True):
-        slope += part.matrix.T @ z
-        terms += abs(part.matrix.T) @ np.abs(z)
-        size = np.abs(part.bound) + abs(part.matrix) @ np.abs(x)
-        missed.append(part.outside(part.slack(x)) / max(1.0, float(size.max(initial=0.0))))
+    z, magnitude = np.concatenate(prices), abs(matrix)
+    slope = cost + squares * x + matrix.T @ z
+    terms = np.abs(cost) + squares * np.abs(x) + magnitude.T @ np.abs(z)
+    bound = np.concatenate([part.bound for part in rows])
+    slacks, sizes = (_split(values, rows) for values in (bound - matrix @ x, np.abs(bound) + magnitude @ np.abs(x)))
+    missed = [part.outside(slack) / max(1.0, float(size.max(initial=0.0))) for part, slack, size in zip(rows, slacks, sizes, strict=True)]
     residual = max(float((np.abs(slope) / np.maximum(terms, 1.0)).max()), *missed, abs(value - dual) / max(1.0, abs(value)))
     # Prices that do not fulfil the dual equations exactly can have added this much to the bound, for x of this size.
     excess = float(np.abs(slope) @ np.abs(x))
