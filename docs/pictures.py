@@ -126,7 +126,7 @@ def _of_page(page: str) -> dict[str, Any]:
 def tolerances() -> Figure:
     """docs/tolerances.md: the dimensions by their shares, and the presses of the sample."""
     parts = pp.tolerances.read_dimensions(six_bar(), ROOT / "docs" / "zxn2_dimensions.csv").parts
-    return pp.plots.tolerances(pp.tolerances.bottom_dead_centre(six_bar(), parts).height, 50e-6)
+    return pp.plots.draw(pp.tolerances.bottom_dead_centre(six_bar(), parts).height.with_limit(50e-6))
 
 
 def identifiability() -> Figure:
@@ -138,12 +138,12 @@ def identifiability() -> Figure:
 
 def play() -> Figure:
     """docs/slide_accuracy.md: the slide in its clearances over the turn."""
-    return pp.plots.play(pp.tolerances.play(six_bar(), turn().motion, dict.fromkeys("ABCDEF", 50e-6)))
+    return pp.plots.draw(pp.tolerances.play(six_bar(), turn().motion, dict.fromkeys("ABCDEF", 50e-6)))
 
 
 def accuracy_budget() -> Figure:
     """docs/slide_accuracy.md: bottom dead centre by parts, from setting to production."""
-    return pp.plots.budget(
+    return pp.plots.draw(
         pp.tolerances.budget(
             six_bar(),
             speeds=[10 * pp.RPM, SPEED],
@@ -151,7 +151,8 @@ def accuracy_budget() -> Figure:
             stiffness=pp.elasticity.Stiffness(dict.fromkeys("ABCDEF", 2e9), shaft=3e7, frame=4e9),
             temperatures=pp.tolerances.Temperatures({"rocker": 10.0, "rod": 10.0}),
             process=500e3,
-        )
+        ),
+        "parts",
     )
 
 

@@ -21,4 +21,4 @@ print(f"standard deviation {1e6 * found.height.sd:.1f} um; {100 * found.within(5
 for k in np.argsort(-found.height.share)[:3]:
     print(f"{found.height.parts[k].name}: {100 * found.height.share[k]:.0f} %")
 
-figure = pp.plots.tolerances(found.height, 50e-6)
+figure = pp.plots.draw(found.height.with_limit(50e-6))

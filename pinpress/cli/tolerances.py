@@ -273,9 +273,10 @@ def _write(
         names.append("budget.csv")
 
     def draw() -> dict[str, Figure]:
-        from ..plots import press_accuracy, slide_accuracy  # slow to import
+        from ..plots import charts  # slow to import
 
-        pictures = {"tolerances.png": press_accuracy.tolerances(found.height, options.within)}
-        return pictures if budgeted is None else pictures | {"budget.png": slide_accuracy.budget(budgeted)}
+        height = found.height if options.within is None else found.height.with_limit(options.within)
+        pictures = {"tolerances.png": charts.draw(height, "shares", "presses")}
+        return pictures if budgeted is None else pictures | {"budget.png": charts.draw(budgeted, "parts")}
 
     write_pictures(folder, names, draw)

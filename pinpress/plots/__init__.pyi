@@ -3,8 +3,5 @@ from .identification import identifiability as identifiability
 from .measured_vibration import measured_modes as measured_modes
 from .measured_vibration import measured_spectra as measured_spectra
 from .measured_vibration import order_spectra as order_spectra
-from .press_accuracy import tolerances as tolerances
-from .slide_accuracy import budget as budget
-from .slide_accuracy import play as play
 from .stroke_force import measured_force as measured_force
 from .style import save as save

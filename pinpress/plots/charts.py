@@ -135,8 +135,9 @@ def _joined(first: Drawn, same: Mapping[str, Drawn]) -> Drawn:
         own = [curve for curve in each.curves if curve.look not in ("guide", "limit") and curve.name not in shared]
         x = each.along.values
         for curve in own:
-            places, values = _closed(x if curve.x is None else curve.x, curve.y, _period(each.along, curve), curve.x is None)
-            band = None if curve.band is None else _closed(places, curve.band, _period(each.along, curve), curve.x is None)[1]
+            states, period = x if curve.x is None else curve.x, _period(each.along, curve)
+            places, values = _closed(states, curve.y, period, curve.x is None)
+            band = None if curve.band is None else _closed(states, curve.band, period, curve.x is None)[1]
             curves.append(replace(curve, name=named(name, curve.name, len(own)), x=places, y=values, band=band))
         guides |= {curve.name: replace(curve, x=x if curve.x is None else curve.x) for curve in each.curves if curve not in own}
     return replace(first, curves=[*curves, *guides.values()], along=replace(first.along, period=None))
@@ -232,11 +233,12 @@ def _chart(axes: Axes, chart: Chart, old: Chart | None) -> None:
     names: list[str] = []
     coloured = 0
     for curve in chart.curves:
-        x, y = _closed(chart.along.values if curve.x is None else curve.x, curve.y, _period(chart.along, curve), curve.x is None)
+        places = chart.along.values if curve.x is None else curve.x
+        x, y = _closed(places, curve.y, _period(chart.along, curve), curve.x is None)
         colour, style = _look(curve, coloured)
         coloured += curve.look != "guide"
         if curve.band is not None:
-            ends = up.factor * _closed(x, curve.band, _period(chart.along, curve), curve.x is None)[1]
+            ends = up.factor * _closed(places, curve.band, _period(chart.along, curve), curve.x is None)[1]
             axes.fill_between(across.factor * x, ends[:, 0], ends[:, 1], color=colour, alpha=0.25, linewidth=0)
         base = curve.name.split(",\n")[0]
         if old is not None and base in before:
@@ -469,9 +471,11 @@ def _bars(axes: Axes, chart: Bars, old: Bars | None) -> None:
         axes.set_xticks(np.arange(1.0, at[-1] + 1.0) if at[-1] >= 1 and len(at) <= 40 else at)
         plain(axes.set_xlabel(chart.across))
     names = list(chart.series)
-    several = len(names) > 1
-    plain(axes.set_title(brief(chart.title, 90), loc="left", pad=17.0 if several else 5.0))
-    if several:
+    over = 1 < len(names) <= MOST_ABOVE
+    plain(axes.set_title(brief(chart.title, 90), loc="left", pad=17.0 if over else 5.0))
+    if len(names) > MOST_ABOVE:
+        legend(axes, handles, names, loc="upper left", bbox_to_anchor=(1.0, 1.02), borderaxespad=0.3)
+    elif over:
         above(axes, handles, names)
 
 

@@ -13,15 +13,11 @@ import numpy as np
 
 from ..common import files
 from ..common.errors import PinpressError, shown
-from ..common.quantities import Array
-from ..kinematics.described import along_motion
-from ..kinematics.motion import Motion
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.gridspec import GridSpec, SubplotSpec
     from matplotlib.text import Text
 
 NOT_INSTALLED = "plots need Matplotlib, which is not installed: pip install 'pinpress[plots]'"
@@ -153,41 +149,6 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     return files.write(path, content.getvalue())
 
 
-class Over:
-    """The horizontal axis of curves over a motion. One period without its end is closed by its first state.
-
-    Attributes:
-        name: what it is, with its unit.
-        x: (k,) its values, those of the closing state included.
-    """
-
-    def __init__(self, motion: Motion) -> None:
-        along = along_motion(motion)
-        assert along.values is not None
-        self._closes, self._turns = along.period is not None, motion.period_turns or 1
-        values = along.values if along.period is None else np.append(along.values, along.values[0] + along.period)
-        self.unit = {"rad": "deg", "m": "mm"}.get(along.quantity, along.quantity)
-        self.name = f"{along.name} [{self.unit}]" if along.quantity != "-" else along.name
-        self.x: Array = values * {"rad": 180 / np.pi, "m": 1e3}.get(along.quantity, 1.0)
-
-    def along(self, values: Array) -> Array:
-        """Values (k, ...) at `x` from values (n, ...) of the motion's states."""
-        return np.concatenate([values, values[:1]]) if self._closes else values
-
-    def label(self, axes: Axes, wide: bool = True) -> None:
-        """Set label, limits and ticks of the horizontal axis of the lowest chart in a column, which the others share."""
-        from matplotlib.ticker import MaxNLocator, MultipleLocator  # optional, and slow to import
-
-        plain(axes.set_xlabel(self.name))
-        first, last = float(self.x[0]), float(self.x[-1])
-        if first != last:
-            axes.set_xlim(first, last)  # also for a falling crank angle, as time runs to the right
-        if self.unit == "deg":
-            turned = abs(last - first)
-            whole = MultipleLocator((45 if wide else 90) * self._turns)
-            axes.xaxis.set_major_locator(whole if turned >= 270 else MaxNLocator(9 if wide else 5, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))
-
-
 def grid(axes: Axes, label: str) -> None:
     """Set the look of a chart's axes, and the label of the vertical one."""
     # set for these axes, because ticks are made when the figure is drawn, after the style has ended
@@ -209,13 +170,6 @@ def above(axes: Axes, handles: Sequence[Artist], names: Sequence[str]) -> None:
     """Draw a legend in one line above the axes, clear of the curves."""
     where = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.98), "borderaxespad": 0.2, "columnspacing": 1.4}
     legend(axes, handles, names, ncols=len(names), **where)
-
-
-def panel_places(places: GridSpec, count: int) -> list[SubplotSpec]:
-    """Places of panels in two columns; the first of an odd number of panels takes a whole row."""
-    odd = count % 2
-    pairs = [places[k // 2, k % 2] for k in range(2 * odd, count + odd)]
-    return [places[0, :], *pairs] if odd else pairs
 
 
 def brief(name: str, most: int = LONGEST) -> str:

@@ -50,7 +50,6 @@ from ..loads.link import Load
 from .clearances import KNOWN_TO, GuideClearance, play
 from .clearances_over_speed import SLOWEST
 from .dead_centre_scatter import DeadCentreScatter
-from .scatter import widest_coverage
 from .temperatures import Temperatures, heat
 
 WINDOW = np.radians(6.0)  # range on both sides of the rigid dead centre in which the lowest position is searched [rad]
@@ -121,40 +120,15 @@ class AccuracyBudget(OfPress, Tabular):
     @property
     def decides(self) -> str:
         """The cause of most of the largest rise: "clearances", "springs" or "heat"."""
-        return max(PARTS, key=lambda part: abs(self._change(part)))
+        return max(PARTS, key=lambda part: abs(self.change(part)))
 
-    def _change(self, part: str) -> float:
+    def change(self, part: str) -> float:
         """Contribution of a cause to the largest rise [m]."""
         return float(getattr(self.worst, part) - getattr(self.conditions[0], part))
 
     @property
     def title(self) -> str:
         return f"AccuracyBudget of {self.press_name}: bottom dead centre rises by {self.largest_rise:+.4g} m at most"
-
-    def __str__(self) -> str:
-        unit, size = self.coordinate.shown_speed
-        heads = [part for part in PARTS if any(getattr(each, part) for each in self.conditions)]
-        heads += ["crank"] * any(abs(each.crank) > NEGLIGIBLE for each in self.conditions)
-        rows = [[unit, "condition", *heads, "sum", "from", "to", "rise"]]
-        for each in self.conditions:
-            values = [*(getattr(each, head) for head in heads), each.shift, each.lowest, each.highest, each.rise]
-            rows.append([f"{each.speed / size:.4g}", each.condition, *(f"{1e3 * value:+.4f}" for value in values)])
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        lines = [f"{self.press_name}: bottom dead centre in mm, positive upwards; rise: from the first line, in which the press is set"]
-        for first, condition, *cells in rows:
-            places = "".join(f"  {cell:>{width}}" for cell, width in zip(cells, widths[2:], strict=True))
-            lines.append(f"  {first:>{widths[0]}}  {condition:{widths[1]}}{places}")
-        if self.machining is not None:
-            height = self.machining.height
-            coverage = widest_coverage(height)
-            low, high = height.band(coverage) if coverage else (height.deviation.min(), height.deviation.max())
-            presses = f"{100 * coverage:g} % of presses" if coverage else f"{len(height.deviation)} presses"
-            lines.append(f"  machining: {1e3 * low:+.4f} to {1e3 * high:+.4f} mm in {presses}, which the setting takes away")
-        if abs(self.largest_rise) > NEGLIGIBLE:
-            where = f"{self.worst.speed / size:.4g} {unit}, {self.worst.condition}"
-            most = f"{1e3 * self._change(self.decides):+.4f} mm by {self.decides}"
-            lines.append(f"  largest rise {1e3 * self.largest_rise:+.4f} mm at {where}: most of it, {most}")
-        return "\n".join(lines)
 
     def columns(self) -> dict[str, Column]:
         """A row for each condition."""

@@ -24,7 +24,6 @@ from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage, OfPress
 from .dead_centre_scatter import dead_centre_gradients
 from .dimensions import Dimension, check_dimensions, correlation_matrix
-from .scatter import written_tolerance
 
 QUANTITIES = ("height", "top", "stroke")
 FINEST, COARSEST = 0.1, 10.0  # default bounds of a tolerance, as multiples of the present tolerance
@@ -88,31 +87,6 @@ class AllocatedTolerances(OfPress, Tabular):
             "largest": self.bounds[:, 1],
             "cost": self.costs,
         }
-
-    def __str__(self) -> str:
-        lines = [self.title]
-        compared = f"before {tables.cell(self.cost_before)}"
-        if self.cost_alike is not None:
-            compared += f", all tolerances changed alike {tables.cell(self.cost_alike)}"
-        lines.append(f"  {'cost otherwise':16}{compared}")
-        for name, target in self.targets.items():
-            used = "used up" if self.reached[name] > (1.0 - SLACK) * target else "not used up"
-            lines.append(f"  {name:16}{1e6 * self.reached[name]:.1f} um of {1e6 * target:.1f} um, {used}")
-        return "\n".join([*lines, *(line.rstrip() for line in tables.fitted(self.rows()))])
-
-    def rows(self) -> list[list[str]]:
-        """Cells of a table: dimension, tolerance, tolerance before, cost, and the bound that it has reached."""
-        rows = [["dimension", "tolerance", "before", "cost", ""]]
-        for part, before, cost, ends in zip(self.parts, self.before, self.costs, self.bounds, strict=True):
-            earlier = written_tolerance(replace(part, tolerance=before, shape="normal", sd=None))
-            rows.append([part.name, written_tolerance(part), earlier, f"{cost:.4g}", _at_bound(part.tolerance, ends)])
-        return rows
-
-
-def _at_bound(tolerance: float, ends: Array) -> str:
-    if tolerance <= ends[0] * (1.0 + SLACK):
-        return "smallest"
-    return "largest" if tolerance >= ends[1] * (1.0 - SLACK) else ""
 
 
 @typed

@@ -163,31 +163,6 @@ class SlidePlay(OfPress, Tabular):
         low, high = self.offset.min(), self.offset.max()
         return f"SlidePlay of {self.press_name}: {len(self.offset)} states, slide {low:+.4g} to {high:+.4g} m off in its clearances"
 
-    def __str__(self) -> str:
-        low, high = self.bottom_band
-        lines = [
-            f"{self.press_name}: the slide in the clearances of {', '.join(self.clearance)}",
-            tables.entry("bottom dead centre", f"{1e3 * self.bottom_shift:+.4f}", "mm", f"{1e3 * low:+.4f} to {1e3 * high:+.4f} mm"),
-            tables.entry("top dead centre", f"{1e3 * self.top_shift:+.4f}", "mm"),
-        ]
-        if not self.reversals:
-            return "\n".join([*lines, "  no force reverses: the slide stays on one side of its clearances"])
-        first, forces = self.motion.driver_coordinates[0], tables.scale("N", [each.force for each in self.reversals])
-        rows = [
-            [
-                f"{each.bearing} {each.side}",
-                first.shown(each.crank_angle, ".1f"),
-                f"{1e3 * each.change:+.4f} mm",
-                f"{forces.shown(each.force)} {forces.unit} left",
-            ]
-            for each in self.reversals
-        ]
-        return "\n".join([*lines, "  forces reverse:", *tables.fitted(rows, "    ")])
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return self.motion._pictured[0], "offset [m]", "lowest [m]", "highest [m]"
-
     def columns(self) -> dict[str, Array]:
         """A row for each state: driver, offset with its band, shares of the bearings, and the slide in its guide."""
         columns = self.motion._of_drivers(0) | {"offset [m]": self.offset, "lowest [m]": self.lowest, "highest [m]": self.highest}

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import numbers, typed
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping
@@ -64,20 +63,6 @@ class DeadCentresInClearances(OfPress, Tabular):
         low, high = self.bottom_shift.min(), self.bottom_shift.max()
         what = f"DeadCentresInClearances of {self.press_name}: {len(self.speed)} speeds"
         return f"{what}, bottom dead centre {low:+.4g} to {high:+.4g} m off"
-
-    def __str__(self) -> str:
-        unit, size = self.coordinate.shown_speed
-        rows = [[unit, "bottom dead centre", "from", "to", "top dead centre", "reversals"]]
-        for k, speed in enumerate(self.speed):
-            places = (self.bottom_shift[k], self.bottom_lowest[k], self.bottom_highest[k], self.top_shift[k])
-            rows.append([f"{speed / size:.4g}", *(f"{1e3 * place:+.4f} mm" for place in places), str(int(self.reversals[k]))])
-        lines = [f"{self.press_name}: the slide in its clearances over the speed", *tables.fitted(rows)]
-        found = sorted(self.reversing_speed.items(), key=lambda item: item[1])
-        return "\n".join(lines + [tables.entry(f"{name} reverses", f"{speed / size:.4g}", unit, "and above") for name, speed in found])
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return next(iter(self.columns())), "bottom_shift [m]", "bottom_lowest [m]", "bottom_highest [m]"
 
     def columns(self) -> dict[str, Array]:
         """A row for each speed."""

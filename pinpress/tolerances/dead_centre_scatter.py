@@ -123,13 +123,6 @@ class DeadCentreScatter(OfPress, Tabular):
             columns |= {f"{head}_gradient [{quantity.unit} per unit]": quantity.gradient, f"{head}_share": quantity.share}
         return columns
 
-    def __str__(self) -> str:
-        lines = [self.title]
-        for each in self.quantities:
-            lines += [each.quantity, *each.summary()]
-        lines += [self.way_down] if self.way_down else []
-        return "\n".join([*lines, f"{self.height.quantity}: what decides", *self.height.ranking()])
-
 
 @typed
 def bottom_dead_centre(

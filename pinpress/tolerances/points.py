@@ -31,7 +31,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import plausibility, tables
+from ..common import plausibility
 from ..common.arguments import positive, suitable_numbers, typed
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import FrozenMapping
@@ -179,22 +179,6 @@ class SlideParallelism(OfPress, Tabular):
     def _span(self) -> float:
         """Largest distance of two points [m]."""
         return float(max(np.linalg.norm(one - other) for one in self.places for other in self.places))
-
-    def __str__(self) -> str:
-        lines = [f"{self.press_name}: the slide on {', '.join(self.points)} at bottom dead centre"]
-        lines += [line for slope in self.slopes if slope.worst_case for line in str(slope).splitlines()]
-        if not any(slope.worst_case for slope in self.slopes):
-            lines.append("  no dimension tilts the slide to first order")
-        if self.misfit_sd.max() > 1e-3 * ONE_PLACE:
-            lines.append(tables.entry("forced into the slide", f"{1e6 * self.misfit_sd.max():.2f}", "um", "sd of a point off the plane"))
-        if self.point_force_sd is not None and self.guide_moment_sd is not None:
-            lines.append(tables.entry("force on a point", f"{1e-3 * self.point_force_sd.max():.4g}", "kN", "sd"))
-            lines.append(tables.entry("moment on the guides", f"{1e-3 * self.guide_moment_sd.max():.4g}", "kN m", "sd"))
-        return "\n".join(lines)
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return tuple(self.columns())
 
     def columns(self) -> dict[str, Array]:
         """A row for each crank angle: standard deviations of both slopes."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,6 +39,7 @@ class Scatter(Tabular):
         worst_case: largest deviation to first order, with all dimensions at an end of their tolerances: sum of abs(gradient) x tolerance.
         corners: (2,) exact deviations, lower and upper, of the two presses with all dimensions at these ends.
         deviation: (n,) deviation of every press of the sample from ``nominal``.
+        limit: largest deviation that is allowed, for pictures and texts [unit of the quantity]; None for none, see `with_limit`.
     """
 
     quantity: str
@@ -51,6 +52,7 @@ class Scatter(Tabular):
     worst_case: float
     corners: Array
     deviation: Array
+    limit: float | None = None
 
     @property
     def mean(self) -> float:
@@ -94,6 +96,15 @@ class Scatter(Tabular):
             raise PinpressError(f"upper is {high:g} {self.unit}, not above the limit of {low:g} {self.unit}: exchange them")
         return float(np.mean((self.deviation >= low) & (self.deviation <= high)))
 
+    def with_limit(self, limit: float) -> Scatter:
+        """The same scatter next to the largest deviation that is allowed in both directions [unit of the quantity]: pictures and texts show
+        the limits, and the share of the presses that keep them.
+
+        Raises:
+            PinpressError: limit is not positive.
+        """
+        return replace(self, limit=number("limit", limit, self.unit, positive=True))
+
     @property
     def title(self) -> str:
         scale = scale_of(self)
@@ -109,30 +120,6 @@ class Scatter(Tabular):
             f"gradient [{self.unit} per unit]": self.gradient,
             "share": self.share,
         }
-
-    def __str__(self) -> str:
-        return "\n".join([self.title, *self.summary()[1:], *self.ranking()])
-
-    def summary(self) -> list[str]:
-        """Lines with nominal value, band and worst case."""
-        scale = scale_of(self)
-        low, high = (scale.shown(corner) for corner in self.corners)
-        lines = [f"  {'nominal':22}{tables.cell(self.nominal)} {self.unit}"]
-        if coverage := widest_coverage(self):
-            ends = " to ".join(scale.shown(end) for end in self.band(coverage))
-            lines.append(f"  {f'{100 * coverage:g} % of presses':22}{ends} {scale.unit}")
-        spread = f"{scale.shown(self.sd)} {scale.unit} (first order {scale.shown(self.first_order_sd)})"
-        return [*lines, f"  {'standard deviation':22}{spread}", f"  {'worst corners':22}{low} and {high} {scale.unit}"]
-
-    def ranking(self) -> list[str]:
-        """Lines with all dimensions, the largest shares first, and a sentence on the most important dimensions."""
-        order = np.argsort(-self.share, kind="stable")
-        rows = [["dimension", "tolerance", "gradient", "share"]]
-        rows += [
-            [self.parts[k].name, written_tolerance(self.parts[k]), tables.cell(float(self.gradient[k])), f"{100 * self.share[k]:.1f} %"]
-            for k in order
-        ]
-        return [*tables.fitted(rows), f"  {self.decided}"]
 
     @property
     def decided(self) -> str:
@@ -174,11 +161,6 @@ def widest_coverage(found: Scatter) -> float | None:
     """The share of presses for the printed band: 99.73 %, less for a small sample, None for a very small sample."""
     beyond = 0.5 * len(found.deviation)
     return next((coverage for coverage in COVERAGES if (1.0 - coverage) * beyond >= LEAST_BEYOND), None)
-
-
-def written_tolerance(part: Dimension) -> str:
-    """The tolerance of a dimension in the units of a drawing."""
-    return f"{1e3 * part.tolerance:.4g} mm" if part.unit == "m" else f"{math.degrees(part.tolerance):.4g} deg"
 
 
 def scale_of(found: Scatter) -> ShownUnit:

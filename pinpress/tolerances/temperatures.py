@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
-from ..common import plausibility, tables
+from ..common import plausibility
 from ..common.arguments import number, typed
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import Frozen, FrozenMapping
@@ -118,17 +118,6 @@ class HeatShift(OfPress, Tabular):
     @property
     def title(self) -> str:
         return f"HeatShift of {self.press_name}: bottom dead centre {self.bottom_shift:+.4g} m off"
-
-    def __str__(self) -> str:
-        rows = [
-            [name, f"{self.rise[name]:+.4g} K", f"{1e3 * self.bottom_by_link[name]:+.4f} mm", f"{1e3 * self.top_by_link[name]:+.4f} mm"]
-            for name in sorted(self.bottom_by_link, key=lambda link: -abs(self.bottom_by_link[link]))
-        ]
-        rows.append(["all", "", f"{1e3 * self.bottom_shift:+.4f} mm", f"{1e3 * self.top_shift:+.4f} mm"])
-        lines = [f"{self.press_name}: heat", *tables.fitted([["warm link", "rise", "bottom dead centre", "top dead centre"], *rows])]
-        steepest = max(self.bottom_per_kelvin, key=lambda link: abs(self.bottom_per_kelvin[link]))
-        decides = tables.entry("decides", f"{1e6 * self.bottom_per_kelvin[steepest]:+.4g}", "um/K", steepest)
-        return "\n".join([*lines, decides])
 
     def columns(self) -> dict[str, object]:  # type: ignore[override]  # words and numbers
         """A row for each link in ``bottom_per_kelvin``."""

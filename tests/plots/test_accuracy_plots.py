@@ -44,20 +44,20 @@ def budget(press):
 
 
 def test_play_draws_offset_band_and_reversals(played):
-    top, bottom = pp.plots.play(played).axes
+    top, bottom = pp.plots.draw(played, "offset", "by_bearing").axes
     offset, dots = top.lines
-    assert offset.get_ydata() == pytest.approx(1e3 * np.append(played.offset, played.offset[0]))
+    assert offset.get_ydata() == pytest.approx(1e6 * np.append(played.offset, played.offset[0]))
     assert dots.get_xdata() == pytest.approx([np.degrees(each.crank_angle) for each in played.reversals])
-    assert bottom.lines[0].get_ydata()[:-1] == pytest.approx(1e3 * played.by_bearing["W"])
+    assert bottom.lines[0].get_ydata()[:-1] == pytest.approx(1e6 * played.by_bearing["W"])
     assert len(bottom.lines) == 2
 
 
 def test_budget_draws_parts_and_their_sum(budget):
-    axes = pp.plots.budget(budget).axes[0]
+    axes = pp.plots.draw(budget, "parts").axes[0]
     widths = np.array([bar.get_width() for bar in axes.patches if isinstance(bar, Rectangle)]).reshape(3, -1)
     for row, part in zip(widths, ("clearances", "springs", "heat"), strict=True):
-        assert row == pytest.approx([1e3 * getattr(each, part) for each in budget.conditions])
-    assert axes.lines[1].get_xdata() == pytest.approx([1e3 * each.shift for each in budget.conditions])
+        assert row == pytest.approx([1e6 * getattr(each, part) for each in budget.conditions])
+    assert axes.lines[0].get_xdata() == pytest.approx([1e6 * each.shift for each in budget.conditions])
 
 
 def test_sections_of_a_report(press, played, budget, tmp_path):
@@ -65,17 +65,17 @@ def test_sections_of_a_report(press, played, budget, tmp_path):
     page = pp.report(press, played.motion, tmp_path / "page.html", results=[played, over, warm, budget])
     found = {section["title"]: section for section in data_in(page)["report"]["sections"]}
     closed = np.append(played.offset, played.offset[0])  # the turn ends where it began
-    assert curve(found["Slide in its clearances"], "Slide in its clearances", "slide") == pytest.approx(1e3 * closed, rel=1e-5)
+    assert curve(found["Slide in its clearances"], "Slide in its clearances", "slide") == pytest.approx(1e6 * closed, rel=1e-5)
     rows = block(found["Slide in its clearances"], "Forces that reverse")["rows"]
     assert [row[:2] for row in rows] == [[each.bearing, each.side] for each in played.reversals]
     tops = curve(found["Dead centres in the clearances over the speed"], "Dead centres", "top dead centre")
-    assert tops == pytest.approx(1e3 * over.top_shift, rel=1e-5)
-    assert found["Heat"]["blocks"][1]["rows"][0][1:3] == ["−10 K", "+0.0480 mm"]
+    assert tops == pytest.approx(1e6 * over.top_shift, rel=1e-5)
+    assert found["Heat"]["blocks"][1]["rows"][0][1:3] == ["-10.000", "48.000"]
     accuracy = found["Accuracy of bottom dead centre"]
     rise = curve(accuracy, "Rise of bottom dead centre", "process, warm")
     assert rise == pytest.approx([1e3 * each.rise for each in budget.conditions if each.condition == "process, warm"], rel=1e-5)
-    assert block(accuracy, "Bottom dead centre [mm]")["rows"][0][0] == "9.549, idle"
-    assert block(accuracy, "Parts at 9.549 r/min")["bars"]["heat"][-1] == pytest.approx(-0.048)
+    assert block(accuracy, "")["rows"][0][:2] == ["9.55", "idle"]
+    assert block(accuracy, "Parts of bottom dead centre")["bars"]["heat"][-1] == pytest.approx(-48)
 
 
 def test_parallelism_in_a_report(tmp_path):
@@ -86,13 +86,17 @@ def test_parallelism_in_a_report(tmp_path):
     section = next(each for each in data_in(page)["report"]["sections"] if each["title"] == "Parallelism on 2 points")
     three = curve(section, "Three standard deviations over the turn", "slope along (0, 1, 0)")
     assert three == pytest.approx(3e6 * np.append(found.slope_sd[:, 1], found.slope_sd[0, 1]), rel=1e-5)
-    low, high = (f"{1e6 * end:.2f}".replace("-", "−") for end in found.slopes[1].band(0.95))
-    assert section["blocks"][0]["figures"] == [{"name": "slope along (0, 1, 0)", "value": f"{low} to {high} µm/m", "at": "95 % of presses"}]
-    presses = pp.plots.tolerances(found.slopes[1], 5e-5).axes[1]
+    low, high = (f"{1e6 * end:.2f}" for end in found.slopes[1].band(0.95))
+    assert section["blocks"][0]["figures"][0] == {
+        "name": "slope along (0, 1, 0)",
+        "value": f"{low} to {high} µm/m",
+        "at": "95 % of presses",
+    }
+    presses = pp.plots.draw(found.slopes[1].with_limit(5e-5), "presses").axes[0]
     assert presses.get_xlabel() == "deviation of slope along (0, 1, 0) [µm/m]"
-    assert sorted(np.asarray(line.get_xdata())[0] for line in presses.lines)[-1] == pytest.approx(1e6 * found.slopes[1].worst_case)
+    assert max(np.max(line.get_xdata()) for line in presses.lines) == pytest.approx(1e6 * found.slopes[1].worst_case)
     other = texts.shipped("crank_slide")
-    with pytest.raises(pp.PinpressError, match="the parallelism is of jf75g_125_two_point, the page of crank_slide"):
+    with pytest.raises(pp.PinpressError, match="the SlideParallelism is of jf75g_125_two_point, the page of crank_slide"):
         pp.report(other, pp.cycle(other, 7.0, points=24), tmp_path / "other.html", results=[found])
 
 
@@ -102,18 +106,18 @@ def scattered(press):
     return tol.bottom_dead_centre(press, parts, samples=4000)
 
 
-def heights(axes):
-    return [bar.get_height() for bar in axes.patches if isinstance(bar, Rectangle)]
+def widths(axes):
+    return [bar.get_width() for bar in axes.patches if isinstance(bar, Rectangle)]
 
 
 def test_tolerances_draw_shares_and_presses(scattered):
-    shares, presses = pp.plots.tolerances(scattered.height, 3e-5).axes
-    assert heights(shares) == pytest.approx([80.0, 20.0])  # the longer rod first
-    assert shares.lines[0].get_ydata() == pytest.approx([80.0, 100.0])
-    assert sum(heights(presses)) == pytest.approx(100.0)
+    shares, presses = pp.plots.draw(scattered.height.with_limit(3e-5), "shares", "presses").axes
+    assert widths(shares) == pytest.approx([80.0, 20.0])  # the longer rod first
+    sample, *lines = presses.lines
+    assert sample.get_ydata()[::2].sum() == pytest.approx(100.0)
     ends = sorted(1e6 * end for end in (*scattered.height.band(0.9973), *scattered.height.corners, -3e-5, 3e-5))
-    assert sorted(np.asarray(line.get_xdata())[0] for line in presses.lines) == pytest.approx(ends)
-    assert heights(pp.plots.tolerances(scattered.stroke).axes[0])[0] == pytest.approx(100.0)  # the crank alone
+    assert sorted(end for line in lines for end in set(line.get_xdata())) == pytest.approx(ends)
+    assert widths(pp.plots.draw(scattered.stroke, "shares").axes[0])[0] == pytest.approx(100.0)  # the crank alone
 
 
 def test_tolerances_in_a_report(press, scattered, tmp_path):
@@ -125,11 +129,11 @@ def test_tolerances_in_a_report(press, scattered, tmp_path):
     assert "4000 presses with lengths of their own. Bottom dead centre: PW makes 80 % of the variance" in scatter["note"]
     bars = block(scatter, "Shares of the variance")
     assert (bars["places"], bars["bars"]["bottom dead centre"]) == (["PW", "OP"], pytest.approx([80.0, 20.0]))
-    assert curve(scatter, "Presses of the sample", "bottom dead centre").sum() == pytest.approx(100.0, rel=1e-5)
-    low, high = (f"{1e6 * end:.1f}".replace("-", "−") for end in scattered.height.band())
+    assert curve(scatter, "Presses of the sample", "presses")[::2].sum() == pytest.approx(100.0, rel=1e-5)
+    low, high = (f"{1e6 * end:.2f}" for end in scattered.height.band())
     assert scatter["blocks"][0]["figures"][0]["value"] == f"{low} to {high} µm"
     assert allocated["blocks"][1]["rows"][0][:2] == ["OP", f"{1e3 * cheapest.tolerances[0]:.4g} mm"]
     other = texts.shipped("zxn2_3000b")
-    for result, said in ((scattered, "the scatter is of crank_slide"), (cheapest, "the allocation is of crank_slide")):
+    for result, said in ((scattered, "the DeadCentreScatter is of crank_slide"), (cheapest, "the AllocatedTolerances is of crank_slide")):
         with pytest.raises(pp.PinpressError, match=said):
             pp.report(other, pp.cycle(other, 7.0, points=24), tmp_path / "other.html", results=[result])

@@ -118,7 +118,7 @@ def test_the_indexing_of_the_throws_alone_tilts_the_slide_of_second_order(two_po
     arc = 0.015  # on a straight line the throw becomes longer by as much as its angle takes it away from the arc
     expected = 0.5 * (curvature - arc) * (back**2 - front**2) / (2 * HALF)
     assert found.slopes[1].deviation == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())
-    assert "no dimension tilts the slide to first order" in str(found)
+    assert "No dimension tilts the slide to first order" in str(found)
 
 
 def test_guides_hold_the_slope_of_soft_points(two_points, found):

@@ -210,6 +210,7 @@ class Column:
         quantity: of the numbers; None for words and plain numbers.
         reference: largest value of this kind; 1e-6 of it is nothing.
         curves: (n,) values of a small picture in each row; None for none.
+        beside: numbers of all columns that are written in one unit with these, as parts and their sum.
     """
 
     name: str
@@ -217,6 +218,7 @@ class Column:
     quantity: str | None = None
     reference: float = 0.0
     curves: Sequence[Array] | None = None
+    beside: Sequence[float] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -107,7 +107,7 @@ def _column(column: Column, digits: int) -> tuple[str, list[str]]:
     if column.quantity is None:
         return column.name, [tables.cell(cell) for cell in column.cells]
     numbers = [float(cell) for cell in column.cells if isinstance(cell, int | float)]
-    scale = quantity(column.quantity).scale(numbers, column.reference, digits)
+    scale = quantity(column.quantity).scale([*numbers, *column.beside], column.reference, digits)
     shown = [scale.shown(float(cell)) if isinstance(cell, int | float) else tables.cell(cell) for cell in column.cells]
     return f"{column.name} [{scale.unit}]".lstrip() if scale.unit else column.name, shown
 

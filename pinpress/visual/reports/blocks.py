@@ -11,7 +11,6 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from ...common import tables
 from ...common.quantities import Array
 from ..pages import packed
 
@@ -317,15 +316,3 @@ class Facts:
     def as_json(self) -> dict[str, Any]:
         """The list as a page is given it."""
         return {"kind": "facts", "title": self.title, "rows": [list(row) for row in self.rows]}
-
-
-def with_prefix(value: float, unit: str) -> str:
-    """A number with its unit, as texts write it: "21.510 kN m"."""
-    scale = tables.scale(unit, [value])
-    return f"{scale.shown(value)} {scale.unit}"
-
-
-def alike(values: Sequence[float]) -> list[str]:
-    """Numbers of one unit with as many decimals as the largest takes for five digits; rounding beside it is 0."""
-    scale = tables.scale("", values)
-    return [scale.shown(value) for value in values]

@@ -73,11 +73,11 @@ def report(
             their ranges too.
         results: Other results of the press, each of which adds a section: `PressRatings`, whose permissible force is drawn next to the
             process force too, and `MotionRatings`; a `Run` of the press next to this motion; `BalancedPress` and `TradeOffCurve`;
-            `SlideCompliance`, `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `ElasticRun`, `ElasticModes`,
+            `SlideCompliance`, `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `LoadedGuide`; `ElasticRun`, `ElasticModes`,
             `CampbellDiagram`, `ElasticSpeedResponse` and `ImpactsByTurn`; `MountedPress`, `VibrationModes`, `FrameMotion`,
             `SpeedResponse`, `WhirlDiagram`, `LiftingMotion` and `Isolation`;
-            `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`; `DeadCentreScatter`, `AllocatedTolerances`,
-            `SlidePlay`, `DeadCentresInClearances`, `HeatShift`, `AccuracyBudget` and `SlideParallelism`.
+            `ServoMotion`, `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`; `DeadCentreScatter` and its `Scatter`,
+            `AllocatedTolerances`, `SlidePlay`, `DeadCentresInClearances`, `HeatShift`, `AccuracyBudget` and `SlideParallelism`.
         flywheel: As for `record`; by default those of a run, of the motion or among the results.
 
     Raises:
