@@ -242,7 +242,7 @@ def _shaking(balanced: BalancedPress) -> Chart:
     along = charts["before"].along
     curves = []
     for words, chart in charts.items():
-        same = np.array_equal(chart.along.values, along.values)
+        same = np.array_equal(np.asarray(chart.along.values), np.asarray(along.values))
         curves += [Curve(f"{curve.name}, {words}", curve.y, None if same else chart.along.values) for curve in chart.curves]
     return Chart("shaking", "Shaking force before and after", "N", replace(along, of=None), curves)
 

@@ -145,7 +145,7 @@ def _joined(first: Drawn, same: Mapping[str, Drawn]) -> Drawn:
 
 def _shared_points(charts: Sequence[Chart]) -> list[str]:
     """Names of curves of a single point that is the same in all charts, as the press before balancing."""
-    points = [{curve.name: (curve.x, curve.y) for curve in chart.curves if len(curve.y) == 1} for chart in charts]
+    points: list[dict[str, Any]] = [{curve.name: (curve.x, curve.y) for curve in chart.curves if len(curve.y) == 1} for chart in charts]
     first, *others = points
     return [name for name, place in first.items() if all(name in each and np.array_equal(each[name], place) for each in others)]
 
