@@ -113,7 +113,7 @@ def test_pin_tables_in_units(tmp_path):
     }
     pins = {"O": [0, 0], "P": [0, 10 * u.cm], "W": {"P": 400 * u.mm, "x": 0, "side": "down"}}
     assert_allclose(pp.dead_centres(pp.build(units="mm", frame="O", pins=pins, links=links, drive="O")).stroke, 0.2)
-    with pytest.raises(pp.PinpressError, match="a table cannot hold .*: give lengths, angles, masses"):
+    with pytest.raises(pp.PinpressError, match=r"a table cannot hold .*: give lengths, angles, masses"):
         pp.build(path, r=1 * u.N)
 
 

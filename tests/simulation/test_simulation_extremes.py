@@ -14,6 +14,7 @@ import signal
 from contextlib import nullcontext
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -719,14 +720,24 @@ NO_NUMBERS = [
 ]
 
 
-OUT_OF_ALL_REASON = {
+OUT_OF_ALL_REASON: dict[str, list[Any]] = {
     "duration": [0.0, -1.0, 1e308],
     "speed": [1e99],
     "tolerance": [0.0, 1e-20, 1e5],
     "step": [1e-9, -1.0],
     "points": [1, 10**12, 2.0],
 }
-THINGS = [True, 1.0, "1", object(), pp.drives.Flywheel, [1.0], [None], np.array([1.0]), ForceInterval(1.0, 0.0, lambda h, v: 0.0)]
+THINGS: list[Any] = [
+    True,
+    1.0,
+    "1",
+    object(),
+    pp.drives.Flywheel,
+    [1.0],
+    [None],
+    np.array([1.0]),
+    ForceInterval(1.0, 0.0, lambda h, v: 0.0),
+]
 NAMES_OF_THINGS = ("drive", "flywheel", "loads", "method", "clutch", "brake", "press", "progress")
 OTHER_THINGS = [
     pytest.param(method, name, value, None, id=f"{method}-{name}-{str(value)[:12]}")
@@ -795,12 +806,16 @@ STRETCHES = {
 }
 
 
+def no_answer(time: Any) -> Any:
+    return None
+
+
 EVEN = [ForceInterval(0.05, 0.02, lambda h, v: 1.0 + 0 * h)]
 BROKEN_LOADS = {
     **{name: (Load(intervals), "Load") for name, intervals in STRETCHES.items()},
     **{f"datum {datum}": (Load(EVEN, datum=datum), "datum") for datum in ("x", math.nan, math.inf)},
     "time nan": (pp.loads.TimeForce(lambda t: t * math.nan), "TimeForce"),
-    "time None": (pp.loads.TimeForce(lambda t: None), "TimeForce"),
+    "time None": (pp.loads.TimeForce(no_answer), "TimeForce"),
     "time error": (pp.loads.TimeForce(broken), "TimeForce"),
 }
 
