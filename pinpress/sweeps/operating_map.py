@@ -30,11 +30,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common import tables
 from ..common.arguments import numbers, truth_value, typed
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import read_only
-from ..common.quantities import RPM, Array
+from ..common.quantities import Array
 from ..common.results import Tabular
 from ..dynamics.applied_loads import wrap_laws
 from ..dynamics.inverse_dynamics import inverse_dynamics
@@ -81,16 +80,6 @@ class OperatingMap(Tabular):
         speeds, forces = (f"{values.min():.6g} to {values.max():.6g}" for values in (self.speeds, self.forces))
         return f"OperatingMap of {self.press_name}: {len(self.speeds)} speeds, {speeds} rad/s, and {len(self.forces)} forces, {forces} N"
 
-    def __str__(self) -> str:
-        speeds, forces = self.speeds / RPM, self.forces
-        lines = [
-            f"{self.press_name} at {len(speeds)} speeds, {speeds.min():g} to {speeds.max():g} r/min, and {len(forces)} forces,"
-            f" {forces.min():g} to {forces.max():g} N",
-            *tables.table([["over a turn", "smallest", "largest"]], [32, 14]),
-            *tables.ranges({f"{name} [{_unit(name)}]": values for name, values in self.results.items()}, 32),
-        ]
-        return "\n".join(lines)
-
     @property
     def shape(self) -> tuple[int, int]:
         return len(self.speeds), len(self.forces)
@@ -105,7 +94,7 @@ class OperatingMap(Tabular):
         columns = {"speed": np.repeat(self.speeds, self.shape[1]), "force": np.tile(self.forces, self.shape[0])}
         columns |= {name: values.ravel() for name, values in self.results.items()}
         columns |= {f"angle_of_{name}": values.ravel() for name, values in self.angles.items()}
-        return {f"{name} [{_unit(name)}]": values for name, values in columns.items()}
+        return {f"{name} [{unit_of(name)}]": values for name, values in columns.items()}
 
     def grid(self, name: str) -> Array:
         """Read a result (n, m), speeds by forces.
@@ -364,7 +353,7 @@ def _without_nothing(vector: Affine, squares: Array, forces: Array) -> Affine:
     return Affine(a[kept], c[kept], d[kept])
 
 
-def _unit(name: str) -> str:
+def unit_of(name: str) -> str:
     """Unit of a column."""
     if name.startswith("angle_of_"):
         return "rad"

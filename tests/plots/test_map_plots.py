@@ -1,0 +1,27 @@
+"""Maps of operating points: colours are the values, at their places, in any order of the grid."""
+
+import numpy as np
+import pytest
+from support import texts
+
+import pinpress as pp
+
+pytest.importorskip("matplotlib")
+
+
+def test_a_map_has_the_values_at_their_places():
+    press = texts.shipped("crank_slide")
+    speeds, forces = np.array([14.0, 7.0, 10.0]), np.array([0.0, 2e4])
+    found = pp.sweeps.operating_points(press, speeds, forces=forces, unit_load=pp.loads.ConstantForce(1.0, 0.02))
+    axes = pp.plots.draw(found, "map largest_driving_torque").axes[0]
+    (mesh,) = axes.collections
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("force [kN]", "speed [r/min]")
+    places = np.asarray(mesh.get_coordinates())
+    assert places[:, 0, 1] == pytest.approx(np.sort(speeds) / pp.RPM)
+    assert places[0, :, 0] == pytest.approx(1e-3 * forces)
+    values = np.asarray(mesh.get_array()).reshape(3, 2)
+    assert values == pytest.approx(found.grid("largest_driving_torque")[[1, 2, 0]], rel=1e-12)
+    assert len(pp.plots.draw(found, "map").axes) == len(found.results)
+    alone = pp.sweeps.operating_points(press, [7.0], forces=forces, unit_load=pp.loads.ConstantForce(1.0, 0.02))
+    with pytest.raises(pp.PinpressError, match="has no charts"):
+        pp.plots.draw(alone)
