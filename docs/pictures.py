@@ -372,7 +372,7 @@ def die_trade_off() -> Figure:
     blocks = re.findall(r"^```python\n(.*?)^```$", manual, flags=re.DOTALL | re.MULTILINE)
     names: dict[str, Any] = {}
     with contextlib.redirect_stdout(io.StringIO()):
-        for word in ("compare_conditions,", "trade_off(press"):
+        for word in ("regions = [", "compare_conditions,", "trade_off(press"):
             exec(next(each for each in blocks if word in each).partition("best = balance(")[0], names)
     return pp.plots.draw(names["curves"], "trade_off")
 

@@ -230,7 +230,7 @@ def _price_in_words(balanced: BalancedPress, active: ActiveConstraint) -> str:
 def _shaking(balanced: BalancedPress) -> Chart:
     """The shaking force in the first operating condition, before and after."""
     condition = balanced.conditions[0]
-    charts = {}
+    charts = dict[str, Chart]()
     for words, press, motion in (
         ("before", condition.set_up(balanced.original), balanced.reactions_before[0].motion),
         ("after", balanced.presses[0], balanced.reactions_after[0].motion),
@@ -239,8 +239,7 @@ def _shaking(balanced: BalancedPress) -> Chart:
         reactions = inverse_dynamics(press, motion, condition.loads)
         drawn = drawn_states(reactions)
         charts[words] = shaking_of(drawn, along_states(reactions, drawn))
-    along = charts["before"].along
-    curves = []
+    along, curves = charts["before"].along, list[Curve]()
     for words, chart in charts.items():
         same = np.array_equal(np.asarray(chart.along.values), np.asarray(along.values))
         curves += [Curve(f"{curve.name}, {words}", curve.y, None if same else chart.along.values) for curve in chart.curves]

@@ -145,9 +145,12 @@ def _joined(first: Drawn, same: Mapping[str, Drawn]) -> Drawn:
 
 def _shared_points(charts: Sequence[Chart]) -> list[str]:
     """Names of curves of a single point that is the same in all charts, as the press before balancing."""
-    points: list[dict[str, Any]] = [{curve.name: (curve.x, curve.y) for curve in chart.curves if len(curve.y) == 1} for chart in charts]
+    points = [
+        {curve.name: [*curve.x.tolist(), *curve.y.tolist()] for curve in chart.curves if len(curve.y) == 1 and curve.x is not None}
+        for chart in charts
+    ]
     first, *others = points
-    return [name for name, place in first.items() if all(name in each and np.array_equal(each[name], place) for each in others)]
+    return [name for name, place in first.items() if all(known.get(name) == place for known in others)]
 
 
 def _refuse_incomparable(chart: Drawn, old: Drawn | None) -> None:

@@ -180,18 +180,20 @@ def _over_time(motion: ServoMotion) -> list[Chart]:
     """Height of the slide, speed of the crank, torque and power of the motor over time, with the limits of the drive."""
     drive, along = motion.drive, Along("time", "s", motion.time, motion.motion)
     top = None if drive.top_speed is None else drive.top_speed / drive.ratio
-    powers = [Curve("mechanical", motion.power)]
-    if np.any(motion.mains_power != motion.power):
-        powers.append(Curve("with the motor's losses", motion.mains_power))
     torques = [Curve("motor", motion.motor_torque), *_limit("peak", drive.peak_torque, motion.motor_torque)]
     torques += _limit("rated", drive.rated_torque, np.zeros_like(motion.time))
     speeds = [Curve("crank", motion.speed), *_limit("highest", top, motion.speed)]
-    return [
+    powers = [Curve("mechanical", motion.power), *_limit("largest", drive.power, motion.power)]
+    charts = [
         Chart("height", "Slide height above bottom dead centre", "m", along, [Curve("height", motion.height)]),
         Chart("crank_speed", "Crank speed", "rad/s", along, speeds),
         Chart("torque", "Motor torque, at its own shaft", "N m", along, torques),
-        Chart("power", "Power", "W", along, [*powers, *_limit("largest", drive.power, motion.power)], note="below 0 the motor brakes"),
+        Chart("power", "Mechanical power", "W", along, powers, note="below 0 the motor brakes"),
     ]
+    if np.any(motion.mains_power != motion.power):
+        title = "Electrical power, with the motor's losses"
+        charts.append(Chart("mains_power", title, "W", along, [Curve("electrical", motion.mains_power)]))
+    return charts
 
 
 def _limit(name: str, most: float | None, values: Array) -> list[Curve]:
@@ -242,9 +244,8 @@ def _plane(motion: ServoMotion, motor: CatalogueMotor | None = None) -> Chart:
         if drive.rated_torque is not None:
             curves.append(Curve("rated torque", np.full(POINTS, drive.rated_torque), speed, look="limit"))
     note = "sizes of torque and speed, driving and braking"
-    return Chart(
-        "plane", "Torque over speed", "N m", Along("speed of the motor", "rad/s", of=motion.motion), curves, (), (0.0, None), note=note
-    )
+    along = Along("speed of the motor", "rad/s", of=motion.motion)
+    return Chart("plane", "Torque over speed", "N m", along, curves, reach=(0.0, None), note=note)
 
 
 def _slide_speeds(found: MotionComparison) -> Chart:
