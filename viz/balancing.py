@@ -102,12 +102,12 @@ def jf75g_table() -> str:
 
 
 def picture(found: Mapping[str, pp.balancing.TradeOffCurve]) -> Figure:
-    """A chart for each pair of criteria, side by side."""
+    """A chart for each pair of criteria, one below the other."""
     pairs: dict[tuple[str, str], dict[str, pp.balancing.TradeOffCurve]] = {}
     for name, curve in found.items():
         pairs.setdefault((curve.first.words, curve.second.words), {})[name] = curve
-    figure = Figure(figsize=(7.0 * len(pairs) / 2, 3.2), layout="constrained")
-    for axes, some in zip(figure.subplots(1, len(pairs)), pairs.values(), strict=True):
+    figure = Figure(figsize=(6.3, 2.6 * len(pairs)), layout="constrained")
+    for axes, some in zip(figure.subplots(len(pairs), 1), pairs.values(), strict=True):
         pp.plots.draw(some, "trade_off", ax=axes)
     return figure
 

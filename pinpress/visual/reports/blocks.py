@@ -6,7 +6,7 @@ Whatever has a report makes `Section`s of its results. ``as_json`` of a block is
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -299,20 +299,3 @@ class Figures:
     def as_json(self) -> dict[str, Any]:
         """The numbers as a page is given them."""
         return {"kind": "figures", "figures": [figure.as_json() for figure in self.figures]}
-
-
-@dataclass(frozen=True, eq=False)
-class Facts:
-    """Names and words, a pair a line.
-
-    Attributes:
-        title: Title of the list; empty where the section's says it.
-        rows: Pairs of name and words.
-    """
-
-    title: str
-    rows: Sequence[tuple[str, str]] = field(default=())
-
-    def as_json(self) -> dict[str, Any]:
-        """The list as a page is given it."""
-        return {"kind": "facts", "title": self.title, "rows": [list(row) for row in self.rows]}
