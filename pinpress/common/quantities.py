@@ -228,7 +228,7 @@ QUANTITIES = (
         {"mm/s2": 1e-3, "m/s^2": 1.0, "g": 9.80665, "mg": 9.80665e-3},
     ),
     Quantity(
-        "turning",
+        "rotational speed",
         "rad/s",
         (("r/min", RPM, 0.0),),
         {"rpm": RPM, "1/min": RPM, "min-1": RPM, "spm": RPM, "Hz": TURN, "deg/s": DEGREE},
@@ -255,7 +255,7 @@ QUANTITIES = (
     Quantity("current", "A", (), {"mA": 1e-3, "kA": 1e3}),
     Quantity("capacitance", "F", (("mF", 1e-3, 0.0), ("F", 1.0, 1.0))),
 )
-_FIRST = {"-": "number", "m": "length", "rad": "angle", "rad/s": "turning", "Hz": "frequency", "%": "share", "g": "mass"}
+_FIRST = {"-": "number", "m": "length", "rad": "angle", "rad/s": "rotational speed", "Hz": "frequency", "%": "share", "g": "mass"}
 
 
 @cache

@@ -116,7 +116,7 @@ def modes(found: VibrationModes, page: Reactions | None = None) -> tuple[Section
     columns = [
         Column("motion", list(found.motion)),
         Column("frequency", frequency.tolist(), "frequency"),
-        Column("resonance at", frequency.tolist(), "turning"),
+        Column("resonance at", frequency.tolist(), "rotational speed"),
         Column("damping ratio", found.damping_ratio.tolist(), "number"),
     ]
     return (Section("Modes on the mounts", (), [Table("modes", "", columns, most=MOST_MODES)], (), "", found.system.press, "modes"),)

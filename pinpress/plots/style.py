@@ -83,9 +83,10 @@ class Panels(NamedTuple):
         legend(self.figure if self.own else self.axes[0], handles, names, **(where if self.own else {"loc": "best"}))
 
     def align_labels(self) -> None:
-        """Align the labels of the vertical axes in a figure of ours."""
+        """Align the labels of the vertical axes in a figure of ours. Axes without a label have words at their ticks, which would push the
+        labels of others away."""
         if self.own:
-            self.figure.align_ylabels()
+            self.figure.align_ylabels([axes for axes in self.axes if axes.get_ylabel()])
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 import re
 import warnings
 from importlib.metadata import files
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -343,6 +344,13 @@ def test_cassie_weighs_and_is_placed_as_an_independent_reader_has_it(tmp_path):
         assert ours.inertias[j].mass == theirs.inertias[k].mass
         one, two = data.oMi[j].act(ours.inertias[j].lever), held.act(other.oMi[k].act(theirs.inertias[k].lever))
         assert one == pytest.approx(two, abs=1e-12), name
+
+
+def test_the_manual_names_the_robots_that_load():
+    manual = (Path(__file__).parents[2] / "docs" / "describe.md").read_text(encoding="utf-8")
+    loads = [name for name, refusal in ROBOTS.items() if refusal is None]
+    assert [name for name in ROBOTS if f"`{name}`" in manual] == loads
+    assert all(f"`{name}` loads" in manual for name in loads)
 
 
 @pytest.mark.parametrize("none", ["1e16", "1e+16", "inf", "1.79769e+308", "1e13"])

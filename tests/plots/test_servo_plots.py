@@ -27,7 +27,7 @@ def test_curves_and_limits():
     height, speed, torque, power = pp.plots.draw({"cubic": motion, "even": even}, *CHARTS).axes
     for axes, values, quantity in (
         (height, motion.height, "length"),
-        (speed, motion.speed, "turning"),
+        (speed, motion.speed, "rotational speed"),
         (torque, motion.motor_torque, "torque"),
         (power, motion.power, "power"),
     ):
