@@ -59,6 +59,7 @@ def comparison(found: MotionComparison, page: Reactions | None = None) -> tuple[
     more = [None if row.more_than_least is None or row.breaks else row.more_than_least for row in rows]
     columns = [
         Column("motion", [row.name for row in rows]),
+        Column("limits", ["broken" if row.breaks else "kept" for row in rows]),
         Column("rms", [row.rms_torque for row in rows], "N m"),
         Column("more", more, "share", 1.0),
         Column("peak", [row.peak_torque for row in rows], "N m"),
@@ -66,12 +67,15 @@ def comparison(found: MotionComparison, page: Reactions | None = None) -> tuple[
         Column("power", [row.peak_power for row in rows], "W"),
         Column("drawn", [row.energy_drawn for row in rows], "J"),
         Column("cycle", [row.cycle for row in rows], "s"),
-        Column("limits", [f"breaks {row.breaks}" if row.breaks else "kept" for row in rows]),
     ]
     unseen = [in_words(limit) for limit in found.limits if isinstance(limit, NOT_SEEN)]
     note = "Torques and speeds of the motor at its own shaft, powers mechanical. What a law leaves free, as a ramp, is at its best."
     note += f" Not looked at: {'; '.join(unseen)}." if unseen else ""
-    blocks: list[Block] = [Table("motions", "", columns, most=200), _slide_speeds(found), *_over_angle(found.motions)]
+    blocks: list[Block] = [Table("motions", "", columns, most=200)]
+    if broken := {row.name: f"breaks {row.breaks}" for row in rows if row.breaks}:
+        words = [Column("motion", list(broken)), Column("limit and what the motion has", list(broken.values()))]
+        blocks.append(Table("broken", "Limits that are broken", words, most=200))
+    blocks += [_slide_speeds(found), *_over_angle(found.motions)]
     press = next(iter(found.motions.values()))._press
     return (Section("Motions beside one another", (), blocks, (), note, press, "comparison"),)
 
