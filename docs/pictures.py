@@ -94,7 +94,7 @@ def polar() -> Figure:
 def process_force() -> Figure:
     """docs/measured.md: the force that the page finds, over the one that acted."""
     names = _of_page("measured")
-    figure = pp.plots.measured_force({"found from the torque of the drive": names["force"]})
+    figure = pp.plots.draw({"found from the torque of the drive": names["force"]}, "force")
     height = np.linspace(0.0, 0.010, 400)
     acted = np.where((height < 0.009) & (height > 0.001), 1500 * np.sin(np.pi * (0.009 - height) / 0.008), 0.0)
     figure.axes[0].plot(1e3 * height, acted, color=RED, linewidth=0.9, linestyle=(0, (4, 2)))
@@ -103,14 +103,14 @@ def process_force() -> Figure:
 
 def measured_modes() -> Figure:
     """docs/measured_vibration.md: measured modes beside the calculated ones."""
-    return pp.plots.measured_modes(_of_page("measured_vibration")["found"])
+    return pp.plots.draw(_of_page("measured_vibration")["found"], "damping", "mac")
 
 
 def orders() -> bytes:
     """docs/measured_vibration.md: orders over the speed."""
     with tempfile.TemporaryDirectory() as folder:
         found = _of_page("measured_vibration")["runup"].order_spectra(4)
-        return pp.plots.save(pp.plots.order_spectra(found, "top"), Path(folder, "orders.png")).read_bytes()
+        return pp.plots.save(pp.plots.draw(found, "orders top"), Path(folder, "orders.png")).read_bytes()
 
 
 @cache
@@ -133,7 +133,7 @@ def identifiability() -> Figure:
     """docs/measured.md: what torque and shaking force teach of the masses."""
     columns = {"angle": "crank [deg]", "torque": "motor [N m]", "ratio": 20.7}
     runs = [pp.measured.record(ROOT / "docs" / "records" / f"{strokes}.csv", **columns) for strokes in (21, 42, 63)]
-    return pp.plots.identifiability(pp.measured.identifiability(six_bar(), runs, friction=("crank", "gibs"), cylinder=True))
+    return pp.plots.draw(pp.measured.identifiability(six_bar(), runs, friction=("crank", "gibs"), cylinder=True), "doubt")
 
 
 def play() -> Figure:

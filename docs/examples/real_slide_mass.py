@@ -17,4 +17,4 @@ low, high = found.intervals["slide mass"]
 print(f"slide: {found.values['slide mass']:.0f} kg, with 95 % between {low:.0f} and {high:.0f}; the drawing says {drawn:.0f}")
 print(f"{found.learnt:.1f} of {len(found.parameters)} parameters learnt")
 
-figure = pp.plots.identifiability(pp.measured.identifiability(press, runs, friction=("crank", "gibs"), cylinder=True))
+figure = pp.plots.draw(pp.measured.identifiability(press, runs, friction=("crank", "gibs"), cylinder=True), "doubt")

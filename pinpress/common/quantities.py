@@ -234,6 +234,7 @@ QUANTITIES = (
         {"rpm": RPM, "1/min": RPM, "min-1": RPM, "spm": RPM, "Hz": TURN, "deg/s": DEGREE},
     ),
     Quantity("frequency", "rad/s", (("Hz", TURN, 0.0),), {"kHz": 1e3 * TURN}),
+    Quantity("spectral density", "m/s2/√Hz", (("m/s²/√Hz", 1.0, 0.0),)),
     Quantity("angular acceleration", "rad/s2", (), {"deg/s2": DEGREE}),
     Quantity("time", "s", (("s", 1.0, 0.0), ("ms", 1e-3, TINY), ("s", 1.0, 0.1)), {"us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}),
     Quantity("mass", "kg", (("kg", 1.0, 0.0), ("t", 1e3, 1e4)), {"g": 1e-3}),

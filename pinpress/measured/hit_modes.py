@@ -26,11 +26,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common import tables
 from ..common.arguments import numbers, suitable_numbers, whole_number
 from ..common.errors import PinpressError, caution
 from ..common.numerics import pair_modes
-from ..common.quantities import RPM, Array, ComplexArray
+from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..foundation.mounted_press import VibrationModes
@@ -123,28 +122,6 @@ class MeasuredModes(Tabular):
             "calculated_damping_ratio [-]": [None if k is None else float(self.beside.damping_ratio[k]) for k in theirs],
             "mac [-]": [None if k is None else float(self.mac[i, k]) for i, k in enumerate(theirs)],
         }
-
-    def __str__(self) -> str:
-        hits = (
-            f"{len(self.hits)} hit{'s' * (len(self.hits) > 1)}, {len(self.channels)} channels, {100 * self.noise:.2g} % of the energy noise"
-        )
-        rows = [["frequency", "speed", "damping ratio", *(["calculated", "off by", "damping", "MAC", "motion"] if self.beside else [])]]
-        for k, (w, ratio) in enumerate(zip(self.natural_frequency, self.damping_ratio, strict=True)):
-            frequency = f"{w / (2 * np.pi):.3f} ± {2 * self.natural_frequency_deviation[k] / (2 * np.pi):.1g} Hz"
-            row = [frequency, f"{w / RPM:.1f} per min", f"{ratio:.4f} ± {2 * self.damping_ratio_deviation[k]:.1g}"]
-            if self.beside is not None:
-                row += self._calculated(self.beside, k)
-            rows.append(row)
-        return "\n".join([f"Measured modes: {hits}", *tables.fitted(rows), *(f"  {line}" for line in self.doubts)])
-
-    def _calculated(self, beside: VibrationModes, mode: int) -> list[str]:
-        place = self.partner[mode]
-        if place < 0:
-            return ["none", "", "", "", ""]
-        theirs = beside.natural_frequency[place]
-        off = 100 * (theirs / self.natural_frequency[mode] - 1)
-        shown = [f"{theirs / (2 * np.pi):.3f} Hz", f"{off:+.2f} %", f"{beside.damping_ratio[place]:.4f}"]
-        return [*shown, f"{self.mac[mode, place]:.3f}", beside.motion[place]]
 
     @property
     def doubts(self) -> tuple[str, ...]:

@@ -151,21 +151,6 @@ class IdentifiedPress(Tabular):
         """The parameters as columns."""
         return self.parameters.columns()
 
-    def __str__(self) -> str:
-        rows = [["", "before", "found", "95 % interval", "", "doubt"]]
-        for each in self.parameters:
-            before = "" if each.before is None else f"{each.before:.5g}"
-            doubt = "" if each.doubt is None else f"{each.doubt:.2f}"
-            value = 0.0 if abs(each.value) < ROUNDING * each.posterior else each.value
-            rows.append([each.name, before, f"{value:.5g} {each.unit}", f"{each.low:.5g}", f"{each.high:.5g}", doubt])
-        lines = [self.title, *tables.fitted(rows)]
-        if self.motor_constant is not None and self.motor_constant_interval is not None:
-            low, high = self.motor_constant_interval
-            lines.append(f"  motor constant at the crank {self.motor_constant:.5g} N m/A, {low:.5g} to {high:.5g}")
-        lines.append(f"  noise of a sample: {', '.join(f'{name} {size:.3g}' for name, size in self.noise.items())}")
-        lines.append("  doubt is the standard deviation by that before: what is near 1 was not learnt from these records")
-        return "\n".join(lines)
-
 
 @typed
 def identify(

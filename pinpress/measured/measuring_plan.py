@@ -24,7 +24,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import number, numbers, positive, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping
@@ -115,21 +114,6 @@ class MeasuringPlan(Tabular):
             "worst_interval_alone [-]": self.interval_alone.max(axis=1),
             "leaves_unknown": [", ".join(each) for each in self.unknown],
         }
-
-    def __str__(self) -> str:
-        rows = [["motion", "measure", "alone: worst", "leaves unknown"]]
-        for k, name in enumerate(self.motions):
-            seconds = f"{self.share[k] * self.time:.1f} s" if self.share[k] else "-"
-            left = ", ".join(self.unknown[k][:4]) + (f" and {len(self.unknown[k]) - 4} more" if len(self.unknown[k]) > 4 else "")
-            rows.append([name, seconds, f"±{100 * self.interval_alone[k].max():.3g} %", left or "nothing"])
-        reasons = []
-        for why in dict.fromkeys(each for each in self.why if each):
-            these = [name for name, each in zip(self.motions, self.why, strict=True) if each == why]
-            reasons += [f"  {', '.join(these)}:", f"    {why}"]
-        found = [["after the plan", "95 % interval"]]
-        found += [[name, f"±{100 * each:.3g} %"] for name, each in zip(self.parameters, self.interval, strict=True)]
-        proof = f"  no other shares make the sum of squares less by more than {100 * self.gap:.2g} %"
-        return "\n".join([self.title, *tables.fitted_words(rows), *reasons, *tables.fitted_words(found), proof])
 
 
 @typed

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..common import tables
 from ..common.arguments import expect, typed
 from ..common.errors import PinpressError, caution, shown
 from ..common.numerics import pair_modes
@@ -64,21 +63,6 @@ class FittedMounts(Tabular):
     def columns(self) -> dict[str, Column]:
         """A row for each fitted value: name, value, and both ends of its interval."""
         return {"name": list(self.names), "value [-]": self.values, "low [-]": self.intervals[:, 0], "high [-]": self.intervals[:, 1]}
-
-    def __str__(self) -> str:
-        rows = [["", "value", "95 % interval"]]
-        for name, value, (low, high) in zip(self.names, self.values, self.intervals, strict=True):
-            unseen = "   the modes do not show it" if high > UNSEEN * low else ""
-            rows.append([name, f"{value:.4f}", f"{low:.4f} to {high:.4f}{unseen}"])
-        lines = [f"{self.system.press.name}: mounts fitted to {len(self.frequency)} measured modes", *tables.fitted_words(rows)]
-        modes_rows = [["motion", "measured", "fitted", "damping ratio", "fitted"]]
-        beside = self.measured.beside
-        for k, (ours, ratio) in enumerate(zip(self.frequency, self.damping_ratio, strict=True)):
-            motion = beside.motion[self.measured.partner[k]] if beside is not None and self.measured.partner[k] >= 0 else ""
-            theirs = self.measured.natural_frequency[k] / (2 * np.pi)
-            pair = [f"{theirs:.3f} Hz", f"{ours / (2 * np.pi):.3f} Hz", f"{self.measured.damping_ratio[k]:.4f}", f"{ratio:.4f}"]
-            modes_rows.append([motion, *pair])
-        return "\n".join([*lines, *tables.fitted(modes_rows)])
 
 
 @typed

@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common import plausibility, tables
+from ..common import plausibility
 from ..common.arguments import expect, numbers, positive, typed
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import Frozen
@@ -125,21 +125,6 @@ class MeasuredForce(Tabular):
     def edges(self) -> bool:
         """Whether the residuals show edges of the force that straight lines between these heights do not follow."""
         return self.misfit > EDGED * max(self.idle_misfit, 1.0)
-
-    def __str__(self) -> str:
-        rows = [["height", "force", "95 % interval"]]
-        ways = [("", self.heights, self.force, self.interval), (" up", self.heights_up, self.force_up, self.interval_up)]
-        for way, heights, forces, intervals in ways:
-            for height, force, (low, high) in zip(heights, forces, intervals, strict=True):
-                rows.append([f"{1e3 * height:.4g} mm{way}", f"{1e-3 * force:.4g} kN", f"{1e-3 * low:.4g} to {1e-3 * high:.4g} kN"])
-        lines = [self.title, *tables.fitted(rows), f"  residuals by noise: {self.misfit:.2f} under force, {self.idle_misfit:.2f} without"]
-        if self.edges:
-            lines.append("  the force has edges between these heights: set them closer where it changes")
-        return "\n".join(lines)
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "height [m]", "force [N]"
 
     def columns(self) -> dict[str, Column]:
         """A row for each height, first down, then up: height, force, deviation, and true height of the slide."""

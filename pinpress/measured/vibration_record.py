@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import expect, number, numbers, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import RPM
@@ -58,15 +57,6 @@ class VibrationRecord(Tabular):
             "rms [m/s2]": [float(run.acceleration[:, k].std()) for run, k, _ in rows],
             "peak [m/s2]": [float(np.abs(run.acceleration[:, k]).max()) for run, k, _ in rows],
         }
-
-    def __str__(self) -> str:
-        rows = [["channel", "at", "along", *(f"{run.name}, rms" for run in self.runs), "peak"]]
-        for k, (name, sensor) in enumerate(self.accelerometers.items()):
-            place = ("crown " if sensor.on_crown else "") + ", ".join(f"{each:.4g}" for each in sensor.place) + " m"
-            along = sensor.direction if isinstance(sensor.direction, str) else ", ".join(f"{each:.3g}" for each in sensor.along)
-            peak = max(float(np.abs(run.acceleration[:, k]).max()) for run in self.runs)
-            rows.append([name, place, str(along), *(f"{run.acceleration[:, k].std():.4g} m/s2" for run in self.runs), f"{peak:.4g} m/s2"])
-        return "\n".join([self.title, *tables.fitted(rows)])
 
     def channel(self, name: str) -> int:
         """Number of the channel of this name.

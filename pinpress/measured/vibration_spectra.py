@@ -8,15 +8,15 @@ through the orders when the speed rises.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..common import tables
-from ..common.arguments import number, whole_number
+from ..common.arguments import expect, number, whole_number
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.quantities import RPM, Array
 from ..common.results import Tabular
+from ..foundation.mounted_press import VibrationModes
 from .accelerometers import VibrationRun
 
 WINDOWS = 8  # windows side by side in the default resolution; half-overlapping ones are about twice as many
@@ -73,17 +73,6 @@ class Spectra(Tabular):
         peaks, _ = find_peaks(np.log(np.maximum(whole, np.finfo(float).tiny)), prominence=np.log(max(STANDING_OUT, scatter)))
         return np.asarray(self.frequency[peaks[np.argsort(-whole[peaks])][:NAMED]])
 
-    def __str__(self) -> str:
-        rows = [["channel", "rms", "strongest line"]]
-        for k, (name, rms) in enumerate(zip(self.channels, self.rms, strict=True)):
-            rows.append([name, f"{rms:.4g} m/s2", f"{self.frequency[1 + self.density[1:, k].argmax()]:.4g} Hz"])
-        lines = ", ".join(f"{line:.4g}" for line in self.lines)
-        return "\n".join([self.title, *tables.fitted(rows), f"  peaks: {lines + ' Hz' if lines else 'none'}"])
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "frequency [Hz]", *(f"{name} [m2/s4/Hz]" for name in self.channels)
-
     def columns(self) -> dict[str, Array]:
         """Frequency, and the density of each channel."""
         return {"frequency [Hz]": self.frequency} | {f"{name} [m2/s4/Hz]": self.density[:, k] for k, name in enumerate(self.channels)}
@@ -99,6 +88,7 @@ class OrderSpectra(Tabular):
         order: (o,) orders, from 1 / turns [-].
         amplitude: (w, o, channels) amplitudes of the acceleration (peak values of a sine) [m/s2].
         turns: turns of the crank in a window.
+        beside: calculated modes, see `with_modes`; None for none.
     """
 
     channels: tuple[str, ...]
@@ -106,6 +96,7 @@ class OrderSpectra(Tabular):
     order: Array
     amplitude: Array
     turns: int
+    beside: VibrationModes | None = None
 
     @property
     def title(self) -> str:
@@ -132,19 +123,22 @@ class OrderSpectra(Tabular):
             raise PinpressError(f"order {order:g} is not resolved: give a multiple of {1 / self.turns:g} up to {self.order[-1]:g}")
         return np.asarray(self.amplitude[:, place, self.channels.index(channel)])
 
-    def __str__(self) -> str:
-        rows = [["channel", "order", "largest", "at"]]
-        for k, name in enumerate(self.channels):
-            largest = self.amplitude[:, :, k].max(axis=0)
-            beside = np.pad(largest, 1)
-            peaks = np.flatnonzero((largest > beside[:-2]) & (largest >= beside[2:]))  # a window spreads a line over its neighbours
-            peaks = peaks[largest[peaks] > FAINT * largest.max()]
-            for place in sorted(peaks[np.argsort(-largest[peaks])][: NAMED // 2]):
-                window = int(self.amplitude[:, place, k].argmax())
-                frequency = self.order[place] * self.speed[window] / (2 * np.pi)
-                where = f"{self.speed[window] / RPM:.4g} r/min, {frequency:.4g} Hz"
-                rows.append([name, f"{self.order[place]:g}", f"{largest[place]:.4g} m/s2", where])
-        return "\n".join([self.title, *tables.fitted(rows)])
+    def peaks(self, channel: int) -> list[int]:
+        """Places of the strongest orders of a channel, by rising order. A window spreads a line over its neighbours, which are no peaks."""
+        largest = self.amplitude[:, :, channel].max(axis=0)
+        beside = np.pad(largest, 1)
+        peaks = np.flatnonzero((largest > beside[:-2]) & (largest >= beside[2:]))
+        peaks = peaks[largest[peaks] > FAINT * largest.max()]
+        return sorted(map(int, peaks[np.argsort(-largest[peaks])][: NAMED // 2]))
+
+    def with_modes(self, modes: VibrationModes) -> OrderSpectra:
+        """The same spectra next to calculated modes, whose natural frequencies are lines in pictures.
+
+        Raises:
+            PinpressError: ``modes`` are no modes.
+        """
+        expect("modes", modes, VibrationModes, "foundation.modes")
+        return replace(self, beside=modes)
 
     def columns(self) -> dict[str, Array]:
         """A row for each window and order: speed, order, frequency, and the amplitude of each channel."""

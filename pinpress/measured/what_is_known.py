@@ -83,19 +83,6 @@ class IdentifiableParameters(Tabular):
         """The parameters as columns."""
         return self.parameters.columns()
 
-    def __str__(self) -> str:
-        lines = [self.title, "  sums that torque determines, whatever is known before:", *(f"    {each}" for each in self.sums)]
-        if not self.parameters:
-            return "\n".join(lines)
-        lines.append(
-            f"  these runs teach {self.learnt:.1f} of {len(self.parameters)} parameters by torque, {self.shaking_learnt:.1f} with shaking"
-            " force;"
-        )
-        lines.append("  doubt that is left, 1 for nothing learnt:")
-        rows = [["", "torque", "and shaking force"]]
-        rows += [[each.name, f"{each.torque:.3f}", f"{each.shaking:.3f}"] for each in self.parameters]
-        return "\n".join([*lines, *tables.fitted(rows, "    ")])
-
 
 @typed
 def identifiability(

@@ -88,7 +88,8 @@ def _chosen(result: Tabular, names: Sequence[str], page: Reactions | None) -> li
         raise PinpressError(f"{shown(result)} is no result: give what a function of pinpress returns, or such results by names")
     known = charts_of(result.described(page))
     if not known:
-        raise PinpressError(f"{shown(result)} has no charts")
+        remedy = " ".join(filter(None, (section.note for section in result.described(page))))
+        raise PinpressError(f"{shown(result)} has no charts" + (f". {remedy}" if remedy else ""))
     if not names:
         every: list[Drawn] = list(known.values())
         return [chart for chart in every if not isinstance(chart, Polar) and not getattr(chart, "detail", False)] or every
@@ -242,7 +243,10 @@ def _chart(axes: Axes, chart: Chart, old: Chart | None) -> None:
         coloured += curve.look != "guide"
         if curve.band is not None:
             ends = up.factor * _closed(places, curve.band, _period(chart.along, curve), curve.x is None)[1]
-            axes.fill_between(across.factor * x, ends[:, 0], ends[:, 1], color=colour, alpha=0.25, linewidth=0)
+            if curve.look == "points":
+                axes.vlines(across.factor * x, ends[:, 0], ends[:, 1], color=colour, linewidth=LIMIT)
+            else:
+                axes.fill_between(across.factor * x, ends[:, 0], ends[:, 1], color=colour, alpha=0.25, linewidth=0)
         base = curve.name.split(",\n")[0]
         if old is not None and base in before:
             other = before[base]
@@ -500,7 +504,8 @@ def _map(axes: Axes, chart: Map) -> None:
     x, y = chart.across.values, chart.up.values
     assert x is not None
     assert y is not None
-    across, up = quantity(chart.across.quantity).scale(np.ravel(x).tolist()), quantity(chart.up.quantity).scale(np.ravel(y).tolist())
+    across = quantity(chart.across.quantity).scale(np.ravel(x).tolist(), digits=4)
+    up = quantity(chart.up.quantity).scale(np.ravel(y).tolist(), digits=4)
     values = scale.factor * chart.values
     grid(axes, _label(chart.up.name, up))
     axes.grid(False)

@@ -419,7 +419,7 @@ def test_doubts_are_those_that_are_known():
         found = identifiability(press_of(name), runs, friction=LOSSES, cylinder=True)
         doubts[name] = {each.name: each for each in found.parameters}
         assert found.shaking_learnt > found.learnt + 4
-        assert "these runs teach" in str(found)
+        assert "These runs teach" in str(found)
     assert doubts["zxn2_3000b"]["slide mass"].torque == pytest.approx(0.02, abs=0.01)
     assert doubts["zxn2_3000b"]["crank I"].torque < 0.2
     assert doubts["zxn2_3000b"]["rod I"].torque > 0.98
@@ -428,7 +428,7 @@ def test_doubts_are_those_that_are_known():
     assert doubts["jf75g_125"]["slide mass"].shaking < 0.05
     plain = identifiability(press_of("zxn2_3000b"))
     assert (plain.rank, plain.columns_in_torque, plain.shaking_rank, plain.columns_in_shaking) == (10, 15, 14, 18)
-    assert "these runs" not in str(plain)
+    assert "These runs" not in str(plain)
     assert (plain.learnt, plain.shaking_learnt, len(plain.parameters)) == (0.0, 0.0, 0)
 
 

@@ -167,7 +167,7 @@ def test_a_force_on_the_way_up_is_found():
     np.testing.assert_allclose(found.force_up, STRIPPING, atol=0.02 * 9e4)
     np.testing.assert_allclose(found.slide_height_up, UP + found.force_up / 4e9)
     assert found.work == pytest.approx(np.trapezoid(TABLE.forces, KNOTS) - np.trapezoid(STRIPPING, UP), rel=2e-3)
-    assert "2 mm up" in str(found)
+    assert "  up          2.000" in str(found)
     assert found.columns()["way"] == ["down"] * 5 + ["up"] * 4
     with pytest.warns(PinpressWarning, match="without process force the torque differs"):
         measured.process_force(shipped(NAME), stripped(20.0), KNOTS)

@@ -33,11 +33,11 @@ PLOTS = {
     "draw tolerances": (2, lambda ax: plots.draw(made("Scatter").with_limit(5e-5), "shares", "presses", ax=ax)),
     "draw play": (2, lambda ax: plots.draw(made("SlidePlay"), "offset", "by_bearing", ax=ax)),
     "draw budget": (1, lambda ax: plots.draw(made("AccuracyBudget"), "parts", ax=ax)),
-    "measured_force": (1, lambda ax: plots.measured_force({"one": made("MeasuredForce")}, ax=ax)),
-    "measured_spectra": (1, lambda ax: plots.measured_spectra(made("Spectra"), ax=ax)),
-    "measured_modes": (2, lambda ax: plots.measured_modes(made("MeasuredModes"), ax=ax)),
-    "order_spectra": (1, lambda ax: plots.order_spectra(made("OrderSpectra"), "Ax", ax=ax)),
-    "identifiability": (1, lambda ax: plots.identifiability(made("IdentifiableParameters"), ax=ax)),
+    "draw measured force": (1, lambda ax: plots.draw({"one": made("MeasuredForce")}, "force", ax=ax)),
+    "draw spectra": (1, lambda ax: plots.draw(made("Spectra"), "spectra", ax=ax)),
+    "draw modes": (2, lambda ax: plots.draw(made("MeasuredModes"), "damping", "mac", ax=ax)),
+    "draw orders": (1, lambda ax: plots.draw(made("OrderSpectra"), "orders Ax", ax=ax)),
+    "draw doubt": (1, lambda ax: plots.draw(made("IdentifiableParameters"), "doubt", ax=ax)),
 }
 
 

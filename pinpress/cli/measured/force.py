@@ -176,8 +176,8 @@ def _write(strokes: Mapping[str, Sequence[MeasuredForce]], folder: Path) -> None
     drawn = {name: several[name] for name in tables.shortened(list(several), DRAWN) if name is not None}
 
     def draw() -> dict[str, Figure]:
-        from ...plots import stroke_force  # slow to import
+        from ...plots import charts  # slow to import
 
-        return {"force.png": stroke_force.measured_force(drawn)}
+        return {"force.png": charts.draw(drawn, "force")}
 
     write_pictures(folder, names, draw)

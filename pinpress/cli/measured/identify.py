@@ -114,8 +114,8 @@ def _write(found: IdentifiedPress, revealed: IdentifiableParameters, folder: Pat
     found.to_csv(folder / names[1])
 
     def draw() -> dict[str, Figure]:
-        from ...plots import identification as plots  # slow to import
+        from ...plots import charts  # slow to import
 
-        return {"identifiability.png": plots.identifiability(revealed)}
+        return {"identifiability.png": charts.draw(revealed, "doubt")}
 
     write_pictures(folder, names, draw)

@@ -170,14 +170,14 @@ def _write(
     names = [f"{name}.csv" for name in tables]
 
     def draw() -> dict[str, Figure]:
-        from ...plots import measured_vibration  # slow to import
+        from ...plots import charts  # slow to import
 
-        pictures = {"spectra.png": measured_vibration.measured_spectra(spectra)}
+        pictures = {"spectra.png": charts.draw(spectra, "spectra")}
         if orders is not None:
             strongest = max(range(len(orders.channels)), key=lambda k: float(orders.amplitude[..., k].max()))
-            pictures["orders.png"] = measured_vibration.order_spectra(orders, orders.channels[strongest])
+            pictures["orders.png"] = charts.draw(orders, f"orders {orders.channels[strongest]}")
         if found is not None and found.beside is not None:
-            pictures["modes.png"] = measured_vibration.measured_modes(found)
+            pictures["modes.png"] = charts.draw(found, "damping", "mac")
         return pictures
 
     write_pictures(folder, names, draw)

@@ -22,7 +22,7 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
 from support import texts
-from support.every_result import hit_modes, measured_force, one_turn, vibrations
+from support.every_result import hit_modes, one_turn, vibrations
 from support.hammer_hits import standing
 from support.time_limit import within
 
@@ -831,22 +831,14 @@ def calls() -> dict[str, Call]:
         ("measured.plan", pp.measured.plan, planned),
         ("measured.force_sensor", pp.measured.force_sensor, sensing),
         ("measured.process_force", pp.measured.process_force, lambda: sensing() | {"run": one_turn()}),
-        ("pp.plots.measured_force", pp.plots.measured_force, lambda: {"forces": {"one": measured_force()}}),
         ("measured.Accelerometer", pp.measured.Accelerometer, lambda: {"point": (0.0, 0.0, 1.0), "direction": "z", "gain": 9.81}),
         ("measured.vibration", pp.measured.vibration, accelerations),
         ("measured.fit_mounts", pp.measured.fit_mounts, lambda: {"system": standing(), "measured": hit_modes(), "damping": "loss_factor"}),
-        ("pp.plots.measured_spectra", pp.plots.measured_spectra, lambda: {"found": vibrations().spectra(), "channels": ["Ax"]}),
         (
-            "pp.plots.order_spectra",
-            pp.plots.order_spectra,
-            lambda: {"found": vibrations().order_spectra(3), "channel": "Ax", "beside": foundation.modes(standing())},
+            "measured.OrderSpectra.with_modes",
+            lambda modes: vibrations().order_spectra(3).with_modes(modes),
+            lambda: {"modes": foundation.modes(standing())},
         ),
-        (
-            "pp.plots.identifiability",
-            pp.plots.identifiability,
-            lambda: {"found": pp.measured.identifiability(press(), [measured_run()], friction=("crank",))},
-        ),
-        ("pp.plots.measured_modes", pp.plots.measured_modes, lambda: {"found": hit_modes()}),
         ("measured.identify", pp.measured.identify, identified),
         ("measured.identifiability", pp.measured.identifiability, revealed),
         ("servo.compare_motions", pp.servo.compare_motions, lambda: {"motions": {"even": served()}, "limits": [*servo_window().values()]}),
