@@ -60,6 +60,18 @@ def test_columns_have_one_unit_and_figures_that_of_their_limit():
     assert written.splitlines()[:3] == ["Drive", f"  torque{'9.000':>32} kN m   of 20.000 kN m, at 30 deg", "  A remark."]
 
 
+def test_rows_of_one_name_have_one_unit():
+    names, before, after = ["force", "force", "moment"], [2958.0, 11840.0, 40.5], [119.06, None, 41.0]
+    columns = [Column("", names), Column("before", before), Column("after", after), Column("change", [-0.5, 0.25, 0.0], "share")]
+    heads, rows = text.cells(Table("criteria", "", columns, quantities=["N", "N", "N m"]))
+    assert heads == ["", "before", "after", "change [%]"]
+    assert rows == [
+        ["force [kN]", "2.958", "0.119", "-50.000"],
+        ["force [kN]", "11.840", "", "25.000"],
+        ["moment [N m]", "40.500", "41.000", "0"],
+    ]
+
+
 @pytest.mark.parametrize("path", DESCRIBED, ids=lambda path: path.parent.name)
 def test_descriptions_scale_nothing(path):
     """No factor of a prefix and no division by a unit outside the words of notes."""
