@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support import texts
+from support import every_result, texts
 
 import pinpress as pp
 
@@ -25,3 +25,15 @@ def test_a_map_has_the_values_at_their_places():
     alone = pp.sweeps.operating_points(press, [7.0], forces=forces, unit_load=pp.loads.ConstantForce(1.0, 0.02))
     with pytest.raises(pp.PinpressError, match="has no charts"):
         pp.plots.draw(alone)
+
+
+def test_orders_stand_next_to_calculated_frequencies():
+    orders = next(value for value in every_result.made() if type(value).__name__ == "OrderSpectra")
+    modes = next(value for value in every_result.made() if type(value).__name__ == "VibrationModes")
+    axes = pp.plots.draw(orders.with_modes(modes), "orders Ax").axes[0]
+    highest = orders.order[-1] * orders.speed[-1]
+    expected = [w / (2 * np.pi) for w in modes.natural_frequency if w < highest]
+    assert expected
+    assert [line.get_ydata()[0] for line in axes.lines] == pytest.approx(expected)
+    with pytest.raises(pp.PinpressError, match="modes is a int, no VibrationModes"):
+        orders.with_modes(3)
