@@ -206,7 +206,7 @@ def plan(found: MeasuringPlan, page: Reactions | None = None) -> tuple[Section, 
 
 def identified(found: IdentifiedPress, page: Reactions | None = None) -> tuple[Section, ...]:
     """Parameters before and after the identification."""
-    figures = []
+    figures: list[Figure] = []
     if found.motor_constant is not None and found.motor_constant_interval is not None:
         low, high = found.motor_constant_interval
         figures.append(Figure("motor constant at the crank", found.motor_constant, "N m/A", f"{low:.5g} to {high:.5g}"))

@@ -148,7 +148,7 @@ def _presses(found: Scatter) -> Chart:
     outline = Curve("presses", share, np.repeat(edges, 2)[1:-1], np.column_stack([np.zeros_like(share), share]))
     lines = [Curve(name, column, np.repeat([low, high], 2), look="limit") for name, (low, high) in ends.items()]
     along = Along(f"deviation of {found.quantity}", found.unit)
-    reaches = (-ROOM * reach, ROOM * reach) if reach else (None, None)
+    reaches: tuple[float | None, float | None] = (-ROOM * reach, ROOM * reach) if reach else (None, None)
     return Chart("presses", "Presses of the sample", "share", along, [outline, *lines], reach=reaches)
 
 
@@ -225,8 +225,10 @@ def play(found: SlidePlay, page: Reactions | None = None) -> tuple[Section, ...]
     if found.reversals and along.quantity == first.unit and page is None:  # a page lists them
         places = np.array([each.crank_angle for each in found.reversals])
         curves.append(Curve("force reverses", _between(along, found.offset, places), places, look="points"))
-    x = along.values
-    whole = (None, None) if x is None or page is not None else (float(x[0]), float(x[-1] if along.period is None else x[0] + along.period))
+    whole: tuple[float | None, float | None] = (None, None)
+    if along.values is not None and page is None:
+        first_place, last = float(along.values[0]), float(along.values[-1])
+        whole = (first_place, last if along.period is None else first_place + along.period)
     blocks: list[Block] = [
         Chart("offset", "Slide in its clearances", "m", along, curves, reach=whole),
         Chart("by_bearing", "Shares of the bearings", "m", along, [Curve(name, share) for name, share in found.by_bearing.items()]),
