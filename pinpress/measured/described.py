@@ -259,7 +259,7 @@ def identifiable(found: IdentifiableParameters, page: Reactions | None = None) -
         " Doubt: 1 for nothing learnt, 0 for fully known."
     )
     columns = [Column("", names), Column("torque", torque, "number"), Column("and shaking force", shaking, "number")]
-    blocks = [
+    blocks: list[Block] = [
         sums,
         Bars("doubt", "Doubt that is left, by that before", "number", names, series),
         Table("doubt", "Doubt", columns, most=200),
