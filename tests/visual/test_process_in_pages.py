@@ -140,7 +140,7 @@ def test_utilisation(press: Any, pressed: Any, ratings: Any) -> None:
     idle = pp.inverse_dynamics(other, pp.cycle(other, SPEED, points=12))
     for refused in (lambda: ratings.utilisation(idle), lambda: pp.report(other, idle.motion, "x.html", reactions=idle, results=[ratings])):
         with pytest.raises(
-            pp.PinpressError, match=r"are of crank_slide, the ratings of zxn2_3000b|is of zxn2_3000b, the page of crank_slide"
+            pp.PinpressError, match=r"belong to crank_slide, but the ratings to zxn2_3000b|is of zxn2_3000b, the page of crank_slide"
         ):
             refused()
 

@@ -517,8 +517,8 @@ ON_SPRINGS += [word for x in (-1, 1) for y in (-1, 1) for word in ("--mount", f"
         (["--lift-off", "0"], "--lift-off is for the press on its mounts"),
         ([*ON_SPRINGS, "--lift-off", "0"], "strokes is 0: give a whole number from 1"),
         (["--frame", "frame.yaml"], "frame.yaml: it cannot be read: No such file"),
-        (["--frame", "frame.JSON", *ON_SPRINGS[2:4]], "--mount: the mounts stand in frame.JSON: leave it out"),
-        (["--frame", "frame.yml", "--pad", "length=1"], "--pad: the mounts stand in frame.yml: leave it out"),
+        (["--frame", "frame.JSON", *ON_SPRINGS[2:4]], "--mount: frame.JSON already contains the mounts: leave this option out"),
+        (["--frame", "frame.yml", "--pad", "length=1"], "--pad: frame.yml already contains the mounts: leave this option out"),
         ([*ON_SPRINGS, "--frame-point", "a:0,0,0", "--frame-point", "a:0,0,1"], "--frame-point: a is given twice"),
         ([*ON_SPRINGS, "--speed-range", "90,30"], "--speed-range takes two positive speeds, the lower one first"),
         (
