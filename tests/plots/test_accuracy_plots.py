@@ -116,7 +116,7 @@ def test_tolerances_draw_shares_and_presses(scattered):
     sample, *lines = presses.lines
     assert sample.get_ydata()[::2].sum() == pytest.approx(100.0)
     ends = sorted(1e6 * end for end in (*scattered.height.band(0.9973), *scattered.height.corners, -3e-5, 3e-5))
-    assert sorted(end for line in lines for end in set(line.get_xdata())) == pytest.approx(ends)
+    assert sorted(end for line in lines for end in set(np.asarray(line.get_xdata()).tolist())) == pytest.approx(ends)
     assert widths(pp.plots.draw(scattered.stroke, "shares").axes[0])[0] == pytest.approx(100.0)  # the crank alone
 
 

@@ -1,5 +1,7 @@
 """Maps of operating points: colours are the values, at their places, in any order of the grid."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from support import every_result, texts
@@ -14,7 +16,8 @@ def test_a_map_has_the_values_at_their_places():
     speeds, forces = np.array([14.0, 7.0, 10.0]), np.array([0.0, 2e4])
     found = pp.sweeps.operating_points(press, speeds, forces=forces, unit_load=pp.loads.ConstantForce(1.0, 0.02))
     axes = pp.plots.draw(found, "map largest_driving_torque").axes[0]
-    (mesh,) = axes.collections
+    mesh: Any = axes.collections[0]
+    assert len(axes.collections) == 1
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("force [kN]", "speed [r/min]")
     places = np.asarray(mesh.get_coordinates())
     assert places[:, 0, 1] == pytest.approx(np.sort(speeds) / pp.RPM)
