@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.products import SERIAL_COMPLEX
+from ...common.products import SERIAL_COMPLEX, SERIAL_COMPLEX_VECTOR
 from ...common.quantities import Array, ComplexArray
 from ..wrenches import AppliedForce
 from .bodies import Bodies
@@ -185,8 +185,8 @@ def tree_without_work(statics: Statics, of_joints: ComplexArray) -> OpenTree:
 
 
 def _multiply(rows: ComplexArray, columns: ComplexArray, out: ComplexArray) -> None:
-    """`products.product` of several rows into an array."""
-    step = max(1, SERIAL_COMPLEX // rows.size)
+    """`products.product` into an array."""
+    step = max(1, (SERIAL_COMPLEX if len(rows) > 1 else SERIAL_COMPLEX_VECTOR) // rows.size)
     for start in range(0, columns.shape[1], step):
         s = slice(start, start + step)
         np.matmul(rows, columns[:, s], out=out[:, s])

@@ -44,7 +44,9 @@ def close(equations: Equations, angle: Array, guess: Array, with_margins: bool =
             basis = basis_at(plane, x)
             gaps = product(plane.gap_rows, basis)
             gap = np.sqrt(np.maximum.reduce((gaps.conj() * gaps).real, axis=0, initial=0.0))
-            slips = plane.relation_slopes @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS  # errors of the relations
+            slips = (
+                product(plane.relation_slopes, x) - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
+            )  # errors of the relations
             if len(slips):
                 gap = np.maximum(gap, np.abs(slips).max(axis=0))
             previous, widest = widest, float(np.maximum.reduce(gap))
@@ -93,7 +95,7 @@ def can_move(plane: Plane, drawn: Closure) -> bool:
     if not plane.redundant:
         return True
     basis_rate = basis_velocity(plane, basis_at(plane, drawn.position), drawn.first)
-    opening_rates = product(plane.gap_rows, basis_rate), plane.relation_slopes @ drawn.first
+    opening_rates = product(plane.gap_rows, basis_rate), product(plane.relation_slopes, drawn.first)
     return all(np.abs(each).max(initial=0.0) <= RANK * plane.size for each in opening_rates)
 
 

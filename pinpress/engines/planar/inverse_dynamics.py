@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..friction import FrictionLaw
@@ -142,7 +143,7 @@ class Balanced(NamedTuple):
         efforts, plane = None, self.statics.plane
         if bearing_efforts is not None:
             count = len(plane.parents)
-            of_joints = bearing_efforts[:count] + plane.sense[:, None] * (plane.incidence @ bearing_efforts[count:])
+            of_joints = bearing_efforts[:count] + plane.sense[:, None] * product(plane.incidence, bearing_efforts[count:])
             efforts = efforts_by_rows(self.statics, -of_joints)
         torque = balance(self.statics, self.configurations, tree, multipliers, efforts)
         if self.idle is not None:

@@ -40,7 +40,7 @@ def openings(plane: Plane, x: Array) -> Array:
 def gaps(plane: Plane, x: Array, basis: ComplexArray) -> Array:
     """Largest gap (n,) of a loop or relation at joint coordinates (nv, n) with their basis (nb, n) [m]."""
     widest: Array = np.abs(product(plane.gap_rows, basis)).max(axis=0, initial=0.0)
-    return np.asarray(np.maximum(widest, np.abs(plane.relation_slopes @ x - plane.offsets[:, None]).max(axis=0, initial=0.0)))
+    return np.asarray(np.maximum(widest, np.abs(product(plane.relation_slopes, x) - plane.offsets[:, None]).max(axis=0, initial=0.0)))
 
 
 def basis_velocity(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:

@@ -112,7 +112,7 @@ def _moments_of_axial_forces(bodies: Bodies, basis: ComplexArray, loads: Sequenc
             joint = load.joint - 1
             x, y, _ = plane.frames[joint] @ load.point
             tilt[joint] += 1j * complex(x, y) * basis[plane.rotors[joint]] * (load.force @ plane.normal)
-    hanging = axial[:count] + plane.incidence @ axial[count:]
+    hanging = axial[:count] + product(plane.incidence, axial[count:])
     for j in reversed(range(count)):
         p = plane.parents[j]
         if p >= 0:
