@@ -230,7 +230,8 @@ def test_balancing_under_a_spring(capsys: pytest.CaptureFixture[str]) -> None:
     force = []
     for spring in ([], ["--spring", SPRING]):
         assert main([*words, "--points", "36", *spring]) == 0
-        ((before, kilo),) = re.findall(r"^  before +(\S+) (k?)N$", capsys.readouterr().out, flags=re.MULTILINE)
+        heading = r"^  peak of the bearing force of O, before +(\S+) (k?)N$"
+        ((before, kilo),) = re.findall(heading, capsys.readouterr().out, flags=re.MULTILINE)
         force.append(float(before) * (1e3 if kilo else 1.0))
     press, motion = shipped("crank_slide", 36)
     for found, loads in zip(force, ([], [CYLINDER]), strict=True):

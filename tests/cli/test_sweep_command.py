@@ -100,7 +100,7 @@ def test_a_latin_hypercube(study, capsys):
         (["{}:area", "--axis", "a=0:3:4", "--latin-hypercube", "9"], "a Latin hypercube fills ranges: write NAME=LOW:HIGH"),
         (["{}:area", "--axis", "a=1,2", "--latin-hypercube", "9"], "a Latin hypercube fills ranges: write NAME=LOW:HIGH"),
         (["{}:area", "--axis", "a=low:high", "--latin-hypercube", "9"], "a Latin hypercube fills ranges: write NAME=LOW:HIGH"),
-        (["{}:area", "--axis", "a=3:0", "--latin-hypercube", "9"], "that of 'a' goes from 3 to 0; give the lower end first"),
+        (["{}:area", "--axis", "a=3:0", "--latin-hypercube", "9"], "the range of 'a' goes from 3 to 0; give the lower end first"),
         (["{}:area", "--axis", "a=0:3", "--latin-hypercube", "0"], "count is 0"),
         (["{}:area", "--axis", "a=1,2", "--seed", "3"], "--seed is the seed of a --latin-hypercube"),
         (["{}:area", "--axis", "a=1"], "does not take the axes a: missing a required argument: 'b'"),

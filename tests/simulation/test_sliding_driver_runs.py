@@ -101,9 +101,9 @@ def test_what_belongs_to_cranks_is_refused_by_name(toggle, bell):
     slides = "driver 'screw' of screw_toggle slides to and fro: "
     with pytest.raises(pp.PinpressError, match=f"{slides}it has no steady state"):
         pp.steady_state(toggle, 0.1, drive=ConstantTorque(1.0))
-    with pytest.raises(pp.PinpressError, match=f"{slides}the highest constant speed is that of a crank"):
+    with pytest.raises(pp.PinpressError, match=f"{slides}a speed limit needs a crank"):
         pp.ratings.speed_limit(toggle, pp.ratings.Capacities(1e6, torque=1e5))
-    with pytest.raises(pp.PinpressError, match=f"{slides}operating points are those of a crank"):
+    with pytest.raises(pp.PinpressError, match=f"{slides}operating points need a crank"):
         pp.sweeps.operating_points(toggle, [0.1])
     with pytest.raises(pp.PinpressError, match=f"{slides}flywheels and their energy are those of a crank"):
         pp.measures.driving_energy(pp.inverse_dynamics(toggle, pp.cycle(toggle, 0.1)))

@@ -471,6 +471,7 @@ def made():
             pp.loads.BalanceCylinder(0.1, 6e5, 0.02),
             pp.loads.PneumaticCushion(0.1, 6e5, 0.02, 0.01),
             ACCURACY,
+            *ACCURACY.groups.values(),
             MEASUREMENT,
         ),
         pp.pin_table.draft(

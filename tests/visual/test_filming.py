@@ -574,10 +574,10 @@ def test_command_refuses(words: list[str], says: str, tmp_path: Path, monkeypatc
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["--size", "640"], "'640' is no size"),
-        (["--size", "axb"], "no size"),
-        (["--trace", "rod"], "is no point"),
-        (["--trace", "rod:1,2"], "no point"),
+        (["--size", "640"], "'640' is not a size"),
+        (["--size", "axb"], "not a size"),
+        (["--trace", "rod"], "is not a point"),
+        (["--trace", "rod:1,2"], "not a point"),
     ],
 )
 def test_command_refuses_words(words: list[str], says: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -44,9 +44,8 @@ def close(equations: Equations, angle: Array, guess: Array, with_margins: bool =
             basis = basis_at(plane, x)
             gaps = product(plane.gap_rows, basis)
             gap = np.sqrt(np.maximum.reduce((gaps.conj() * gaps).real, axis=0, initial=0.0))
-            slips = (
-                product(plane.relation_slopes, x) - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
-            )  # errors of the relations
+            # errors of the relations
+            slips = product(plane.relation_slopes, x) - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
             if len(slips):
                 gap = np.maximum(gap, np.abs(slips).max(axis=0))
             previous, widest = widest, float(np.maximum.reduce(gap))

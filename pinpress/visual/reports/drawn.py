@@ -10,9 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common import tables
+from ...common.errors import PinpressError
+from ...common.errors import shown as text_of
 from ...common.outlets import described, text
 from ...common.quantities import Array, quantity
+from ...common.results import Tabular
 from ...kinematics.motion import Motion
+from ...linkage.linkage import OfPress
 from ..pages import packed
 from .blocks import BarChart, Block, ColourMap, Figure, Figures, Follows, Line, LineChart, Section, Table
 from .shown import Shown, refuse_others
@@ -37,6 +41,19 @@ class Before:
 
     shown: Shown
     charts: Charts
+
+
+def sections_of(result: Tabular, page: Shown) -> list[Section]:
+    """The sections of a result.
+
+    Raises:
+        PinpressError: It has none, or is of another press.
+    """
+    if isinstance(result, OfPress):
+        refuse_others(type(result).__name__, result._press, page)
+    if described := result.described(page.reactions):
+        return [section(part, page) for part in described]
+    raise PinpressError(f"results: a report has no section for {text_of(result)}; give results that have some, as ratings, runs or budgets")
 
 
 def section(part: described.Section, shown: Shown, before: Before | None = None, *, headlines: bool = True) -> Section:

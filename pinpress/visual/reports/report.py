@@ -30,7 +30,7 @@ from .. import pages
 from ..pages import packed
 from ..recording import key_frames, scene, shaft_flywheels
 from .blocks import Block, LineChart, Section
-from .drawn import Before, figure_of, section
+from .drawn import Before, figure_of, section, sections_of
 from .extremes import table_of_extremes
 from .shown import Shown, as_shown, before_shown, in_words
 
@@ -124,9 +124,10 @@ def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> 
     if isinstance(shown.motion, Run) and not any(result is shown.motion for result in results):
         results = [shown.motion, *results]
     if results:
-        from .results import ratings_among, sections_of  # with the rooms of all features, which most reports do without
+        from ...ratings.rating import PressRatings  # slow to import, and most reports do without
 
-        ratings = ratings_among(results)
+        # the first ratings give the permissible force that stands next to the process force
+        ratings = next((result for result in results if isinstance(result, PressRatings)), None)
         more = [section for result in results for section in sections_of(result, shown)]
     abscissa = along_motion(shown.motion)
     own = described(shown.reactions)
