@@ -70,18 +70,6 @@ def drawn_states(reactions: Reactions) -> Reactions:
     return found.reactions if any(found.remarks) else reactions
 
 
-def refuse_incomparable(before: Reactions, after: Reactions) -> None:
-    """Raise PinpressError if two motions cannot be drawn over each other: along different quantities, or turning in different ways."""
-    first, second = along_motion(before.motion), along_motion(after.motion)
-    if first.name != second.name:
-        raise PinpressError(
-            f"before is over {first.name}, the motion over {second.name}: compare a cycle with a cycle, or a run with a run"
-        )
-    ways = [along.values[-1] < along.values[0] for along in (first, second) if along.values is not None]
-    if first.quantity != "s" and len(set(ways)) > 1:
-        raise PinpressError("before turns the other way than the motion: compare two that turn the same way")
-
-
 # --------------------------------------------------------------------------------------------------------------------------- where it is
 
 

@@ -276,7 +276,7 @@ def test_simulation_under_a_spring(capsys: pytest.CaptureFixture[str]) -> None:
         ([*RATINGS, "--friction", "A:viscous=1"], "viscous friction depends on the speed"),
         ([*RATINGS, "--friction", "slide_guide:coefficient=0.05,preload=20kN"], "preloaded gibs have friction without a process force"),
         ([*RATINGS, "--motor", "constant:value=5"], "give --motor-power"),
-        (["record", "zxn2_3000b", "--speed", "70", "--out", "x.html", "--no-forces", "--load", BLANKING], "--no-forces hides the forces of"),
+        (["record", "zxn2_3000b", "--speed", "70", "--out", "x.html", "--no-forces", "--load", BLANKING], "--no-forces hides"),
         (["record", "zxn2_3000b", "--speed", "70", "--motor", "constant:value=5"], "--motor: record needs a given motion"),
         (["simulate", "zxn2_3000b", "--duration", "1", "--friction", "A:viscous=1", "--method", "constraint"], "knows no friction"),
         (["balance", "zxn2_3000b", "--speed", "70", "--friction", "A:viscous=1"], "--friction: balancing needs forces that are linear"),

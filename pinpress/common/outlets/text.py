@@ -110,9 +110,3 @@ def _column(column: Column, digits: int) -> tuple[str, list[str]]:
     scale = quantity(column.quantity).scale([*numbers, *column.beside], column.reference, digits)
     shown = [scale.shown(float(cell)) if isinstance(cell, int | float) else tables.cell(cell) for cell in column.cells]
     return f"{column.name} [{scale.unit}]".lstrip() if scale.unit else column.name, shown
-
-
-def markdown(table: Table, digits: int = 3) -> str:
-    """A table in Markdown."""
-    heads, rows = cells(table, digits)
-    return "\n".join(f"| {' | '.join(row)} |" for row in (heads, ["---"] * len(heads), *rows))

@@ -19,7 +19,6 @@ from ...common.outlets.described import charts_of
 from ...common.results import Tabular
 from ...drives.transmission import Flywheel
 from ...dynamics.described import described
-from ...dynamics.inputs import Inputs
 from ...dynamics.inverse_dynamics import inverse_dynamics
 from ...dynamics.reactions import Reactions
 from ...kinematics.described import along_motion
@@ -97,25 +96,6 @@ def report(
     data = player | {"report": _content(shown, None if before is None else before_shown(before, motion), results)}
     content = pages.page("report.html", press.name, data, {"viewer": pages.meshcat(), "plotly": pages.plotly()})
     return pages.write(path, content)
-
-
-def article(title: str, subtitle: str, inputs: Inputs, parts: Sequence[Section], path: str | os.PathLike[str]) -> Path:
-    """Write a self-contained page of charts and tables without a press that moves, and return its path.
-
-    Args:
-        title: Title of the page.
-        subtitle: A line under it.
-        inputs: What it was computed from, in words.
-        parts: Its sections. Their charts follow nothing.
-        path: Path of the file.
-
-    Raises:
-        PinpressError: Plotly is not installed, a value is not finite, or the file cannot be written.
-    """
-    given = [{"title": "", "rows": [list(row) for row in inputs]}]
-    content = {"subtitle": subtitle, "inputs": given, "figures": [], "over": None, "before": None, "heights": None, "period": None}
-    data = {"report": content | {"sections": [part.as_json() for part in parts]}}
-    return pages.write(path, pages.page("article.html", title, data, {"plotly": pages.plotly()}))
 
 
 def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> dict[str, Any]:
