@@ -92,4 +92,4 @@ def picture() -> Figure:
 if __name__ == "__main__":
     from light import light  # type: ignore[import-not-found]  # beside this script
 
-    light(figures.save(picture(), PICTURE))
+    print(light(figures.save(picture(), PICTURE)))

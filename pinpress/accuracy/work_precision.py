@@ -619,7 +619,7 @@ def without_table(press: Linkage) -> Linkage:
 
 
 @typed
-def plot(measured: WorkPrecision, *, ax: Iterable[Axes] | None = None) -> Figure:
+def plot(measured: WorkPrecision, *, ax: Axes | Iterable[Axes] | None = None) -> Figure:
     """Draw error against run time, a panel for each group.
 
     The error of a scene is that of the crank angle at its end, or of the bearing forces if `Group.drawn` says so. Errors of torque and

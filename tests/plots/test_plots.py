@@ -166,7 +166,7 @@ def test_moments_below_the_forces():
 def test_a_run(run):
     figure = plots.draw(run, "speed")
     assert figure.axes[0].get_title("left") == "Crank speed"
-    assert (figure.axes[0].get_ylabel(), figure.axes[0].get_xlabel()) == ("turning [r/min]", "time [s]")
+    assert (figure.axes[0].get_ylabel(), figure.axes[0].get_xlabel()) == ("rotational speed [r/min]", "time [s]")
     (axes,) = plots.draw(run, "torque").axes
     assert legend(axes) == ["driving torque", "drive"]
     np.testing.assert_allclose(axes.lines[1].get_xdata()[[0, -1]], run.motion.time[[0, -1]])

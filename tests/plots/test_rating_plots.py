@@ -66,7 +66,7 @@ def test_the_process_is_drawn_beside_what_is_permitted(rated):
     np.testing.assert_allclose(line.get_ydata()[:-1], reactions.process_force / 1e3)
     np.testing.assert_allclose(line.get_xdata()[:-1], 1e3 * (reactions.motion.slide_position - pp.dead_centres(press).bottom_position))
     other = pp.inverse_dynamics(shipped("crank_slide"), pp.cycle(shipped("crank_slide"), 7.0, points=12))
-    with pytest.raises(pp.PinpressError, match="the reactions are of crank_slide"):
+    with pytest.raises(pp.PinpressError, match="the reactions belong to crank_slide, but the ratings to zxn2_3000b"):
         pp.plots.draw(rated, page=other)
 
 

@@ -55,10 +55,9 @@ def test_the_readmes_commands_and_code_run_in_an_empty_folder(stranger: Stranger
     assert "wrote out/cycle.csv, out/recording.html and out/report.html" in stranger.run("pinpress", *command.split(), cwd=tmp_path)
     assert (tmp_path / "out" / "report.html").stat().st_size > 1_000_000
     (code,) = [block.body for block in page_blocks.blocks(README) if block.language == "python"]
-    drop, utilisation = map(float, stranger.run("python", "-c", code, cwd=tmp_path).split())
-    assert 0.0 < drop < 0.2
-    assert 0.0 < utilisation < 1.0
-    assert {"cycle.csv", "report.html", "balanced.urdf"} < {path.name for path in tmp_path.iterdir()}
+    (printed,) = [block.body for block in page_blocks.blocks(README) if block.language == "text"]
+    assert stranger.run("python", "-c", code, cwd=tmp_path).strip() == printed.strip()
+    assert (tmp_path / "report.html").stat().st_size > 1_000_000
 
 
 def test_commands_find_what_is_shipped_in_the_wheel(stranger: Stranger, tmp_path: Path) -> None:

@@ -30,6 +30,17 @@ def names():
     return {"pp": pp, "np": np, "press": press, "motion": motion, "reactions": reactions, "torque_of": torque_of}
 
 
+def names_of_plots(press, motion, reactions):
+    """What the example of `plots` draws beside the reactions: two presses, two loads, axes of the caller."""
+    from matplotlib.figure import Figure  # optional
+
+    drawing = pp.loads.DeepDrawing(force=1e6, start=0.01)
+    pressing = pp.inverse_dynamics(press, motion, [drawing])
+    plain, balanced = pp.load("jf75g_125_plain"), pp.load("jf75g_125")
+    before, after = (pp.inverse_dynamics(one, pp.cycle(one, speed=300 * pp.RPM, points=24)) for one in (plain, balanced))
+    return {"before": before, "after": after, "idle": reactions, "pressing": pressing, "axes": Figure().subplots()}
+
+
 def example(name):
     """The indented part of a namespace's text."""
     (code,) = re.findall(r"(?:^    .*\n|^\n(?=    ))+", attrgetter(name)(pp).__doc__, flags=re.MULTILINE)
@@ -40,6 +51,8 @@ def run(name, names, folder, monkeypatch):
     if name in NEEDS and importlib.util.find_spec(NEEDS[name]) is None:
         pytest.skip(f"needs {NEEDS[name]}")
     monkeypatch.chdir(folder)
+    if name == "plots":
+        names |= names_of_plots(names["press"], names["motion"], names["reactions"])
     exec(compile(example(name), name, "exec"), names)
 
 

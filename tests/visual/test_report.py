@@ -276,12 +276,12 @@ def test_run_is_over_time(view: Callable[..., Any], tmp_path: Path) -> None:
     page = view(pp.report(press, run, tmp_path / "out.html", reactions=result), "#t=0.15", SMALL)
     curves = page.evaluate(CURVES)
     assert "Crank speed [r/min]" in curves
-    torque = curves["Driving torque [kN m]"]
+    torque = curves["Driving torque [N m]"]
     assert [curve["name"] for curve in torque] == ["driving torque", "drive"]
     x, y = (np.array(torque[0][name]) for name in "xy")
     states = np.abs(np.subtract.outer(run.time, x)).argmin(axis=1)  # others are at both sides of the blank's break-through
     assert_allclose(x[states], run.time, atol=1e-6)
-    assert_allclose(y[states], result.driving_torque / 1e3, atol=1e-5 * np.abs(result.driving_torque).max() / 1e3)
+    assert_allclose(y[states], result.driving_torque, atol=1e-5 * np.abs(result.driving_torque).max())
     assert page.evaluate(CURSOR, "Driving torque")["x"] == pytest.approx(0.15, abs=3e-4)
     height = np.interp(0.15, run.time, run.slide_position) - pp.dead_centres(press).bottom_position
     assert float(page.inner_text("#slide").removeprefix("above BDC ")[:-3]) == pytest.approx(1e3 * height, abs=0.1)
