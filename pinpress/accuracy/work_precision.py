@@ -634,7 +634,12 @@ def plot(measured: WorkPrecision, *, ax: Axes | Iterable[Axes] | None = None) ->
     """
     count = len(measured.groups)
     looks = _looks(measured)
-    with panels(ax, count, 2.0 + 6.0 * -(-count // 2), lambda figure: figure.subplots(-(-count // 2), 2).ravel()[:count]) as drawn:
+    rows, columns = -(-count // 2), min(count, 2)
+
+    def laid_out(figure: Figure) -> list[Axes]:
+        return [figure.add_subplot(rows, columns, place) for place in range(1, count + 1)]  # an odd number leaves no empty axes
+
+    with panels(ax, count, 2.0 + 6.0 * rows, laid_out) as drawn:
         lines: dict[str, Any] = {}
         for axes, (name, group) in zip(drawn.axes, measured.groups.items(), strict=True):
             for method in dict.fromkeys(m.method for m in measured.of(name)):
