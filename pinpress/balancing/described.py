@@ -200,7 +200,13 @@ def _criteria(name: str, title: str, balanced: BalancedPress, changes: Sequence[
     if len(balanced.conditions) > 1:
         columns.append(Column("condition", [condition_name(balanced, change.condition) for change in changes]))
     columns += [Column("before", [change.before for change in changes]), Column("after", [change.after for change in changes])]
-    columns.append(Column("change", [change.change for change in changes], "share", 1.0))
+    sizes = [max(change.before, change.after) for change in changes]
+    largest = {change.criterion.unit: 0.0 for change in changes}
+    for change, size in zip(changes, sizes, strict=True):
+        largest[change.criterion.unit] = max(largest[change.criterion.unit], size)
+    # what is rounding before and after has no change
+    shares = [change.change if size > 1e-6 * largest[change.criterion.unit] else None for change, size in zip(changes, sizes, strict=True)]
+    columns.append(Column("change", shares, "share", 1.0))
     limits = [balanced.limits.get(change.criterion) for change in changes]
     columns += [Column("at most", limits)] if any(limit is not None for limit in limits) else []
     return Table(name, title, columns, most=200, quantities=[change.criterion.unit for change in changes])

@@ -151,7 +151,7 @@ def test_backwards_and_without_slide(capsys: pytest.CaptureFixture[str], tmp_pat
         (["zxn2_3000b", "--speed", "70", "--report"], "--report needs a folder to write into: also give --out DIR"),
         (["zxn2_3000b", "--speed", "70", "--trace", "rod:0,0,0"], "--trace needs a folder to write into"),
         (["zxn2_3000b", "--speed", "70", "--out", "nowhere", "--trace", "rodd:0,0,0"], "no link 'rodd', did you mean 'rod'?"),
-        (["zxn2_3000b", "--speed", "70", "--before", "zxn2_3000b_balanced"], "give --report too"),
+        (["zxn2_3000b", "--speed", "70", "--before", "zxn2_3000b_balanced"], "also give --report"),
     ],
 )
 def test_error_is_one_line_and_exit_code_2(

@@ -79,7 +79,7 @@ def test_the_smallest_motor_of_a_catalogue(capsys: pytest.CaptureFixture[str]) -
     assert main(["servo", *map(str, [*TASK, *SLIDE, *catalogue[:2], "--ratios", 200])]) == 2
     table, said = capsys.readouterr()
     assert "too warm" in table
-    assert "none of the motors suffices" in said
+    assert "no motor is sufficient" in said
 
 
 def test_every_kind_of_path_and_limit_makes_its_part() -> None:

@@ -197,7 +197,7 @@ def test_a_scheduler_that_dies_is_told_without_tracebacks(study, tmp_path):
         scheduler.kill()
         _, said = process.communicate(timeout=60)
     assert process.returncode == 2
-    assert f"pinpress: the scheduler at {address} is gone, and its workers with it: start them again" in said
+    assert f"pinpress: the scheduler at {address} has stopped, and its workers too: start them again" in said
     assert "Traceback" not in said
     done = 400 - len(pp.sweeps.read("runs.sqlite").missing)
     assert f"after {done} of 400 points, which are in runs.sqlite; call the same sweep again" in said

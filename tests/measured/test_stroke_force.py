@@ -229,10 +229,10 @@ def test_an_identified_press_is_its_own_sensor():
     stroke = measure(1.0, 0.0, [TABLE], 2)
     force = measured.process_force(found, stroke, KNOTS)
     assert (np.abs(force.force - TABLE.forces) < 4 * force.deviation).all()
-    with pytest.warns(PinpressWarning, match="than it is described to take"):
+    with pytest.warns(PinpressWarning, match="differs from that of the described press"):
         off = sensor().force(stroke)
     assert abs(off.work - force.work) > 10 * force.work_deviation
-    with pytest.raises(PinpressError, match="which has its own"):
+    with pytest.raises(PinpressError, match="the identified press contains its friction"):
         measured.force_sensor(found, KNOTS, friction=RUBBING)
 
 

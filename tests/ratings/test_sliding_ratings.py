@@ -176,10 +176,10 @@ def test_the_command_prints_forces_and_millimetres(toggle, tmp_path, capsys):
     assert main([*words, "--torque", "100kN", "--load", "drawing:force=50kN,start=40mm", "--points", "9", "--out", str(tmp_path)]) == 0
     out = capsys.readouterr().out
     for said in (
-        "ratings at up to 100 mm/s of the driver",
-        "driving force capacity                100 kN",
+        "At up to 100 mm/s of the driver",
+        "driving force capacity                    100.00 kN",
         "driver position [mm]",
-        "force per force [-]",
+        "driving force per force",
     ):
         assert said in out
     for silent in ("N m", "rad", "strokes/min", "quick return", "dwell", "r/min", "None"):

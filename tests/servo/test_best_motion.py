@@ -376,7 +376,7 @@ def proved(task, points):
     constant = np.linspace(0.0, time, 1441)
     angle = best.angle[0] + FULL * constant / time
     usual = servo.evaluate(press, drive, loads, time=constant, angle=angle, speed=FULL / time, acceleration=0.0)
-    assert best.gap > -1e-8
+    assert best.gap > -1e-7  # rounds of tangents are solved to this share, by which the motion can miss its limits and undercut the bound
     assert best.gap < 1e-7 or any("is not convex" in note or "above its limit between nodes" in note for note in best.notes)
     assert best.gap < 0.5 or any("proved by the faster turn" in note for note in best.notes)
     assert best.motion.duration == pytest.approx(time, rel=1e-3)

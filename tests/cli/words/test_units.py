@@ -147,8 +147,8 @@ def test_a_driver_that_slides_takes_speeds_in_mm_per_second(tmp_path, capsys):
     assert "'70mm/s' does not go with a driver that turns" in capsys.readouterr().err
     assert main(["simulate", str(path), "--duration", "0.05", "--angle=-0.1m", "--motor", "constant:value=20"]) == 0
     said = capsys.readouterr().out
-    assert "simulated from driver position -100 mm at 0 mm/s" in said
-    assert " 0 mm/s" in next(line for line in said.splitlines() if line.startswith("  lowest "))
+    assert "simulated from driver position -100 mm at 0 m/s" in said
+    assert " 0 m/s to 0.435" in next(line for line in said.splitlines() if line.startswith("  speed drop "))
     assert "ConstantTorque(value=20 N)" in said
 
 

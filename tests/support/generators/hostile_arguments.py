@@ -1357,8 +1357,8 @@ def calls() -> dict[str, Call]:
         ("plots.draw", lambda result, name: pp.plots.draw(result, name), lambda: {"result": reactions(), "name": "torque"}),
         (
             "tolerances.Scatter.with_limit",
-            lambda scatter, limit: scatter.with_limit(limit),
-            lambda: {"scatter": scattered(), "limit": 5e-5},
+            lambda limit: scattered().with_limit(limit),
+            lambda: {"limit": 5e-5},
         ),
         ("measures.bearing_positions", measures.bearing_positions, lambda: {"press": press(), "motion": motion()}),
         ("measures.dwell_angle", measures.dwell_angle, lambda: {"motion": motion(), "tolerance": 1e-3}),
