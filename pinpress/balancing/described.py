@@ -31,6 +31,8 @@ KINDS = {  # of what a reader looks for first, by the quantity of a criterion
     "bearing_moment": "bearing",
 }
 
+SHOWN_AS_ZERO = 1e-6  # share of the largest of its unit up to which a criterion is shown as 0; it has no change then
+
 
 def balanced_press(balanced: BalancedPress, page: Reactions | None = None) -> tuple[Section, ...]:
     """A balanced press in all its operating conditions; a page may show it before or after, in any of these."""
@@ -204,8 +206,10 @@ def _criteria(name: str, title: str, balanced: BalancedPress, changes: Sequence[
     largest = {change.criterion.unit: 0.0 for change in changes}
     for change, size in zip(changes, sizes, strict=True):
         largest[change.criterion.unit] = max(largest[change.criterion.unit], size)
-    # what is rounding before and after has no change
-    shares = [change.change if size > 1e-6 * largest[change.criterion.unit] else None for change, size in zip(changes, sizes, strict=True)]
+    shares = [
+        change.change if size > SHOWN_AS_ZERO * largest[change.criterion.unit] else None
+        for change, size in zip(changes, sizes, strict=True)
+    ]
     columns.append(Column("change", shares, "share", 1.0))
     limits = [balanced.limits.get(change.criterion) for change in changes]
     columns += [Column("at most", limits)] if any(limit is not None for limit in limits) else []
