@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import NamedTuple
 
@@ -185,6 +185,15 @@ class Quantity:
         scale = self.scale([value], reference, digits)
         return f"{scale.shown(value)} {scale.unit}".rstrip()
 
+    def in_unit(self, unit: str) -> Quantity:
+        """The same row for values in one of its units instead of the SI unit."""
+        size = self.sizes()[unit]
+        if size == 1.0:
+            return self
+        read = {name: other / size for name, other in self.sizes().items()}
+        shown = self.shown or ((self.unit, 1.0, 0.0),)
+        return replace(self, unit=unit, shown=tuple((name, other / size, start / size) for name, other, start in shown), read=read)
+
     def sizes(self) -> dict[str, float]:
         """All units that are read -> size [SI unit]."""
         return {self.unit: 1.0, **{name: size for name, size, _ in self.shown}, **self.read}
@@ -256,24 +265,30 @@ QUANTITIES = (
     Quantity("current", "A", (), {"mA": 1e-3, "kA": 1e3}),
     Quantity("capacitance", "F", (("mF", 1e-3, 0.0), ("F", 1.0, 1.0))),
 )
+# Units that several rows have: the row that is taken.
 _FIRST = {"-": "number", "m": "length", "rad": "angle", "rad/s": "rotational speed", "Hz": "frequency", "%": "share", "g": "mass"}
 
 
 @cache
 def quantity(key: str) -> Quantity:
-    """The row of a quantity by its name, by its SI unit or by a unit in which it is read. Any other unit is a row of its own."""
-    named = {each.name: each for each in QUANTITIES}
+    """The row of a quantity by its name, or by a unit, in which values are then given. A unit of no row is a row of its own."""
+    row = _row(key)
+    return row if row.name == key else row.in_unit(key)
+
+
+def _row(key: str) -> Quantity:
+    named = {row.name: row for row in QUANTITIES}
     key = _FIRST.get(key, key)
-    for found in (named, {each.unit: each for each in QUANTITIES}, {unit: each for each in QUANTITIES for unit in each.sizes()}):
-        if key in found:
-            return found[key]
+    for rows in (named, {row.unit: row for row in QUANTITIES}, {unit: row for row in QUANTITIES for unit in row.sizes()}):
+        if key in rows:
+            return rows[key]
     return Quantity(key, key)
 
 
 @cache
 def readable(unit: str) -> Mapping[str, float]:
     """All units in which a quantity is read -> how large they are in ``unit``, which comes first."""
-    sizes = quantity(unit).sizes()
+    sizes = _row(unit).sizes()
     if unit == "-":
         return {"-": 1.0, "%": 1e-2}
     own = sizes.get(unit, 1.0)

@@ -12,6 +12,8 @@ from support.presses import sliding_presses
 import pinpress as pp
 from pinpress.balancing import CounterweightRegion
 from pinpress.common.arguments import in_unit
+from pinpress.common.quantities import QUANTITIES, quantity
+from pinpress.dynamics.inputs import described
 
 u = pint.UnitRegistry()
 RPM = 2 * np.pi / 60
@@ -174,3 +176,14 @@ def test_what_is_no_quantity_stays_as_it_is(press):
     assert in_unit("a value", values, "m") is values
     with pytest.raises(pp.PinpressError, match=r"force is not a number .*, but a quantity with a unit"):  # N or N m, or anything
         pp.measures.harmonics(pp.cycle(press, 7.0, points=24), np.ones(24) * u.N)
+
+
+def test_a_unit_that_is_no_si_unit_has_the_numbers_of_its_row():
+    """Values are in the unit that is asked for: 50 in Hz are 50 Hz, of whose row the SI unit is rad/s."""
+    for row in QUANTITIES:
+        for unit, size in row.sizes().items():
+            asked = quantity(unit)
+            if asked.name == row.name:
+                assert asked.text(12.0, 6) == row.text(12.0 * size, 6), unit
+    motor = pp.drives.InductionMotor(3e4, 1465 * pp.RPM)
+    assert "frequency=50 Hz" in described(motor)
