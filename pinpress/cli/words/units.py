@@ -50,7 +50,7 @@ class OfDriver:
             raise PinpressError(
                 f"{wrong} {does}: give a number in one of {', '.join(readable(unit))}; without a unit it is in {unit}"
             ) from None
-        return number * quantities.quantity(unit).sizes()[unit]
+        return number * quantities.si_size(unit)
 
 
 def driver_speed(text: str) -> OfDriver:
