@@ -395,7 +395,7 @@ def frame_modes() -> bytes:
     first = modes.motion.index("bending")
     with tempfile.TemporaryDirectory() as folder:
         file = pp.record_modes(press, modes, Path(folder, "modes.html"), lowest=first + 1)
-        return _in_window(file.as_uri(), "select", AT_MODE.replace("MODE", str(first)))
+        return _in_window(file.as_uri(), "select:visible", AT_MODE.replace("MODE", str(first)))
 
 
 def _report_in(page: str, command: str, title: str) -> bytes:
