@@ -349,25 +349,27 @@ def test_trade_off():
 PRESSES = ["crank_slide", "jf75g_125", "thin_wall", "zxn2_3000b"]
 
 
-@st.composite
-def tasks(draw):
-    """A press with a drive, a load and limits that some motion keeps: all of them are wider than those of a constant speed."""
-    name = draw(st.sampled_from(PRESSES))
-    press = texts.shipped(name)
+def random_task(seed):
+    """A press with a drive, a load and limits that some motion keeps: all of them are wider than those of a constant speed.
+
+    Drawn by NumPy: Hypothesis also draws numbers that stand in the modules imported before, so that its tasks differ from run to run.
+    """
+    random = np.random.default_rng(seed)
+    press = texts.shipped(str(random.choice(PRESSES)))
     stroke, slide = pp.dead_centres(press).stroke, press.model.inertias[press.slide_guide.joint + 1].mass
-    time = draw(st.floats(0.4, 4.0))
-    loads = [pp.loads.DeepDrawing(draw(st.floats(1.0, 50.0)) * 10.0 * slide, draw(st.floats(0.05, 0.6)) * stroke)]
+    time = random.uniform(0.4, 4.0)
+    loads = [pp.loads.DeepDrawing(random.uniform(1.0, 50.0) * 10.0 * slide, random.uniform(0.05, 0.6) * stroke)]
     motion = pp.cycle(press, FULL / time, points=72)
     torque = np.abs(pp.inverse_dynamics(press, motion, loads, bearings=()).driving_torque).max()
-    inertia = draw(st.floats(0.05, 3.0)) * torque * (time / FULL) ** 2
+    inertia = random.uniform(0.05, 3.0) * torque * (time / FULL) ** 2
     limits = []
-    if draw(st.booleans()):
+    if random.random() < 0.5:
         fastest = np.abs(motion.slide_velocity).max()
-        limits.append(servo.SlideSpeed(draw(st.floats(1.0, 2.0)) * fastest, (draw(st.floats(0.1, 0.9)) * stroke, 0.0)))
-    if draw(st.booleans()):
-        limits.append(servo.CrankSpeed(draw(st.floats(1.05, 3.0)) * FULL / time))
-    peak = draw(st.none() | st.floats(1.2, 4.0))
-    return press, servo.ServoDrive(inertia, peak_torque=None if peak is None else peak * torque), loads, time, limits
+        limits.append(servo.SlideSpeed(random.uniform(1.0, 2.0) * fastest, (random.uniform(0.1, 0.9) * stroke, 0.0)))
+    if random.random() < 0.5:
+        limits.append(servo.CrankSpeed(random.uniform(1.05, 3.0) * FULL / time))
+    peak = None if random.random() < 0.5 else random.uniform(1.2, 4.0) * torque
+    return press, servo.ServoDrive(inertia, peak_torque=peak), loads, time, limits
 
 
 def proved(task, points):
@@ -376,7 +378,7 @@ def proved(task, points):
     constant = np.linspace(0.0, time, 1441)
     angle = best.angle[0] + FULL * constant / time
     usual = servo.evaluate(press, drive, loads, time=constant, angle=angle, speed=FULL / time, acceleration=0.0)
-    assert best.gap > -1e-7  # rounds of tangents are solved to this share, by which the motion can miss its limits and undercut the bound
+    assert best.gap > -1e-8
     assert best.gap < 1e-7 or any("is not convex" in note or "above its limit between nodes" in note for note in best.notes)
     assert best.gap < 0.5 or any("proved by the faster turn" in note for note in best.notes)
     assert best.motion.duration == pytest.approx(time, rel=1e-3)
@@ -386,10 +388,9 @@ def proved(task, points):
 
 
 @pytest.mark.exhaustive
-@examples(150)
-@given(tasks())
-def test_random_tasks_are_proved(task):
-    proved(task, 360)
+@pytest.mark.parametrize("seed", range(150))
+def test_random_tasks_are_proved(seed):
+    proved(random_task(seed), 360)
 
 
 def test_more_time_and_wider_limits_are_no_worse():
