@@ -266,7 +266,16 @@ QUANTITIES = (
     Quantity("capacitance", "F", (("mF", 1e-3, 0.0), ("F", 1.0, 1.0))),
 )
 # Units that several rows have: the row that is taken.
-_FIRST = {"-": "number", "m": "length", "rad": "angle", "rad/s": "rotational speed", "Hz": "frequency", "%": "share", "g": "mass"}
+_FIRST = {
+    "-": "number",
+    "m": "length",
+    "mm": "length",
+    "rad": "angle",
+    "rad/s": "rotational speed",
+    "Hz": "frequency",
+    "%": "share",
+    "g": "mass",
+}
 
 
 @cache

@@ -11,7 +11,7 @@ from support.presses import sliding_presses
 
 import pinpress as pp
 from pinpress.balancing import CounterweightRegion
-from pinpress.common.arguments import in_unit
+from pinpress.common.arguments import in_unit, read_quantity
 from pinpress.common.quantities import QUANTITIES, quantity
 from pinpress.dynamics.inputs import described
 
@@ -176,6 +176,11 @@ def test_what_is_no_quantity_stays_as_it_is(press):
     assert in_unit("a value", values, "m") is values
     with pytest.raises(pp.PinpressError, match=r"force is not a number .*, but a quantity with a unit"):  # N or N m, or anything
         pp.measures.harmonics(pp.cycle(press, 7.0, points=24), np.ones(24) * u.N)
+
+
+def test_lengths_in_mm_are_read_in_all_units_of_length():
+    assert read_quantity("1cm", "mm") == pytest.approx(10.0)
+    assert read_quantity("1in", "mm") == pytest.approx(25.4)
 
 
 def test_a_unit_that_is_no_si_unit_has_the_numbers_of_its_row():
