@@ -26,6 +26,8 @@ from .common.errors import UrdfError as UrdfError
 from .common.quantities import RPM as RPM
 from .dynamics.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from .dynamics.reactions import Reactions as Reactions
+from .jobs.job import Job as Job
+from .jobs.job import job as job
 from .kinematics.check import check as check
 from .kinematics.cycle import cycle as cycle
 from .kinematics.motion import Motion as Motion

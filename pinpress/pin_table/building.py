@@ -39,7 +39,7 @@ from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, formula, parameters_of
 from .links import Link, read_links
 from .placement import UNITS, Pin, UnreachableError, place_pins
-from .reading import CALL, Entry, given_table, overlaid, read_table
+from .reading import BESIDE, CALL, Entry, given_table, overlaid, read_table
 from .sketch import sketch_of_failure, sketch_of_parts
 from .tool import Tool, read_tool
 from .tree import Tree, build_tree
@@ -298,8 +298,8 @@ def drawn_from(entries: Entry) -> DrawnPress:
     """Draw the press of a table; raises PinTableError if the table makes no press."""
     items = entries.items("keys: units, frame, pins, links and drive")
     for key, entry in items.items():
-        if key not in KEYS:
-            entries.refuse_key(key, entry, KEYS)
+        if key not in KEYS and key not in BESIDE:
+            entries.refuse_key(key, entry, (*KEYS, *BESIDE))
     for key in NEEDED:
         if key not in items or not items[key].value:
             entries.refuse(f"no {key}", _MISSING[key])

@@ -40,6 +40,14 @@ PIN_TABLE = FileKind(
     "pin table", PinTableError, "units, frame, pins, links and drive", USUAL_WORDS, {"pins": "separate names by blanks, as in pins: A B"}
 )
 
+BESIDE = {  # sections of a job that may stand in a table -> levels at which they are laid over those of a base
+    **dict.fromkeys(("loads", "bearings"), 2),
+    **dict.fromkeys(("slide", "gravity", "zero", "speed", "points"), 0),
+    **dict.fromkeys(
+        ("motion", "motor", "flywheel", "clutch", "brake", "capacities", "elastic", "foundation", "balance", "tolerances", "servo", "run"), 1
+    ),
+    **dict.fromkeys(("traces", "report", "variants"), 1),
+}
 
 MODELS = (".urdf", ".sdf", ".xml", ".mjcf")  # names of files that `load` reads
 
@@ -84,7 +92,7 @@ def _overlaid(below: Entry, above: Entry, depth: int) -> Entry:
     return replace(above, value=merged)
 
 
-_MERGED = {"parameters": 1, "pins": 1, "links": 2, "gears": 1}  # levels at which entries are merged; deeper entries are replaced as a whole
+_MERGED = {"parameters": 1, "pins": 1, "links": 2, "gears": 1, **BESIDE}  # levels at which entries are merged; deeper entries are replaced as a whole
 
 
 def _with_bases(path: Path, above: tuple[Path, ...]) -> Entry:

@@ -7,7 +7,7 @@ wanted.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, is_dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -61,6 +61,11 @@ class Entry:
     path: tuple[str, ...]
     kind: FileKind = field(repr=False)
     file_text: str = field(default="", repr=False)
+
+    @property
+    def folder(self) -> Path:
+        """Where the files are that it names: beside its file, or the current folder where it stands in none."""
+        return Path() if self.line is None else Path(self.file).parent
 
     def refuse(self, problem: str, remedy: str) -> NoReturn:
         """Raise the kind's error: what is wrong here, and what to write."""
@@ -167,6 +172,34 @@ def read_entries(path: Path, kind: FileKind) -> Entry:
     return replace(_Composer(file, kind).entry(node, ()), file_text=text)
 
 
+def entry_of_text(text: str, called: str, path: tuple[str, ...], kind: FileKind) -> Entry:
+    """The entry of a text in YAML that stands in no file, such as "{kind: die, height: 1 mm}".
+
+    Args:
+        text: as behind a colon in a file.
+        called: in place of a file's name.
+        path: keys that lead to the entry.
+        kind: kind of file in which it would stand.
+
+    Raises:
+        FileEntryError: that of the kind: it is no YAML.
+    """
+    try:
+        node = yaml.compose(text, Loader=yaml.BaseLoader)
+    except (yaml.YAMLError, RecursionError) as error:
+        raise kind.error(called, None, "", f"{text!r} is no YAML", "write it as behind a colon in a file, {kind: ..., ...}") from error
+    entry = Entry(None, called, None, path, kind) if node is None else _Composer(called, kind).entry(node, path)
+    return _without_lines(entry)
+
+
+def _without_lines(entry: Entry) -> Entry:
+    if isinstance(entry.value, Mapping):
+        return replace(entry, line=None, value={key: _without_lines(each) for key, each in entry.value.items()})
+    if isinstance(entry.value, tuple):
+        return replace(entry, line=None, value=tuple(map(_without_lines, entry.value)))
+    return replace(entry, line=None)
+
+
 def given_entries(values: Mapping[str, Any], called: str, kind: FileKind) -> Entry:
     """Entries of a call's arguments: numbers, texts, lists and mappings as they would stand in a file.
 
@@ -250,6 +283,8 @@ def _given(value: Any, file: str, path: tuple[str, ...], kind: FileKind) -> Entr
         return Entry(number(": ".join(path), value), file, None, path, kind)
     if isinstance(value, np.ndarray) and value.ndim and type(value) is np.ndarray:
         value = value.tolist()
+    if is_dataclass(value) and not isinstance(value, type):  # a part that is made already
+        return Entry(value, file, None, path, kind)  # type: ignore[arg-type]
     if isinstance(value, list | tuple) and len(value) <= MOST_ENTRIES:
         return Entry(tuple(_given(each, file, (*path, str(k + 1)), kind) for k, each in enumerate(value)), file, None, path, kind)
     raise kind.error(file, None, ": ".join(path), f"{shown(value)} is a {type(value).__name__}", "give numbers, texts, lists and mappings")

@@ -1,0 +1,405 @@
+"""The sections of a job: what stands in each, as values that read it. The geometry of a press in a table is that of `pin_table`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ..balancing.problem import Target
+from ..common.arguments import read_quantity
+from ..common.errors import FileEntryError, PinpressError, suggestion
+from ..common.quantities import RPM
+from ..common.reading.entries import Entry, FileKind
+from ..common.reading.filling import (
+    Around,
+    DataFile,
+    Either,
+    Listed,
+    Named,
+    Names,
+    Number,
+    Numbers,
+    Part,
+    Rows,
+    Text,
+    Truth,
+    Value,
+    Whole,
+)
+from ..foundation.frame_file import MOUNTED, ON_MOUNTS, USUAL_WORDS
+from ..simulation.simulate import METHODS
+from .kinds import (
+    BEARING,
+    BRAKE,
+    CLUTCH,
+    CRITERIA,
+    FLYWHEEL,
+    JOINT,
+    LIMITS,
+    LOADS,
+    MOTORS,
+    PATHS,
+    REGION,
+    Regions,
+    SERVO_DRIVE,
+)
+
+ALL = "all"  # in place of a bearing's name: every bearing that does not say otherwise
+LANGUAGES = ("en", "de", "zh", "ja")
+JOB = FileKind("job", FileEntryError, "the press, or file: press.urdf, and what acts on it", USUAL_WORDS)
+Given = dict[str, Any]
+
+
+def _given(made: Callable[..., Any], given: Given) -> Given:
+    return given
+
+
+def keys(example: str, values: Mapping[str, Value], needed: tuple[str, ...] = (), said: str = "") -> Part[Given]:
+    """A section whose keys are arguments of a function, as far as they are given."""
+    return Part(dict, example, values, needed=needed, finish=_given, said=said)
+
+
+@dataclass(frozen=True)
+class OfDriver:
+    """A value of the press's only driver, with forces in place of torques where it slides.
+
+    Attributes:
+        each: the value.
+    """
+
+    each: Value
+
+    def read(self, entry: Entry, around: Around) -> Any:
+        """The value."""
+        if len(around.drivers) > 1:
+            names = ", ".join(around.drivers)
+            entry.refuse(f"the press has {len(around.drivers)} drivers, {names}, and one value does not say how they move together", MOTION)
+        return self.each.read(entry, replace(around, coordinate=next(iter(around.drivers.values()))))
+
+
+@dataclass(frozen=True)
+class OfDrivers:
+    """A value of the only driver, or of several drivers by their names, each with the units of its coordinate.
+
+    Attributes:
+        each: the value of one.
+        example: what names a driver, for messages.
+    """
+
+    each: Value
+    example: str
+
+    def read(self, entry: Entry, around: Around) -> dict[str, Any]:
+        """The values by the names of drivers."""
+        items = entry.value if isinstance(entry.value, Mapping) else {}
+        if not items or not any(name in around.drivers for name in items):
+            if len(around.drivers) > 1:
+                first = next(iter(around.drivers))
+                entry.refuse(f"it names none of the {len(around.drivers)} drivers", f"write {{{first}: {self.example}}}")
+            name, coordinate = next(iter(around.drivers.items()))
+            return {name: self.each.read(entry, replace(around, coordinate=coordinate))}
+        for name, each in items.items():
+            if name not in around.drivers:
+                each.refuse(f"no driver {name}{suggestion(name, around.drivers)}", f"name one of {', '.join(around.drivers)}")
+        return {name: self.each.read(each, replace(around, coordinate=around.drivers[name])) for name, each in items.items()}
+
+
+class BySide(Text):
+    """A force or speed at each of some heights."""
+
+    def __init__(self, name: str, unit: str) -> None:
+        self.part = keys(f"[{{height: 6 mm, {name}: ...}}]", {"height": Number("m"), name: Number(unit)}, ("height", name))
+        self.name = name
+
+    def read(self, entry: Entry, around: Around) -> Any:
+        """Height [m] -> force [N] or speed [rad/s]."""
+        return {each["height"]: each[self.name] for each in Listed(self.part).read(entry, around)}
+
+
+class FramePoint(Text):
+    """A point of the frame: x, y, z; with ``on`` of a part; or the name of an interface of a frame that bends."""
+
+    part = keys("{on: crown, at: 0 0 900 mm}", {"on": Text(), "at": Numbers("m")}, ("on", "at"))
+
+    def read(self, entry: Entry, around: Around) -> Any:
+        """The point [m], with its part; or the name."""
+        if isinstance(entry.value, Mapping):
+            given = self.part.read(entry, around)
+            return given["on"], given["at"]
+        text = entry.value if isinstance(entry.value, str) else ""
+        return text if text[:1].isalpha() else Numbers("m").read(entry, around)
+
+
+class Dimension(Text):
+    """A tolerance of a dimension, with what else is known of it, as a row of a table of dimensions."""
+
+    part = keys(
+        "{tolerance: 0.05 mm, shape: uniform}",
+        {name: Text() for name in ("tolerance", "shape", "sd", "name", "cost", "smallest", "largest")},
+        ("tolerance",),
+    )
+
+    def read(self, entry: Entry, around: Around) -> Any:
+        """The row as texts, in the unit of the tolerance."""
+        row = {"tolerance": entry.text("a tolerance")} if isinstance(entry.value, str) else self.part.read(entry, around)
+        number, _, unit = row["tolerance"].strip().partition(" ")
+        if not unit:
+            entry.refuse(f"{row['tolerance']} has no unit", f"write {number} mm, or {number} deg of an angle, with a blank before the unit")
+        for name in ("sd", "smallest", "largest"):
+            if name in row:
+                try:
+                    row[name] = repr(read_quantity(row[name], unit))
+                except ValueError as error:
+                    entry.refuse(f"{name} is {row[name]!r}, {error}", f"write it in {unit} too")
+        return {**row, "tolerance": number, "unit": unit}
+
+
+def _criteria(made: Callable[..., Any], given: Given) -> Given:
+    """Criteria and their numbers in the form that `balance` takes."""
+    minimise, limits = given.pop("minimise"), given.pop("limits", [])
+    for _, _, most in minimise:
+        if most is not None:
+            most.refuse("a criterion to minimise has no limit", "write it among limits too")
+    objective: Target | Mapping[Target, float] = {target: weight for target, weight, _ in minimise}
+    if len(minimise) == 1 and minimise[0][1] == 1.0:
+        objective = minimise[0][0]
+    bounds = {}
+    for target, _, most in limits:
+        if most is None:
+            raise PinpressError(f"the {target.words} is limited to nothing: write most, {{kind: added-mass, most: 661 kg}}")
+        bounds[target] = Number(target.unit).read(most, Around())
+    return {**given, "minimise": objective, "limits": bounds}
+
+
+def _budget(made: Callable[..., Any], given: Given) -> Given:
+    if len(given["speeds"]) < 1:
+        raise PinpressError("speeds is empty: write them, speeds: 10 50 70 r/min; the press is set at the first")
+    return given
+
+
+def _rate(made: Callable[..., Any], given: Given) -> Given:
+    """The time of a stroke in place of strokes in a minute."""
+    if "time" in given and "strokes_per_minute" in given:
+        raise PinpressError("time and strokes_per_minute both say how fast the press is: leave out one of them")
+    strokes = given.pop("strokes_per_minute", None)
+    return given if strokes is None else {**given, "time": 60.0 / strokes}
+
+
+EFFORT = OfDrivers(Number("N m"), "5 kN m")
+SPEEDS = OfDrivers(Number("rad/s"), "30 r/min")
+PLACES = OfDrivers(Number("rad"), "30 deg")
+MOTION = "write motion: {file: motion.csv}, a table with a column for each"
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of a job.
+
+    Attributes:
+        value: what stands in it.
+        said: what it says, in a sentence.
+        example: as it stands in a file.
+        by_keys: whether ``--set section.key=value`` may begin it.
+    """
+
+    value: Value
+    said: str
+    example: str
+    by_keys: bool = False
+
+
+SECTIONS: Mapping[str, Section] = {
+    "file": Section(Text(), "A URDF, SDF or MJCF file or a shipped press, in place of the table of pins.", "file: robot.urdf"),
+    "drivers": Section(Names(), "Driven joints, where the file names none or others are driven.", "drivers: motor_left motor_right"),
+    "slide": Section(Text(), "The slide, the link whose motion and process force are computed, if it is not called slide.", "slide: ram"),
+    "allow_open": Section(Truth(), "Whether loops may be drawn open by more than a tenth of the linkage.", "allow_open: yes"),
+    "gravity": Section(Number("m/s2"), "Gravity downwards.", "gravity: 9.81 m/s2"),
+    "zero": Section(Text(("drawn", "tdc", "bdc")), "Where crank angles are 0: as drawn, at top or bottom dead centre.", "zero: tdc"),
+    "speed": Section(OfDriver(Number("rad/s")), "Speed of the driver, negative: backwards; of one that slides its highest.", "speed: 70 r/min"),
+    "motion": Section(
+        keys("{file: motion.csv, period: 1 s}", {"file": DataFile(), "period": Number("s")}, ("file",)),
+        "A table of the drivers' positions over time, in place of the speed.",
+        "motion: {file: motion.csv, period: 1 s}",
+    ),
+    "loads": Section(
+        Named(LOADS, "{draw: {kind: drawing, force: 1500 kN, start: 40 mm}}"),
+        "What acts on the links, each by a name of its own.",
+        "loads: {draw: {kind: drawing, force: 1500 kN, start: 40 mm}}",
+    ),
+    "bearings": Section(
+        Named(BEARING, "{all: {friction: 0.05, diameter: 200 mm}}"),
+        "Friction, stiffness, clearance, sizes and permissible force of bearings and guides, by their names; all: of the others.",
+        "bearings: {all: {friction: 0.05, diameter: 200 mm}, A: {permissible: 2 MN}}",
+    ),
+    "motor": Section(
+        OfDrivers(MOTORS, "{kind: constant, value: 567 N m}"),
+        "What drives the press; of several drivers by their names.",
+        "motor: {kind: induction, rated_power: 75 kW, rated_speed: 1485 r/min, inertia: 1.2 kg m2, ratio: 20.7}",
+    ),
+    "flywheel": Section(OfDrivers(FLYWHEEL, "2000 kg m2"), "Flywheel at the driver joint; of several drivers by their names.", "flywheel: 6000 kg m2"),
+    "clutch": Section(OfDriver(CLUTCH), "Clutch between flywheel and crank.", "clutch: {torque: 60 kN m, closes: 0.2 s, rise: 50 ms}"),
+    "brake": Section(OfDriver(BRAKE), "Brake on the crank.", "brake: {torque: 60 kN m, closes: 350 deg, rise: 50 ms}"),
+    "capacities": Section(
+        keys(
+            "{nominal_force: 3000 kN, nominal_height: 13 mm, speed_drop: 15 %}",
+            {
+                "nominal_force": Number("N"),
+                "nominal_height": Number("m"),
+                "torque": EFFORT,
+                "speed_drop": Number("-"),
+                "motor_power": Number("W"),
+                "slide_acceleration": Number("m/s2"),
+                "shaking_force": Number("N"),
+                "contact_height": Number("m"),
+                "dwell_tolerance": Number("m"),
+                "at_speed": Truth(),
+            },
+            ("nominal_force",),
+        ),
+        "What the press may bear; with at_speed beside weights and inertia forces. Those of bearings stand with the bearings.",
+        "capacities: {nominal_force: 3000 kN, nominal_height: 13 mm, speed_drop: 15 %}",
+        by_keys=True,
+    ),
+    "elastic": Section(
+        keys(
+            "{damping_ratio: 0.03, frame: 3 GN/m, crown_mass: 4 t}",
+            {
+                "damping_ratio": Number("-"),
+                "shaft": Number("N m/rad"),
+                "frame": Either(Number("N/m"), JOINT),
+                "crown_mass": Number("kg"),
+            },
+        ),
+        "Damping, shaft and columns of a press on springs; the stiffnesses of bearings stand with the bearings.",
+        "elastic: {damping_ratio: 0.03, frame: 3 GN/m, crown_mass: 4 t}",
+        by_keys=True,
+    ),
+    "foundation": Section(
+        keys(
+            ON_MOUNTS.example,
+            {
+                **MOUNTED,
+                "points": Named(FramePoint(), "{crown: 0 0 900 mm}"),
+                "speed_range": Numbers("rad/s"),
+                "lift_off": Whole(),
+            },
+            ON_MOUNTS.needed,
+        ),
+        "The frame on its mounts; points whose vibration is shown; speeds over which; strokes with feet that lift off.",
+        "foundation: frame.yaml",
+    ),
+    "balance": Section(
+        Part(
+            dict,
+            "{regions: {crank: {radius: 300 mm}}, minimise: {kind: range, quantity: shaking_force, axis: z}}",
+            {
+                "regions": Regions(REGION, "{crank: {radius: 300 mm, mass: 0 200 kg}}"),
+                "minimise": Listed(CRITERIA),
+                "limits": Listed(CRITERIA),
+                "dies": Numbers("kg"),
+                "settings": Listed(Named(Text(), "{r: 150}")),
+                "speeds": Numbers("rad/s"),
+            },
+            needed=("regions", "minimise"),
+            finish=_criteria,
+        ),
+        "Where counterweights may be, and what they are to improve: over dies, settings of the table's parameters, and speeds.",
+        "balance: {regions: {crank: {radius: 300 mm}}, minimise: {kind: range, quantity: shaking_force, axis: z}}",
+    ),
+    "tolerances": Section(
+        keys(
+            "{dimensions: dimensions.csv, within: 50 um}",
+            {
+                "dimensions": Either(DataFile(), Named(Dimension(), "{length E F: 0.05 mm}")),
+                "within": Number("m"),
+                "targets": keys("{height: 50 um}", {name: Number("m") for name in ("height", "top", "stroke")}),
+                "forces": BySide("force", "N"),
+                "speeds": BySide("speed", "rad/s"),
+                "samples": Whole(),
+                "seed": Whole(),
+                "budget": Part(
+                    dict,
+                    "{speeds: 10 50 70 r/min, warm: {rod: 10 K}}",
+                    {
+                        "speeds": Numbers("rad/s"),
+                        "warm": Named(Number("K"), "{rod: 10 K}"),
+                        "expansion": Number("1/K"),
+                        "table": Number("m"),
+                        "face": Number("m"),
+                        "process": Number("N"),
+                    },
+                    needed=("speeds",),
+                    finish=_budget,
+                ),
+            },
+            ("dimensions",),
+        ),
+        "Tolerances of dimensions, and what bottom dead centre may deviate; the budget takes clearances and stiffnesses of the bearings.",
+        "tolerances: {dimensions: dimensions.csv, within: 50 um}",
+    ),
+    "servo": Section(
+        Part(
+            dict,
+            "{strokes_per_minute: 25, drive: {...}}",
+            {
+                "strokes_per_minute": Number("-"),
+                "time": Number("s"),
+                "minimise": Text(("heat", "time", "energy", "peak")),
+                "drive": SERVO_DRIVE,
+                "motors": DataFile(),
+                "ratios": Numbers("-"),
+                "gear_inertia": Number("kg m2"),
+                "pause": Number("s"),
+                "path": PATHS,
+                "limits": Listed(LIMITS),
+                "points": Whole(),
+                "step": Number("s"),
+            },
+            finish=_rate,
+        ),
+        "The servo drive, or a catalogue of motors, and what its best motion has to keep.",
+        "servo: {strokes_per_minute: 25, drive: {inertia: 1.5 kg m2, ratio: 60, peak_torque: 2100 N m}, path: {kind: turn}}",
+    ),
+    "run": Section(
+        keys(
+            "{duration: 3 s}",
+            {
+                "duration": Number("s"),
+                "steady": Truth(),
+                "speed": SPEEDS,
+                "angle": PLACES,
+                "method": Text(tuple(METHODS)),
+                "step": Number("s"),
+                "tolerance": Number("-"),
+                "points": Whole(),
+            },
+        ),
+        "How long the press runs, from which speed and angle; or its steady state.",
+        "run: {duration: 3 s}",
+        by_keys=True,
+    ),
+    "points": Section(Whole(), "States of a period at constant speed.", "points: 720"),
+    "traces": Section(
+        Named(Rows("m"), "{rod: 0 0 400 mm}"), "Points of links whose paths are drawn, in the links' frames.", "traces: {rod: 0 0 400 mm}"
+    ),
+    "report": Section(
+        keys(
+            "{title: Press 3, company: Muster AG, language: de}",
+            {
+                **{name: Text() for name in ("title", "company", "drawing", "author", "revision", "date", "notes", "before")},
+                "logo": DataFile(),
+                "language": Text(LANGUAGES),
+            },
+        ),
+        "The head of the page, its language, and the variant or press with which it compares.",
+        "report: {title: Press 3 for plant 7, company: Muster AG, language: de}",
+        by_keys=True,
+    ),
+    "variants": Section(
+        Named(Named(Text(), "{r: 150}"), "{long_stroke: {r: 150}}"),
+        "Other values by names, as --set takes them.",
+        "variants: {long_stroke: {r: 150}, hard_steel: {loads.draw.force: 1900 kN}}",
+    ),
+}
+DEFAULT_SPEED = 60 * RPM

@@ -1,0 +1,582 @@
+"""A job: a press and all that acts on it, from one file; each result is one call of the functions of the library."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..common.errors import PinpressError, suggestion
+from ..common.reading.entries import Entry
+from ..common.reading.filling import Around, Named, naming
+from ..common.results import Tabular
+from ..drives.protocol import Drive
+from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.reactions import Reactions
+from ..kinematics.cycle import cycle
+from ..kinematics.motion import Motion
+from ..kinematics.motion_table import read_motion
+from ..kinematics.slide_path import dead_centres
+from ..linkage.linkage import Linkage
+from ..linkage.loading import load, presses
+from ..loads.link import Friction, Load, StandingLoad
+from ..pin_table.building import DrawnPress, drawn_from
+from ..ratings.along_motion import MotionRatings, rate_motion
+from ..ratings.permissible_force import Capacities
+from ..ratings.rating import PressRatings, rate
+from ..simulation.elastic.description import Elastic, Stiffness
+from ..simulation.run import Run
+from ..simulation.simulate import simulate
+from ..simulation.steady_state import steady_state
+from .bearings import bearings_of, clearances_of, elastic_of, frictions_of, stiffness_of
+from .grammar import ALL, SECTIONS
+from .kinds import Bearing
+from .sources import Change, Source, changed, of_variant, source
+
+if TYPE_CHECKING:
+    from ..balancing.result import BalancedPress
+    from ..foundation.mounted_press import MountedPress
+    from ..servo.motion_optimum import MotionOptimum
+    from ..servo.sizing import MotorChoice
+    from ..tolerances.accuracy_budget import AccuracyBudget
+    from ..tolerances.allocation import AllocatedTolerances
+    from ..tolerances.dead_centre_scatter import DeadCentreScatter
+    from ..tolerances.dimension_table import DimensionTable
+
+POINTS = 720  # states of a turn: fewer miss peaks of short blows
+ZEROS = {"tdc": "top dead centre", "bdc": "bottom dead centre"}
+_OF_PRESS = ("file", "drivers", "slide", "allow_open", "gravity", "zero")  # sections that make the press
+
+
+def job(
+    file: str | os.PathLike[str] | None = None, /, *, variant: str | None = None, set: Sequence[str] = (), **changes: Any
+) -> Job:
+    """Read a job: a press and all that acts on it.
+
+        job = pp.job("press.yaml", variant="hard_steel", **{"loads.draw.force": 1.9e6})
+        job.press, job.loads["draw"], job.reactions(), job.steady_state(), job.rate()
+        job.write_report("press.html")
+
+    The page "A job file" of the manual lists the sections and their keys. In a file every number has its unit; here bare numbers are in SI
+    units. A section may also be given as the mapping that stands in a file, or with parts that are made already.
+
+    Args:
+        file: a job or a table of pins (.yaml), a URDF, SDF or MJCF file, or the name of a shipped press; None: ``changes`` are the job.
+        variant: name of one of the job's variants.
+        set: changes as texts, as on the command line: "loads.draw.force=1200 kN", "r=150".
+        changes: sections, or values by their paths with points between the names; None removes an entry.
+
+    Raises:
+        PinpressError: the press cannot be built or loaded, an entry is unknown, lacks its unit, or cannot be; with file, line and remedy.
+    """
+    return read_job(source(file, variant, set, changes), _raise)
+
+
+def _raise(error: PinpressError) -> None:
+    raise error
+
+
+def read_job(found: Source, refuse: Callable[[PinpressError], Any]) -> Job:
+    """The job of these entries.
+
+    Args:
+        found: the entries.
+        refuse: takes every error of a section; it raises the first one, or collects them all.
+    """
+    items = found.items
+    made = {name: SECTIONS[name].value.read(items[name], Around()) for name in _OF_PRESS if name in items}
+    drawn = None if found.table is None else drawn_from(found.table)
+    press = _with_zero(_press(found, made, drawn), made.get("zero", "drawn"), items.get("zero"))
+    around = Around(drivers=dict(zip(press.drivers, press.driver_coordinates, strict=True)))
+    for name, section in SECTIONS.items():
+        if name in items and name not in (*_OF_PRESS, "variants"):
+            try:
+                made[name] = _read(section.value, items[name], around, refuse)
+                _check_names(name, items[name], made[name], press)
+            except PinpressError as error:
+                made.pop(name, None)
+                refuse(error)
+    files = {path: _digest(path) for path in (*found.files, *around.files) if path.is_file()}
+    result = Job(press, made, found, drawn, files)
+    try:
+        result._check()
+    except PinpressError as error:
+        refuse(error)
+    return result
+
+
+def _read(value: Any, entry: Entry, around: Around, refuse: Callable[[PinpressError], Any]) -> Any:
+    """What stands in a section; of a section with names every wrong entry is refused."""
+    if not isinstance(value, Named):
+        return value.read(entry, around)
+    read = {}
+    for name, each in entry.items(value.example).items():
+        try:
+            read[name] = value.each.read(each, around)
+        except PinpressError as error:
+            refuse(error)
+    return read
+
+
+def _press(found: Source, made: Mapping[str, Any], drawn: DrawnPress | None) -> Linkage:
+    gravity, slide = (0.0, 0.0, -made.get("gravity", 9.81)), made.get("slide")
+    if drawn is not None:
+        for name in ("drivers", "allow_open"):
+            if name in found.items:
+                found.items[name].refuse("it is for a press of a file", "leave it out: a table of pins has its drive")
+        return drawn.press(gravity, slide=slide)
+    entry = found.items["file"]
+    for name in ("pins", "links"):
+        if name in found.items:
+            found.items[name].refuse("the press is that of file", "leave out one of them")
+    named = made["file"]
+    path = entry.folder / named
+    shipped = named in presses() and not path.exists()
+    return load(named if shipped else path, made.get("drivers"), slide, gravity, allow_open=made.get("allow_open", False))
+
+
+def _with_zero(press: Linkage, zero: str, entry: Entry | None) -> Linkage:
+    """The press with crank angles counted from one of its dead centres."""
+    if zero == "drawn":
+        return press
+    press.refuse_several_drivers("their angles are 0 in the drawn pose; leave out zero")
+    press.refuse_sliding_driver("its positions are 0 in the drawn pose; leave out zero")
+    ends = dead_centres(press)
+    return press.drawn_at(ends.top_angle if zero == "tdc" else ends.bottom_angle, ZEROS[zero])
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _check_names(section: str, entry: Entry, read: Any, press: Linkage) -> None:
+    """Refuse names of links and bearings that the press does not have, where they stand."""
+    if section == "bearings":
+        for name, each in entry.items("bearings").items():
+            if name != ALL and name not in press.bearings:
+                known = (*press.bearings, ALL)
+                each.refuse(f"no bearing {name}{suggestion(name, known)}", f"name one of {', '.join(press.bearings)}, or {ALL}")
+    elif section == "loads":
+        links = ("frame", *press.links)
+        for each in entry.items("loads").values():
+            if isinstance(each.value, Mapping):
+                for key in ("link", "link1", "link2"):
+                    if key in each.value and (name := each.value[key].text("a link")) not in links:
+                        each.value[key].refuse(f"no link {name!r}{suggestion(name, links)}", f"name one of {', '.join(links)}")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Job:
+    """A press and all that acts on it.
+
+    Attributes:
+        press: the press.
+        sections: name of a section that the job has -> what stands in it, with numbers in SI units.
+        source: the entries from which it was read.
+        drawn: the press as its table draws it; None where it comes from another file.
+        files: files that were read -> their SHA-256.
+    """
+
+    press: Linkage
+    sections: Mapping[str, Any]
+    source: Source = field(repr=False)
+    drawn: DrawnPress | None = None
+    files: Mapping[Path, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        given = ", ".join(name for name in self.sections if name not in _OF_PRESS)
+        return f"Job of {self.press.name}: {given or 'the press alone'}" + (f"; {len(self.changed)} changes" if self.changed else "")
+
+    # ------------------------------------------------------------------------------------------------------------------- what acts
+
+    @property
+    def changed(self) -> tuple[Change, ...]:
+        """What variant and changes have changed on top of the file."""
+        return self.source.changes
+
+    @property
+    def speed(self) -> float | None:
+        """Speed of the driver [rad/s], of one that slides [m/s]; None where a motion is given, or neither."""
+        speed: float | None = self.sections.get("speed")
+        return speed
+
+    @property
+    def loads(self) -> Mapping[str, Load]:
+        """The loads by their names."""
+        return dict(self.sections.get("loads", {}))
+
+    @cached_property
+    def bearings(self) -> Mapping[str, Bearing]:
+        """What is said of each bearing and guide, with what is said of all."""
+        with self._naming("bearings"):
+            return bearings_of(self.press, self.sections.get("bearings", {}))
+
+    @cached_property
+    def friction(self) -> Mapping[str, Friction]:
+        """Friction of the bearings and guides that have some."""
+        with self._naming("bearings"):
+            return frictions_of(self.press, self.bearings)
+
+    @property
+    def motor(self) -> Drive | PrescribedSpeed | Mapping[str, Drive] | None:
+        """What drives the press; of several drivers by their names."""
+        return self._of_drivers("motor")
+
+    @property
+    def flywheel(self) -> Flywheel | Mapping[str, Flywheel] | None:
+        """The flywheel at the driver joint; of several drivers by their names."""
+        return self._of_drivers("flywheel")
+
+    @property
+    def clutch(self) -> Clutch | None:
+        """The clutch between flywheel and crank."""
+        return self.sections.get("clutch")
+
+    @property
+    def brake(self) -> Brake | None:
+        """The brake on the crank."""
+        return self.sections.get("brake")
+
+    @cached_property
+    def capacities(self) -> Capacities:
+        """What the press may bear, with the permissible forces of its bearings, and the flywheel where a drop of speed is given."""
+        given = dict(self._section("capacities"))
+        for name in ("contact_height", "dwell_tolerance", "at_speed"):
+            given.pop(name, None)
+        torque = given.pop("torque", {})
+        one = len(self.press.drivers) == 1
+        bearings = {name: each.permissible for name, each in self.bearings.items() if each.permissible is not None}
+        wheel = self.flywheel if "speed_drop" in given else None
+        inertia = float(np.ravel(wheel.inertia)[0]) if isinstance(wheel, Flywheel) else None
+        efforts = {"torque": torque.get(self.press.driver)} if one else {"drivers": torque}
+        with self._naming("capacities"):
+            return Capacities(**given, **efforts, bearings=bearings, flywheel_inertia=inertia)
+
+    @cached_property
+    def elastic(self) -> Elastic | None:
+        """The press on springs; None for a rigid press."""
+        if "elastic" not in self.sections:
+            return None
+        with self._naming("elastic"):
+            return elastic_of(self.press, self.bearings, self.sections["elastic"], self._rigid_frame)
+
+    @cached_property
+    def mounted(self) -> MountedPress | None:
+        """The press on its mounts; None where it has no foundation."""
+        if "foundation" not in self.sections:
+            return None
+        from ..foundation.mounted_press import mounted  # seldom needed
+
+        parts = {name: part for name, part in self.sections["foundation"].items() if name not in ("points", "speed_range", "lift_off")}
+        return mounted(self.press, **parts, motion=self.motion() if "motion" in self.sections else None)
+
+    def _rigid_frame(self) -> Mapping[str, Any]:
+        """The one rigid frame on mounts of a press on springs."""
+        parts = self.sections.get("foundation")
+        if parts is None:
+            return {}
+        more = [name for name in ("crown", "attached", "rotors") if parts.get(name)]
+        if more or type(parts["frame"]).__name__ != "Frame":
+            what = more[0] if more else "beams or matrices"
+            self._refuse("foundation", f"a press on springs stands on one rigid frame, without {what}", "leave out elastic, or these")
+        return {"mounted_frame": parts["frame"], "mounts": parts["mounts"]}
+
+    def _naming(self, section: str) -> AbstractContextManager[None]:
+        """Let errors about arguments name the section from which they are."""
+        entry = self.source.items.get(section)
+        return nullcontext() if entry is None else naming(entry)
+
+    def _of_drivers(self, section: str) -> Any:
+        parts = self.sections.get(section)
+        return None if parts is None else parts[self.press.driver] if len(self.press.drivers) == 1 else parts
+
+    def _section(self, name: str) -> Mapping[str, Any]:
+        """A section that a result needs."""
+        if name not in self.sections:
+            raise PinpressError(f"{self.source.file}: the job has no {name}; write it, such as {SECTIONS[name].example}")
+        section: Mapping[str, Any] = self.sections[name]
+        return section
+
+    def _refuse(self, section: str, problem: str, remedy: str) -> None:
+        entry = self.source.items.get(section)
+        if entry is None:
+            raise PinpressError(f"{self.source.file}: {section}: {problem}; {remedy}")
+        entry.refuse(problem, remedy)
+
+    def _check(self) -> None:
+        """Refuse sections that do not go together."""
+        has = self.sections
+        if "speed" in has and "motion" in has:
+            self._refuse("motion", "speed and motion both say how the driver moves", "leave out one of them")
+        if "capacities" in has:
+            if ("speed_drop" in has["capacities"]) and not isinstance(self.flywheel, Flywheel):
+                self._refuse("capacities", "speed_drop without a flywheel", "add flywheel: 6000 kg m2")
+            _ = self.capacities
+        _ = self.friction, self.elastic
+
+    # ------------------------------------------------------------------------------------------------------------------- results
+
+    def motion(self) -> Motion:
+        """One period at constant speed, or the motion of the table."""
+        return self._motion
+
+    @cached_property
+    def _motion(self) -> Motion:
+        if "motion" in self.sections:
+            given = self.sections["motion"]
+            return read_motion(self.press, given["file"], period=given.get("period"))
+        if self.speed is None:
+            coordinate = self.press.driver_coordinates[0]
+            if len(self.press.drivers) > 1:
+                raise PinpressError(f"{self.source.file}: the press has several drivers; write motion: {{file: motion.csv}}, their motion")
+            raise PinpressError(f"{self.source.file}: the job has no speed; write speed: {'70 r/min' if coordinate.turns else '80 mm/s'}")
+        return cycle(self.press, speed=self.speed, points=self._points)
+
+    @property
+    def _points(self) -> int:
+        """States of a period at constant speed."""
+        turns = self.press.period_turns if self.press.driver_coordinates[0].turns else 1
+        points: int = self.sections.get("points", POINTS * turns)
+        return points
+
+    def reactions(self) -> Reactions:
+        """Driving torque and bearing forces of the motion under the loads, as `inverse_dynamics` finds them."""
+        return self._reactions
+
+    @cached_property
+    def _reactions(self) -> Reactions:
+        return inverse_dynamics(self.press, self.motion(), list(self.loads.values()), self.friction, stiffness=self._shares)
+
+    @property
+    def _shares(self) -> Mapping[str, float]:
+        """Stiffnesses by which redundant bearings share their forces."""
+        return {name: each.stiffness for name, each in self.bearings.items() if each.stiffness is not None}
+
+    def steady_state(self) -> Run:
+        """One period of the steady state of the rigid press under its motor, near its speed."""
+        return self._steady_state
+
+    @cached_property
+    def _steady_state(self) -> Run:
+        _ = self._section("motor")
+        if self.speed is None:
+            raise PinpressError(f"{self.source.file}: a steady state is found near a speed; write speed: 70 r/min")
+        return steady_state(self.press, self.speed, **self._driven, points=self._points)
+
+    @property
+    def _driven(self) -> dict[str, Any]:
+        """What drives and resists the press, as arguments of `simulate`."""
+        return {"drive": self.motor, "flywheel": self.flywheel, "loads": list(self.loads.values()), "friction": self.friction}
+
+    def simulate(self, progress: Callable[[float], None] | None = None) -> Run:
+        """The run that the section ``run`` describes, or its steady state; on springs where the job has ``elastic``.
+
+        Args:
+            progress: is told the simulated time [s] now and then.
+        """
+        given = dict(self._section("run"))
+        start = {name: given.pop(name, {}) for name in ("speed", "angle")}
+        if not start["speed"] and self.speed is not None:
+            start["speed"] = {self.press.driver: self.speed}
+        speeds, angles = ([start[name].get(driver, 0.0) for driver in self.press.drivers] for name in ("speed", "angle"))
+        one = len(self.press.drivers) == 1
+        driven = self._driven | ({} if self.elastic is None else {"elastic": self.elastic})
+        if given.pop("steady", False):
+            if beside := [name for name in ("duration", "method", "step") if name in given]:
+                self._refuse("run", f"{beside[0]} does not go with steady", "leave out one of them")
+            if not one:
+                self._refuse("run", "several drivers have no stroke that repeats itself", "write duration: 3 s in place of steady")
+            _ = self._section("motor")
+            points = given.pop("points", POINTS * self.press.period_turns)
+            return steady_state(self.press, speeds[0], angle=angles[0], **driven, points=points, **given)
+        if "duration" not in given:
+            self._refuse("run", "it says neither duration nor steady", "write duration: 3 s, or steady: yes")
+        start_at = {"speed": speeds[0], "angle": angles[0]} if one else {"speed": speeds, "angle": angles}
+        return simulate(
+            self.press, given.pop("duration"), **start_at, **driven, clutch=self.clutch, brake=self.brake, progress=progress, **given
+        )
+
+    def rate(self) -> PressRatings | MotionRatings:
+        """The process force that the capacities permit, over the stroke or along the motion.
+
+        Loads that always act, such as balance cylinders, count ``at_speed`` and along a motion.
+        """
+        return self._ratings
+
+    @cached_property
+    def _ratings(self) -> PressRatings | MotionRatings:
+        given = self._section("capacities")
+        beside = [load for load in self.loads.values() if isinstance(load, StandingLoad)]
+        if "motion" in self.sections:
+            return rate_motion(self.press, self.motion(), self.capacities, loads=beside, friction=self.friction)
+        at_speed = given.get("at_speed", False)
+        more = {name: given[name] for name in ("contact_height", "dwell_tolerance") if name in given}
+        if self.speed is None:
+            raise PinpressError(f"{self.source.file}: ratings are those at a speed; write speed: 70 r/min")
+        return rate(
+            self.press, self.speed, self.capacities, at_speed=at_speed, loads=beside if at_speed else [], friction=self.friction, **more
+        )
+
+    def balance(self) -> BalancedPress:
+        """The best counterweights in the regions of the job, over its dies, settings and speeds."""
+        return self._balanced
+
+    @cached_property
+    def _balanced(self) -> BalancedPress:
+        from ..balancing.optimum import balance  # seldom needed
+
+        given = self._section("balance")
+        return balance(self.press, [*self._conditions(given)], regions=[*given["regions"].values()], minimise=given["minimise"], limits=given["limits"])
+
+    def _conditions(self, given: Mapping[str, Any]) -> Iterator[Any]:
+        """The operating conditions: every setting with every die at every speed."""
+        from ..balancing.counterweights import OperatingCondition, with_die  # seldom needed
+
+        several = len(given.get("speeds", ())) > 1
+        for setting in given.get("settings") or [{}]:
+            jobs = self.with_(**setting) if setting else self
+            words = ", ".join(f"{name}={value}" for name, value in setting.items())
+            for die in given.get("dies") or [None]:
+                slide = jobs.press.slide
+                if die is not None and slide is None:
+                    self._refuse("balance", f"{self.press.name} has no slide to fix a die to", "leave out dies")
+                press = jobs.press if die is None else with_die(jobs.press, die, str(slide))
+                name = ", ".join(part for part in (words, "" if die is None else f"die of {die:g} kg") if part)
+                for number, speed in enumerate(given.get("speeds") or [self.speed]):
+                    motion = self.motion() if speed is None else cycle(press, speed=speed, points=self.sections.get("points", 360))
+                    said = f"{name} ({number})" if name and several else name
+                    yield OperatingCondition(motion, list(self.loads.values()), press if setting or die is not None else None, said)
+
+    def best_motion(self) -> MotionOptimum:
+        """The best motion of the servo drive, with its proof; of a catalogue that of the smallest sufficient motor."""
+        if "motors" in self._section("servo"):
+            best = self.choose_motor().best
+            if best is None:
+                raise PinpressError("no motor of the catalogue is sufficient: give larger motors, other ratios, more time or a pause")
+            return best
+        return self._best_motion
+
+    @cached_property
+    def _best_motion(self) -> MotionOptimum:
+        from ..servo.optimum import best_motion  # seldom needed
+
+        given = dict(self._section("servo"))
+        if "drive" not in given:
+            self._refuse("servo", "it has neither a drive nor motors", f"write {SECTIONS['servo'].example.partition(': ')[2]}")
+        for name in ("step", "gear_inertia", "pause"):
+            if name in given and name != "step":
+                self._refuse("servo", f"{name} goes with motors", "leave it out: the drive has its gear_inertia")
+            given.pop(name, None)
+        return best_motion(self.press, given.pop("drive"), list(self.loads.values()), friction=self.friction, **given)
+
+    def choose_motor(self) -> MotorChoice:
+        """The smallest sufficient motor of the catalogue in the section ``servo``, and its ratio."""
+        return self._choice
+
+    @cached_property
+    def _choice(self) -> MotorChoice:
+        from ..servo.motors import read_motors  # seldom needed
+        from ..servo.sizing import choose_motor
+
+        given = dict(self._section("servo"))
+        if "drive" in given or given.get("minimise", "heat") != "heat":
+            which = "drive" if "drive" in given else "minimise"
+            self._refuse("servo", f"motors chooses the motor by its heat, and {which} stands beside it", f"leave out {which} or motors")
+        if "ratios" not in given or "time" not in given:
+            self._refuse("servo", "motors needs ratios and the time of a stroke", "write ratios: 40 60 80 and strokes_per_minute: 25")
+        for name in ("step", "minimise"):
+            given.pop(name, None)
+        return choose_motor(self.press, read_motors(given.pop("motors")), list(self.loads.values()), **given)
+
+    @cached_property
+    def dimensions(self) -> DimensionTable:
+        """The dimensions with their tolerances."""
+        from ..tolerances.dimension_table import dimensions_of, read_dimensions  # seldom needed
+
+        given = self._section("tolerances")["dimensions"]
+        if isinstance(given, Path):
+            return read_dimensions(self.press, given)
+        return dimensions_of(self.press, [(name, {"dimension": name, **row}) for name, row in given.items()], "dimensions")
+
+    def scatter(self) -> DeadCentreScatter:
+        """Scatter of the dead centres with the tolerances of the dimensions."""
+        return self._scatter
+
+    @cached_property
+    def _scatter(self) -> DeadCentreScatter:
+        from ..tolerances.dead_centre_scatter import bottom_dead_centre  # seldom needed
+
+        given = self._section("tolerances")
+        asked = {name: given[name] for name in ("forces", "speeds", "samples", "seed") if name in given}
+        return bottom_dead_centre(self.press, self.dimensions.parts, motion=self._given_motion, **asked)
+
+    @property
+    def _given_motion(self) -> Motion | None:
+        return self.motion() if "motion" in self.sections else None
+
+    def allocate(self) -> AllocatedTolerances:
+        """The cheapest tolerances that keep the targets."""
+        from ..tolerances.allocation import allocate  # seldom needed
+
+        given, table = self._section("tolerances"), self.dimensions
+        if not given.get("targets"):
+            self._refuse("tolerances", "it has no targets", "write targets: {height: 50 um}")
+        return allocate(self.press, table.parts, table.costs, given["targets"], table.bounds, motion=self._given_motion)
+
+    def budget(self) -> AccuracyBudget:
+        """Shifts of bottom dead centre over speed, process and temperature, by clearances, springs and heat."""
+        from ..tolerances.accuracy_budget import budget  # seldom needed
+        from ..tolerances.temperatures import STEEL, Temperatures
+
+        given = self._section("tolerances").get("budget")
+        if given is None:
+            self._refuse("tolerances", "it has no budget", "write budget: {speeds: 10 50 70 r/min, warm: {rod: 10 K}}")
+        warm = given.get("warm")
+        heat = Temperatures(warm, given.get("expansion", STEEL), given.get("table"), given.get("face")) if warm else None
+        return budget(
+            self.press,
+            speeds=given["speeds"],
+            clearance=clearances_of(self.bearings) or None,
+            stiffness=Stiffness(self._shares) if self._shares else None,
+            temperatures=heat,
+            process=given.get("process", 0.0),
+            machining=self.scatter(),
+        )
+
+    # ------------------------------------------------------------------------------------------------------------------- other jobs
+
+    def variant(self, name: str) -> Job:
+        """The job with one of its variants, and with no other change."""
+        return read_job(of_variant(self.source, name), _raise)
+
+    def with_(self, **changes: Any) -> Job:
+        """The job with other values, by their paths, on top of all changes so far.
+
+        Args:
+            changes: as of `job`.
+        """
+        return read_job(changed(self.source, (), changes), _raise)
+
+    def results(self) -> Iterator[Tabular]:
+        """All results that the sections of the job allow, beside motion and forces."""
+        from .results import results_of  # slow to import
+
+        return results_of(self)
+
+    def write_report(self, path: str | os.PathLike[str]) -> Path:
+        """Write the page with all that the sections of the job allow; return its path.
+
+        Raises:
+            PinpressError: as the results, or the page cannot be written.
+        """
+        from .results import write_report  # slow to import
+
+        return write_report(self, path)
