@@ -1,4 +1,4 @@
-"""`pinpress new` and `pinpress build`: write a template of a pin table; build a press from a pin table, as URDF and as a sketch."""
+"""`pinpress new` and `pinpress build`: write a job to start from; build the press of a table of pins, as URDF and as a sketch."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..common.errors import PinpressError, PinpressWarning, PinTableError
 from ..kinematics.check import check_document, summarise_facts
 from ..linkage.element import MOST_BYTES
 from ..pin_table.templates import TEMPLATES, template
-from .words.press import add_refused_option, add_slide_option, drawn
+from .options import add_job_options, source_of
 
 if TYPE_CHECKING:
     from ..pin_table.building import DrawnPress
@@ -26,33 +26,32 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     _add_new(commands)
     parser = commands.add_parser(
         "build",
-        help="build a press from a table of pins: a URDF and a sketch",
-        description="Build a press from a pin table and write its URDF and a sketch of the drawn pose next to the table.",
-        epilog="other commands take the table itself too: pinpress analyse press.yaml --speed 60 --set r=150",
+        help="build the press of a table of pins: a URDF and a sketch",
+        description="Build the press of a table of pins, and write its URDF and a sketch of the drawn pose next to the table. Prints what\n"
+        "is estimated because the table does not give it, and other places that the lengths of pins allow.",
+        epilog="pinpress build press.yaml --set r=150 --out press_150.urdf",
     )
-    option = parser.add_argument
-    option("file", metavar="TABLE", help="pin table (.yaml); `pinpress new` writes one to start from")
-    option("parameters", metavar="NAME=VALUE", nargs="*", help="another value of a parameter of the table, such as r=150")
-    add_slide_option(parser)
-    add_refused_option(parser, "--set", "build takes values after the table: pinpress build press.yaml r=150")
-    option("--out", type=Path, metavar="FILE", help="the URDF; default: the table's name with .urdf. The sketch has its name with .svg")
+    add_job_options(parser, speed=False)
+    parser.add_argument("--out", type=Path, metavar="FILE", help="the URDF; default: the table's name with .urdf. The sketch is beside it")
     parser.set_defaults(run=run)
 
 
 def _add_new(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "new",
-        help="write a template of a pin table",
-        description="Write a pin table with comments. Its lengths are parameters; change them to describe your press.",
+        help="write a job to start from, and the schema with which editors complete and check it",
+        description="Write a job with comments: a table of pins, whose lengths are parameters, and what acts on the press. Change it to\n"
+        "describe yours. Beside it stands pinpress.schema.json, by which editors complete keys, show their units and mark mistakes.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("file", metavar="TABLE", type=Path, help="new file, such as press.yaml; it must not exist")
+    option("file", metavar="FILE", type=Path, help="new file, such as press.yaml; it must not exist")
     option("--template", choices=TEMPLATES, default=TEMPLATES[0], help=f"kind of press (default: {TEMPLATES[0]})")
     parser.set_defaults(run=run_new)
 
 
 def run_new(options: argparse.Namespace) -> int:
-    """Write a template of a pin table.
+    """Write a template, and the schema beside it.
 
     Returns:
         The exit code, 0.
@@ -61,11 +60,15 @@ def run_new(options: argparse.Namespace) -> int:
         PinpressError: the file exists already, or cannot be written.
     """
     if options.file.suffix not in (".yaml", ".yml"):
-        raise PinpressError(f"{options.file} does not end in .yaml: pin tables are YAML files, so give a name with .yaml")
+        raise PinpressError(f"{options.file} does not end in .yaml: jobs are YAML files, so give a name with .yaml")
     if os.path.exists(options.file):
         raise PinpressError(f"{options.file} is there already: give another name")
-    files.write(options.file, template(options.template))
-    print(f"wrote {options.file}; change it, then: pinpress build {options.file}")
+    from ..jobs.schema import FILE, LINE, schema_text  # seldom needed
+
+    schema = options.file.parent / FILE
+    files.write(options.file, LINE + template(options.template))
+    files.write(schema, schema_text())
+    print(f"wrote {options.file} and {schema}; change it, then: pinpress {options.file}")
     return 0
 
 
@@ -85,8 +88,12 @@ def run(options: argparse.Namespace) -> int:
     if out.suffix == ".svg":
         raise PinpressError(f"--out is {out}: give the URDF's name, press.urdf; the sketch is written next to it")
     sketch = out.with_suffix(".svg")
+    found = source_of(options)
+    if found.table is None:
+        raise PinpressError(f"{options.file} is no table of pins: build makes a URDF of one; pinpress new press.yaml writes one")
+    slide = found.press_sections().get("slide")
     try:
-        draft = drawn(options.file, options.parameters, option="")
+        draft = building.drawn_from(found.table)
     except PinTableError as error:
         if error.sketch is not None:
             files.write(sketch, error.sketch.encode())
@@ -96,11 +103,11 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError(f"{out} is there already, and was not written from a pin table: give another name by --out")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PinpressWarning)  # `check` says them, with lines of the URDF that is written
-        press = draft.press(slide=options.slide)
+        press = draft.press(slide=slide)
         files.write(out, draft.urdf)
     files.write(sketch, draft.sketch.encode())
-    print(check_document(str(out), draft._document(str(out), draft.urdf), slide=options.slide))
-    print("\n".join([*_other_places(draft, options.slide), *_estimates(draft)]))
+    print(check_document(str(out), draft._document(str(out), draft.urdf), slide=slide))
+    print("\n".join([*_other_places(draft, slide), *_estimates(draft)]))
     print(f"wrote {out} and {sketch} of {press.name}")
     return 0
 

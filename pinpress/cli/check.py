@@ -1,28 +1,30 @@
-"""`pinpress check`: report how a press moves, with the errors, doubts and notes about its file."""
+"""`pinpress check`: how a press moves, with the errors, doubts and notes about its file, and all errors of a job at once."""
 
 import argparse
-from collections.abc import Sequence
 
-from ..common.errors import PinTableError
+from ..common.errors import PinpressError, PinTableError
 from ..common.results import Records
+from ..jobs.job import read_job
+from ..jobs.sources import Source
 from ..kinematics.check import CheckResult, check
 from ..linkage.document import Finding
-from .words.press import add_reading_options, add_refused_option, drawn, names_table
+from ..pin_table.building import drawn_from
+from .options import add_job_options, source_of
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Put `check` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "check",
-        help="stroke, dead centres and bearings of a press, and all errors and doubts about its file",
+        help="stroke, dead centres and bearings of a press, and all errors and doubts about its file or job",
         description="Report how a press moves: stroke, dead centres, sense of rotation, masses, bearings, transmission angles. List the\n"
         "errors of its file, with line and remedy: names, numbers, inertias, connections of links, loops that do not close as drawn or\n"
-        "that the driver does not determine. Then list doubts and notes. For a file with errors the report is as complete as possible.",
+        "that the driver does not determine. Then list doubts and notes, and all errors in the sections of a job. For a file with errors\n"
+        "the report is as complete as possible. Nothing is computed beyond the motion.",
         epilog="exit code: 0 without errors (there may be warnings), 1 with errors, 2 for wrong usage",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    add_reading_options(parser)
-    add_refused_option(parser, "--zero", "check reports the dead centres in the angles of the file; pinpress analyse can count from them")
+    add_job_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -33,19 +35,26 @@ def run(options: argparse.Namespace) -> int:
         The exit code: 1 if there are errors, else 0.
 
     Raises:
-        PinpressError: There is no such file, driver or slide.
+        PinpressError: there is no such file, driver or slide.
     """
-    if names_table(options):
-        result = _of_table(options.file, options.parameters, options.slide)
-    else:
-        result = check(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open)
+    found = source_of(options)
+    result = _of_press(found)
     print(result)
-    return 1 if result.errors else 0
+    if result.errors or result.facts is None:
+        return 1
+    errors: list[PinpressError] = []
+    read_job(found, errors.append)
+    print("".join(f"\nerror: {error}" for error in errors), end="\n" if errors else "")
+    return 1 if errors else 0
 
 
-def _of_table(file: str, parameters: Sequence[str], slide: str | None) -> CheckResult:
+def _of_press(found: Source) -> CheckResult:
+    given = found.press_sections()
+    slide = given.get("slide")
+    if found.table is None:
+        return check(found.model, driver=given.get("drivers"), slide=slide, allow_open=given.get("allow_open", False))
     try:
-        return drawn(file, parameters).check(slide)
+        return drawn_from(found.table).check(slide)
     except PinTableError as error:
         if error.line is None:
             raise  # there is no such file, it is no table at all, or a value is none

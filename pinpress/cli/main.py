@@ -2,15 +2,16 @@
 
 import argparse
 import sys
+from collections.abc import Collection
+from typing import Any
 
-from .. import __version__
 from ..common.command_end import ended
-from . import about, accuracy, analyse, balance, build, check, ratings, record, report, servo, simulate, sweep, tolerances, view
-from .measured import force, identify, vibration
+from ..linkage.loading import presses
+from . import accuracy, analyse, balance, build, check, record, report, servo, simulate, tolerances, view
+from .measured import measured
 
 # as the help lists them
-MEASURED = (identify, force, vibration)
-COMMANDS = (build, view, report, analyse, simulate, balance, servo, ratings, tolerances, sweep, *MEASURED, record, accuracy, check, about)
+COMMANDS = (build, check, report, analyse, simulate, balance, servo, tolerances, record, view, measured, accuracy)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -27,23 +28,43 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _run(arguments: list[str] | None) -> int:
-    options = _parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    parser, commands = _parser()
+    if words and not words[0].startswith("-") and words[0] not in commands and _names_press(words[0]):
+        words = ["report", *words]
+    options = parser.parse_args(words)
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="backslashreplace")  # names may have characters that the terminal's encoding lacks
     return int(options.run(options))
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="pinpress", description="Mechanical press linkages: motion, driving torque, bearing forces.")
-    parser.add_argument(
-        "--version", action="version", version=f"pinpress {__version__}; versions and licences of all it uses: pinpress about"
+def _names_press(word: str) -> bool:
+    """Whether a word is no command but a job or press: it has the ending of one, or is the name of a shipped press."""
+    return word.lower().endswith((".yaml", ".yml", ".urdf", ".sdf", ".xml", ".mjcf")) or word in presses()
+
+
+class _Versions(argparse.Action):
+    """Prints versions and licences of all that pinpress uses."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        from .versions import lines  # seldom needed
+
+        print("\n".join(lines()))
+        parser.exit()
+
+
+def _parser() -> tuple[argparse.ArgumentParser, Collection[str]]:
+    parser = argparse.ArgumentParser(
+        prog="pinpress",
+        description="Mechanical press linkages: motion, driving torque, bearing forces. `pinpress press.yaml` does all that a job allows.",
     )
+    parser.add_argument("--version", action=_Versions, nargs=0, help="versions and licences of pinpress and of all it uses")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in COMMANDS:
         command.add(commands)
     for subparser in commands.choices.values():
         subparser.allow_abbrev = False  # an abbreviation could stand for another option
-    return parser
+    return parser, commands.choices
 
 
 if __name__ == "__main__":

@@ -1,21 +1,14 @@
-"""`pinpress view`: show a press in a window of the browser, to move and to change."""
+"""`pinpress view`: show a press in a live window of the browser, to move and to change."""
 
 import argparse
 import sys
 
-from .words import part_specs
-from .words.forces import add_force_options, forces
-from .words.motions import SPEED
-from .words.outputs import SIGNS
-from .words.press import add_press_options, load_press, names_table, naming_values, table_parameters, with_zero
-from .words.units import OfDriver, driver_speed
+from .options import SHORT, SIGNS, add_job_options, open_job
 
 EPILOG = f"""\
-Sliders change link lengths and pivots, or the numbers of a pin table; the changed press can be written to a file next to FILE. The window
-is served only to this machine, at an address that nobody can guess; Ctrl-C ends it.
-{part_specs.explained("load", "spring", "friction")}
-{SIGNS}e.g. pinpress view press.yaml --speed 60 --watch
-     pinpress view zxn2_3000b --speed 70 --load blanking:force=1000kN,start=6mm,end=2mm
+Sliders change link lengths and pivots, or the numbers of a table of pins; the changed press can be written to a file next to FILE. The
+window is served only to this machine, at an address that nobody can guess; Ctrl-C ends it.
+{SIGNS}{SHORT}pinpress view press.yaml --speed 60r/min --watch
 """
 LOOK = 0.2  # interval between checks for Ctrl-C [s]
 
@@ -26,16 +19,13 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "view",
         help="show a press in a window of the browser, to move and to change",
         description="Show a press turning in the browser, with its forces, and change its lengths, pivots and speed by sliders:\n"
-        "slide, driving torque and largest bearing force follow.",
+        "slide, driving torque and largest bearing force follow. Without a speed it turns at 60 r/min or 100 mm/s.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    option = parser.add_argument
-    add_press_options(parser)
-    option("--speed", type=driver_speed, metavar="RPM", help=f"{SPEED} (default: 60 r/min or 100 mm/s)")
-    add_force_options(parser)
-    option("--watch", action="store_true", help="read the file again whenever it is saved, and show its errors")
-    option("--no-browser", action="store_true", help="print the address, but open no browser")
+    add_job_options(parser)
+    parser.add_argument("--watch", action="store_true", help="read the file again whenever it is saved, and show its errors")
+    parser.add_argument("--no-browser", action="store_true", help="print the address, but open no browser")
     parser.set_defaults(run=run)
 
 
@@ -47,19 +37,12 @@ def run(options: argparse.Namespace) -> int:
     from ..live.sources import opened
     from ..live.viewing import window
 
-    table = names_table(options)
-    speed: OfDriver | None = options.speed
-
     def opening() -> Opened:
-        parameters = table_parameters(options.parameters) if table else {}
-        with naming_values(parameters):
-            source = opened(
-                options.file, lambda _: load_press(options), parameters, options.slide, lambda press: with_zero(press, options.zero)
-            )
-        press = source.press
-        found = default_speed(press) if speed is None else speed.of(press.driver_coordinates[0])
-        acting = forces(options, press)
-        return Opened(source, Operation(found, acting["loads"], acting["friction"], acting["stiffness"]))
+        job = open_job(options)
+        file = options.file if job.drawn is not None else job.source.model
+        source = opened(str(file), lambda _: job.press, job.parameters, job.sections.get("slide"), job.with_zero)
+        speed = default_speed(source.press) if job.speed is None else job.speed
+        return Opened(source, Operation(speed, list(job.loads.values()), job.friction, job.stiffness))
 
     with window(opening, options.file if options.watch else None, not options.no_browser) as shown:
         if shown.broken is not None:

@@ -41,8 +41,8 @@ from .kinds import (
     MOTORS,
     PATHS,
     REGION,
-    Regions,
     SERVO_DRIVE,
+    Regions,
 )
 
 ALL = "all"  # in place of a bearing's name: every bearing that does not say otherwise
@@ -216,7 +216,9 @@ SECTIONS: Mapping[str, Section] = {
     "allow_open": Section(Truth(), "Whether loops may be drawn open by more than a tenth of the linkage.", "allow_open: yes"),
     "gravity": Section(Number("m/s2"), "Gravity downwards.", "gravity: 9.81 m/s2"),
     "zero": Section(Text(("drawn", "tdc", "bdc")), "Where crank angles are 0: as drawn, at top or bottom dead centre.", "zero: tdc"),
-    "speed": Section(OfDriver(Number("rad/s")), "Speed of the driver, negative: backwards; of one that slides its highest.", "speed: 70 r/min"),
+    "speed": Section(
+        OfDriver(Number("rad/s")), "Speed of the driver, negative: backwards; of one that slides its highest.", "speed: 70 r/min"
+    ),
     "motion": Section(
         keys("{file: motion.csv, period: 1 s}", {"file": DataFile(), "period": Number("s")}, ("file",)),
         "A table of the drivers' positions over time, in place of the speed.",
@@ -237,7 +239,9 @@ SECTIONS: Mapping[str, Section] = {
         "What drives the press; of several drivers by their names.",
         "motor: {kind: induction, rated_power: 75 kW, rated_speed: 1485 r/min, inertia: 1.2 kg m2, ratio: 20.7}",
     ),
-    "flywheel": Section(OfDrivers(FLYWHEEL, "2000 kg m2"), "Flywheel at the driver joint; of several drivers by their names.", "flywheel: 6000 kg m2"),
+    "flywheel": Section(
+        OfDrivers(FLYWHEEL, "2000 kg m2"), "Flywheel at the driver joint; of several drivers by their names.", "flywheel: 6000 kg m2"
+    ),
     "clutch": Section(OfDriver(CLUTCH), "Clutch between flywheel and crank.", "clutch: {torque: 60 kN m, closes: 0.2 s, rise: 50 ms}"),
     "brake": Section(OfDriver(BRAKE), "Brake on the crank.", "brake: {torque: 60 kN m, closes: 350 deg, rise: 50 ms}"),
     "capacities": Section(

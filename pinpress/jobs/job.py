@@ -16,7 +16,6 @@ import numpy as np
 from ..common.errors import PinpressError, suggestion
 from ..common.reading.entries import Entry
 from ..common.reading.filling import Around, Named, naming
-from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics.inverse_dynamics import inverse_dynamics
@@ -26,7 +25,7 @@ from ..kinematics.motion import Motion
 from ..kinematics.motion_table import read_motion
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
-from ..linkage.loading import load, presses
+from ..linkage.loading import load
 from ..loads.link import Friction, Load, StandingLoad
 from ..pin_table.building import DrawnPress, drawn_from
 from ..ratings.along_motion import MotionRatings, rate_motion
@@ -36,10 +35,10 @@ from ..simulation.elastic.description import Elastic, Stiffness
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state
-from .bearings import bearings_of, clearances_of, elastic_of, frictions_of, stiffness_of
+from .bearings import bearings_of, clearances_of, elastic_of, frictions_of
 from .grammar import ALL, SECTIONS
 from .kinds import Bearing
-from .sources import Change, Source, changed, of_variant, source
+from .sources import OF_PRESS, Change, Source, changed, of_variant, source
 
 if TYPE_CHECKING:
     from ..balancing.result import BalancedPress
@@ -53,12 +52,9 @@ if TYPE_CHECKING:
 
 POINTS = 720  # states of a turn: fewer miss peaks of short blows
 ZEROS = {"tdc": "top dead centre", "bdc": "bottom dead centre"}
-_OF_PRESS = ("file", "drivers", "slide", "allow_open", "gravity", "zero")  # sections that make the press
 
 
-def job(
-    file: str | os.PathLike[str] | None = None, /, *, variant: str | None = None, set: Sequence[str] = (), **changes: Any
-) -> Job:
+def job(file: str | os.PathLike[str] | None = None, /, *, variant: str | None = None, set: Sequence[str] = (), **changes: Any) -> Job:
     """Read a job: a press and all that acts on it.
 
         job = pp.job("press.yaml", variant="hard_steel", **{"loads.draw.force": 1.9e6})
@@ -77,11 +73,20 @@ def job(
     Raises:
         PinpressError: the press cannot be built or loaded, an entry is unknown, lacks its unit, or cannot be; with file, line and remedy.
     """
-    return read_job(source(file, variant, set, changes), _raise)
+    return read_job(source(file, variant, set, changes), raise_first)
 
 
-def _raise(error: PinpressError) -> None:
+def raise_first(error: PinpressError) -> None:
+    """Refuse a job with its first error."""
     raise error
+
+
+def as_inputs(job: Job | None) -> list[tuple[str, str]]:
+    """The files of a job with their SHA-256, and what was changed, for the inputs of a result."""
+    if job is None:
+        return []
+    rows = [("read", f"{path}, SHA-256 {digest}") for path, digest in job.files.items()]
+    return rows + [("changed", f"{each.path}: {each.before or 'nothing'} -> {each.now or 'nothing'}") for each in job.changed]
 
 
 def read_job(found: Source, refuse: Callable[[PinpressError], Any]) -> Job:
@@ -92,12 +97,13 @@ def read_job(found: Source, refuse: Callable[[PinpressError], Any]) -> Job:
         refuse: takes every error of a section; it raises the first one, or collects them all.
     """
     items = found.items
-    made = {name: SECTIONS[name].value.read(items[name], Around()) for name in _OF_PRESS if name in items}
+    made = found.press_sections()
     drawn = None if found.table is None else drawn_from(found.table)
-    press = _with_zero(_press(found, made, drawn), made.get("zero", "drawn"), items.get("zero"))
+    as_drawn = _press(found, made, drawn)
+    press = counted_from(as_drawn, made.get("zero", "drawn"))
     around = Around(drivers=dict(zip(press.drivers, press.driver_coordinates, strict=True)))
     for name, section in SECTIONS.items():
-        if name in items and name not in (*_OF_PRESS, "variants"):
+        if name in items and name not in (*OF_PRESS, "variants"):
             try:
                 made[name] = _read(section.value, items[name], around, refuse)
                 _check_names(name, items[name], made[name], press)
@@ -105,7 +111,7 @@ def read_job(found: Source, refuse: Callable[[PinpressError], Any]) -> Job:
                 made.pop(name, None)
                 refuse(error)
     files = {path: _digest(path) for path in (*found.files, *around.files) if path.is_file()}
-    result = Job(press, made, found, drawn, files)
+    result = Job(press, as_drawn, made, found, drawn, files)
     try:
         result._check()
     except PinpressError as error:
@@ -133,17 +139,13 @@ def _press(found: Source, made: Mapping[str, Any], drawn: DrawnPress | None) -> 
             if name in found.items:
                 found.items[name].refuse("it is for a press of a file", "leave it out: a table of pins has its drive")
         return drawn.press(gravity, slide=slide)
-    entry = found.items["file"]
     for name in ("pins", "links"):
         if name in found.items:
             found.items[name].refuse("the press is that of file", "leave out one of them")
-    named = made["file"]
-    path = entry.folder / named
-    shipped = named in presses() and not path.exists()
-    return load(named if shipped else path, made.get("drivers"), slide, gravity, allow_open=made.get("allow_open", False))
+    return load(found.model, made.get("drivers"), slide, gravity, allow_open=made.get("allow_open", False))
 
 
-def _with_zero(press: Linkage, zero: str, entry: Entry | None) -> Linkage:
+def counted_from(press: Linkage, zero: str) -> Linkage:
     """The press with crank angles counted from one of its dead centres."""
     if zero == "drawn":
         return press
@@ -178,7 +180,8 @@ class Job:
     """A press and all that acts on it.
 
     Attributes:
-        press: the press.
+        press: the press, its crank angles counted from ``zero``.
+        as_drawn: the press as its file draws it.
         sections: name of a section that the job has -> what stands in it, with numbers in SI units.
         source: the entries from which it was read.
         drawn: the press as its table draws it; None where it comes from another file.
@@ -186,14 +189,24 @@ class Job:
     """
 
     press: Linkage
+    as_drawn: Linkage
     sections: Mapping[str, Any]
     source: Source = field(repr=False)
     drawn: DrawnPress | None = None
     files: Mapping[Path, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        given = ", ".join(name for name in self.sections if name not in _OF_PRESS)
+        given = ", ".join(name for name in self.sections if name not in OF_PRESS)
         return f"Job of {self.press.name}: {given or 'the press alone'}" + (f"; {len(self.changed)} changes" if self.changed else "")
+
+    @property
+    def parameters(self) -> Mapping[str, str]:
+        """Parameters of the table that were changed, by their names."""
+        return {each.path.partition(".")[2]: each.now for each in self.changed if each.path.startswith("parameters.")}
+
+    def with_zero(self, press: Linkage) -> Linkage:
+        """A press with crank angles counted as those of this job."""
+        return counted_from(press, self.sections.get("zero", "drawn"))
 
     # ------------------------------------------------------------------------------------------------------------------- what acts
 
@@ -248,7 +261,7 @@ class Job:
     @cached_property
     def capacities(self) -> Capacities:
         """What the press may bear, with the permissible forces of its bearings, and the flywheel where a drop of speed is given."""
-        given = dict(self._section("capacities"))
+        given = dict(self.need("capacities"))
         for name in ("contact_height", "dwell_tolerance", "at_speed"):
             given.pop(name, None)
         torque = given.pop("torque", {})
@@ -298,8 +311,8 @@ class Job:
         parts = self.sections.get(section)
         return None if parts is None else parts[self.press.driver] if len(self.press.drivers) == 1 else parts
 
-    def _section(self, name: str) -> Mapping[str, Any]:
-        """A section that a result needs."""
+    def need(self, name: str) -> Mapping[str, Any]:
+        """What stands in a section that a result needs; raises PinpressError with an example if the job lacks it."""
         if name not in self.sections:
             raise PinpressError(f"{self.source.file}: the job has no {name}; write it, such as {SECTIONS[name].example}")
         section: Mapping[str, Any] = self.sections[name]
@@ -353,10 +366,10 @@ class Job:
 
     @cached_property
     def _reactions(self) -> Reactions:
-        return inverse_dynamics(self.press, self.motion(), list(self.loads.values()), self.friction, stiffness=self._shares)
+        return inverse_dynamics(self.press, self.motion(), list(self.loads.values()), self.friction, stiffness=self.stiffness)
 
     @property
-    def _shares(self) -> Mapping[str, float]:
+    def stiffness(self) -> Mapping[str, float]:
         """Stiffnesses by which redundant bearings share their forces."""
         return {name: each.stiffness for name, each in self.bearings.items() if each.stiffness is not None}
 
@@ -366,7 +379,7 @@ class Job:
 
     @cached_property
     def _steady_state(self) -> Run:
-        _ = self._section("motor")
+        _ = self.need("motor")
         if self.speed is None:
             raise PinpressError(f"{self.source.file}: a steady state is found near a speed; write speed: 70 r/min")
         return steady_state(self.press, self.speed, **self._driven, points=self._points)
@@ -382,7 +395,7 @@ class Job:
         Args:
             progress: is told the simulated time [s] now and then.
         """
-        given = dict(self._section("run"))
+        given = dict(self.need("run"))
         start = {name: given.pop(name, {}) for name in ("speed", "angle")}
         if not start["speed"] and self.speed is not None:
             start["speed"] = {self.press.driver: self.speed}
@@ -394,7 +407,7 @@ class Job:
                 self._refuse("run", f"{beside[0]} does not go with steady", "leave out one of them")
             if not one:
                 self._refuse("run", "several drivers have no stroke that repeats itself", "write duration: 3 s in place of steady")
-            _ = self._section("motor")
+            _ = self.need("motor")
             points = given.pop("points", POINTS * self.press.period_turns)
             return steady_state(self.press, speeds[0], angle=angles[0], **driven, points=points, **given)
         if "duration" not in given:
@@ -413,7 +426,7 @@ class Job:
 
     @cached_property
     def _ratings(self) -> PressRatings | MotionRatings:
-        given = self._section("capacities")
+        given = self.need("capacities")
         beside = [load for load in self.loads.values() if isinstance(load, StandingLoad)]
         if "motion" in self.sections:
             return rate_motion(self.press, self.motion(), self.capacities, loads=beside, friction=self.friction)
@@ -433,8 +446,10 @@ class Job:
     def _balanced(self) -> BalancedPress:
         from ..balancing.optimum import balance  # seldom needed
 
-        given = self._section("balance")
-        return balance(self.press, [*self._conditions(given)], regions=[*given["regions"].values()], minimise=given["minimise"], limits=given["limits"])
+        given = self.need("balance")
+        return balance(
+            self.press, [*self._conditions(given)], regions=[*given["regions"].values()], minimise=given["minimise"], limits=given["limits"]
+        )
 
     def _conditions(self, given: Mapping[str, Any]) -> Iterator[Any]:
         """The operating conditions: every setting with every die at every speed."""
@@ -457,7 +472,7 @@ class Job:
 
     def best_motion(self) -> MotionOptimum:
         """The best motion of the servo drive, with its proof; of a catalogue that of the smallest sufficient motor."""
-        if "motors" in self._section("servo"):
+        if "motors" in self.need("servo"):
             best = self.choose_motor().best
             if best is None:
                 raise PinpressError("no motor of the catalogue is sufficient: give larger motors, other ratios, more time or a pause")
@@ -468,7 +483,7 @@ class Job:
     def _best_motion(self) -> MotionOptimum:
         from ..servo.optimum import best_motion  # seldom needed
 
-        given = dict(self._section("servo"))
+        given = dict(self.need("servo"))
         if "drive" not in given:
             self._refuse("servo", "it has neither a drive nor motors", f"write {SECTIONS['servo'].example.partition(': ')[2]}")
         for name in ("step", "gear_inertia", "pause"):
@@ -486,7 +501,7 @@ class Job:
         from ..servo.motors import read_motors  # seldom needed
         from ..servo.sizing import choose_motor
 
-        given = dict(self._section("servo"))
+        given = dict(self.need("servo"))
         if "drive" in given or given.get("minimise", "heat") != "heat":
             which = "drive" if "drive" in given else "minimise"
             self._refuse("servo", f"motors chooses the motor by its heat, and {which} stands beside it", f"leave out {which} or motors")
@@ -501,7 +516,7 @@ class Job:
         """The dimensions with their tolerances."""
         from ..tolerances.dimension_table import dimensions_of, read_dimensions  # seldom needed
 
-        given = self._section("tolerances")["dimensions"]
+        given = self.need("tolerances")["dimensions"]
         if isinstance(given, Path):
             return read_dimensions(self.press, given)
         return dimensions_of(self.press, [(name, {"dimension": name, **row}) for name, row in given.items()], "dimensions")
@@ -514,7 +529,7 @@ class Job:
     def _scatter(self) -> DeadCentreScatter:
         from ..tolerances.dead_centre_scatter import bottom_dead_centre  # seldom needed
 
-        given = self._section("tolerances")
+        given = self.need("tolerances")
         asked = {name: given[name] for name in ("forces", "speeds", "samples", "seed") if name in given}
         return bottom_dead_centre(self.press, self.dimensions.parts, motion=self._given_motion, **asked)
 
@@ -526,7 +541,7 @@ class Job:
         """The cheapest tolerances that keep the targets."""
         from ..tolerances.allocation import allocate  # seldom needed
 
-        given, table = self._section("tolerances"), self.dimensions
+        given, table = self.need("tolerances"), self.dimensions
         if not given.get("targets"):
             self._refuse("tolerances", "it has no targets", "write targets: {height: 50 um}")
         return allocate(self.press, table.parts, table.costs, given["targets"], table.bounds, motion=self._given_motion)
@@ -536,7 +551,7 @@ class Job:
         from ..tolerances.accuracy_budget import budget  # seldom needed
         from ..tolerances.temperatures import STEEL, Temperatures
 
-        given = self._section("tolerances").get("budget")
+        given = self.need("tolerances").get("budget")
         if given is None:
             self._refuse("tolerances", "it has no budget", "write budget: {speeds: 10 50 70 r/min, warm: {rod: 10 K}}")
         warm = given.get("warm")
@@ -545,7 +560,7 @@ class Job:
             self.press,
             speeds=given["speeds"],
             clearance=clearances_of(self.bearings) or None,
-            stiffness=Stiffness(self._shares) if self._shares else None,
+            stiffness=Stiffness(self.stiffness) if self.stiffness else None,
             temperatures=heat,
             process=given.get("process", 0.0),
             machining=self.scatter(),
@@ -555,7 +570,7 @@ class Job:
 
     def variant(self, name: str) -> Job:
         """The job with one of its variants, and with no other change."""
-        return read_job(of_variant(self.source, name), _raise)
+        return read_job(of_variant(self.source, name), raise_first)
 
     def with_(self, **changes: Any) -> Job:
         """The job with other values, by their paths, on top of all changes so far.
@@ -563,13 +578,7 @@ class Job:
         Args:
             changes: as of `job`.
         """
-        return read_job(changed(self.source, (), changes), _raise)
-
-    def results(self) -> Iterator[Tabular]:
-        """All results that the sections of the job allow, beside motion and forces."""
-        from .results import results_of  # slow to import
-
-        return results_of(self)
+        return read_job(changed(self.source, (), changes), raise_first)
 
     def write_report(self, path: str | os.PathLike[str]) -> Path:
         """Write the page with all that the sections of the job allow; return its path.

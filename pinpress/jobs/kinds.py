@@ -67,7 +67,9 @@ LOADS = OneOf(
         "hydraulic-cushion": Part(HydraulicCushion, "{kind: hydraulic-cushion, force: 300 kN, height: 60 mm, rise: 1 mm}"),
         "air-cushion": Part(PneumaticCushion, "{kind: air-cushion, bore: 200 mm, pressure: 5 bar, volume: 40 l, height: 12 mm}"),
         "point-force": Part(PointForce, "{kind: point-force, link: slide, force: 0 0 5 kN}"),
-        "spring": Part(SpringDamper, "{kind: spring, link1: frame, link2: slide, stiffness: 200 kN/m, free_length: 400 mm, point1: 0 0 500 mm}"),
+        "spring": Part(
+            SpringDamper, "{kind: spring, link1: frame, link2: slide, stiffness: 200 kN/m, free_length: 400 mm, point1: 0 0 500 mm}"
+        ),
     }
 )
 
@@ -103,7 +105,8 @@ MOTORS = Motors(
     {
         "constant": _motor(ConstantTorque, "{kind: constant, value: 567 N m}"),
         "induction": _motor(
-            InductionMotor, "{kind: induction, rated_power: 75 kW, rated_speed: 1485 r/min, inertia: 1.2 kg m2, ratio: 20.7, efficiency: 0.95}"
+            InductionMotor,
+            "{kind: induction, rated_power: 75 kW, rated_speed: 1485 r/min, inertia: 1.2 kg m2, ratio: 20.7, efficiency: 0.95}",
         ),
         "inverter": _motor(
             InverterMotor,
@@ -117,11 +120,7 @@ MOTORS = Motors(
         "servo": _motor(
             ServoMotor,
             "{kind: servo, program: motion.csv, stiffness: 20 kN m/rad, damping: 900 N m s/rad, peak_torque: 5 kN m, ratio: 10}",
-            {
-                "program": DataColumns(
-                    ("time", "angle"), ("s", "rad"), ("s", "deg"), ("times", "angles"), sliding=("position", "m", "mm")
-                )
-            },
+            {"program": DataColumns(("time", "angle"), ("s", "rad"), ("s", "deg"), ("times", "angles"), sliding=("position", "m", "mm"))},
             ("times", "angles"),
         ),
         "prescribed": Part(PrescribedSpeed, "{kind: prescribed, speed: 70 r/min}"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -131,19 +131,56 @@ def shown_points(system: MountedPress) -> Mapping[str, Any]:
     return own | {name: (name, each.body.centre) for name, each in system.attached.items()}
 
 
-def write_report(job: Job, path: str | os.PathLike[str]) -> Path:
-    """Write the page of a job."""
+def traces_of(job: Job) -> list[tuple[str, Any]]:
+    """Links and the points of them whose paths are drawn."""
+    return [(link, point) for link, points in job.sections.get("traces", {}).items() for point in points]
+
+
+def motion_of(job: Job) -> tuple[Reactions, Reactions | None]:
+    """The reactions that a page of the job shows, and those that it compares with.
+
+    They are those of the motion or at constant speed; of a job without either those of the servo drive's best motion, or of the run.
+    """
+    loads = list(job.loads.values())
+    if "motion" in job.sections or job.speed is not None:
+        return job.reactions(), before_of(job)
+    if "servo" in job.sections:
+        return inverse_dynamics(job.press, job.best_motion().motion.motion, loads, job.friction), None
+    if "run" in job.sections:
+        return inverse_dynamics(job.press, job.simulate(), loads, job.friction), None
+    return job.reactions(), None  # it says what the job lacks
+
+
+def write_report(
+    job: Job,
+    path: str | os.PathLike[str],
+    *,
+    results: Sequence[Tabular] | None = None,
+    reactions: Reactions | None = None,
+    before: Reactions | None = None,
+) -> Path:
+    """Write the page of a job.
+
+    Args:
+        job: the job.
+        path: of the page.
+        results: what it shows beside the motion; None: all that the job allows.
+        reactions: to the motion that it shows; None: those of `motion_of`.
+        before: those that it compares with, beside ``reactions``.
+    """
     from ..visual.reports.report import report  # slow to import
 
-    traces = [(link, point) for link, points in job.sections.get("traces", {}).items() for point in points]
+    if reactions is None:
+        reactions, before = motion_of(job)
+    results = [*results_of(job)] if results is None else results
     return report(
-        job.press,
-        job.motion(),
+        reactions._press,
+        reactions.motion,
         path,
-        reactions=job.reactions(),
-        traces=traces,
-        before=before_of(job),
-        results=[*results_of(job)],
+        reactions=reactions,
+        traces=traces_of(job),
+        before=before,
+        results=results,
         flywheel=job.flywheel,
     )
 

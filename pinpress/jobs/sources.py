@@ -5,16 +5,17 @@ The later one wins: base, file, variant, changes of a command line, arguments of
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ..common.errors import PinpressError, suggestion
 from ..common.files import path_of
 from ..common.reading.entries import Entry, entry_of_text, given_entries, read_entries
-from ..common.reading.filling import Named
+from ..common.reading.filling import Around, Named
 from ..linkage.loading import presses, shipped_table
 from ..pin_table.building import KEYS as OF_TABLE
 from ..pin_table.reading import PIN_TABLE, read_table
@@ -64,10 +65,22 @@ class Source:
         own = {key: _of_table(each) for key, each in self.items.items() if key in OF_TABLE}
         return None if "file" in self.items else Entry(own, self.file, None, (), PIN_TABLE)
 
+    @property
+    def model(self) -> str | Path:
+        """The file of a press that is no table: its path, or the name of a shipped press."""
+        named = self.items["file"].text("a file")
+        path = self.items["file"].folder / named
+        return named if named in presses() and not path.exists() else path
 
-def source(
-    file: str | os.PathLike[str] | None, variant: str | None, words: Sequence[str], changes: Mapping[str, Any]
-) -> Source:
+    def press_sections(self) -> dict[str, Any]:
+        """What stands in the sections that make the press."""
+        return {name: SECTIONS[name].value.read(self.items[name], Around()) for name in OF_PRESS if name in self.items}
+
+
+OF_PRESS = ("file", "drivers", "slide", "allow_open", "gravity", "zero")  # sections that make the press
+
+
+def source(file: str | os.PathLike[str] | None, variant: str | None, words: Sequence[str], changes: Mapping[str, Any]) -> Source:
     """Gather the entries of a job.
 
     Args:
@@ -117,6 +130,24 @@ def changed(found: Source, words: Sequence[str], changes: Mapping[str, Any]) -> 
     for path, value in changes.items():
         entry = given_entries({path: value}, CALL, JOB).items("values")[path]
         done.append(_change(items, path, entry, replace(entry, path=(path,)).refuse))
+    return replace(found, items=items, changes=tuple(done))
+
+
+def with_loads(found: Source, specs: Sequence[str]) -> Source:
+    """The entries with one more load for each text such as ``drawing:force=1500kN,start=40mm``, named as its kind."""
+    items, done = dict(found.items), list(found.changes)
+    for words in specs:
+        kind, _, rest = words.partition(":")
+        pairs = [part.partition("=") for part in rest.split(",")] if rest else []
+        if any(not equals for _, equals, _ in pairs):
+            raise PinpressError(f"--load {words}: write key=value behind the kind, such as --load drawing:force=1500kN,start=40mm")
+        loads = items["loads"].items("loads") if "loads" in items else {}
+        name = next(each for each in itertools.chain([kind], (f"{kind}_{k}" for k in itertools.count(2))) if each not in loads)
+        value = {"kind": kind, **{key.strip(): text.strip() for key, _, text in pairs}}
+        called = f"--load {words}"
+        entry = replace(given_entries({name: value}, called, JOB), path=("loads",))
+        items["loads"] = replace(items["loads"], value={**loads, **entry.items("loads")}) if loads else entry
+        done.append(Change(f"loads.{name}", "", _written(entry.items("loads")[name])))
     return replace(found, items=items, changes=tuple(done))
 
 
@@ -191,7 +222,8 @@ def _begun(items: dict[str, Entry], path: str, refuse: Any) -> str:
     if key not in SECTIONS:
         parameters = list(items["parameters"].items("names with numbers")) if "parameters" in items else []
         known = [*parameters, *items, *SECTIONS]
-        what = f"name a section or one of the parameters {', '.join(parameters)}" if parameters else "name a section, such as loads.draw.force"
+        of_table = f" or one of the parameters {', '.join(parameters)}" if parameters else ", such as loads.draw.force"
+        what = f"name a section{of_table}"
         refuse(f"there is no {path!r}{suggestion(path, known)}", what)
     if point and not SECTIONS[key].by_keys:
         refuse(f"there is no {key} whose {rest} could change", f"write all of it, such as {SECTIONS[key].example}")

@@ -44,7 +44,8 @@ BESIDE = {  # sections of a job that may stand in a table -> levels at which the
     **dict.fromkeys(("loads", "bearings"), 2),
     **dict.fromkeys(("slide", "gravity", "zero", "speed", "points"), 0),
     **dict.fromkeys(
-        ("motion", "motor", "flywheel", "clutch", "brake", "capacities", "elastic", "foundation", "balance", "tolerances", "servo", "run"), 1
+        ("motion", "motor", "flywheel", "clutch", "brake", "capacities", "elastic", "foundation", "balance", "tolerances", "servo", "run"),
+        1,
     ),
     **dict.fromkeys(("traces", "report", "variants"), 1),
 }
@@ -92,7 +93,14 @@ def _overlaid(below: Entry, above: Entry, depth: int) -> Entry:
     return replace(above, value=merged)
 
 
-_MERGED = {"parameters": 1, "pins": 1, "links": 2, "gears": 1, **BESIDE}  # levels at which entries are merged; deeper entries are replaced as a whole
+# Levels at which entries are merged; deeper ones are replaced as a whole.
+_MERGED = {
+    "parameters": 1,
+    "pins": 1,
+    "links": 2,
+    "gears": 1,
+    **BESIDE,
+}
 
 
 def _with_bases(path: Path, above: tuple[Path, ...]) -> Entry:

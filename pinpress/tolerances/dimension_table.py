@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,7 +80,15 @@ def read_dimensions(press: Linkage, path: str | os.PathLike[str]) -> DimensionTa
             the row.
     """
     name = files.path_of("path", path)
-    rows = _yaml_rows(name) if name.lower().endswith((".yaml", ".yml")) else _csv_rows(name)
+    return dimensions_of(press, _yaml_rows(name) if name.lower().endswith((".yaml", ".yml")) else _csv_rows(name), name)
+
+
+def dimensions_of(press: Linkage, rows: Sequence[tuple[str, Mapping[str, str]]], name: str) -> DimensionTable:
+    """The dimensions of rows: their place, and their cells as text by the heads of `read_dimensions`; ``name``: of all, for messages.
+
+    Raises:
+        PinpressError: as `read_dimensions`.
+    """
     if not rows:
         raise PinpressError(f"{name} has no dimension: {WORDS}, each with its tolerance")
     parts, costs, bounds = [], {}, {}

@@ -1,4 +1,4 @@
-"""`pinpress force`: find the process force over the height of the slide from records of crank angle and motor torque."""
+"""`pinpress measured force`: find the process force over the height of the slide from records of crank angle and motor torque."""
 
 from __future__ import annotations
 
@@ -11,10 +11,8 @@ from ...common import tables
 from ...common.errors import PinpressError
 from ...common.files import make_folder
 from ...dynamics.inputs import of_press, stated
-from ..words.outputs import add_out_option, print_inputs, write_pictures
-from ..words.press import add_press_options, load_press
-from ..words.records import add_column_options, add_identification_options, identification, identification_in_words, read_record
-from ..words.units import quantity, read_quantity
+from ..options import add_job_options, number, numbers, open_job, print_inputs, write_pictures
+from .records import add_column_options, add_identification_options, identification, identification_in_words, read_record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,16 +25,17 @@ if TYPE_CHECKING:
 DRAWN = 6  # most strokes in the picture
 EPILOG = """\
 Records are .csv, .parquet, .mat or .mf4 files of the press at work; name their columns with units, --angle "crank [deg]".
-With --idle (records without a blank) the press is identified first (see pinpress identify): masses, friction, balance
+With --idle (records without a blank) the press is identified first (see pinpress measured identify): masses, friction, balance
 cylinder and zero of the encoder. Without --idle the press is as described and has no friction.
-e.g. pinpress force zxn2_3000b docs/records/stroke.csv --idle docs/records/21.csv --idle docs/records/42.csv --idle docs/records/63.csv
+e.g. pinpress measured force zxn2_3000b docs/records/stroke.csv --idle docs/records/21.csv --idle docs/records/42.csv
+     --idle docs/records/63.csv
      --angle "crank [deg]" --torque "motor [N m]" --ratio 20.7 --friction crank,gibs --cylinder
-     --heights 0,1mm,2mm,3mm,4mm,5mm,6mm,7mm,8mm,9mm,10mm,11mm --heights-up 0,2mm,5mm,9mm --out out
+     --heights "0 1 2 3 4 5 6 7 8 9 10 11 mm" --heights-up "0 2 5 9 mm" --out out
 """
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Put `force` among the subcommands; parsed options have ``run``, see `run`."""
+    """Put `force` among those of `measured`; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "force",
         help="process force over the height, from records of crank angle and motor torque",
@@ -47,23 +46,24 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    add_press_options(parser)
+    add_job_options(parser, "the files", speed=False)
     option("records", nargs="+", metavar="RECORD", help="files of measured columns, the press at work")
     option(
         "--idle", action="append", default=[], metavar="RECORD", help="a record of the press without a blank; may be given several times"
     )
-    heights = "heights above bottom dead centre between which the force is linear, on the way {}, such as 0,1mm,2mm,5mm,10mm"
-    option("--heights", type=_heights, required=True, metavar="H,H,...", help=heights.format("down"))
-    option("--heights-up", type=_heights, default=[], metavar="H,H,...", help=heights.format("up; without it no force acts on the way up"))
+    heights = 'heights above bottom dead centre between which the force is linear, on the way {}, such as "0 1 2 5 10 mm"'
+    option("--heights", type=numbers("m"), required=True, metavar="HEIGHTS", help=heights.format("down"))
+    option(
+        "--heights-up", type=numbers("m"), default=[], metavar="HEIGHTS", help=heights.format("up; without it no force acts on the way up")
+    )
     add_column_options(parser)
     add_identification_options(parser)
     option(
         "--stiffness",
-        type=quantity("N/m"),
+        type=number("N/m"),
         metavar="N/m",
         help="stiffness of the press between crank and die: the slide lags behind under force",
     )
-    add_out_option(parser, "the files")
     parser.set_defaults(run=run)
 
 
@@ -76,7 +76,8 @@ def run(options: argparse.Namespace) -> int:
     from ...measured.stroke_force import force_sensor  # to save start-up time, that of all other commands
 
     _refuse_what_needs_idle_records(options)
-    press = load_press(options)
+    job = open_job(options)
+    press = job.press
     runs = _by_name(options.records, options)
     found = _identified(press, options)
     sensor = force_sensor(
@@ -95,18 +96,10 @@ def run(options: argparse.Namespace) -> int:
     given = [("records", ", ".join(options.records))]
     given += [("idle", ", ".join(options.idle)), *identification_in_words(options)] if options.idle else []
     given += [("drive inertia", f"{options.drive_inertia:g} kg m2")] if options.drive_inertia else []
-    print_inputs([*of_press(press), *given, stated()])
+    print_inputs(job, [*of_press(press), *given, stated()])
     if options.out is not None:
         _write(strokes, options.out)
     return 0
-
-
-def _heights(text: str) -> list[float]:
-    """Reads an option of `argparse`: heights with commas between them."""
-    try:
-        return [read_quantity(part, "m") for part in text.split(",")]
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a list of heights, a part is {error}: write 0,1mm,2mm,5mm") from None
 
 
 def _refuse_what_needs_idle_records(options: argparse.Namespace) -> None:
@@ -146,11 +139,11 @@ def _in_words(strokes: Sequence[MeasuredForce]) -> str:
     if len(strokes) == 1:
         return str(strokes[0])
     rows = [["stroke", "largest force", "at", "work"]]
-    for number, each in enumerate(strokes, 1):
+    for count, each in enumerate(strokes, 1):
         k = int(each.force.argmax())
         largest = f"{1e-3 * each.force[k]:.4g} ± {2e-3 * each.deviation[k]:.2g} kN"
         rows.append(
-            [str(number), largest, f"{1e3 * each.heights[k]:.4g} mm", f"{1e-3 * each.work:.4g} ± {2e-3 * each.work_deviation:.2g} kJ"]
+            [str(count), largest, f"{1e3 * each.heights[k]:.4g} mm", f"{1e-3 * each.work:.4g} ± {2e-3 * each.work_deviation:.2g} kJ"]
         )
     return "\n".join([f"{strokes[0].name}: {len(strokes)} strokes", *tables.fitted(rows), f"stroke {most + 1}:", str(strokes[most])])
 

@@ -1,4 +1,4 @@
-"""`pinpress identify`: find masses, friction, balance cylinder and motor constant of a press from records of idle running."""
+"""`pinpress measured identify`: find masses, friction, balance cylinder and motor constant of a press from records of idle running."""
 
 from __future__ import annotations
 
@@ -10,10 +10,8 @@ from typing import TYPE_CHECKING
 from ...common.errors import PinpressError, shown
 from ...common.files import make_folder
 from ...dynamics.inputs import of_press, stated
-from ..words.outputs import add_out_option, print_inputs, write_pictures
-from ..words.press import add_press_options, load_press
-from ..words.records import add_column_options, add_identification_options, identification, identification_in_words, read_record
-from ..words.units import read_quantity
+from ..options import add_job_options, number, open_job, print_inputs, write_pictures
+from .records import add_column_options, add_identification_options, identification, identification_in_words, read_record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,13 +24,13 @@ EPILOG = """\
 Records are .csv, .parquet, .mat or .mf4 files of the press running idle; name their columns with units, --angle "crank [deg]".
 Measure at three or more speeds, or with speeds that swing by a third in 2.6 strokes. One constant speed does not separate masses from
 friction.
-e.g. pinpress identify zxn2_3000b docs/records/21.csv docs/records/42.csv docs/records/63.csv --angle "crank [deg]" --torque "motor [N m]"
-     --ratio 20.7 --friction crank,gibs --cylinder --out out
+e.g. pinpress measured identify zxn2_3000b docs/records/21.csv docs/records/42.csv docs/records/63.csv
+     --angle "crank [deg]" --torque "motor [N m]" --ratio 20.7 --friction crank,gibs --cylinder --out out
 """
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Put `identify` among the subcommands; parsed options have ``run``, see `run`."""
+    """Put `identify` among those of `measured`; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "identify",
         help="masses, friction, balance cylinder of a press from records of crank angle and motor torque",
@@ -43,18 +41,17 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    add_press_options(parser)
+    add_job_options(parser, "the files", speed=False)
     option("records", nargs="+", metavar="RECORD", help="files of measured columns")
     add_column_options(parser)
     option(
         "--added",
         action="append",
         default=[],
-        metavar="RECORD:LINK=KG",
+        metavar="RECORD:LINK=MASS",
         help="mass fastened to a link for one record (needed with currents)",
     )
     add_identification_options(parser)
-    add_out_option(parser, "the files")
     parser.set_defaults(run=run)
 
 
@@ -67,7 +64,8 @@ def run(options: argparse.Namespace) -> int:
     from ...measured.identification import identify  # imported here to save start-up time of other commands
     from ...measured.what_is_known import identifiability
 
-    press = load_press(options)
+    job = open_job(options)
+    press = job.press
     runs, asked = _runs(options), identification(options)
     revealed = identifiability(press, runs, **asked)
     found = identify(press, runs, **asked, drive_inertia=options.drive_inertia)
@@ -75,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
         make_folder(options.out)
     notes = [f"  {each.name}: {note}" for each in runs for note in each.notes]
     print("\n".join([*(each.title for each in runs), *notes, "", str(revealed), "", str(found)]))
-    print_inputs([*of_press(press), ("records", ", ".join(options.records)), *identification_in_words(options), stated()])
+    print_inputs(job, [*of_press(press), ("records", ", ".join(options.records)), *identification_in_words(options), stated()])
     if options.out is not None:
         _write(found, revealed, options.out)
     return 0
@@ -96,12 +94,12 @@ def _added(words: Sequence[str], records: Sequence[str]) -> dict[str, dict[str, 
         matching = [each for each in records if file and (each == file or Path(each).name == file)]
         if len(matching) != 1 or not link or not mass:
             raise PinpressError(
-                f"--added {shown(text)} names no record: write RECORD:LINK=KG, as in --added {Path(records[0]).name}:slide=200"
+                f"--added {shown(text)} names no record: write RECORD:LINK=MASS, as in --added {Path(records[0]).name}:slide=200kg"
             )
         try:
-            found.setdefault(matching[0], {})[link] = read_quantity(mass, "kg")
-        except ValueError as error:
-            raise PinpressError(f"--added {text}: the mass is {error}") from None
+            found.setdefault(matching[0], {})[link] = number("kg")(mass)
+        except argparse.ArgumentTypeError as error:
+            raise PinpressError(f"--added {text}: {error}") from None
     return found
 
 

@@ -1,4 +1,4 @@
-"""`pinpress vibration`: find modes and mounts of a frame from hits, or orders of a running press, from accelerometers."""
+"""`pinpress measured vibration`: find modes and mounts of a frame from hits, or orders of a running press, from accelerometers."""
 
 from __future__ import annotations
 
@@ -8,13 +8,9 @@ from typing import TYPE_CHECKING
 
 from ...common.errors import PinpressError
 from ...common.files import make_folder
-from ...common.quantities import RPM
 from ...dynamics.inputs import Inputs, of_press, stated
-from ..words import part_specs
-from ..words.outputs import add_out_option, print_inputs, write_pictures
-from ..words.press import load_other
-from ..words.springs import add_mount_options, mounted_press
-from ..words.units import read_quantity
+from ...jobs.job import Job
+from ..options import numbers, open_job, print_inputs, write_pictures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -25,25 +21,22 @@ if TYPE_CHECKING:
     from ...measured.vibration_record import VibrationRecord
     from ...measured.vibration_spectra import OrderSpectra
 
-EPILOG = f"""\
+EPILOG = """\
 --points is a CSV file with the columns channel (with its unit, "A [g]"), x, y, z [m], direction (x, -z, ...) and, if needed, part (bed or
 crown) and gain [m/s2 per V]. Records are .csv, .parquet, .mat or .mf4 files with these channels, all in equal steps of time.
 
-For a frame at rest that is hit with a soft hammer, the command finds the modes. Give --band, or --press with --frame and --mount: then the
-measured modes are compared with calculated modes, and --fit finds stiffness and damping of the mounts:
-{part_specs.explained("mount")}
---pad, the rubber pad at each --mount (then a mount has only point=):
-  {part_specs.keys(part_specs.PAD)}
+For a frame at rest that is hit with a soft hammer, the command finds the modes. Give --band, or --job with a foundation: then the measured
+modes are compared with calculated modes, and --fit finds stiffness and damping of the mounts.
 
 For a running press with --angle, --tacho or --speed of the crank, the command finds amplitudes by order of the speed.
 
-e.g. pinpress vibration hits.csv --points points.csv --band 3,100 --out out
-     pinpress vibration run.csv --points points.csv --angle "crank [deg]" --orders 6 --out out
+e.g. pinpress measured vibration hits.csv --points points.csv --band "3 100 Hz" --out out
+     pinpress measured vibration run.csv --points points.csv --angle "crank [deg]" --orders 6 --out out
 """
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Put `vibration` among the subcommands; parsed options have ``run``, see `run`."""
+    """Put `vibration` among those of `measured`; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "vibration",
         help="natural frequencies, damping and mounts from hits on the frame, or orders of the running press, from accelerometers",
@@ -60,16 +53,26 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     option("--angle", metavar="COLUMN", help="crank angle of a running press, rad, deg or turns")
     option("--tacho", metavar="COLUMN", help="pulses of a tacho on the crank of a running press")
     option("--pulses", type=int, default=1, metavar="N", help="pulses of the tacho in a turn of the crank (default: 1)")
-    option("--speed", type=_speeds, metavar="RPM,...", help="constant speed of a running press: one speed, or one for each record")
+    option(
+        "--speed",
+        type=numbers("rad/s"),
+        metavar="SPEEDS",
+        help="constant speed of a running press, such as 200r/min: one speed, or one for each record",
+    )
     option("--orders", type=float, default=12.0, metavar="N", help="highest order (default: %(default)g)")
-    option("--band", type=_band, metavar="HZ,HZ", help="lowest and highest frequency of modes (default: from the calculated modes)")
+    option(
+        "--band",
+        type=numbers("Hz"),
+        metavar="BAND",
+        help='lowest and highest frequency of modes, such as "3 100 Hz" (default: from the calculated modes)',
+    )
     option("--count", type=int, metavar="N", help="number of modes (default: all modes above the noise)")
-    option("--press", metavar="FILE", help="the press, for calculated modes: a file, or the name of a shipped press")
-    add_mount_options(parser, "its modes are compared with the measured modes")
-    option("--pad", metavar="KEYS", help="the rubber pad at each mount, see below")
+    option("--job", dest="file", metavar="FILE", help="the press with its foundation, for calculated modes")
+    option("--variant", metavar="NAME", help="one of the job's variants")
+    option("--set", metavar="NAME=VALUE", action="append", default=[], help="another value of the job, as for other commands")
     option("--fit", action="store_true", help="fit stiffness and damping of the mounts to the measured modes")
-    add_out_option(parser, "the files")
-    parser.set_defaults(run=run, zero="drawn")
+    option("--out", type=Path, metavar="DIR", help="folder for the files; made if there is none")
+    parser.set_defaults(run=run, load=[])
 
 
 def run(options: argparse.Namespace) -> int:
@@ -83,7 +86,8 @@ def run(options: argparse.Namespace) -> int:
 
     running = any(each is not None for each in (options.angle, options.tacho, options.speed))
     _refuse_what_does_not_go_together(options, running)
-    system = None if running else _standing(options)
+    job = None if running or options.file is None else open_job(options)
+    system = _standing(job)
     asked = {name: getattr(options, name) for name in ("time", "angle", "tacho", "pulses", "speed")}
     record = vibration(options.records, options.points, **asked)
     orders = record.order_spectra(options.orders) if running else None
@@ -94,52 +98,36 @@ def run(options: argparse.Namespace) -> int:
     parts: dict[str, Tabular | None] = {"channels": record, "orders": orders, "modes": found, "mounts": fitted}
     results = {name: each for name, each in parts.items() if each is not None}
     print("\n\n".join(map(str, results.values())))
-    print_inputs(_inputs(system, options))
+    print_inputs(job, _inputs(job, options))
     if options.out is not None:
         _write(record, results, orders, found, options.out)
     return 0
 
 
-def _speeds(text: str) -> list[float]:
-    """Reads an option of `argparse`: speeds with commas between them [rad/s]."""
-    try:
-        return [RPM * read_quantity(part, "r/min") for part in text.split(",")]
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a list of speeds, a part is {error}: write 200, or 150,200,250") from None
-
-
-def _band(text: str) -> tuple[float, float]:
-    """Reads an option of `argparse`: two frequencies [Hz]."""
-    try:
-        low, high = (read_quantity(part, "Hz") for part in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a band: give the lowest and highest frequency in Hz, 3,100") from None
-    return low, high
-
-
 def _refuse_what_does_not_go_together(options: argparse.Namespace, running: bool) -> None:
-    of_hits = [f"--{name}" for name in ("band", "count", "press", "frame", "mount", "pad", "fit") if getattr(options, name)]
+    of_hits = [f"--{name}" for name in ("band", "count", "job", "fit") if getattr(options, "file" if name == "job" else name)]
     if running and of_hits:
         raise PinpressError(
             f"{of_hits[0]} is for hits on a frame at rest, but a turning crank is given: leave out one of them. Orders of a running press"
             " look like modes"
         )
-    if options.frame is not None and options.press is None:
-        raise PinpressError("--frame needs the press that stands on it: also give --press FILE")
-    if options.press is not None and options.frame is None:
-        raise PinpressError("--press has no modes without its mounts: also give --frame and every --mount")
-    if options.fit and options.frame is None:
-        raise PinpressError("--fit needs the mounts as described: also give --press, --frame and every --mount")
-    if not running and options.frame is None and options.band is None:
+    if options.fit and options.file is None:
+        raise PinpressError("--fit needs the mounts as described: also give --job, a press with its foundation")
+    if options.band is not None and len(options.band) != 2:
+        raise PinpressError(f"--band has {len(options.band)} numbers: give the lowest and the highest frequency, --band '3 100 Hz'")
+    if not running and options.file is None and options.band is None:
         raise PinpressError(
-            "the band of frequencies is missing: give --band 3,100, or --press with --frame and --mount; for a running press give"
-            " --angle, --tacho or --speed"
+            "the band of frequencies is missing: give --band '3 100 Hz', or --job with a foundation; for a running press give --angle,"
+            " --tacho or --speed"
         )
 
 
-def _standing(options: argparse.Namespace) -> MountedPress | None:
+def _standing(job: Job | None) -> MountedPress | None:
     """The press on its mounts as described; None if it is not given."""
-    return None if options.press is None else mounted_press(options, load_other(options, options.press), options.pad)
+    if job is None:
+        return None
+    _ = job.need("foundation")
+    return job.mounted
 
 
 def _modes(record: VibrationRecord, system: MountedPress | None, options: argparse.Namespace) -> MeasuredModes:
@@ -149,14 +137,10 @@ def _modes(record: VibrationRecord, system: MountedPress | None, options: argpar
     return record.modes(None if system is None else modes(system), band=options.band, count=options.count)
 
 
-def _inputs(system: MountedPress | None, options: argparse.Namespace) -> Inputs:
+def _inputs(job: Job | None, options: argparse.Namespace) -> Inputs:
     """Inputs as text."""
     given = [("records", ", ".join(options.records)), ("points", str(options.points))]
-    if system is not None:
-        given += [("frame", options.frame), *(("mount", words) for words in options.mount)]
-        given += [("pad", options.pad)] if options.pad is not None else []
-        return [*of_press(load_other(options, options.press)), *given, stated()]
-    return [*given, stated()]
+    return [*([] if job is None else of_press(job.press)), *given, stated()]
 
 
 def _write(

@@ -332,7 +332,7 @@ class Part(Generic[T]):
         """The part of these known keys of an entry."""
         refuse_missing(entry, items, self.required, f"e.g. {self.example}")
         if "exponent" in self.values:  # the unit of other keys has it
-            given = items["exponent"] if "exponent" in items else None
+            given = items.get("exponent")
             default = next(each.default for each in in_signature(self.made) if each.name == "exponent")
             around = replace(around, exponent=float(default) if given is None else Number("-").read(given, around))
         arguments: dict[str, Any] = {}
@@ -386,7 +386,8 @@ class OneOf:
             entry.refuse("kind is missing", remedy)
         name = self.usual if kind is None else kind.text(remedy)
         if name not in self.kinds:
-            assert kind is not None and isinstance(name, str)
+            assert kind is not None
+            assert isinstance(name, str)
             known = next(each for each in self.kinds.values() if each.example)
             kind.refuse(f"no kind {name!r}{suggestion(name, self.kinds)}", f"{remedy}, e.g. {known.example}")
         part = self.kinds[name]

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...common.errors import PinpressError, shown
-from .units import quantity
+from ..options import number
 
 if TYPE_CHECKING:
     from ...measured.records import MeasuredRun
@@ -53,7 +53,13 @@ def add_identification_options(parser: argparse.ArgumentParser) -> None:
         help="kinds of friction: crank, pins, slide_guide, gibs, or none (default: %(default)s)",
     )
     option("--cylinder", action="store_true", help="a balance cylinder carries the slide")
-    option("--drive-inertia", type=quantity("kg m2"), default=0.0, metavar="J", help="inertia of motor, gears and flywheel at the crank")
+    option(
+        "--drive-inertia",
+        type=number("kg m2"),
+        default=0.0,
+        metavar="J",
+        help="inertia of motor, gears and flywheel at the crank, such as 1200kg m2",
+    )
 
 
 def identification(options: argparse.Namespace) -> dict[str, Any]:

@@ -1,6 +1,5 @@
-"""`pinpress about`: print versions and licences of pinpress, of the packages it uses, and of software in its pages."""
+"""Versions and licences of pinpress, of the packages that it uses, and of software in its pages, as `pinpress --version` prints them."""
 
-import argparse
 import platform
 import re
 import textwrap
@@ -31,25 +30,8 @@ OF_USERS = (
 )  # extras; the others are those of developers
 
 
-def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Put `about` among the subcommands; parsed options have ``run``, see `run`."""
-    parser = commands.add_parser(
-        "about",
-        help="versions and licences of pinpress, of the packages it uses, and of software in its pages",
-        description="Print the versions of pinpress, Python and all packages that it uses, for a bug report, with the licences that the\n"
-        "packages state; then other software in a page (recording, report, live window). The page has the texts of these licences.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.set_defaults(run=run)
-
-
-def run(options: argparse.Namespace) -> int:
-    """Print versions and licences. Returns 0."""
-    print("\n".join(_lines()))
-    return 0
-
-
-def _lines() -> Iterator[str]:
+def lines() -> Iterator[str]:
+    """Versions and licences, a line each."""
     version, licence = stated(ITSELF)
     yield f"{ITSELF} {version}, {licence}"
     yield f"{platform.python_implementation()} {platform.python_version()} on {platform.platform()}"

@@ -1,1 +1,0 @@
-"""Read the command line: options of several commands, parts described by their keys, numbers with units."""
