@@ -273,6 +273,7 @@ REGION = Part(
     CounterweightRegion,
     "{radius: 300 mm, mass: 0 200 kg}",
     {
+        "link": Text(),
         "mass": _Masses("kg"),
         "at": Numbers("m"),
         "radius": Number("m"),
@@ -282,4 +283,5 @@ REGION = Part(
         "replaces": Truth(),
         "reset": Text(RESETS[1:]),
     },
+    without=("link",),
 )

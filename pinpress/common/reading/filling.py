@@ -91,7 +91,7 @@ class Number:
         value = float(number)
         if self.unit in PURE or value == 0 or math.isinf(value):
             return value
-        entry.refuse(f"{number} has no unit", f"write {' or '.join(f'{number} {name}' for name in _usual(unit))}, whichever it is")
+        entry.refuse(f"{number} has no unit", f"write {' or '.join(f'{number} {name}' for name in usual_units(unit))}, whichever it is")
 
     def here(self, around: Around) -> str:
         """The unit on this driver, with the exponent of this law."""
@@ -100,10 +100,10 @@ class Number:
 
     def example(self, around: Around, number: str = "1.5") -> str:
         """A number with its unit, for messages."""
-        return number if self.unit in PURE else f"{number} {_usual(self.here(around))[0]}"
+        return number if self.unit in PURE else f"{number} {usual_units(self.here(around))[0]}"
 
 
-def _usual(unit: str) -> Sequence[str]:
+def usual_units(unit: str) -> Sequence[str]:
     """The unit in which presses are described, and the SI unit."""
     row = quantity(unit)
     names = [name for name, _, _ in row.shown if name.isascii()] or [name for name in row.read if name.isascii()]
