@@ -66,7 +66,7 @@ def run_new(options: argparse.Namespace) -> int:
     from ..jobs.schema import FILE, LINE, schema_text  # seldom needed
 
     schema = options.file.parent / FILE
-    files.write(options.file, LINE + template(options.template))
+    files.write(options.file, LINE.encode() + template(options.template))
     files.write(schema, schema_text())
     print(f"wrote {options.file} and {schema}; change it, then: pinpress {options.file}")
     return 0

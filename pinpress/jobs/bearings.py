@@ -69,14 +69,17 @@ def frictions_of(press: Linkage, bearings: Mapping[str, Bearing]) -> Mapping[str
     Raises:
         PinpressError: a bearing that turns has friction and no radius.
     """
-    found = {}
+    found, lacking = {}, []
     for name, each in bearings.items():
         if all(getattr(each, part) is None for part in OF_FRICTION):
             continue
         radius = each.radius if each.radius is not None or each.diameter is None else 0.5 * each.diameter
         if each.friction and radius is None and _turns(press, name):
-            raise PinpressError(f"friction of {name}, which turns, without a radius; write diameter: 120 mm, or radius: 60 mm")
+            lacking.append(name)
         found[name] = Friction(each.friction or 0.0, radius, each.viscous or 0.0, each.preload or 0.0)
+    if lacking:
+        turn = "turns" if len(lacking) == 1 else "turn"
+        raise PinpressError(f"friction of {', '.join(lacking)}, which {turn}, without a radius; add diameter: 120 mm, or radius: 60 mm")
     return found
 
 

@@ -167,7 +167,7 @@ def _check_names(section: str, entry: Entry, read: Any, press: Linkage) -> None:
                 known = (*press.bearings, ALL)
                 each.refuse(f"no bearing {name}{suggestion(name, known)}", f"name one of {', '.join(press.bearings)}, or {ALL}")
     elif section == "loads":
-        links = ("frame", *press.links)
+        links = press.links
         for each in entry.items("loads").values():
             if isinstance(each.value, Mapping):
                 for key in ("link", "link1", "link2"):

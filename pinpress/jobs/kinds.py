@@ -5,6 +5,7 @@ The keys of a part are the fields of its class. What is not declared there, or s
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -133,7 +134,9 @@ class Instant(Text):
 
     def read(self, entry: Entry, around: Around) -> SwitchPoint:  # type: ignore[override]
         """The instant."""
-        text = entry.text("a time as 0.1 s, or a crank angle as 350 deg")
+        text = entry.text("a time as 0.1 s, or a crank angle as 350 deg").strip()
+        if re.fullmatch(r"[-+.\deE]+", text) and float(text):
+            entry.refuse(f"{text} has no unit", f"write {text} deg of the crank, or {text} s")
         angle = text.rstrip("0123456789").endswith(("deg", "°", "rad", "turn", "turns", "rev"))
         number = Number("rad" if angle else "s").read(entry, around)
         return SwitchPoint(angle=number) if angle else SwitchPoint(time=number)

@@ -39,7 +39,7 @@ from ..pin_table.building import KEYS, NEEDED, SENSES
 from ..pin_table.links import KEYS as OF_LINKS
 from ..pin_table.placement import UNITS
 from .grammar import SECTIONS, OfDriver, OfDrivers
-from .kinds import Bound
+from .kinds import Bound, Instant
 
 FILE = "pinpress.schema.json"
 LINE = f"# yaml-language-server: $schema={FILE}\n"
@@ -160,6 +160,11 @@ def _(value: Text) -> Schema:
     if type(value) is not Text:
         return {"type": ["string", "number", "array"]}
     return {"enum": list(value.choices)} if value.choices else {"type": ["string", "number"]}
+
+
+@_of.register
+def _(value: Instant) -> Schema:
+    return {"type": "string", "pattern": f"^{_NUMBER}\\s*({_units('s')}|{_units('rad')})$", "description": "0.1 s, or 350 deg of the crank"}
 
 
 @_of.register

@@ -416,6 +416,8 @@ def _unit(entry: Entry) -> str:
 
 
 def _parts(items: Mapping[str, Entry], pins: Mapping[str, Pin], links: tuple[Link, ...], parameters: Mapping[str, float]) -> Parts:
+    if isinstance(items["frame"].value, Mapping):
+        items["frame"].refuse("keys with values", "the pins fixed in the frame stand here, frame: A D; mass and mounts go into foundation")
     frame = tuple(items["frame"].names("names of pins, separated by blanks"))
     for name in frame:
         if name not in pins:

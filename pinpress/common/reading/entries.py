@@ -110,18 +110,25 @@ class Entry:
     def known(self, keys: Sequence[str], what: str) -> Mapping[str, Entry]:
         """Entries by their keys, all of which are known ones."""
         items = self.items(f"{what}: {{{keys[0]}: ...}}")
-        for key, entry in items.items():
-            if key not in keys:
-                self.refuse_key(key, entry, keys)
+        self.refuse_unknown(items, keys)
         return items
 
-    def refuse_key(self, key: str, entry: Entry, keys: Sequence[str]) -> NoReturn:
-        """Raise the kind's error: a key that is none of those allowed here."""
+    def refuse_unknown(self, items: Mapping[str, Entry], keys: Sequence[str]) -> None:
+        """Raise the kind's error where one of these entries has a key that is none of those allowed here."""
+        before = ""
+        for key, entry in items.items():
+            if key not in keys:
+                self.refuse_key(key, entry, keys, before)
+            before = f"{key}: {entry.value}" if isinstance(entry.value, str) else ""
+
+    def refuse_key(self, key: str, entry: Entry, keys: Sequence[str], before: str = "") -> NoReturn:
+        """Raise the kind's error: a key that is none of those allowed here; ``before``: what stands before it."""
         where = replace(entry, path=self.path)
         if ":" in key:
             where.refuse(f"{key!r} is no key here", "write a space after the colon")
         if key[:1].isdigit() and entry.value is None:
-            where.refuse(f"{key!r} is no key here", "write decimals after a point, not after a comma")
+            decimals = f": {before}.{key}" if before else ", not after a comma"
+            where.refuse(f"{key!r} is no key here", f"write decimals after a point{decimals}")
         bare = next((remedy for known, remedy in self.kind.bare.items() if known in keys), None)
         if entry.value is None and bare is not None:
             where.refuse(f"{key!r} is no key here", bare)
@@ -222,6 +229,8 @@ def _syntax_error(text: str, error: yaml.MarkedYAMLError) -> tuple[int | None, s
     written = text.splitlines()[line - 1] if line is not None and line <= len(text.splitlines()) else ""
     if "\t" in written[: len(written) - len(written.lstrip())]:
         return line, "there is a tab before the text", "indent with blanks"
+    if "got ':'" in said:
+        return line, "there is a colon in a text", 'write the text in quotes, title: "Press 3: plant 7"'
     return line, f"it is no YAML: {said}", "see that brackets close, and that a space follows each colon"
 
 

@@ -32,7 +32,7 @@ from .entries import Entry
 T = TypeVar("T")
 PURE = ("-", "Shore A")  # numbers of them stand alone
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf)\s*(\S.*)?")
-_REMEDY = re.compile(r"[:;] (?=(?:give|leave|move|name|join|make|write|there are)\b)")  # before what to do, in messages of others
+_REMEDY = re.compile(r"[:;] (?=(?:add|give|leave|move|name|join|make|write|there are)\b)")  # before what to do, in messages of others
 
 
 @dataclass(frozen=True)
@@ -391,9 +391,7 @@ class OneOf:
             known = next(each for each in self.kinds.values() if each.example)
             kind.refuse(f"no kind {name!r}{suggestion(name, self.kinds)}", f"{remedy}, e.g. {known.example}")
         part = self.kinds[name]
-        for key, each in items.items():
-            if key not in part.values:
-                entry.refuse_key(key, each, tuple(part.values))
+        entry.refuse_unknown(items, tuple(part.values))
         return part.of(entry, items, around)
 
 
@@ -494,5 +492,6 @@ def _refuse_as(entry: Entry, items: Mapping[str, Entry], text: str) -> NoReturn:
     problem, *rest = _REMEDY.split(text, maxsplit=1)
     prefix = re.match(r"[A-Z]\w+: (?=(\w+))", problem)  # of the class, whose fields are the keys
     if prefix is not None and prefix[1] in items:
-        entry, problem = items[prefix[1]], problem[prefix.end() :]
+        entry, problem = items[prefix[1]], problem[prefix.end() :].removeprefix(f"{prefix[1]} is ")
+    rest = [each.replace(", or an array (S,) of them", "") for each in rest]
     entry.refuse(problem, rest[0] if rest else "write another value")

@@ -1,0 +1,205 @@
+"""Jobs: what stands in a file computes what the same numbers in Python do; changes, variants and files lie over each other."""
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from support.presses.sliding_presses import TOGGLE
+from support.texts import shipped
+
+import pinpress as pp
+from pinpress.common.reading.entries import entry_of_text
+from pinpress.common.reading.filling import Around, Number, OneOf, Part
+from pinpress.jobs import kinds
+from pinpress.jobs.grammar import JOB, SECTIONS
+from pinpress.pin_table.reading import BESIDE
+
+PRESS = Path(__file__).with_name("press_job.yaml")  # the six-bar with all that acts on it
+SERVO = """\
+file: zxn2_3000b
+loads: {draw: {kind: drawing, force: 1500 kN, start: 60 mm}}
+servo:
+  strokes_per_minute: 25
+  minimise: heat
+  drive: {inertia: 1.5 kg m2, ratio: 60, gear_inertia: 50 kg m2, peak_torque: 2100 N m, rated_torque: 800 N m, top_speed: 2000 r/min}
+  path: {kind: turn}
+  limits:
+    - {kind: slide-speed, speed: 200 mm/s, heights: 60 0 mm}
+    - {kind: feed-window, height: 150 mm, time: 0.8 s}
+"""
+
+
+@pytest.fixture(scope="module")
+def job() -> pp.Job:
+    return pp.job(PRESS)
+
+
+def by_hand() -> tuple[pp.Linkage, dict]:
+    """The press of `PRESS` and what acts on it, from Python."""
+    text = PRESS.read_text(encoding="utf-8").partition("\nspeed:")[0]
+    table = PRESS.parent / "by_hand.yaml"
+    drawn = pp.build(**__import__("yaml").safe_load(text))
+    assert not table.exists()
+    press = drawn.drawn_at(pp.dead_centres(drawn).top_angle, "top dead centre")
+    loads = [pp.loads.DeepDrawing(1.5e6, 0.04), pp.loads.BalanceCylinder(0.25, 6e5, 0.3, count=2)]
+    friction = {name: pp.loads.Friction(0.05, 0.1) for name in press.bearings}
+    friction |= {"A": pp.loads.Friction(0.05, 0.15), "slide_guide": pp.loads.Friction(0.05)}
+    motor = pp.drives.InductionMotor(75e3, 1485 * pp.RPM, inertia=1.2)
+    return press, {"loads": loads, "friction": friction, "motor": pp.drives.Geared(motor, 20.7, efficiency=0.95)}
+
+
+def stroke(press: pp.Linkage) -> float:
+    return pp.dead_centres(press).stroke
+
+
+def test_a_job_computes_what_python_does(job: pp.Job) -> None:
+    press, acting = by_hand()
+    motion = pp.cycle(press, 70 * pp.RPM, points=720)
+    reactions = pp.inverse_dynamics(press, motion, acting["loads"], acting["friction"])
+    assert_array_equal(job.reactions().driving_torque, reactions.driving_torque)
+    for name in press.bearings:
+        assert_array_equal(job.reactions().bearing_force[name], reactions.bearing_force[name])
+    wheel = pp.drives.Flywheel(6000)
+    run = pp.steady_state(
+        press, 70 * pp.RPM, drive=acting["motor"], flywheel=wheel, loads=acting["loads"], friction=acting["friction"], points=720
+    )
+    assert_array_equal(job.steady_state().crank_speed, run.crank_speed)
+    capacities = pp.ratings.Capacities(3e6, 0.013, bearings={"A": 2e6}, flywheel_inertia=6000, speed_drop=0.15)
+    assert_array_equal(job.rate().force, pp.ratings.rate(press, 70 * pp.RPM, capacities, friction=acting["friction"]).force)
+    assert job.brake == pp.drives.Brake(60e3, closes=pp.drives.SwitchPoint(angle=np.radians(350)), rise=0.05)
+
+
+def test_a_job_of_a_servo_press_finds_the_best_motion(tmp_path: Path) -> None:
+    (tmp_path / "servo.yaml").write_text(SERVO)
+    servo, press = pp.servo, shipped("zxn2_3000b")
+    drive = servo.ServoDrive(inertia=1.5, ratio=60, gear_inertia=50, peak_torque=2100, rated_torque=800, top_speed=2000 * pp.RPM)
+    limits = [servo.SlideSpeed(0.2, heights=(0.06, 0.0)), servo.FeedWindow(0.15, 0.8)]
+    best = servo.best_motion(press, drive, [pp.loads.DeepDrawing(1.5e6, 0.06)], time=60 / 25, path=servo.Turn(), limits=limits)
+    assert pp.job(tmp_path / "servo.yaml").best_motion().value == best.value
+
+
+def parts() -> list[tuple[str, Part]]:
+    """Every part that a job can name, but for those whose numbers stand in a file."""
+    found = [
+        (f"{name}: {kind}", part) for name, value in vars(kinds).items() if isinstance(value, OneOf) for kind, part in value.kinds.items()
+    ]
+    found += [(name, value) for name, value in vars(kinds).items() if isinstance(value, Part)]
+    return [(name, part) for name, part in found if ".csv" not in part.example]
+
+
+@pytest.mark.parametrize("name, part", parts(), ids=[name for name, _ in parts()])
+def test_examples_make_their_parts(name: str, part: Part, tmp_path: Path) -> None:
+    """The example of each part is read, and the part has the numbers that stand there, in SI units."""
+    around = Around(drivers={"A": shipped("zxn2_3000b").driver_coordinates[0]})
+    entry = entry_of_text(part.example, "example", (), JOB)
+    items = {key: each for key, each in entry.items("keys").items() if key != "kind"}
+    given = {"link": entry_of_text("crank", "", (), JOB), **items} if part is kinds.REGION else items
+    made = part.of(entry, given, around)
+    made = made[0] if isinstance(made, tuple) else made
+    inner = made.drive if isinstance(made, pp.drives.Geared) else made
+    assert isinstance(inner, part.made)
+    for key, value in part.values.items():
+        if key in items and type(value) is Number and "^" not in value.unit:
+            holder = inner if hasattr(inner, key) else made
+            if hasattr(holder, key):
+                assert getattr(holder, key) == value.read(items[key], around), key
+
+
+def test_sections_of_tables_are_those_of_jobs() -> None:
+    """A table of pins leaves all sections of a job alone, and refuses no other ones than those that name a press from elsewhere."""
+    assert set(BESIDE) == set(SECTIONS) - {"file", "drivers", "allow_open"}
+
+
+def test_tables_of_parts_come_from_beside_their_file(tmp_path: Path) -> None:
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "stroke.csv").write_text("height [mm],force [kN]\n0,100\n5,50\n")
+    (tmp_path / "job.yaml").write_text("file: zxn2_3000b\nspeed: 70 r/min\nloads: {t: {kind: table, file: sub/stroke.csv}}\n")
+    load = pp.job(tmp_path / "job.yaml").loads["t"]
+    assert_array_equal(load.heights, [0, 0.005])
+    assert_array_equal(load.forces, [1e5, 5e4])
+
+
+def test_the_later_word_wins(tmp_path: Path) -> None:
+    """Base, file, variant, change as text, argument of the call."""
+    (tmp_path / "base.yaml").write_text(PRESS.read_text())
+    above = "base: base.yaml\nloads: {draw: {force: 1600 kN}, balance: none}\nvariants: {hard: {loads.draw.force: 1700 kN}}\n"
+    (tmp_path / "job.yaml").write_text(above)
+    read = lambda **more: pp.job(tmp_path / "job.yaml", **more).loads["draw"].force  # noqa: E731
+    assert pp.job(tmp_path / "base.yaml").loads["draw"].force == 1.5e6
+    assert read() == 1.6e6
+    assert pp.job(tmp_path / "job.yaml").loads.keys() == {"draw"}
+    assert read(variant="hard") == 1.7e6
+    assert read(variant="hard", set=["loads.draw.force=1800 kN"]) == 1.8e6
+    assert read(variant="hard", set=["loads.draw.force=1800 kN"], **{"loads.draw.force": 1.9e6}) == 1.9e6
+
+
+def test_changes_are_told_and_stay_on_top(job: pp.Job) -> None:
+    hard = job.variant("hard_steel")
+    assert [(each.path, each.before, each.now) for each in hard.changed] == [
+        ("loads.draw.force", "1500 kN", "1900 kN"),
+        ("capacities.speed_drop", "15 %", "20 %"),
+    ]
+    slower = hard.with_(speed=60 * pp.RPM)
+    assert slower.loads["draw"].force == 1.9e6
+    assert slower.speed == 60 * pp.RPM
+    assert len(slower.changed) == 3
+    assert job.speed == 70 * pp.RPM
+    assert stroke(job.with_(r=150).press) > stroke(job.press)
+    assert job.with_(brake=None).brake is None
+    die = pp.loads.ElasticDie(0.001, 1e9)
+    assert job.with_(loads={"die": die}).loads == {"die": die}
+
+
+def test_a_job_without_a_file_and_one_of_a_shipped_press_with_another_radius() -> None:
+    job = pp.job(file="zxn2_3000b", speed="70 r/min", loads={"draw": {"kind": "drawing", "force": 1.5e6, "start": 0.04}})
+    assert_array_equal(
+        job.reactions().driving_torque,
+        pp.inverse_dynamics(
+            shipped("zxn2_3000b"), pp.cycle(shipped("zxn2_3000b"), 70 * pp.RPM, points=720), [pp.loads.DeepDrawing(1.5e6, 0.04)]
+        ).driving_torque,
+    )
+    changed = pp.job("eccentric_blocks", set=["r=10", "speed=60 r/min"])
+    assert changed.parameters == {"r": "10"}
+    assert stroke(changed.press) == stroke(pp.build("eccentric_blocks", r=10))
+
+
+def test_drivers_that_slide_have_forces_and_speeds_along_their_axis(tmp_path: Path) -> None:
+    file = tmp_path / "toggle.urdf"
+    file.write_text(TOGGLE)
+    job = pp.job(file, speed="80 mm/s", motor={"kind": "constant", "value": "20 kN"})
+    assert job.speed == 0.08
+    assert job.motor == pp.drives.ConstantTorque(20e3)
+    with pytest.raises(pp.PinpressError, match=r"'70 r/min' is in 'r/min', which is none of m/s"):
+        pp.job(file, speed="70 r/min")
+    geared = pp.job(file, speed="80 mm/s", motor={"kind": "constant", "value": "200 N m", "ratio": 300.0})
+    assert geared.motor == pp.drives.Geared(pp.drives.ConstantTorque(200), 300.0)
+
+
+def test_sections_may_stand_in_files_of_their_own(tmp_path: Path) -> None:
+    """Their paths are relative to the file in which they stand, and the SHA-256 of all of them is kept."""
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "loads.yaml").write_text("t: {kind: table, file: stroke.csv}\n")
+    (tmp_path / "parts" / "stroke.csv").write_text("0,1e5\n0.005,5e4\n")
+    (tmp_path / "job.yaml").write_text("file: zxn2_3000b\nspeed: 70 r/min\nloads: parts/loads.yaml\n")
+    job = pp.job(tmp_path / "job.yaml")
+    assert_array_equal(job.loads["t"].forces, [1e5, 5e4])
+    for name in ("job.yaml", "parts/loads.yaml", "parts/stroke.csv"):
+        assert job.files[tmp_path / name] == hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()
+
+
+def test_what_is_said_of_all_bearings_holds_of_those_that_say_nothing_else(job: pp.Job) -> None:
+    assert job.bearings["A"].diameter == 0.3
+    assert job.bearings["B"].diameter == 0.2
+    assert job.bearings["slide_guide"].diameter is None
+    assert job.friction["slide_guide"] == pp.loads.Friction(0.05)
+    assert job.capacities.bearings == {"A": 2e6}
+
+
+def test_the_report_has_a_part_for_each_section(job: pp.Job, tmp_path: Path) -> None:
+    from support.in_browser import data_in
+
+    page = job.write_report(tmp_path / "press.html")
+    titles = [each["title"] for each in data_in(page)["report"]["sections"]]
+    assert {"Ratings", "Steady state"} & set(titles) or any("permissible" in title.lower() for title in titles)
