@@ -84,6 +84,8 @@ def report(
             kind that has no section, or ``before`` is over another quantity (time or crank angle) than the motion, or turns the other way.
         UnknownNameError: As `record`.
     """
+    if odd := [type(result).__name__ for result in results if not isinstance(result, Tabular)]:
+        raise PinpressError(f"results: a report has no section for an object of type {odd[0]}; give results such as ratings or runs")
     frames = key_frames(press, motion)
     if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.problem.driven.forces):
         raise PinpressError("the run has loads: give its reactions with them, inverse_dynamics(press, run, loads=[...])")
