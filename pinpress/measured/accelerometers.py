@@ -22,7 +22,7 @@ from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import Frozen
 from ..common.quantities import GRAVITY, Array, readable
 from ..common.reading.columns import Channels, Wanted, name_columns, read_channels, read_columns
-from .records import UNEVEN, longest_rest, times_of
+from .records import UNEVEN, equal_samples, times_of
 
 FEWEST = 256  # samples of a record
 DIRECTIONS = {
@@ -30,7 +30,6 @@ DIRECTIONS = {
     for sign, size in (("", 1), ("+", 1), ("-", -1))
     for i, axis in enumerate("xyz")
 }
-STUCK = 8  # samples in a row at the extreme, as where an amplifier is overdriven
 HEAVY = 1000.0 * GRAVITY  # acceleration above which a unit or a gain is doubted [m/s2]
 POINTS = {  # columns of a file of points
     "channel": Wanted(),
@@ -203,10 +202,15 @@ def _acceleration(table: Channels, name: str, column: str, sensor: Accelerometer
             f"{name}: column {column!r} {what}: name it in one of {', '.join(readable('m/s2'))}, or give its Accelerometer a gain"
         )
     values = _finite(found, name, column)
-    rest = max(longest_rest(values, float(extreme))[0] for extreme in (values.max(), values.min()))
+    starts, lengths = equal_samples(values)
+
+    def longest(value: float) -> int:
+        return int(lengths[values[starts] == value].max(initial=1))
+
+    rest = max(longest(values.max()), longest(values.min()))
     if not np.ptp(values):
         caution(f"{name}: channel {column!r} is constant, {values[0]:.4g} in all samples: check its cable, or leave it out")
-    elif rest >= STUCK and rest > 3 * max(longest_rest(values, float(np.median(values)))[0], 1):
+    elif rest >= 8 and rest > 3 * longest(float(np.median(values))):
         caution(f"{name}: channel {column!r} stays at its extreme for {rest} samples, as if its amplifier is overdriven: lower that gain")
     size = float(np.abs(factor * (values - np.median(values))).max())
     if size > HEAVY:

@@ -48,7 +48,7 @@ from ..linkage.linkage import NAME_A_SLIDE, Linkage
 from ..loads.link import Friction
 from .estimates.prior import ZERO
 from .identification import IdentifiedPress, checked_inertia
-from .records import MeasuredRun, sample_noise
+from .records import MeasuredRun, sample_noise, white_noise
 from .regressor import InertialEquations, inertial_equations, slide_rates
 
 if TYPE_CHECKING:
@@ -420,10 +420,8 @@ def _smooth(run: MeasuredRun) -> _Smooth:
     pieces = int(np.clip(run.strokes * SPEED_KNOTS, 4, len(time) // 4))
     knots = np.concatenate([np.zeros(5), np.linspace(0.0, time[-1], pieces + 1), np.full(5, time[-1])])
     spline = make_lsq_spline(time, run.angle, knots, k=5)
-    steps = np.diff(run.angle, 3)
-    rough = float(1.4826 * np.median(np.abs(steps)) / np.sqrt(20.0))  # of white noise alone, whatever the crank does
-    counted = run.resolution
-    return _Smooth(spline(time, 1), spline(time, 2), max(rough, 0.0 if counted is None else counted / np.sqrt(12.0), 1e-12))
+    noise = max(white_noise(run.angle), (run.resolution or 0.0) / np.sqrt(12.0), 1e-12)  # a count is even noise
+    return _Smooth(spline(time, 1), spline(time, 2), noise)
 
 
 def _weights(run: MeasuredRun, arm: Array) -> _Weights:
