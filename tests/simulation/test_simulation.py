@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support import texts
+from support.generators import small_linkages
 from support.generators.spatial_linkages import bennett, four_bar
 from support.oracles import crank_slide_equation as equation
 from support.oracles.crank_slide_equation import Window
@@ -32,15 +33,6 @@ JF75G = json.loads((REFERENCE / "jf75g_125.json").read_text(encoding="utf-8"))["
 METHODS = ("reduced", "constraint")
 J0, M0, W0 = 136.0, 567.0, 10 * math.pi  # Zhang 2007, 4.3: flywheel, torque, speed at the start
 
-DISC = """<robot name="disc">
-  <link name="frame"/>
-  <link name="disc">
-    <inertial><origin xyz="0 0 0"/><mass value="40"/><inertia ixx="2" ixy="0" ixz="0" iyy="3" iyz="0" izz="2"/></inertial>
-  </link>
-  <joint name="O" type="continuous"><parent link="frame"/><child link="disc"/><origin xyz="0.1 0 0.4"/><axis xyz="0 -1 0"/></joint>
-  <transmission name="drive"><joint name="O"/></transmission>
-</robot>
-"""
 J2 = 3.0  # of the disc about its axis
 
 
@@ -56,7 +48,7 @@ def press():
 
 @pytest.fixture(scope="module")
 def disc():
-    return texts.load(DISC)
+    return small_linkages.disc()
 
 
 def zhang(press, duration, **options):
