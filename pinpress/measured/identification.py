@@ -32,14 +32,10 @@ from .estimates.base_parameters import base_parameters
 from .estimates.encoder_zero import Start, likely_starts
 from .estimates.least_squares import Fit, deviations, fitted
 from .estimates.prior import NOTHING, ZERO, Losses, Unknowns, unknowns_of
-from .estimates.run_rows import BY_FORCE, Known, RunEquations
+from .estimates.run_rows import BY_FORCE, RunEquations
 from .estimates.weak_form import quantities, smoothed
 from .records import MeasuredRun, sample_noise
-from .regressor import (
-    PIN,
-    refuse_losses,
-    slide_rates,
-)
+from .regressor import PIN, refuse_losses, slide_rates, turning_bearings
 
 WIDE = 1.96  # standard deviations of a 95 % interval
 PASSES = 20  # of rows about the last estimates: of forces in bearings, by which friction is, and of the encoder's zero
@@ -202,8 +198,8 @@ def identify(
     unknowns = unknowns_of(press, prior, wanted, known)
     records = checked_runs(press, runs)
     _doubt_runs(records)
-    beside = Known(checked_inertia(drive_inertia), tuple(loads))
-    equations = [RunEquations(unknowns, wanted, beside, run, smoothed(run)) for run in records]
+    inertia = checked_inertia(drive_inertia)
+    equations = [RunEquations(unknowns, wanted, inertia, tuple(loads), run, smoothed(run)) for run in records]
     current = records[0].current is not None
     start, unknowns, fit = _best(unknowns, equations, current)
     if not current and not 1 / SCALED < start.torque < SCALED:
@@ -412,10 +408,8 @@ def _result(unknowns: Unknowns, fit: Fit, press: Linkage, losses: Losses) -> Ide
         sums.append(IdentifiedParameter(name, bases.units[k], float(before[k]), value, value - wide, value + wide, own, other, doubt))
     found = {each.name: float(fit.values[k]) for k, each in enumerate(unknowns.parameters) if unknowns.inertial <= k < unknowns.zero}
     friction: dict[str, Friction] = {}
-    turning = [name for name, axis in zip(press.joints, press.axes, strict=True) if axis.turns]
-    pins = [*turning, *(loop.name for loop in press.loops if loop.type != "fixed")]
     if "pins friction" in found:
-        radii = losses.radii or dict.fromkeys(pins, PIN * press.size)
+        radii = losses.radii or dict.fromkeys(turning_bearings(press), PIN * press.size)
         share = found["pins friction"] / (1.0 if losses.radii else PIN * press.size)
         friction |= {name: Friction(share, radius=radius) for name, radius in radii.items()}
     if "slide guide friction" in found:
