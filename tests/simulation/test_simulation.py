@@ -23,9 +23,7 @@ from support.sampling import rest_exhaustive
 import pinpress as pp
 from pinpress.accuracy.scenes import SPEED_LAW, build_scene
 from pinpress.simulation import solvers
-from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.over_angle import angle_solver
-from pinpress.simulation.over_time import equations_of_motion, hybrid_system
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 ZXN2 = json.loads((REFERENCE / "zxn2_3000b.json").read_text(encoding="utf-8"))["forward"]
@@ -633,19 +631,6 @@ def test_a_drive_that_turns_backwards(press, method):
     np.testing.assert_allclose(runs[1].drive_work, runs[0].drive_work, rtol=0, atol=1e-3)
 
 
-@pytest.mark.filterwarnings("ignore:the motor turns the other way")
-def test_swings_through_both_limits_of_a_drive():
-    """A crank that swings through the corners of an inverter's torque: where it stops is known only once these are. One integration, whose
-    progress goes forward, and the motion that the other method finds."""
-    press, told = texts.shipped("crank_slide"), []
-    motor = pp.drives.Geared(pp.drives.InverterMotor(0.0147, 1440 * pp.RPM, 50.0), 72.455)
-    options = {"speed": -2.07, "angle": 7.3377, "flywheel": pp.drives.Flywheel(1.846), "drive": motor, "points": 31}
-    run, other = pp.simulate(press, 1.147, progress=told.append, **options), pp.simulate(press, 1.147, method="constraint", **options)
-    assert told == sorted(told)
-    assert run.stats.energy_error < 1e-9
-    np.testing.assert_allclose(run.crank_angle, other.crank_angle, rtol=0, atol=1e-8)
-
-
 @pytest.mark.parametrize("speed", [W0, -20.0])
 def test_a_prescribed_speed(press, speed):
     """The torque that it takes, in closed form, whatever the flywheel; for the drive's work the slide's is added to what is stored."""
@@ -1089,29 +1074,6 @@ def test_states_are_counted_by_the_way_that_the_crank_makes(speed):
     turns = np.abs(np.diff(run.crank_angle)).sum() / (2 * math.pi)
     assert turns > 2
     assert abs(len(run.time) - 1 - 120 * turns) < 3
-
-
-@pytest.mark.filterwarnings("ignore:InverterMotor would turn the crank at 1200 r/min")
-@pytest.mark.parametrize("corners", [(1.0, 2.0, 4.0), (4.0, 1.0, 2.0)])
-def test_the_side_of_every_corner(corners):
-    """Of one that is passed it changes, of the others it stays; at the start it is where the speed is, or tends to from the corner up."""
-    drive = pp.drives.InverterMotor(200.0, 1450 * pp.RPM, 40.0)
-    driven = driven_press(texts.shipped("crank_slide"), drive, None, [], None, None)
-    driven.__dict__["corners"] = corners
-    found = hybrid_system.HybridSystem(equations_of_motion.ReducedDynamics(driven.model), driven)
-    begun, _ = found.begin(0.0, np.zeros(1), np.zeros(1), np.zeros(4))
-
-    def sides(speed, before=()):
-        _, y = found.begin(0.0, np.zeros(1), np.array([speed]), np.zeros(4))
-        after = found.past_corner(begun._replace(sides=before), y).sides
-        return dict(zip(corners, after, strict=True))
-
-    assert sides(3.0) == {1.0: 1, 2.0: 1, 4.0: -1}
-    assert sides(2.0) == {1.0: 1, 2.0: 1, 4.0: -1}
-    assert sides(0.5) == {1.0: -1, 2.0: -1, 4.0: -1}
-    low, high = tuple(1 if c < 2.0 else -1 for c in corners), tuple(1 if c <= 2.0 else -1 for c in corners)
-    assert sides(2.0 - 1e-12, low) == {1.0: 1, 2.0: 1, 4.0: -1}  # 2 passed upwards, whatever the rounding of the speed
-    assert sides(2.0 + 1e-12, high) == {1.0: 1, 2.0: -1, 4.0: -1}  # and downwards
 
 
 def test_a_stiff_law_at_the_least_tolerance():

@@ -1,7 +1,5 @@
 """The engine in space beside Pinocchio's, which works on one state at a time: through space, redundant, welded, with several drivers."""
 
-from dataclasses import replace
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -74,28 +72,6 @@ def test_forces(case):
             agree(ours, theirs, 1e-11)
         for name in press.bearings if not more else ():
             np.testing.assert_array_equal(ours.indeterminate[name], theirs.indeterminate[name])
-
-
-def test_in_pieces_as_at_once(case, monkeypatch):
-    whole = moved(case, "space")
-    forces = pp.inverse_dynamics(case[0], whole, engine="space")
-    monkeypatch.setattr(equations, "JACOBIANS", 1)
-    press = replace(case[0])  # with constants of its own
-    assert press.engine("space").loops.piece == 8 < N
-    parts = moved((press, *case[1:]), "space")
-    np.testing.assert_allclose(parts.a, whole.a, rtol=0, atol=1e-12 * np.abs(whole.a).max())
-    agree(pp.inverse_dynamics(press, parts, engine="space"), forces, 1e-11)
-
-
-def test_few_states_are_like_many(case):
-    engine = case[0].engine("space")
-    position = moved(case).joint_position.T
-    drivers = len(case[0].drivers)
-    speed = np.ones((drivers, N))
-    many = engine.rates(position, speed, 0 * speed)
-    few = engine.rates(position[:, :2], speed[:, :2], 0 * speed[:, :2])
-    for one, other in zip(few[:3], many[:3], strict=True):
-        np.testing.assert_allclose(one, other[..., :2], rtol=0, atol=1e-12 * max(1.0, np.abs(other).max()))
 
 
 def test_logarithms_of_rotations():

@@ -180,47 +180,6 @@ def test_open_components(case):
         assert case.result.indeterminate[name].tolist() == reached[k].tolist(), name
 
 
-def test_forward_dynamics(case):
-    """The torques put into the tree's equations of motion with multipliers give the accelerations back, and the loops' forces.
-
-    [M -J^T; J 0] [a; multipliers] = [torque - rest; -dJ/dt v], solved densely; forces to 1e-12, accelerations to 1e-11 of those
-    that the torques alone would cause: the matrix has a condition up to 1e4, and torques and loads all but cancel.
-    """
-    model, data = case.press.model, case.press.model.createData()
-    at = [case.press.joints.index(name) for name in case.press.drivers]
-    for i, (q, v, a) in enumerate(zip(case.motion.q, case.motion.v, case.motion.a, strict=True)):
-        jacobian, second = case.loops.rows(q, v)
-        mass = pin.crba(model, data, q)
-        mass = np.triu(mass) + np.triu(mass, 1).T
-        driving = np.zeros(model.nv)
-        driving[at] = case.result.driving_torque[i]
-        effort = driving - pin.nonLinearEffects(model, data, q, v) + loaded(case, q)
-        matrix = np.block([[mass, -jacobian.T], [jacobian, np.zeros((len(jacobian), len(jacobian)))]])
-        sides = [np.concatenate([effort, -second]), np.concatenate([driving, np.zeros_like(second)])]
-        solution, alone = np.linalg.lstsq(matrix, np.transpose(sides), rcond=1e-12)[0].T
-        assert np.abs(solution[: model.nv] - a).max() <= 1e-11 * np.abs(alone[: model.nv]).max()
-        found, expected = case.loops.multipliers(case.result, i), solution[model.nv :]
-        peak = np.abs(jacobian).max() * case.force
-        assert np.abs(jacobian.T @ (found - expected)).max() <= 1e-12 * peak
-        for loop, force in zip(case.loops.loops, case.loops.forces(expected), strict=True):
-            certain = ~case.result.indeterminate[loop.name][:3]
-            assert np.abs((case.result.bearing_force[loop.name][i] - force)[certain]).max(initial=0.0) <= 1e-12 * case.force
-
-
-def loaded(case, q):
-    """Generalised forces (nv,) of the loads."""
-    model, data = case.press.model, case.loops.data
-    pin.computeJointJacobians(model, data, q)
-    pin.updateFramePlacements(model, data)
-    efforts = np.zeros(model.nv)
-    for load in case.loads:
-        frame = model.getFrameId(load.link, pin.BODY)
-        columns = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
-        arm = data.oMf[frame].rotation @ np.array(load.point)
-        efforts += columns[:3].T @ load.force + columns[3:].T @ np.cross(arm, load.force)
-    return efforts
-
-
 def test_power_and_momentum(case):
     """Power flows into energy, and what reaches the foundation is weight and loads less the rate of momentum; 1e-12 of the peak."""
     assert np.abs(case.result.power_residual).max() <= 1e-12
