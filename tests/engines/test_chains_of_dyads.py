@@ -1,7 +1,5 @@
 """Chains of dyads, which the planar engine closes by one root each: judged by Newton's method, by Pinocchio, and by what they leave out."""
 
-import copy
-import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -220,16 +218,6 @@ def test_gears_and_levers(name):
     assert np.abs(result.power_residual).max() <= 1e-12
 
 
-def test_gear_torques_at_many_speeds():
-    """Those of idle forces that nobody asked for must not be taken from a speed for which no gear torques were wanted."""
-    press = pp.load("jf75g_125_symmetric")
-    for speed in (6.0, 7.0, 8.0, 9.0):
-        motion = pp.cycle(press, speed, points=30)
-        alone = pp.inverse_dynamics(press, motion, bearings=())
-        expected = pp.inverse_dynamics(press, motion, engine="pinocchio").coupling_torque["O_right"]
-        assert np.abs(alone.coupling_torque["O_right"] - expected).max() <= 1e-10 * np.abs(expected).max()
-
-
 @pytest.mark.filterwarnings("ignore:.*apart as drawn")
 def test_gears_that_are_left_to_newtons_method():
     """A shaft on the crank, and a rack."""
@@ -340,36 +328,7 @@ def test_forces_of_what_is_closed_on_a_link_that_moves(slides):
             np.testing.assert_allclose(found.bearing_moment[name], other.bearing_moment[name], rtol=0, atol=1e-10 * largest)
 
 
-def test_a_closed_form_that_is_not_that_of_the_branch_is_not_used(monkeypatch):
-    """Another assembly, say: the nodes of the branch tell."""
-    press = texts.load(four_bar(1.0, 0.2, 0.9, 0.5, 0.3).urdf("O"))
-    equations, branch = press.engine("plane").equations, press.branch
-    assert chains.find_chain(equations, branch) is not None
-    build = chains._build_chain
-    monkeypatch.setattr(chains, "_build_chain", lambda plane, drawn: mirrored(build(plane, drawn)))
-    assert chains.find_chain(equations, branch) is None
-
-
-def mirrored(chain):
-    equation, functions = chain.equations[0], chain.functions
-    dyad = equation.dyad
-    a, b = (chain.plane.gap_rows[equation.loop][functions.places[row]] for row in (dyad.rotor1, dyad.rotor2))
-    swapped = type(dyad).from_drawn_pose(dyad.rotor2, dyad.rotor1, b, a)
-    return replace(chain, equations=(equation._replace(dyad=swapped),))
-
-
 QUANTITIES = ("crank_speed", "crank_acceleration", "joint_position", "v", "a", "closure_error")
-
-
-def test_copies_of_motions():
-    press = pp.load("zxn2_3000b")
-    motion = pp.cycle(press, 7.0, points=50)
-    for each in (copy.copy(motion), copy.deepcopy(motion), pickle.loads(pickle.dumps(motion))):
-        for name in QUANTITIES:
-            np.testing.assert_array_equal(getattr(each, name), getattr(motion, name))
-            assert not getattr(each, name).flags.writeable
-        torque = pp.inverse_dynamics(press, each).driving_torque
-        np.testing.assert_allclose(torque, pp.inverse_dynamics(press, motion).driving_torque, rtol=1e-10)
 
 
 def test_pieces_join(monkeypatch):
@@ -388,17 +347,6 @@ def test_pieces_join(monkeypatch):
     for name in press.bearings:
         np.testing.assert_allclose(found.bearing_force[name], expected.bearing_force[name], rtol=0, atol=1e-14 * peak)
     np.testing.assert_allclose(found.driving_torque, expected.driving_torque, rtol=0, atol=1e-14 * peak)
-
-
-def test_a_chain_with_more_levers_than_states_in_a_piece(monkeypatch):
-    expected = pp.cycle(pp.load("jf75g_125_two_point"), 7.0, points=5)
-    torque = pp.inverse_dynamics(pp.load("jf75g_125_two_point"), expected).driving_torque
-    monkeypatch.setattr(chains, "PIECE", 1)
-    monkeypatch.setattr(balance, "PIECE", 1)
-    press = pp.load("jf75g_125_two_point")
-    found = pp.cycle(press, 7.0, points=5)
-    np.testing.assert_allclose(found.slide_position, expected.slide_position, rtol=1e-15)
-    np.testing.assert_allclose(pp.inverse_dynamics(press, found).driving_torque, torque, rtol=1e-12)
 
 
 def test_speeds_too_large_are_refused():

@@ -2,7 +2,6 @@
 
 import dataclasses
 import inspect
-import re
 from pathlib import Path
 
 import numpy as np
@@ -132,16 +131,3 @@ def test_a_loop_without_lengths_moves():
     """An eccentric press without an eccentricity: gear and slide guide are what is left."""
     press = pp.build(Path(pp.__file__).parent / "pin_table" / "templates" / "eccentric-block.yaml", e=0)
     assert np.ptp(pp.cycle(press, 1.0, points=8).slide_position) == 0
-
-
-def test_nobody_above_asks_whether_there_is_a_plane():
-    asks = re.compile(r"plane is (not )?None|\bif (\w+\.)*plane\b(?!\.)|\.planar\(")
-    package = Path(pp.__file__).parent
-    asking = [
-        f"{file.relative_to(package)}:{number}"
-        for file in sorted(package.rglob("*.py"))
-        if file.relative_to(package).parts[0] != "engines"
-        for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1)
-        if asks.search(line)
-    ]
-    assert not asking
