@@ -38,7 +38,7 @@ from ..visual.shapes.appearance import ShownLink, bodies
 from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, Numbers, formula, parameters_of
 from .links import Link, read_links
-from .placement import UNITS, Pin, UnreachableError, place_pins
+from .placement import UNITS, Pin, UnreachableError, place_pins, size_of
 from .reading import CALL, Entry, given_table, overlaid, read_table
 from .sketch import sketch_of_failure, sketch_of_parts
 from .tool import Tool, read_tool
@@ -136,7 +136,7 @@ class DrawnPress(Tabular):
     @property
     def title(self) -> str:
         """The press, how many links it has, and its size."""
-        return f"DrawnPress {self.name}: {len(self.parts.links)} links and the frame, {_size(self.parts.pins):.3f} m across"
+        return f"DrawnPress {self.name}: {len(self.parts.links)} links and the frame, {size_of(self.parts.pins):.3f} m across"
 
     def columns(self) -> Columns:
         """Bearings with the links that they connect and their places in the drawn pose."""
@@ -294,7 +294,7 @@ def drawn_from(entries: Entry) -> DrawnPress:
         sense = {joint.name: -1.0 if joint.pin is not None and not parts.pins[joint.pin].in_space else 1.0 for joint in tree.joints}
         meshing = {name: (leader, ratio * sense[name] * sense[leader]) for name, (leader, ratio) in tree.gears.items()}
         tree = replace(tree, gears=meshing)
-    _check_racks(items, tree, _size(pins), unit)
+    _check_racks(items, tree, size_of(pins), unit)
     name = items["press"].text("a name") if "press" in items else "press"
     if odd := odd_character(name):
         items["press"].refuse(f"{name!a} has the character {odd}, which no line shows as it is", "choose another name")
@@ -380,11 +380,6 @@ def _gear(entry: Entry, parameters: Mapping[str, float]) -> tuple[str, float]:
     return leader, once
 
 
-def _size(pins: Mapping[str, Pin]) -> float:
-    """Diagonal of the box about all pins [m]."""
-    return float(np.linalg.norm(np.ptp([pin.point for pin in pins.values()], axis=0)))
-
-
 def _check_racks(items: Mapping[str, Entry], tree: Tree, size: float, unit: str) -> None:
     """Warn if a shaft moves a guide by far more than the size of the press in a radian: the number is probably in the table's unit."""
     guides = {joint.name for joint in tree.joints if joint.pin is None}
@@ -400,7 +395,7 @@ def _check_racks(items: Mapping[str, Entry], tree: Tree, size: float, unit: str)
 
 def _check_size(entry: Entry, pins: Mapping[str, Pin], unit: str) -> None:
     """Refuse a press that is larger than any press; warn of a press that is too small to be one."""
-    size = _size(pins)
+    size = size_of(pins)
     largest = f"the largest distance is {size / UNITS[unit]:.4g} {unit}"
     if size > 200.0:  # [m]
         entry.refuse(largest, f"is it units: {'mm' if unit == 'm' else 'another'}?")
@@ -410,7 +405,7 @@ def _check_size(entry: Entry, pins: Mapping[str, Pin], unit: str) -> None:
 
 def _check_links(links: tuple[Link, ...], pins: Mapping[str, Pin], unit: str) -> None:
     """Warn of centres of mass far outside of their links."""
-    size = _size(pins)
+    size = size_of(pins)
     for link in links:
         if link.guide is None:
             reach = max(float(np.linalg.norm(pins[name].point - link.origin)) for name in link.pins)

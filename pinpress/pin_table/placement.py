@@ -82,6 +82,11 @@ def place_pins(entries: Entry, numbers: Numbers) -> dict[str, Pin]:
     return placing.pins
 
 
+def size_of(pins: Mapping[str, Pin]) -> float:
+    """Diagonal of the box about all pins [m]."""
+    return float(np.linalg.norm(np.ptp([pin.point for pin in pins.values()], axis=0)))
+
+
 def refuse_unless_a_word(name: str, entry: Entry, what: str) -> None:
     """Refuse a name that is not one word: ``pins: A B`` and URDFs separate names by blanks."""
     word = re.sub(r"[\s,;:\[\]{}<>\"'&]+", "_", name)

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-import numpy as np
-
 from ..common.quantities import Array
 from ..linkage.tool_point import middle_of_outermost
 from .copies import Parts
 from .formulas import Numbers
 from .links import FRAME, place_of
-from .placement import Pin
+from .placement import Pin, size_of
 from .reading import Entry
 from .tree import Tree
 
@@ -64,6 +62,5 @@ def read_tool(items: Mapping[str, Entry], pins: Mapping[str, Pin], parts: Parts,
     points = {name: parts.pins[name].point for name in at if name is not None}
     for slot in slots:
         points |= slot.ends
-    size = float(np.linalg.norm(np.ptp([pin.point for pin in parts.pins.values()], axis=0)))
-    middle = middle_of_outermost(points, slide.guide.direction, size)
+    middle = middle_of_outermost(points, slide.guide.direction, size_of(parts.pins))
     return None if middle is None else Tool(slide.name, *middle)
