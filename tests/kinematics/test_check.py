@@ -481,21 +481,6 @@ def test_linkage_without_loops(check):
     assert "no errors, no warnings, no notes" in str(report)
 
 
-@pytest.mark.parametrize(
-    ("options", "error"),
-    [({"driver": "Q"}, pp.UnknownNameError), ({"driver": ("O", "O")}, pp.PinpressError), ({"slide": "rod"}, pp.PinpressError)],
-)
-def test_wrong_names_are_raised(check, options, error):
-    with pytest.raises(error):
-        check(GOES, **options)
-
-
-@pytest.mark.parametrize("name", ["missing.urdf", "missing", "a\0b.urdf"])
-def test_a_file_that_is_not_there_is_refused(name):
-    with pytest.raises(pp.UrdfError):
-        pp.check(name)
-
-
 def test_several_drivers(check):
     text = changed((GEAR, ""), (TRANSMISSION, TRANSMISSION + '<transmission><joint name="G"/></transmission>'))
     report = check(text)

@@ -108,21 +108,6 @@ def test_the_complex_step_differentiates_the_longest_even_part():
     assert length(0.02 + 1e-30j).real == pytest.approx(length(0.02), rel=1e-12)
 
 
-@pytest.mark.parametrize("variation", [0.0, 1.0, -0.1, float("nan"), 1e-14, 1 - 1e-12])
-def test_refuses_variations_of_no_part(motion, variation):
-    with pytest.raises(pp.PinpressError, match="variation"):
-        measures.even_length(motion, variation)
-
-
-@pytest.mark.parametrize(
-    ("length", "message"),
-    [*((length, "between 0 and the stroke") for length in (0.0, 0.4, -1.0)), *((length, "but for rounding") for length in (1e-300, 1e-20))],
-)
-def test_refuses_lengths_outside_the_stroke_and_of_rounding(motion, length, message):
-    with pytest.raises(pp.PinpressError, match=message):
-        pp.measures.phases(motion, length)
-
-
 def test_pressure_angles_of_chen_2002(thin_wall, motion):
     """(18): |h - l3 sin theta3| / l4 is the sine of the angle between coupler and guide; the block pushes the bar squarely."""
     curves = pp.measures.transmission_angle_curves(thin_wall, motion)
@@ -141,8 +126,3 @@ def test_least_angles_are_those_of_the_curves(name):
     curves = pp.measures.transmission_angle_curves(press, pp.cycle(press, 1.0, points=3600))
     for dyad in pp.measures.least_transmission_angles(press):
         assert curves.transmission_angle[dyad.bearing].min() == pytest.approx(dyad.least_transmission_angle, abs=1e-5)
-
-
-def test_curves_are_refused_for_the_motion_of_another_press(thin_wall):
-    with pytest.raises(pp.PinpressError, match="other joints"):
-        pp.measures.transmission_angle_curves(thin_wall, pp.cycle(texts.shipped("crank_slide"), 1.0))
