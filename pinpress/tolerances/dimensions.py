@@ -61,7 +61,7 @@ class Dimension(Frozen):
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
             raise PinpressError(f"name of a dimension is {shown(self.name)}: give a text, e.g. 'EF'")
-        if self.unit not in ("m", "rad"):
+        if not isinstance(self.unit, str) or self.unit not in ("m", "rad"):
             raise PinpressError(f"dimension {self.name!r}: unit is {shown(self.unit)}: give 'm' or 'rad'")
         set_field(self, "direction", self._checked_direction())
         set_field(self, "tolerance", self._size("tolerance", self.tolerance))

@@ -71,6 +71,9 @@ def test_what_was_wrong_once():
                 ("measures.pressure_angle", "axis", "huges"),
                 ("report", "results", "texts"),
                 ("report", "results", "cube"),
+                ("elasticity.guide_contact", "offset", "huges"),
+                ("measured.identify", "radii", "None"),
+                ("tolerances.Dimension", "unit", "masked"),
             ]
         )
         == []

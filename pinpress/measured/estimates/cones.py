@@ -39,7 +39,9 @@ def within_cones(unknowns: Unknowns, values: Array, spread: Array, covariance: A
     if all(part.outside(part.slack(values)) <= TINY for part in cones):
         return values
 
-    step = spread @ np.linalg.cholesky(covariance)  # by numbers that are independent in the posterior, each with a deviation of 1
+    variances, directions = np.linalg.eigh(covariance)  # rounding may leave a variance a little below zero
+    # by numbers that are independent in the posterior, each with a deviation of 1
+    step = spread @ (directions * np.sqrt(np.maximum(variances, 0.0)))
     rows = [Rows(part.kind, part.matrix @ step, part.slack(values)) for part in cones]
     remedy = "check units and signs of torque and angle, and whether another force drives the press"
     try:  # within a millionth of the deviations, in which the changes of the estimates are judged

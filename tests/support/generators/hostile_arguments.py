@@ -471,7 +471,7 @@ OTHERS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {"time": TIME, "height": 0.1 + 0.05 * np.cos(2 * np.pi * TIME), "flank": "down", "period": 1.0, "speed": None},
     ),
     "plots.draw": (lambda result, name: pp.plots.draw(result, name), {"result": Late(reactions), "name": "torque"}),
-    "Linkage.configuration": (lambda press, angle: press.configuration(angle), {"angle": [0.1, 0.2]}),
+    "Linkage.configuration": (lambda angle: press().configuration(angle), {"angle": [0.1, 0.2]}),
     "OrderSpectra.with_modes": (
         lambda modes: every_result.vibrations().order_spectra(3).with_modes(modes),
         {"modes": Late(lambda: foundation.modes(standing()))},
