@@ -53,7 +53,9 @@ class UnitForces:
         """(n,) shift of the slide by displacements of pivots in their links [m, or per unit of a direction]."""
         press, total = self.press, np.zeros(len(self.motion.crank_angle))
         rotation = poses(press, self.motion.joint_position).rotation
-        ends = [(-1.0, name, parent, by) for name, parent, by in zip(press.joints, list(press.model.parents)[1:], moved.joints, strict=True)]
+        ends = [
+            (-1.0, name, parent, by) for name, parent, by in zip(press.joints, list(press.model.parents)[1:], moved.joints, strict=True)
+        ]
         for loop, (first, second) in zip(press.loops, moved.ends, strict=True):
             ends += [(-1.0, loop.name, loop.joint1, first), (1.0, loop.name, loop.joint2, second)]
         for sign, name, body, by in ends:
