@@ -88,6 +88,7 @@ def test_the_face_of_a_slide_that_is_welded_to_its_carriage_is_measured_from_the
 
 def test_quantities_with_units_are_taken():
     unit = pint.UnitRegistry()
-    plain = tolerances.Temperatures({"frame": 10.0}, table=-2.0)
-    assert tolerances.Temperatures({"frame": 10.0 * unit.kelvin}, 12e-6 / unit.kelvin, -2000.0 * unit.mm) == plain
-    assert tolerances.GuideClearance(0.5 * unit.mm, 250.0 * unit.mm) == tolerances.GuideClearance(5e-4, 0.25)
+    warm = tolerances.Temperatures({"frame": 10.0 * unit.kelvin}, 1e-5 / unit.kelvin, -2000.0 * unit.mm)
+    assert (warm.rise["frame"], warm.expansion, warm.table) == pytest.approx((10.0, 1e-5, -2.0))
+    guide = tolerances.GuideClearance(0.5 * unit.mm, 250.0 * unit.mm)
+    assert (guide.across, guide.length) == pytest.approx((5e-4, 0.25))
