@@ -9,7 +9,7 @@ from ..common.quantities import Array, quantity
 from ..dynamics.reactions import Reactions
 from ..foundation.mounted_press import VibrationModes
 from .hit_modes import MeasuredModes
-from .identification import ROUNDING, IdentifiedPress
+from .identification import IdentifiedPress
 from .measuring_plan import MeasuringPlan
 from .mount_fit import UNSEEN, FittedMounts
 from .records import MeasuredRun
@@ -241,7 +241,7 @@ def identified(found: IdentifiedPress, page: Reactions | None = None) -> tuple[S
         low, high = found.motor_constant_interval
         figures.append(Figure("motor constant at the crank", found.motor_constant, "N m/A", f"{low:.5g} to {high:.5g}"))
     figures.append(Figure("noise of a sample", ", ".join(f"{name} {size:.3g}" for name, size in found.noise.items())))
-    values = [0.0 if abs(each.value) < ROUNDING * each.posterior else each.value for each in found.parameters]
+    values = [0.0 if abs(each.value) < 1e-6 * each.posterior else each.value for each in found.parameters]
     columns = [
         Column("", [each.name for each in found.parameters]),
         Column("before", ["" if each.before is None else f"{each.before:.5g}" for each in found.parameters]),
