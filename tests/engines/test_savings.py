@@ -24,7 +24,6 @@ from support.texts import shipped
 
 import pinpress as pp
 
-
 ENGINES = ("plane", "space", "pinocchio")
 SAME = 1e-12
 NAMES = ("crank_slide", "zxn2_3000b", "thin_wall", "jf75g_125", "flat_gears", *(name for name in LINKAGES if name not in NOT_PLANAR))

@@ -23,6 +23,12 @@ SLOW = (
     "report",
     "foundation.iso",
     "elasticity.over",
+    "elasticity.impact",
+    "elasticity.snap",
+    "elasticity.permissible",
+    "servo.best",
+    "servo.trade",
+    "ratings.rate",
 )
 
 
@@ -107,7 +113,8 @@ def test_the_judge_notices(monkeypatch):
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("name", calls())
 def test_all(name):
-    assert wrong(case for case in cases(name) if case[0] == name) == []
+    """Of what takes long each third value, at every argument others."""
+    assert wrong([case for case in cases(name) if case[0] == name][:: 3 if name.startswith(SLOW) else 1]) == []
 
 
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
