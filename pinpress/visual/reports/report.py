@@ -66,7 +66,7 @@ def report(
         results: Other results of the press, each of which adds a section: `PressRatings`, whose permissible force is drawn next to the
             process force too, and `MotionRatings`; a `Run` of the press next to this motion; `BalancedPress` and `TradeOffCurve`;
             `SlideCompliance`, `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `LoadedGuide`; `ElasticRun`, `ElasticModes`,
-            `CampbellDiagram`, `ElasticSpeedResponse` and `ImpactsByTurn`; `MountedPress`, `VibrationModes`, `FrameMotion`,
+            `CampbellDiagram`, `ElasticSpeedResponse` and `ImpactsByTurn`; `ElasticFrame`, `MountedPress`, `VibrationModes`, `FrameMotion`,
             `SpeedResponse`, `WhirlDiagram`, `LiftingMotion` and `Isolation`;
             `ServoMotion`, `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`; `DeadCentreScatter` and its `Scatter`,
             `AllocatedTolerances`, `SlidePlay`, `DeadCentresInClearances`, `HeatShift`, `AccuracyBudget` and `SlideParallelism`.
