@@ -192,6 +192,12 @@ def test_long_motions(six_bar, points):
     full = pp.inverse_dynamics(six_bar, motion)
     for names in ((), ("A", "C"), ("slide_guide",)):
         agree(pp.inverse_dynamics(six_bar, motion, bearings=names), full)
+    some = np.arange(0, points, 113)
+    alone = pp.servo_cycle(six_bar, angle=motion.crank_angle[some], speed=7.0, acceleration=0.0)
+    np.testing.assert_allclose(alone.slide_acceleration, motion.slide_acceleration[some], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        pp.inverse_dynamics(six_bar, alone).driving_torque, full.driving_torque[some], rtol=0, atol=SAME * np.abs(full.driving_torque).max()
+    )
 
 
 def test_at_rest(six_bar, engine):
