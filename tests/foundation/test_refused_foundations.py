@@ -274,19 +274,13 @@ REFUSALS = [
     (lambda: isolate(transmitted=1.5), r"transmitted is 1\.5"),
     (lambda: isolate(transmitted=0.5, sag=0), "sag is 0"),
     (lambda: foundation.mounted(of_two_motors(), *uneven()), "give motion=servo_cycle"),
-    (
-        lambda: foundation.mounted(of_two_motors(), *uneven(), rotors=[ROTOR], motion=motors().motion),
-        "rotors spin with one crank",
-    ),
+    (lambda: foundation.mounted(of_two_motors(), *uneven(), rotors=[ROTOR], motion=motors().motion), "rotors spin with one crank"),
     (lambda: foundation.mounted(five_bar(0.5), *uneven(), motion=motors().motion), "with other joints than"),
     (lambda: steady(on_motors(), reactions=motors(), points=POINTS), "say after which period="),
     (lambda: steady(on_motors(), reactions=motors(), points=POINTS, period=1.0), r"period is 1 s, but the 720 states take"),
     (lambda: shaken_by_motors(pp.drives.Flywheel(1.0)), r"give flywheel=\{'O'"),
     (lambda: shaken_by_motors({"Q": pp.drives.Flywheel(1.0)}), "no driver 'Q'"),
-    (
-        lambda: foundation.isolate(of_two_motors(), *uneven(), speeds=[5.0], transmitted=0.5),
-        "over the speeds of one crank",
-    ),
+    (lambda: foundation.isolate(of_two_motors(), *uneven(), speeds=[5.0], transmitted=0.5), "over the speeds of one crank"),
     (lambda: foundation.over_speeds(on_motors(), [5.0, 10.0], points=POINTS), "one speed does not say"),
     (rotors_that_change_their_speed, "the rotors change their speed"),
 ]
