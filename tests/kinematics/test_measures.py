@@ -407,8 +407,6 @@ def test_bearing_positions_are_where_pinocchio_has_them():
         at["Q"]
 
 
-# What is refused
-
 
 @pytest.mark.parametrize("after", [0.5, 2.0, 4.0])
 def test_dwell_up_to_a_hump_between_states(after):
