@@ -407,7 +407,6 @@ def test_bearing_positions_are_where_pinocchio_has_them():
         at["Q"]
 
 
-
 @pytest.mark.parametrize("after", [0.5, 2.0, 4.0])
 def test_dwell_up_to_a_hump_between_states(after):
     """The slide has two bottoms with a low hump between them: it leaves the deeper one where the hump begins to rise above the tolerance,
