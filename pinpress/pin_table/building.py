@@ -210,12 +210,7 @@ class DrawnPress(Tabular):
 
 
 def build(
-    table: str | os.PathLike[str] | None = None,
-    /,
-    *,
-    gravity: Sequence[float] = (0.0, 0.0, -9.81),
-    slide: str | None = None,
-    **values: Any,
+    table: str | os.PathLike[str] | None = None, /, *, gravity: Sequence[float] = (0.0, 0.0, -9.81), slide: str | None = None, **values: Any
 ) -> Linkage:
     """Build a press from a pin table: pins by coordinates or lengths, links by their pins with masses, sections or estimates.
 

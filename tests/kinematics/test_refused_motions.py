@@ -139,10 +139,7 @@ ONE_DRIVER = [  # what is refused of two
     (lambda press: pp.steady_state(press, 1.0, drive=pp.drives.ConstantTorque(1.0)), "let it run with simulate"),
     (lambda press: pp.simulate_batch(press, 1.0, speed=[1.0, 2.0]), "call simulate for each"),
     (lambda press: pp.ratings.rate(press, 1.0, pp.ratings.Capacities(1e6)), "rate_motion finds the force along their motion"),
-    (
-        lambda press: pp.inverse_dynamics(press, resting(press), [pp.loads.Blanking(1e5, 0.004, 0.002)]),
-        "give datum=, a slide position [m]",
-    ),
+    (lambda press: pp.inverse_dynamics(press, resting(press), [pp.loads.Blanking(1e5, 0.004, 0.002)]), "give datum=, a slide position [m]"),
     (lambda press: pp.measures.driving_energy(pp.inverse_dynamics(press, resting(press))), "driving_torque * crank_speed"),
     (lambda press: pp.measures.duty_cycle(pp.simulate(press, 1e-3, speed=[1.0, 0.5])), "see drive_torque, drive_speed and drive_work"),
 ]
@@ -210,10 +207,7 @@ REFUSALS = [
     (lambda: pp.dead_centres(still()), "it has no dead centres"),
     (lambda: measures.stroke(of(lambda q: (np.ones_like(q), np.zeros_like(q), np.zeros_like(q)), 90)), "does not turn back"),
     (lambda: measures.stroke(pp.cycle(dataclasses.replace(PRESS, slide=None), speed=1.0)), "no slide"),
-    (
-        lambda: measures.stroke(dataclasses.replace(yoke(), slide_velocity=np.where(np.arange(90) > 14, np.nan, 1.0))),
-        "not finite",
-    ),
+    (lambda: measures.stroke(dataclasses.replace(yoke(), slide_velocity=np.where(np.arange(90) > 14, np.nan, 1.0))), "not finite"),
     (lambda: measures.stroke(of(crank_slide(), 9)), "9 states do not resolve the slide's position"),
     (lambda: measures.stroke(of(halved)), "elsewhere after it"),
     (

@@ -689,10 +689,7 @@ def with_loop(**fields):
 
 
 REFUSALS = [  # fields that are changed, the error and its message
-    (
-        lambda press: {"model": pin.buildReducedModel(press.model, [number(press, "G")], pin.neutral(press.model))},
-        "other joints",
-    ),
+    (lambda press: {"model": pin.buildReducedModel(press.model, [number(press, "G")], pin.neutral(press.model))}, "other joints"),
     (lambda press: {"model": texts.shipped("crank_slide").model}, "other joints"),
     (lambda press: {"loops": ()}, "other loops"),
     (with_loop(joint2=0), "other loops"),
