@@ -1,4 +1,4 @@
-"""The guide-bar press for thin-walled parts against an independent solver and the paper's closed form; `validation.chen2002` has its figures.
+"""The guide-bar press for thin-walled parts against a solver and the paper's closed form; `validation.chen2002` has its figures.
 
 Source: Chen Y. and Su S. 2002, Modern Manufacturing Engineering 2002(7), 42-44. `reference/thin_wall.json` was computed from its lengths
 (and steel prisms) without pinpress. theta3, theta4: angles of bar and coupler in the picture plane; s3: distance CB.
