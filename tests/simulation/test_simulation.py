@@ -918,7 +918,7 @@ def test_the_tolerance_is_kept(press, method):
 
 
 @pytest.mark.one_in(2)
-def test_a_run_is_a_motion(press, method, tmp_path):
+def test_a_run_is_a_motion(press, method):
     run = zhang(press, 0.4, loads=[CASES["blanking"][0]], method=method)
     assert isinstance(run, pp.Motion)
     assert isinstance(run, pp.Run)
@@ -933,12 +933,6 @@ def test_a_run_is_a_motion(press, method, tmp_path):
     result, other = (pp.inverse_dynamics(press, run, loads=[CASES["blanking"][0]], engine=engine) for engine in ("plane", "pinocchio"))
     for name, force in result.bearing_force.items():
         np.testing.assert_allclose(other.bearing_force[name], force, rtol=0, atol=1e-9 * 1.25e6)
-    run.to_csv(tmp_path / "run.csv")
-    header, *rows = (tmp_path / "run.csv").read_text().splitlines()
-    assert {"time [s]", "drive_torque [N m]", "drive_speed [rad/s]", "drive_work [J]", "load_work [J]"} <= set(header.split(","))
-    assert len(rows) == len(run.time)
-    pp.record(press, run, tmp_path / "run.html")
-    assert (tmp_path / "run.html").stat().st_size > 1000
     for values in run.columns().values():
         assert not values.flags.writeable
 
@@ -991,22 +985,17 @@ def test_both_methods_on_the_presses(name):
 
 
 @pytest.mark.one_in(3)
-@pytest.mark.parametrize("closing", ["spherical", "revolute", "fixed"])
+@pytest.mark.parametrize("closing", ["spherical", "revolute", "fixed", "overclosed"])
 def test_both_methods_on_spatial_loops(closing):
-    press = texts.load(four_bar(closing))
+    """Four-bars, and Bennett's linkage, whose five equations have rank two."""
+    if closing == "overclosed":
+        press, push = texts.load(bennett()), pp.loads.PointForce("link2", (3.0, -2.0, 5.0), (0.05, 0.1, 0.0))
+        one, _ = both(press, 1.0, speed=8.0, flywheel=pp.drives.Flywheel(4.0), loads=[push])
+        assert one.crank_angle[-1] > math.pi
+        return
+    press, push = texts.load(four_bar(closing)), pp.loads.PointForce("front", (3.0, -2.0, 5.0), (0.05, 0.02, 0.0))
     spring = pp.loads.SpringDamper("frame", "rocker", 400.0, 20.0, 0.2, (0.3, 0.1, -0.4), (0.1, 0.02, 0.05))
-    push = pp.loads.PointForce("front", (3.0, -2.0, 5.0), (0.05, 0.02, 0.0))
     both(press, 1.5, speed=6.0, drive=pp.drives.ConstantTorque(1.0), flywheel=pp.drives.Flywheel(2.0), loads=[spring, push])
-
-
-@pytest.mark.exhaustive
-def test_both_methods_on_an_overclosed_loop():
-    """Bennett's linkage: five equations of rank two."""
-    press = texts.load(bennett())
-    one, _ = both(
-        press, 1.0, speed=8.0, flywheel=pp.drives.Flywheel(4.0), loads=[pp.loads.PointForce("link2", (3.0, -2.0, 5.0), (0.05, 0.1, 0.0))]
-    )
-    assert one.crank_angle[-1] > math.pi
 
 
 def test_both_methods_on_a_spring_that_stops_the_crank(press):
