@@ -115,10 +115,7 @@ class Tab:
         self.page.goto("about:blank")  # else a page of the same address would stay as it is
         self.page.goto(path.as_uri() + fragment)
         self.page.evaluate("unpacked")
-        wait(
-            self.page,
-            "typeof viewer === 'undefined' ? !!document.querySelector('.plot .main-svg') : viewer.needs_render === false || playing",
-        )
+        wait(self.page, "viewer.needs_render === false || playing")
         return self.page
 
     def kept(self, path: Path, size: tuple[int, int] = (800, 600)) -> Any:

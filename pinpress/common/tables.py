@@ -162,10 +162,10 @@ def ranges(columns: Columns, width: int) -> list[str]:
         columns: names with units -> columns.
         width: letters for the names.
     """
-    return table(([name, *_ends(column)] for name, column in columns.items()), [width, 14])
+    return table(([name, *ends(column)] for name, column in columns.items()), [width, 14])
 
 
-def _ends(column: Column) -> list[str]:
+def ends(column: Column) -> list[str]:
     """Smallest and largest number of a column as cells, or how many different words it has."""
     if isinstance(column, np.ndarray) and column.dtype.kind == "f":
         column = np.ma.compressed(column)
@@ -217,7 +217,7 @@ def _for_matlab(column: Column) -> NDArray[Any]:
 
 def _of_one_type(column: Column) -> Column:
     """A column of one type, as Parquet wants it."""
-    if _is_of_floats(column):
+    if isinstance(column, np.ndarray) and column.dtype.kind in "fib":
         return column
     values = _values(column)
     types = {type(value) for value in values} - {type(None)}

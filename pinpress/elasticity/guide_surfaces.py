@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common import plausibility, tables
-from ..common.arguments import number, positive, suitable_numbers, typed
+from ..common.arguments import LARGEST, number, positive, suitable_numbers, typed
 from ..common.errors import PinpressError, caution, cautions_collected, shown
 from ..common.frozen import Frozen, FrozenMapping, read_only
 from ..common.quantities import Array
@@ -242,6 +242,8 @@ def guide_contact(
     across, shift = _checked(press, surfaces), suitable_numbers("offset", offset, "three finite numbers, x, y, z [m]", (3,))
     refuse_motion_of_another(press, reactions.motion)
     plausibility.point("guide_contact: offset", shift, press.size)
+    if np.abs(shift).max() > LARGEST:
+        raise PinpressError(f"guide_contact: offset is {shown(offset)} m; give numbers of at most {LARGEST:g} m")
     force, moment = _on_guide(press, reactions, shift)
     bed = _Bed.of(surfaces, across, press.slide_direction)
     load = np.column_stack([-force @ across.T, -moment])  # of the slide on its guide

@@ -1,4 +1,4 @@
-"""A frame of beams: bed, columns and crown as welded boxes, for a press of which no finite-element model is at hand.
+"""A frame of beams: bed, columns and crown as welded boxes, for a press without a finite-element model.
 
 Beams are those of Timoshenko in space: they stretch, twist, bend in two planes and yield to shear, as short and high parts of a press do.
 Stiffness and mass matrix of an element are consistent, with rotary inertia (Przemieniecki, Theory of Matrix Structural Analysis, 1968,
@@ -26,8 +26,6 @@ from ..loads.mounts import Vector
 from .elastic_frame import WHOLE, ElasticFrame, reduced_frame
 from .frame_parts import direction
 
-SHEAR = 5 / 6  # share of the area of a solid rectangle that takes the shear force
-
 
 @dataclass(frozen=True)
 class FrameBeam(Checked):
@@ -38,11 +36,11 @@ class FrameBeam(Checked):
         end: name of the place at which it ends.
         width: outer width of the section, along ``across`` [m].
         height: its outer height, across beam and width [m].
-        across: (3,) direction of the width in world axes; what of it is along the beam does not count [-].
+        across: (3,) direction of the width in world axes; its component along the beam is ignored [-].
         wall: thickness of the wall; None: the box is solid [m].
         modulus: of elasticity [Pa].
         shear_modulus: [Pa].
-        density: with ribs and whatever else is spread along it [kg/m3].
+        density: with ribs and other masses that are spread along it [kg/m3].
 
     Raises:
         PinpressError: a number is not positive, or the walls are thicker than the box.
@@ -86,7 +84,7 @@ class FrameBeam(Checked):
     def shear_areas(self) -> tuple[float, float]:
         """(2,) areas that take shear along the height, and along the width [m2]."""
         if self.wall is None:
-            return SHEAR * self.area, SHEAR * self.area
+            return 5 / 6 * self.area, 5 / 6 * self.area
         return 2 * self.wall * (self.height - self.wall), 2 * self.wall * (self.width - self.wall)
 
     @property
@@ -117,7 +115,7 @@ def beam_frame(
 ) -> ElasticFrame:
     """Make a frame of beams that are welded together at named places, all of which are interfaces.
 
-    What else weighs and does not bend, such as flywheel, motor and bolster, is an `Attachment` at one of the places.
+    What weighs but does not bend, such as flywheel, motor and bolster, is an `Attachment` at one of the places.
 
     Args:
         places: name -> (3,) a place at which beams meet or something stands, in world axes [m].
@@ -131,7 +129,7 @@ def beam_frame(
         loss_factor: loss of the frame's material and joints [-].
 
     Raises:
-        UnknownNameError: a beam, the bed, the carrier or a bearing is at a place that there is not.
+        UnknownNameError: a beam, the bed, the carrier or a bearing names an unknown place.
         PinpressError: a place is no point, two places are one, a beam has no length or its width lies along it, or the beams do not hang
             together.
     """

@@ -14,10 +14,11 @@ from ..dynamics.inputs import Inputs, described
 from ..dynamics.reactions import Reactions
 from ..loads.mounts import Frame
 from ..simulation.elastic.parts_in_words import mounts_in_words
+from .elastic_frame import ElasticFrame
 from .frame_lines import frame_lines
 from .lifting import LiftingMotion
 from .mounted_press import MountedPress, VibrationModes, natural_modes
-from .response import FrameMotion
+from .response import FrameMotion, rms_about_mean
 from .speed_response import Isolation, SpeedResponse
 from .whirl_modes import WhirlDiagram
 
@@ -25,7 +26,6 @@ NOTHING = 1e-3  # a direction in which nothing vibrates more than this share of 
 MOST_MODES = 24  # of a table
 MOST_DRAWN = 12  # modes of a chart, the lowest
 MOST_MOUNTS = 8  # whose loads are drawn, those with the least
-DECADE = 10.0  # ratio of largest to smallest value up to which an axis is linear
 SPEED = "crank speed"
 
 
@@ -98,7 +98,7 @@ def _walks(chains: Sequence[Array]) -> list[Array]:
 
 
 def _inputs(system: MountedPress) -> Inputs:
-    """The parts of the frame and the springs that they stand on, in words."""
+    """The parts of the frame and the springs that they stand on, as text."""
     parts = [("frame", system.frame)] if system.crown is None else [("bed", system.frame), ("crown", system.crown)]
     springs = [(name, some) for name, some in (("mounts", system.mounts), ("uprights", system.uprights)) if some]
     aside = [
@@ -108,6 +108,23 @@ def _inputs(system: MountedPress) -> Inputs:
     spinning = [(f"rotor {k + 1}", described(rotor)) for k, rotor in enumerate(system.rotors)]
     own = [(name, described(part) if isinstance(part, Frame) else part.title) for name, part in parts]
     return [*own, *((name, mounts_in_words(some)) for name, some in springs), *aside, *spinning]
+
+
+def bending_frame(found: ElasticFrame, page: Reactions | None = None) -> tuple[Section, ...]:
+    """The interfaces of a frame that bends, and its lowest free vibrations."""
+    uses = [
+        ", ".join(
+            ["bed"] * (name == found.bed)
+            + ["crank and guides"] * (name == found.carrier)
+            + [bearing for bearing, node in found.bearings.items() if node == name]
+        )
+        for name in found.nodes
+    ]
+    places = [", ".join(f"{value:.4g}" for value in place) for place in found.nodes.values()]
+    interfaces = [Column("interface", list(found.nodes)), Column("place [m]", places), Column("carries", uses)]
+    lowest = ", ".join(f"{w / (2 * np.pi):.4g}" for w in found.natural_frequency[:6])
+    figures = [Figure("mass", found.mass, "kg"), Figure("free vibrations", f"{lowest} Hz")]
+    return (Section("Frame that bends", figures, [Table("interfaces", "", interfaces, most=200)]),)
 
 
 def modes(found: VibrationModes, page: Reactions | None = None) -> tuple[Section, ...]:
@@ -128,8 +145,8 @@ def vibration(found: FrameMotion, page: Reactions | None = None) -> tuple[Sectio
     number = int(least.argmin())
     lifts = ", which lifts off unless it is bolted down" if least[number] < 0 else ""
     figures = [
-        Figure("shaking force, rms", _rms(found.shaking_force), "N"),
-        Figure("force on the floor, rms", _rms(found.floor_force), "N", kind="floor"),
+        Figure("shaking force, rms", rms_about_mean(found.shaking_force), "N"),
+        Figure("force on the floor, rms", rms_about_mean(found.floor_force), "N", kind="floor"),
         Figure("least load on a mount", float(least[number]), "N", f"mount {number + 1} of {len(least)}{lifts}", kind="floor"),
     ]
     pressures = [pressure for pressure in system.pressure if pressure is not None]
@@ -168,10 +185,6 @@ def _over_time(found: FrameMotion) -> list[Chart]:
     return [*charts, *([Chart("floor", title, "N", along, forces)] if forces else [])]
 
 
-def _rms(vectors: Array) -> float:
-    return float(np.sqrt(np.mean(np.sum((vectors - vectors.mean(axis=0)) ** 2, axis=1))))
-
-
 def over_speeds(found: SpeedResponse, page: Reactions | None = None) -> tuple[Section, ...]:
     """The vibration of the idle press over the speed."""
     along = Along(SPEED, "rad/s", found.speed)
@@ -197,7 +210,7 @@ def over_speeds(found: SpeedResponse, page: Reactions | None = None) -> tuple[Se
 def _over(name: str, title: str, unit: str, along: Along, values: dict[str, Array]) -> Chart:
     """A chart over the speed, with a logarithmic axis if the values differ much."""
     low, high = min(float(each.min()) for each in values.values()), max(float(each.max()) for each in values.values())
-    wide = low > 0 and high > DECADE * low
+    wide = low > 0 and high > 10.0 * low
     curves = [Curve(curve, each) for curve, each in values.items()]
     return Chart(name, title, unit, along, curves, logarithmic="y" if wide else "")
 
@@ -278,6 +291,7 @@ def isolation(found: Isolation, page: Reactions | None = None) -> tuple[Section,
 
 SECTIONS = {
     MountedPress: standing,
+    ElasticFrame: bending_frame,
     VibrationModes: modes,
     FrameMotion: vibration,
     SpeedResponse: over_speeds,

@@ -6,7 +6,7 @@ are: what it does where one after another of their six displacements is imposed 
 
 The reduced model is written in six coordinates of the mean motion of the frame, displacement and turn of its point at the world origin, and
 in its free vibrations q of modal mass 1: M = diag(Y, 1), K = diag(0, w^2) with the spatial inertia Y of the whole. The frame's momentum is
-that of the first six alone. So a frame as stiff as can be is, to rounding, the rigid one.
+that of the first six alone. So an extremely stiff frame is the rigid one within rounding error.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from ..common import files, tables
+from ..common import files
 from ..common.arguments import number, numbers, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
@@ -51,7 +51,7 @@ class ElasticFrame(Tabular):
         motions: name of an interface -> (6, 6 + m) its displacement at the world origin and its turn, by the mean motion of the frame and
             its free vibrations of modal mass 1 kg.
         places: (k, 3) nodes of the model, for pictures and for points of the frame [m].
-        shapes: (k, 3, 6 + m) their displacements, likewise.
+        shapes: (k, 3, 6 + m) their displacements, by the same motions.
         lines: (l, 2) numbers of the nodes that a picture joins.
         loss_factor: loss of the frame's material and joints, the same at all frequencies [-].
     """
@@ -72,15 +72,6 @@ class ElasticFrame(Tabular):
     def title(self) -> str:
         lowest = self.natural_frequency[0] / (2 * np.pi)
         return f"ElasticFrame: {self.mass:.6g} kg, {len(self.nodes)} interfaces, {len(self.natural_frequency)} modes from {lowest:.4g} Hz"
-
-    def __str__(self) -> str:
-        rows = [["interface", "place", ""]]
-        for name, place in self.nodes.items():
-            uses = [*(["bed"] if name == self.bed else []), *(["crank and guides"] if name == self.carrier else [])]
-            uses += [bearing for bearing, node in self.bearings.items() if node == name]
-            rows.append([name, ", ".join(f"{value:.4g}" for value in place) + " m", ", ".join(uses)])
-        lowest = ", ".join(f"{w / (2 * np.pi):.4g}" for w in self.natural_frequency[:6])
-        return "\n".join([f"Frame of {self.mass:.6g} kg", *tables.fitted(rows), tables.entry("free vibrations", lowest, "Hz")])
 
     def columns(self) -> dict[str, Column]:
         """A row for each free vibration: its number and its natural frequency."""
@@ -120,7 +111,7 @@ class ElasticFrame(Tabular):
         """Name of the interface at a place in world axes [m].
 
         Raises:
-            PinpressError: there is none.
+            PinpressError: no interface is there.
         """
         names = list(self.nodes)
         away = np.linalg.norm(np.array(list(self.nodes.values())) - np.asarray(point, dtype=float), axis=1)
@@ -136,7 +127,7 @@ class ElasticFrame(Tabular):
         """Rows (3, 6 + m) of the displacement of a node of the model at a place in world axes [m].
 
         Raises:
-            PinpressError: there is none.
+            PinpressError: no node is there.
         """
         away = np.linalg.norm(self.places - np.asarray(point, dtype=float), axis=1)
         nearest = int(away.argmin())
@@ -185,7 +176,7 @@ def reduced_frame(
         lines: (l, 2) numbers of the nodes that a picture joins; None: none.
 
     Raises:
-        UnknownNameError: ``bed``, ``carrier`` or a bearing's interface is none of the interfaces.
+        UnknownNameError: ``bed``, ``carrier`` or the interface of a bearing is not among the interfaces.
         PinpressError: the matrices are not those of a free frame, or do not go with nodes and degrees; an interface lacks a degree of
             freedom.
 
@@ -256,9 +247,9 @@ def read_frame(
         interfaces: as for `reduced_frame`.
         bed: as for `reduced_frame`.
         carrier: as for `reduced_frame`.
-        stiffness: the stiffness matrix, `.mtx`, where ``file`` is one.
-        nodes: (k, 3) places of the nodes [m], likewise.
-        degrees: (n, 2) node and direction of each row, likewise.
+        stiffness: the stiffness matrix, `.mtx`, if ``file`` is the mass matrix.
+        nodes: (k, 3) places of the nodes [m], if ``file`` is the mass matrix.
+        degrees: (n, 2) node and direction of each row, if ``file`` is the mass matrix.
         bearings: as for `reduced_frame`.
         modes: as for `reduced_frame`.
         loss_factor: as for `reduced_frame`.
@@ -356,19 +347,19 @@ def _free_vibrations(
         )
     inertia = whole.T @ mass @ whole
     small, stiff = basis.T @ mass @ basis, basis.T @ stiffness @ basis
-    beside = null_space(rigid.T @ small)
+    free = null_space(rigid.T @ small)
     try:
         np.linalg.cholesky(inertia)
-        squared, vectors = undamped_modes(beside.T @ small @ beside, beside.T @ stiff @ beside)
+        squared, vectors = undamped_modes(free.T @ small @ free, free.T @ stiff @ free)
     except np.linalg.LinAlgError as error:
-        free = _massless(small[: len(outer), : len(outer)], list(interfaces))
+        motion = _massless(small[: len(outer), : len(outer)], list(interfaces))
         raise PinpressError(
-            f"the frame: {free} moves no mass: give rotary inertia to its node, or the consistent mass matrix of the frame"
+            f"the frame: {motion} moves no mass: give rotary inertia to its node, or the consistent mass matrix of the frame"
         ) from error
-    # A part that is loose has a frequency of zero, but for rounding of the largest one.
+    # The frequency of a loose part is zero within rounding error of the largest one.
     if not len(squared) or squared[0] <= 1e-12 * squared[-1]:
         raise PinpressError("the frame: more than six of its motions cost no energy: its parts are not joined, or it has a hinge")
-    return inertia, np.sqrt(squared), np.hstack([whole, basis @ (beside @ vectors)])
+    return inertia, np.sqrt(squared), np.hstack([whole, basis @ (free @ vectors)])
 
 
 def _massless(mass: Array, interfaces: Sequence[str]) -> str:

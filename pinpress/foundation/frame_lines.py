@@ -1,5 +1,5 @@
-"""A frame as lines: of a rigid part from its centre of mass to everything that it stands on or carries, of one that bends those of its
-model; a short line below each foot is its mount."""
+"""A frame as lines. A rigid part has lines from its centre of mass to everything that it stands on or carries, a frame that bends the lines
+of its model. A short line below each foot is its mount."""
 
 from __future__ import annotations
 

@@ -1,13 +1,13 @@
 """The logarithmic decrement of a vibration that dies away, from a signal with noise and other vibrations in it.
 
-Peaks of a measured signal cannot be counted, because noise makes peaks of its own. Nor need the signal be filtered first: the filter's own
-ringing would count as damping. Instead one decaying vibration is fitted to the lines of the signal's spectrum around its strongest one.
+Peaks of a measured signal cannot be counted, because noise makes peaks too. The signal is not filtered first: the ringing of the filter
+would count as damping. Instead one decaying vibration is fitted to the lines of the signal's spectrum around its strongest one.
 The samples a r^k, r = exp(-s + i w), k = 0 ... n - 1, have at the frequency v of a line the spectrum
 
     a (1 - r^n) / (1 - r exp(-i v)) + its partner for the conjugates of a and r,
 
-which is exact for a signal of any length, so that a signal without noise gives the decrement 2 pi s / w to rounding. Vibrations outside the
-band change slowly over it, and are taken as a straight line.
+which is exact for a signal of any length, so that a signal without noise gives the decrement 2 pi s / w within rounding error. Vibrations
+outside the band change slowly over it, and are taken as a straight line.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def _strongest(size: Array, count: int, rate: float, band: tuple[float, float] |
         if not within.any():
             raise PinpressError(f"band {shown(band)} holds no line of a signal of {count / rate:g} s: give a wider one, or a longer signal")
     strongest = int(np.where(within, size, 0.0).argmax())
-    # A vibration of less than two periods cannot be told from a drift.
+    # A vibration of less than two periods cannot be distinguished from a drift.
     if strongest < 2:
         raise PinpressError("signal is shorter than two periods of its strongest vibration: give two or more")
     return strongest

@@ -97,7 +97,7 @@ def lifting_response(
     strokes: int = 1,
     period: float | None = None,
 ) -> LiftingMotion:
-    """The vibration over time where the mounts press and do not pull: feet that are not bolted down.
+    """The vibration over time of a press whose feet are not bolted down: the mounts press but do not pull.
 
     Over one period, of `cycle` or `steady_state`, it begins in the linear steady state, without the feet at which that pulls; over a run
     of `simulate` at rest. Where no foot lifts off it is the linear response, and repeats itself every stroke. Whether a motion with lifts
@@ -310,8 +310,8 @@ class _March:
         done, fresh = 0.0, np.zeros(len(self.standing), dtype=bool)
         for _ in range(MOST_SWITCHES):
             (a, b, radius), rest = self.feet.matrices(self.standing), (1.0 - done) * interval
-            beside = self.feet.constant(self.standing, self.anchor)
-            force = early + done * (late - early) + beside, late + beside
+            constant = self.feet.constant(self.standing, self.anchor)
+            force = early + done * (late - early) + constant, late + constant
             flow = partial(_Flow, a, b, radius, state, force, rest)
             matrices = self.feet.step(self.standing, interval) if done == 0.0 else None
             after = flow().state(1.0) if matrices is None else matrices[0] @ state + matrices[1] @ force[0] + matrices[2] @ force[1]
@@ -448,7 +448,7 @@ class _Flow:
 
     Attributes:
         a: of x' = a x + b f.
-        b: likewise.
+        b: of x' = a x + b f.
         force: f (n,) at the start and at the end of the interval.
         length: of the interval [s].
         polynomials: (parts, TERMS, 2 n) coefficients of the state by powers of the share of each part.

@@ -27,7 +27,6 @@ from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from ..common import plausibility
 from ..common.arguments import expect, typed, whole_number
@@ -63,7 +62,6 @@ from .frame_parts import (
 )
 from .mounts import Frame, Mount, listed_mounts
 
-MOST_ROWS = 24  # of modes in a text
 MOST_ORDERS = 10_000  # most orders of `resonance_speeds`, against lists without end
 MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y", "twisting about z")
 BENDING = "bending"  # the motion in which most of the elastic energy is that of the frame
@@ -210,7 +208,7 @@ def mounted(
             crank.
         frame: the frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force); or a
             frame that bends, of `beam_frame`, `reduced_frame` or `read_frame`.
-        mounts: mounts between floor and frame; those of a frame that bends at its interfaces.
+        mounts: mounts between floor and frame. They stand at the interfaces of a frame that bends.
         crown: upper part of the frame, which carries crank and guides.
         uprights: columns between bed and crown, as springs.
         attached: name -> what stands on the frame, bolted on or on springs, such as the motor; None: nothing.
@@ -219,13 +217,13 @@ def mounted(
             drivers need it, and have no rotors: give their flywheels to the responses.
 
     Raises:
-        UnknownNameError: an attachment or a rotor is on a part that there is not, or an elastic frame carries a bearing that is none on it.
+        UnknownNameError: an attachment or a rotor names an unknown part of the frame, or an elastic frame a bearing that is not on it.
         PinpressError: an argument is of another kind, the crank does not turn fully or there are several drivers and no motion is given,
             the motion is of another press, several drivers have rotors, the mounts leave the frame free to move, the weight
             pulls at a mount, or the press tips over.
 
     Warns:
-        PinpressWarning: the frame is so light beside the links that its mass may be in t.
+        PinpressWarning: the frame is so light compared with the links that its mass may be in t.
     """
     mounts = listed_mounts(mounts, "mounts")
     if (crown is None) != (len(uprights) == 0):
@@ -471,14 +469,16 @@ def _assemble(
         "give the frame its mass and inertia",
     )
     static = together([spring.mount.static for spring in springs]) + np.diag(own_stiffness)
-    refuse_loose(_condense(static, elastic), "the mounts leave the frame free in", "give mounts there, and stiffness in all directions")
+    others = np.setdiff1d(np.arange(count), elastic)
+    across = static[np.ix_(elastic, others)]  # the coordinates of an elastic frame follow the others without a force
+    condensed = static[np.ix_(others, others)] - across.T @ np.linalg.solve(static[np.ix_(elastic, elastic)], across)
+    refuse_loose(condensed, "the mounts leave the frame free in", "give mounts there, and stiffness in all directions")
     rest = np.linalg.solve(static, weight)
     sag = np.array([row @ rest for row in rows[: len(mounts)]])
     load = -np.array([mount.static for mount in mounts]) * sag
     refuse_pulled(load, gravity)
-    turning = (
-        parts | dict.fromkeys(frame_parts, parts[WHOLE]) if isinstance(frame, ElasticFrame) else parts
-    )  # a bent frame turns as on the mean
+    # The static forces turn with the mean motion of an elastic frame.
+    turning = parts | dict.fromkeys(frame_parts, parts[WHOLE]) if isinstance(frame, ElasticFrame) else parts
     acting = [(turning[body.part], body.inertia[0, 0] * gravity, centre_of(body.inertia)) for body in moved]
     for spring, row in zip(springs, rows, strict=True):
         force, point = -np.array(spring.mount.static) * (row @ rest), np.array(spring.mount.point)
@@ -531,13 +531,6 @@ def _own_parts(frame: Frame | ElasticFrame, crown: Frame | None) -> tuple[dict[s
 def _foot(frame: Frame | ElasticFrame, bed: str, mount: Mount) -> str:
     """Name of the part at which a mount stands; raises PinpressError if an elastic frame has no interface there."""
     return frame.node_at(mount.point) if isinstance(frame, ElasticFrame) else bed
-
-
-def _condense(stiffness: Array, elastic: NDArray[np.intp]) -> Array:
-    """Stiffness of the other coordinates where those of the elastic frame follow."""
-    rest = np.setdiff1d(np.arange(len(stiffness)), elastic)
-    across = stiffness[np.ix_(elastic, rest)]
-    return np.asarray(stiffness[np.ix_(rest, rest)] - across.T @ np.linalg.solve(stiffness[np.ix_(elastic, elastic)], across))
 
 
 def motion_in_words(system: MountedPress, shape: Array) -> str:

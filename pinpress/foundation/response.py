@@ -21,6 +21,7 @@ from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
+from ..common.tables import by_axis
 from ..drives.transmission import Flywheel
 from ..dynamics.reactions import Reactions
 from ..dynamics.shaking import on_frame_at
@@ -139,10 +140,10 @@ class FrameMotion(Tabular):
         velocity: name of a point -> (n, 3) in world axes [m/s].
         acceleration: name of a point -> (n, 3) in world axes [m/s2].
         coordinates: (n, coordinates) coordinates of the frame's parts, see `MountedPress` [m, rad].
-        mount_force: (n, mounts, 3) force of each mount on the frame beside its static load, in world axes [N].
-        floor_force: (n, 3) force of all mounts on the floor beside the weight, in world axes [N].
+        mount_force: (n, mounts, 3) force of each mount on the frame in addition to its static load, in world axes [N].
+        floor_force: (n, 3) force of all mounts on the floor without the weight, in world axes [N].
         floor_moment: (n, 3) moment of these forces about the world origin [N m].
-        shaking_force: (n, 3) force of the machine on the frame beside its weight, in world axes [N].
+        shaking_force: (n, 3) force of the machine on the frame without its weight, in world axes [N].
     """
 
     system: MountedPress
@@ -180,7 +181,7 @@ class FrameMotion(Tabular):
             time: (n,) times of the states [s].
             points: name of a point -> (3, coordinates) its displacement by one of each coordinate.
             motion: displacements, velocities and accelerations of the coordinates, (n, coordinates) each.
-            mount_force: (n, mounts, 3) force of each mount on the frame beside its static load [N].
+            mount_force: (n, mounts, 3) force of each mount on the frame in addition to its static load [N].
             wrench: (n, coordinates) wrenches on the parts of the frame, as of `frame_wrench` [N, N m].
             period: length of the period [s]; None for a motion that is no period.
         """
@@ -251,21 +252,11 @@ class FrameMotion(Tabular):
     def columns(self) -> dict[str, Array]:
         """Time, the points' displacement, velocity and acceleration, force and moment on the floor, and shaking force."""
         columns = {"time [s]": self.time}
-        quantities = (
-            ("displacement", "m", self.displacement),
-            ("velocity", "m/s", self.velocity),
-            ("acceleration", "m/s2", self.acceleration),
-        )
-        for quantity, unit, by_point in quantities:
-            for point, values in by_point.items():
-                columns |= {f"{quantity}_{point}_{axis} [{unit}]": values[:, i] for i, axis in enumerate("xyz")}
-        for name, unit, values in (
-            ("floor_force", "N", self.floor_force),
-            ("floor_moment", "N m", self.floor_moment),
-            ("shaking_force", "N", self.shaking_force),
-        ):
-            columns |= {f"{name}_{axis} [{unit}]": values[:, i] for i, axis in enumerate("xyz")}
-        return columns
+        for name, unit in (("displacement", "m"), ("velocity", "m/s"), ("acceleration", "m/s2")):
+            for point, values in getattr(self, name).items():
+                columns |= by_axis(f"{name}_{point}", unit, values)
+        columns |= by_axis("floor_force", "N", self.floor_force) | by_axis("floor_moment", "N m", self.floor_moment)
+        return columns | by_axis("shaking_force", "N", self.shaking_force)
 
 
 @typed
@@ -320,14 +311,14 @@ def _refuse_slip(motion: Motion) -> None:
 
 
 def mean_speed(system: MountedPress, motion: Motion) -> float:
-    """Mean speed of the crank with which the rotors spin [rad/s]; 0 where nothing spins."""
+    """Mean speed of the crank with which the rotors spin [rad/s]; 0 without rotors."""
     return float(motion.crank_speed.mean()) if system.rotors else 0.0
 
 
 def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheels) -> Array:
     """Forces (states, n) of the machine on the coordinates of the frame, less the weight at its mean place [N, N m].
 
-    In a frame of two parts the loads on the frame act on the bed, and everything else on the crown; in one that bends, likewise at the
+    In a frame of two parts the loads on the frame act on the bed, and everything else on the crown; in one that bends, they act at the
     interfaces that it names for bed, crank and bearings. The torque of a motor on the frame is no load: its casing exerts on the frame the
     reaction to what its rotor gives the crank. The flywheel is not in the URDF; see `flywheel_moment`. Rotors react to their own changes of
     speed.
@@ -340,7 +331,7 @@ def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheels
     press = system.press
     if not is_same_press(reactions._press, press):
         other = told_apart(reactions._press, press)
-        raise PinpressError(f"the reactions are of {other}, and {press.name} is on the mounts: give those of this press")
+        raise PinpressError(f"the reactions are of {other}, and {press.name} is on the mounts: give reactions of this press")
     if flywheel is not None and system.rotors:
         raise PinpressError("the rotors of the press on its mounts react to changes of speed already: leave out flywheel=, or the rotors")
     shaking = np.hstack([reactions.shaking_force, reactions.shaking_moment]) - system.press_weight
@@ -503,15 +494,15 @@ def vibration_from_rest(system: MountedPress, wrench: Array, interval: float, mo
     free, early, late = step_matrices(a, b, interval)
     driven = wrench[:-1] @ early.T + wrench[1:] @ late.T
     states, unsteady = np.zeros((len(wrench), 2 * n)), system.gyroscopic.any() and np.ptp(speed) > EVEN * np.abs(speed).max()
-    spun = np.zeros((len(wrench), n))  # these further moments
+    spun = np.zeros((len(wrench), n))  # moments of the rotors by changes of speed
     state = states[0]
     for k in range(len(driven)):
         state = free @ state + driven[k]
         if unsteady:
             state = state + early @ spun[k]
-            beside = np.hstack([motion.crank_acceleration[k + 1] * system.gyroscopic, (speed[k + 1] - speed.mean()) * system.gyroscopic])
-            state = np.linalg.solve(np.eye(2 * n) + late @ beside, state)
-            spun[k + 1] = -beside @ state
+            turning = np.hstack([motion.crank_acceleration[k + 1] * system.gyroscopic, (speed[k + 1] - speed.mean()) * system.gyroscopic])
+            state = np.linalg.solve(np.eye(2 * n) + late @ turning, state)
+            spun[k + 1] = -turning @ state
         states[k + 1] = state
     if not np.isfinite(states[-1]).all():
         raise PinpressError("the vibration is not finite: the forces are too large for floating point")

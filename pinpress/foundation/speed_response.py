@@ -20,6 +20,7 @@ from ..common.errors import PinpressError, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import RPM, Array, ComplexArray
 from ..common.results import Tabular
+from ..common.tables import by_axis
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.cycle import doubt_speeds, period_at
 from ..linkage.linkage import Linkage, OfPress
@@ -42,8 +43,8 @@ class SpeedResponse(OfPress, Tabular):
         rms: name of a point -> (s, 3) root mean square of its acceleration about its mean, in world axes [m/s2].
         peak: name of a point -> (s, 3) largest absolute acceleration, in world axes [m/s2].
         displacement: name of a point -> (s, 3) largest absolute displacement, in world axes [m].
-        shaking_force: (s,) root mean square of the shaking force beside the weight, all components together [N].
-        floor_force: (s,) root mean square of the force on the floor beside the weight, all components together [N].
+        shaking_force: (s,) root mean square of the shaking force without the weight, all components together [N].
+        floor_force: (s,) root mean square of the force on the floor without the weight, all components together [N].
     """
 
     _press: Linkage
@@ -88,7 +89,7 @@ class SpeedResponse(OfPress, Tabular):
         columns = {"speed [rad/s]": self.speed}
         for quantity, unit, by_point in (("rms", "m/s2", self.rms), ("peak", "m/s2", self.peak), ("displacement", "m", self.displacement)):
             for point, values in by_point.items():
-                columns |= {f"{quantity}_{point}_{axis} [{unit}]": values[:, i] for i, axis in enumerate("xyz")}
+                columns |= by_axis(f"{quantity}_{point}", unit, values)
         return columns | {"shaking_force [N]": self.shaking_force, "floor_force [N]": self.floor_force}
 
 

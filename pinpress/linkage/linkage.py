@@ -549,6 +549,10 @@ class Linkage(Frozen):
 
         return ForwardDynamics(self.structure, self.closed, self.rank, armature, self.name)
 
+    def frame_of(self, link: str) -> pin.Frame:
+        """The frame of a link in the model, with its body (``parentJoint``) and its place in the frame of the body's joint."""
+        return self.model.frames[self.model.getFrameId(link, pin.BODY)]
+
     def link_of(self, joint: int) -> str:
         """Name of the link that the body of a Pinocchio joint (0: the frame) begins with."""
         return self._first_links[joint]

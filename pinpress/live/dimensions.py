@@ -1,9 +1,9 @@
-"""What of a linkage can be changed in the window: lengths of links, angles in them, and places of pivots on the frame.
+"""The numbers of a linkage that the window can change: lengths of links, angles in them, and places of pivots on the frame.
 
-A pivot of a link that turns is given by its distance from the link's own origin, the bearing by which it hangs, and where the link has more
-pivots by its direction there; one of the frame or of a slide by its coordinates; a guide or slot by its offset across itself. In a linkage
-in space all pivots are given by coordinates in the frames of their links. Pivots of a link at the same point move together. So do
-dimensions that are equal and cannot change alone, as in the two halves of a symmetric press, where the loops would not close.
+A pivot of a link that turns is given by its distance from the link's origin, the bearing on its parent. If the link has more pivots, its
+direction there is a number too. A pivot of the frame or of a slide is given by its coordinates, a guide or slot by its offset
+across itself. In a linkage in space all pivots are given by coordinates in the frames of their links. Pivots of a link at the same point
+move together. So do equal dimensions that cannot change alone, as in the two halves of a symmetric press, whose loops would not close.
 """
 
 from __future__ import annotations
@@ -13,22 +13,21 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pinocchio as pin
 
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..derivatives.motion import motion_derivatives, pivot_positions
 from ..engines.planar.engine import PlanarEngine
+from ..engines.structure import drawn_placements
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from .drivers import swing, swings
 
 SAME = 1e-9  # share of the linkage's size: positions that are the same
-LOOKED = 12  # crank angles at which it is looked whether a dimension can change alone
 REACH = 0.25  # share of the linkage's size by which a coordinate may be changed with its slider
 TURN = 45.0  # by which an angle may be changed with its slider [deg]
-STEPS = 300  # at least as many steps has a slider
-MOST = 200  # dimensions: a window with more is of no use
 
 Pivot = tuple[str, str]
 """Bearing and link, see `pivot_positions`."""
@@ -71,7 +70,7 @@ def dimension(group: str, name: str, unit: str, value: float, reach: float | Non
         note: see `Dimension`.
     """
     half = abs(value) / 2 if reach is None else reach
-    step = 10.0 ** math.floor(math.log10(2 * half / STEPS))
+    step = 10.0 ** math.floor(math.log10(2 * half / 300))  # a slider has 300 steps at least
     low, high = step * math.floor((value - half) / step), step * math.ceil((value + half) / step)
     return Dimension(group, name, unit, value, float(f"{low:.9g}"), float(f"{high:.9g}"), float(f"{step:.9g}"), note)
 
@@ -112,7 +111,7 @@ class LinkageDimensions:
     def of(press: Linkage) -> LinkageDimensions:
         """The dimensions of a linkage that can be changed."""
         places = pivot_positions(press)
-        able = list(_that_close(press, places, list(_parts(press, places))))[:MOST]
+        able = list(_that_close(press, places, list(_parts(press, places))))[:200]  # a window with more is of no use
         unit, metres = ("m", 1.0) if press.size > 50 else ("mm", 1e-3) if press.size > 0.02 else ("µm", 1e-6)
         shown, scale = [], []
         for parts in able:
@@ -120,10 +119,10 @@ class LinkageDimensions:
             group = " and ".join(dict.fromkeys(part.pivots[0][1] for part in parts))
             name = _named(press, parts)
             if first.kind == "angle":
-                shown.append(dimension(group, name, "deg", _rounded(math.degrees(first.value)), TURN))
+                shown.append(dimension(group, name, "deg", float(f"{math.degrees(first.value):.12g}"), TURN))
             else:
                 reach = None if first.kind == "length" else REACH * press.size / metres
-                shown.append(dimension(group, name, unit, _rounded(first.value / metres), reach))
+                shown.append(dimension(group, name, unit, float(f"{first.value / metres:.12g}"), reach))
             scale.append(math.radians(1.0) if first.kind == "angle" else metres)
         return LinkageDimensions(tuple(shown), tuple(able), places, tuple(scale))
 
@@ -137,11 +136,6 @@ class LinkageDimensions:
         return _moved(self._places, changes)
 
 
-def _rounded(value: float) -> float:
-    """A number as it is shown, without the rounding of units."""
-    return float(f"{value:.12g}")
-
-
 def _named(press: Linkage, parts: Sequence[_Part]) -> str:
     """What is changed, by the names of bearings."""
     said = []
@@ -150,7 +144,7 @@ def _named(press: Linkage, parts: Sequence[_Part]) -> str:
         if part.kind == "along":
             said.append(f"{bearings} {_axis(part.direction)}")
             continue
-        hung = press.joints[_joint_of(press, part.pivots[0][1]) - 1]
+        hung = press.joints[_frame(press, part.pivots[0][1]).parentJoint - 1]
         said.append(f"{hung} to {bearings}" + (", direction" if part.kind == "angle" else ""))
     return " and ".join(dict.fromkeys(said))
 
@@ -161,20 +155,20 @@ def _axis(direction: Array) -> str:
     return "xyz"[axis] if abs(direction[axis]) > 1 - 1e-9 else "offset"
 
 
-def _joint_of(press: Linkage, link: str) -> int:
-    return int(next(frame for frame in press.model.frames if frame.name == link).parentJoint)
+def _frame(press: Linkage, link: str) -> pin.Frame:
+    return next(frame for frame in press.model.frames if frame.name == link)
 
 
 def _parts(press: Linkage, places: Mapping[Pivot, Array]) -> Iterator[_Part]:
     """What one number changes each, without regard to whether the loops then close."""
-    normal = _normal(press)
+    normal, drawn = _normal(press), drawn_placements(press.model)
     by_link: dict[str, list[Pivot]] = {link: [] for link in (*(link for link in press.links if link != press.root), press.root)}
     for bearing, link in places:
         by_link[link].append((bearing, link))
     for link, pivots in by_link.items():
-        joint = _joint_of(press, link)
+        joint = _frame(press, link).parentJoint
         slides = joint == 0 or not press.axes[joint - 1].turns
-        turned = np.eye(3) if joint == 0 else _rotation(press, link)
+        turned = np.eye(3) if joint == 0 else drawn[joint].rotation @ _frame(press, link).placement.rotation
         across = None if normal is None else turned.T @ normal  # in the link's frame
         groups: list[list[Pivot]] = []
         for pivot in pivots:
@@ -208,16 +202,6 @@ def _normal(press: Linkage) -> Array | None:
     return np.asarray(engine.plane.normal) if isinstance(engine, PlanarEngine) else None
 
 
-def _rotation(press: Linkage, link: str) -> Array:
-    """(3, 3) from the frame of a link to the world's axes, in the drawn pose."""
-    frame = next(frame for frame in press.model.frames if frame.name == link)
-    joint, turned = int(frame.parentJoint), np.eye(3)
-    while joint:
-        turned = press.model.jointPlacements[joint].rotation @ turned
-        joint = int(press.model.parents[joint])
-    return np.asarray(turned @ frame.placement.rotation)
-
-
 def _guide(press: Linkage, pivot: Pivot) -> Array | None:
     """(3,) direction of a guide in the frame of its link; None of a pin."""
     bearing, link = pivot
@@ -227,8 +211,7 @@ def _guide(press: Linkage, pivot: Pivot) -> Array | None:
     axis = press.axes[joint - 1]
     if axis.turns:
         return None
-    frame = next(frame for frame in press.model.frames if frame.name == link)
-    return np.asarray(frame.placement.rotation.T @ press.model.jointPlacements[joint].rotation @ axis.direction)
+    return np.asarray(_frame(press, link).placement.rotation.T @ press.model.jointPlacements[joint].rotation @ axis.direction)
 
 
 def _in_plane(normal: Array) -> tuple[Array, Array]:
@@ -278,7 +261,7 @@ def _that_close(press: Linkage, places: Mapping[Pivot, Array], parts: Sequence[_
     if not (isinstance(engine, PlanarEngine) and engine.plane.redundant):
         yield from ((part,) for part in parts)
         return
-    motion = (swing if swings(press) else cycle)(press, 1.0, points=LOOKED)
+    motion = (swing if swings(press) else cycle)(press, 1.0, points=12)
     left = list(parts)
     while left:
         first = left.pop(0)

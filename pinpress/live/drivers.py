@@ -1,7 +1,7 @@
-"""How a press moves in the window: through one period of its driver. Of several drivers one moves while the others stand where sliders say.
+"""How a press moves in the window: through one period of its driver. Of several drivers one moves; sliders set where the others stand.
 
-A driver that stands is held as by a gear pair without ratio, so that a press with one moving driver is computed as any other, in the plane
-too; the torque in this pair is what holds the driver. Where the others stand elsewhere than drawn, the press is drawn anew there.
+A gear pair of ratio 0 holds a driver that stands, so that a press with one moving driver is computed as any other, in the plane too. The
+torque in this pair is what holds the driver. Where drivers stand elsewhere than in the drawn pose, the press is drawn again there.
 """
 
 from __future__ import annotations
@@ -21,13 +21,12 @@ from ..kinematics.motion import Motion
 from ..linkage.assembly import follow_drivers
 from ..linkage.linkage import Linkage
 
-TURNING, SLIDING = 60 * RPM, 0.1  # speed of a driver where none is given [rad/s, m/s]
 CLEAR = 0.05  # share of the way between two poses in which a driver locks, by which a motion to and fro stays away from each
 
 
 def default_speed(press: Linkage) -> float:
     """The speed of the (first) driver where none is given [rad/s or m/s]."""
-    return TURNING if press.driver_coordinates[0].turns else SLIDING
+    return 60 * RPM if press.driver_coordinates[0].turns else 0.1
 
 
 def swings(press: Linkage) -> bool:
@@ -66,7 +65,7 @@ def with_moving(press: Linkage, driver: str, positions: Sequence[float]) -> Link
     Args:
         press: the press.
         driver: name of the driver that moves.
-        positions: (drivers,) where they stand, counted from the drawn pose; that of the one that moves is not looked at [rad or m].
+        positions: (drivers,) where they stand, counted from the drawn pose; that of the moving driver is ignored [rad or m].
 
     Raises:
         SingularityError: the press locks on the straight way from the drawn pose.

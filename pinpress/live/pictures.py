@@ -1,6 +1,6 @@
 """One picture of the window: where all links are over a period, the forces, and the curves beside them, as data of the page.
 
-A picture is made anew for each change of a slider; the shapes of the links, which take longest, only where they are asked for.
+Each change of a slider makes a new picture. The shapes of the links take longest, and are made only if a window asks for them.
 """
 
 from __future__ import annotations
@@ -30,8 +30,6 @@ from .drivers import standing, swing, swings
 
 POINTS = 180  # states of a period
 FEWEST = 36  # states of a period of a linkage that takes long
-MOST_HELD = 2  # drivers that stand whose torques are shown
-QUICK = 0.04  # time of a picture above which fewer states are shown [s]
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +85,7 @@ def picture(
         operation: how it runs.
         shown: the links as they are shown, whose shapes are kept; None to make them anew.
         made_up: links that are shown from their bearings, because their own shapes no longer fit, and their colours (4,).
-        first: whether it is the first one of a page, which takes the size of the press from its motion.
+        first: whether it is the first picture of a page, which takes the size of the press from its motion.
 
     Raises:
         PinpressError: what `cycle` and `inverse_dynamics` raise.
@@ -127,8 +125,7 @@ def _painted(link: ShownLink, colour: Array) -> ShownLink:
 
 
 def _frames(motion: Motion) -> recording.KeyFrames:
-    """All states of one period at constant speed, and the first once more; without the exact dead centres, which take longer than all
-    else."""
+    """All states of one period at constant speed, and the first once more. Exact dead centres are left out: they take longest."""
     count, time = len(motion.time), motion.time
     order = np.append(np.arange(count), 0)
     crank, first = motion.crank_angle, motion.driver_coordinates[0]
@@ -147,13 +144,13 @@ def _height(motion: Motion) -> Array:
 
 
 def suitable(press: Linkage, operation: Operation) -> Operation:
-    """The operation with as many states as are computed fast enough. In the plane that is known to be so; in space one picture shows it. A
-    crank swings where it cannot turn fully from the beginning; one that can must go on to."""
+    """The operation with the number of states that can be computed within 40 ms: all in the plane; in space one picture is timed. Whether a
+    crank swings is decided here: one that can turn fully must stay able to."""
     operation = replace(operation, swings=swings(press))
     if isinstance(press.engine(), PlanarEngine):
         return operation
     took = picture(press, replace(operation, points=FEWEST), None).took
-    return replace(operation, points=int(np.clip(FEWEST * QUICK / took, FEWEST, POINTS)))
+    return replace(operation, points=int(np.clip(FEWEST * 0.04 / took, FEWEST, POINTS)))
 
 
 def _poses(press: Linkage, at: Poses, links: Sequence[ShownLink]) -> list[str]:
@@ -172,21 +169,15 @@ def _curves(press: Linkage, motion: Motion, reactions: Reactions, frames: record
     of_driver = f" of {press.driver}" if standing(press) else ""
     effort, unit = ("torque", "N m") if turns else ("force", "N")
     curves.append(_curve(f"driving {effort}{of_driver}", unit, reactions.driving_torque, frames))
-    curves += _holding(press, reactions, frames)
+    held = standing(press)
+    for pair in held if len(held) <= 2 else ():  # there is no room for more
+        effort, unit = ("torque", "N m") if press.axes[pair.follower].turns else ("force", "N")
+        curves.append(_curve(f"{effort} that holds {pair.name}", unit, reactions.coupling_torque[pair.name][:, 0], frames))
     names = list(reactions.bearing_force)
     forces = np.array([np.linalg.norm(force, axis=1) for force in reactions.bearing_force.values()])
     largest = forces.argmax(axis=0)
     curves.append(_curve("largest bearing force", "N", forces.max(axis=0), frames) | {"at": [names[k] for k in largest[frames.states]]})
     return {"curves": curves}
-
-
-def _holding(press: Linkage, reactions: Reactions, frames: recording.KeyFrames) -> list[dict[str, Any]]:
-    """What holds the drivers that stand; nothing of more than there is room for."""
-    held, found = standing(press), []
-    for pair in held if len(held) <= MOST_HELD else ():
-        effort, unit = ("torque", "N m") if press.axes[pair.follower].turns else ("force", "N")
-        found.append(_curve(f"{effort} that holds {pair.name}", unit, reactions.coupling_torque[pair.name][:, 0], frames))
-    return found
 
 
 def _curve(name: str, unit: str, values: Array, frames: recording.KeyFrames) -> dict[str, Any]:

@@ -1,8 +1,8 @@
-"""The server of a window: on this machine alone, on a free port, and for those alone who know its address.
+"""The server of a window: on this machine alone, on a free port, and only for those who know its address.
 
-The address has a token in it, which is compared in constant time. A request without it, for another host (as after a rebinding of names),
-or from a page of another origin is refused with 403. There are three files and a socket, and nothing else: no path is ever looked up on the
-disk. The socket takes the messages of `live.session`; one that is none of these closes it.
+The address contains a token, which is compared in constant time. A request without it, for another host (as after a rebinding of names), or
+from a page of another origin is refused with 403. There are a page, four files and a socket, and nothing else: no path is ever looked up on
+the disk. The socket takes the messages of `live.session`; any other message closes it.
 """
 
 from __future__ import annotations
@@ -36,20 +36,20 @@ POLICY = (
 )
 SCRIPTS = ("scene.js", "overlays.js", "camera.js", "playback.js")  # those of recordings, which go before ours
 STYLES = ("theme.css", "player.css")
-LOOK = 0.1  # how often is looked whether a file was saved [s]
-MISSED = 10  # looks after which a file that is not there is missed: an editor may be replacing it
 
 
 class Server:
-    """A session's server, in a thread with a loop of its own.
+    """A session's server, in a thread with its own event loop.
 
     Attributes:
         url: the address of the window.
+        session: the press that it shows.
+        windows: those that are open.
     """
 
     def __init__(self, session: Session, watch: bool) -> None:
-        self._session, self._watch = session, watch
-        self._windows: set[_Socket] = set()
+        self.session, self._watch = session, watch
+        self.windows: set[_Socket] = set()
         self._loop = asyncio.new_event_loop()
         (self._listening,) = bind_sockets(0, HOST)
         port, token = self._listening.getsockname()[1], secrets.token_urlsafe(24)
@@ -100,64 +100,38 @@ class Server:
             watching.cancel()
             await asyncio.wait([watching])
         http.stop()
-        for window in list(self._windows):
+        for window in list(self.windows):
             window.close(1001, "ended")
         await http.close_all_connections()
 
     def refused(self, request: Any, token: str) -> bool:
-        """Whether a request is none of our windows'."""
+        """Whether a request does not come from one of our windows."""
         known = hmac.compare_digest(token.encode(), self._token.encode())
         origin = request.headers.get("Origin")
         foreign = origin is not None and origin not in {f"http://{host}" for host in self._hosts}
         return not known or foreign or request.host not in self._hosts
 
-    def join_in(self, window: _Socket) -> None:
-        """A window has opened its socket."""
-        self._windows.add(window)
-
-    def leave(self, window: _Socket) -> None:
-        """A window has been closed."""
-        self._windows.discard(window)
-
-    def whole(self) -> Message:
-        """Everything that a window needs."""
-        return self._session.whole()
-
-    @property
-    def version(self) -> int:
-        """Of the picture that is shown now."""
-        return self._session.version
-
-    def take(self, window: _Socket, text: str | bytes) -> int | None:
-        """Answer a message of a window, and return the version that it has drawn, where it says so; raises RefusedMessageError where it is
-        none."""
-        answer = self._session.answer(text)
-        if answer.sender is not None:
-            window.send(answer.sender)
-        if answer.everyone is not None:
-            self._tell(answer.everyone)
-        return answer.drawn
-
-    def _tell(self, message: Message) -> None:
-        for window in self._windows:
+    def tell(self, message: Message) -> None:
+        """Send a message to all windows."""
+        for window in self.windows:
             window.send(message)
 
     async def _look(self) -> None:
-        """Open the press anew whenever its files were saved."""
-        seen, missed = state_of_files(self._session.files), 0
+        """Open the press again whenever its files were saved."""
+        seen, missed = state_of_files(self.session.files), 0
         while True:
-            await asyncio.sleep(LOOK)
-            now = state_of_files(self._session.files)
-            missed = missed + 1 if now is None else 0
-            if now == seen or (now is None and missed < MISSED):
+            await asyncio.sleep(0.1)
+            now = state_of_files(self.session.files)
+            missed = missed + 1 if now is None else 0  # an editor may be replacing a file that is missing for a moment
+            if now == seen or (now is None and missed < 10):
                 continue
             seen = now
             try:
-                self._session.open()
-                self._tell(self._session.whole())
+                self.session.open()
+                self.tell(self.session.whole())
             except Exception as error:  # a defect of pinpress too: else the window would stay as it is without a word
                 text = str(error) if isinstance(error, PinpressError) else f"{type(error).__name__}: {error}"
-                self._tell({"type": "broken", "text": text, "version": self.version})
+                self.tell({"type": "broken", "text": text, "version": self.session.version})
 
 
 class _Ours(RequestHandler):
@@ -190,7 +164,7 @@ class _Nothing(_Ours):
 
 class _Page(_Ours):
     def get(self, token: str) -> None:
-        whole = self.served_by.whole()
+        whole = self.served_by.session.whole()
         text = _template("live.html" if whole["type"] == "opened" else "broken.html")
         data = json.dumps(whole, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
         title = html.escape(whole.get("name", "pinpress"))
@@ -220,31 +194,35 @@ class _Socket(WebSocketHandler):
             raise HTTPError(403)
 
     def check_origin(self, origin: str) -> bool:
-        return True  # `prepare` has looked at it
+        return True  # `prepare` has checked it
 
     def open(self, token: str) -> None:
         self.set_nodelay(True)
-        self.served_by.join_in(self)
+        self.served_by.windows.add(self)
 
     def on_close(self) -> None:
-        self.served_by.leave(self)
+        self.served_by.windows.discard(self)
 
     def on_message(self, message: str | bytes) -> None:
         try:
-            shown = self.served_by.take(self, message)
+            answer = self.served_by.session.answer(message)
         except RefusedMessageError as error:
             self.close(1008, str(error))
             return
-        if shown is not None:
-            self._drawn(shown)
+        if answer.sender is not None:
+            self.send(answer.sender)
+        if answer.everyone is not None:
+            self.served_by.tell(answer.everyone)
+        if answer.drawn is not None:
+            self._drawn(answer.drawn)
 
     def _drawn(self, version: int) -> None:
         """The window has drawn a picture, or a page that was loaded."""
         newest, first, self._newest, self._drawing = self._newest, not self._drawing, None, False
         if newest is not None:
             self.send(newest)
-        elif first and version != self.served_by.version:
-            self.send(self.served_by.whole())
+        elif first and version != self.served_by.session.version:
+            self.send(self.served_by.session.whole())
 
     def send(self, message: Message) -> None:
         """Send a message; a picture only if the window is not behind, else it takes the place of those that wait."""
@@ -257,7 +235,7 @@ class _Socket(WebSocketHandler):
         try:
             self.write_message(json.dumps(message, separators=(",", ":"), allow_nan=False))
         except WebSocketClosedError:
-            self.served_by.leave(self)
+            self.served_by.windows.discard(self)
 
 
 def _template(name: str) -> str:

@@ -1,10 +1,10 @@
-"""What all windows of a press share: the press as it is now, and what is answered to a message of a window.
+"""What all windows of a press share: the press as it is now, and the answers to messages of windows.
 
-Messages are JSON objects with a ``type``. A window sends ``set`` (values of all dimensions, the speed, and whether it wants the shapes of
-the links anew, which take longest), ``move`` (the driver that is to move while the others stand), ``save`` (the name of a file, and
-whether an old one may be replaced) and ``ready`` (what it has drawn last). Whatever else comes is refused. A window is sent ``opened``
-(everything), ``picture`` (the press with other values), ``refused`` (they make no press: the last good one stays), ``broken`` (the file
-cannot be read as it is now), ``saved``, ``exists`` and ``unsaved``.
+Messages are JSON objects with a ``type``. A window sends ``set`` (values of all dimensions, the speed, and whether it wants new shapes of
+the links, which take longest), ``move`` (the driver that is to move while the others stand), ``save`` (the name of a file, and whether an
+old one may be replaced) and ``ready`` (the picture that it has drawn last). Everything else is refused. A window receives ``opened``
+(everything), ``picture`` (the press with other values), ``refused`` (no press has these values: the last good one stays), ``broken`` (the
+file cannot be read now), ``saved``, ``exists`` and ``unsaved``.
 """
 
 from __future__ import annotations
@@ -29,7 +29,6 @@ KEYS = {
     "ready": {"version"},
 }  # of messages, besides their type
 LONGEST = 1 << 16  # bytes of a message
-MOST_NOTES = 5  # warnings that are shown
 
 
 class RefusedMessageError(Exception):
@@ -68,8 +67,8 @@ class Session:
     """The press that is shown, as it was opened and as it is now.
 
     Attributes:
-        version: how many pictures there were.
-        broken: why the file cannot be read as it is now; None where it can.
+        version: number of pictures so far.
+        broken: why the file cannot be read now; None if it can be read.
     """
 
     def __init__(self, opening: Callable[[], Opened], watched: str | None = None) -> None:
@@ -88,7 +87,7 @@ class Session:
         self.version = 0
 
     def open(self) -> None:
-        """Open the press, or open it anew; the speed that a window has chosen stays.
+        """Open the press, the first time or again; the speed that a window has chosen stays.
 
         Raises:
             PinpressError: it cannot be opened; what was open before stays.
@@ -111,8 +110,8 @@ class Session:
         self.version += 1
 
     def _with_one_moving(self, opened: Opened) -> Opened:
-        """Of a press with several drivers the one that a window has chosen moves, at first the first, at the speed that was given where it
-        is of the same kind."""
+        """A press with one moving driver: of several the one that a window has chosen, at first the first one. It has the given speed if
+        both turn, or both slide."""
         press = opened.source.press
         if len(press.drivers) == 1:
             return opened
@@ -166,7 +165,7 @@ class Session:
         return {"set": self._set, "move": self._move, "save": self._save}[message["type"]](message)
 
     def _move(self, message: Message) -> Answer:
-        """Let another driver move; the one that has moved stands where its slider is, and lengths stay as they are."""
+        """Let another driver move; the driver that has moved stands where its slider is, and lengths stay as they are."""
         assert self._opened is not None
         old = self._opened.source
         if not isinstance(old, MovingDriver) or message["driver"] not in old.drivers:
@@ -224,7 +223,7 @@ class Session:
             "values": self._values,
             "speed": float(f"{speed:.9g}"),
             "before": self._before,
-            "notes": self._notes[:MOST_NOTES],
+            "notes": self._notes[:5],
             "points": self._operation.points,
             "moving": self._picture.press.driver,
         }

@@ -1,8 +1,8 @@
-"""What the window shows and changes: a press in Python, a URDF (or SDF, MJCF) file, or a pin table; each with the numbers by which it can
-be changed, and with a file to write the changed press to.
+"""What the window shows and changes: a press in Python, a URDF (or SDF, MJCF) file, or a pin table, with the numbers by which it can be
+changed, and a file to write the changed press to.
 
-Of a pin table these are its own plain numbers, so that the file that is written is the table's text with others in it. Of every other press
-they are lengths and pivots (`live.dimensions`), and a URDF is written.
+The numbers of a pin table are those of its text, and the changed table is this text with other numbers. The numbers of every other press
+are lengths and pivots (`live.dimensions`), and a URDF is written.
 """
 
 from __future__ import annotations
@@ -33,8 +33,6 @@ from .dimensions import REACH, TURN, Dimension, LinkageDimensions, dimension
 from .drivers import with_moving
 
 TABLES = (".yaml", ".yml")  # ends of the names of pin tables
-HALF_TURN = 180.0  # by which a driver that stands can be turned with its slider [deg]
-NOUGHT = 10.0  # by which a parameter that is zero may be changed with its slider
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +76,7 @@ class LinkageSource(Source):
 
     @staticmethod
     def of(press: Linkage, *paths: str) -> LinkageSource:
-        """A press that is there, and the files that it was read from, its own first; none of one that is in no file, or comes with
-        pinpress."""
+        """A press, and the files that it was read from, its own first; no file for a press made in Python or a shipped one."""
         one = with_moving(press, press.driver, [0.0] * len(press.drivers))  # in the plane where it can be
         found = LinkageDimensions.of(one)
         folder = Path(paths[0]).resolve().parent if paths else Path.cwd()
@@ -91,12 +88,9 @@ class LinkageSource(Source):
         return reshaped(self.press, moved) if moved else self.press
 
     def made_up(self, values: Sequence[float]) -> Collection[str]:
-        moved = {link for _, link in self._of_linkage.pivots(values)}
-        return {link for link in moved if self._turns(link)}  # the shapes of frames and slides, which are large, stay
-
-    def _turns(self, link: str) -> bool:
-        joint = self.press.model.frames[self.press.model.getFrameId(link, pin.BODY)].parentJoint
-        return bool(joint and self.press.axes[joint - 1].turns)
+        model = self.press.model
+        joints = {link: model.frames[model.getFrameId(link, pin.BODY)].parentJoint for _, link in self._of_linkage.pivots(values)}
+        return {link for link, joint in joints.items() if joint and self.press.axes[joint - 1].turns}  # large frames and slides stay
 
     def write(self, values: Sequence[float], path: Path) -> None:
         write_urdf(self.changed(values), path)
@@ -115,8 +109,8 @@ class TableSource(Source):
 
     @staticmethod
     def of(path: str, parameters: Mapping[str, str], slide: str | None, finished: Callable[[Linkage], Linkage]) -> Source:
-        """A table with these values of its parameters and this slide; ``finished``: what is done to each press that is made of it. One that
-        is laid over another one, where most numbers stand, is changed by its lengths and pivots."""
+        """A table with these values of its parameters and this slide; ``finished``: what is done to each press that is made of it. A table
+        that is based on another one, which has most numbers, is changed by its lengths and pivots."""
         found = draft(path, **parameters)
         table = found._table
         press = finished(found.press(slide=slide))
@@ -152,7 +146,7 @@ class TableSource(Source):
 def _shown(number: TableNumber, value: float, unit: str, size: float) -> Dimension:
     """A number of a table as a slider; ``size`` of the press in the table's unit."""
     if number.kind == "parameter":
-        return dimension("parameters", number.path[1], "", value, None if value else NOUGHT, number.comment)
+        return dimension("parameters", number.path[1], "", value, None if value else 10.0, number.comment)
     pin, keys = number.path[1], number.path[2:]
     if number.kind == "angle":
         return dimension("pins", f"{pin} angle", "deg", value, TURN)
@@ -165,8 +159,8 @@ def _shown(number: TableNumber, value: float, unit: str, size: float) -> Dimensi
 
 @dataclass(frozen=True, eq=False)
 class MovingDriver(Source):
-    """A press with several drivers, one of which moves. Its first dimensions are where the drivers stand; that of the one that moves is
-    not looked at.
+    """A press with several drivers, one of which moves. Its first dimensions are where the drivers stand; that of the moving driver is
+    ignored.
 
     Attributes:
         source: the press with all its drivers.
@@ -214,7 +208,7 @@ def _standing(press: Linkage, k: int) -> Dimension:
     """Where a driver stands, as a slider."""
     coordinate, joint = press.driver_coordinates[k], press.driver_indices[k]
     if coordinate.turns:
-        return dimension("standing drivers", press.drivers[k], "deg", 0.0, HALF_TURN)
+        return dimension("standing drivers", press.drivers[k], "deg", 0.0, 180.0)
     place = press.slots[joint].start
     limits = press.model.lowerPositionLimit[place], press.model.upperPositionLimit[place]
     low, high = (float(np.clip(limit, -press.size, press.size)) * coordinate.scale for limit in limits)

@@ -21,9 +21,6 @@ from .pictures import Operation
 from .session import Opened, Session
 from .sources import LinkageSource, opened
 
-NO_TORNADO = "the window needs Tornado and Meshcat, which are not installed: pip install 'pinpress[view]'"
-HEIGHT = 720  # of a window in a notebook [pixels]
-
 
 class LiveView:
     """A window (or several at one address) that `view` has opened. It ends with `close`, with its ``with`` block, or with the program.
@@ -37,7 +34,7 @@ class LiveView:
         try:
             from .server import Server  # it takes Tornado, which is optional
         except ImportError as error:
-            raise PinpressError(NO_TORNADO) from error
+            raise PinpressError("the window needs Tornado and Meshcat, which are not installed: pip install 'pinpress[view]'") from error
         self._session, self._server = session, Server(session, watch)
 
     @property
@@ -72,7 +69,7 @@ class LiveView:
 
     def _repr_html_(self) -> str:
         """The window itself, in a notebook that runs on this machine."""
-        return f'<iframe src="{html.escape(self.url)}" width="100%" height="{HEIGHT}" style="border: 0"></iframe>'
+        return f'<iframe src="{html.escape(self.url)}" width="100%" height="720" style="border: 0"></iframe>'
 
 
 @typed

@@ -22,16 +22,9 @@ from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import Frozen
 from ..common.quantities import GRAVITY, Array, readable
 from ..common.reading.columns import Channels, Wanted, name_columns, read_channels, read_columns
-from .records import UNEVEN, longest_rest, times_of
+from .records import UNEVEN, equal_samples, times_of
 
-FEWEST = 256  # samples of a record
-DIRECTIONS = {
-    f"{sign}{axis}": tuple(float(size * (k == i)) for k in range(3))
-    for sign, size in (("", 1), ("+", 1), ("-", -1))
-    for i, axis in enumerate("xyz")
-}
-STUCK = 8  # samples in a row at the extreme, as where an amplifier is overdriven
-HEAVY = 1000.0 * GRAVITY  # acceleration above which a unit or a gain is doubted [m/s2]
+DIRECTIONS = ("x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z")
 POINTS = {  # columns of a file of points
     "channel": Wanted(),
     **dict.fromkeys("xyz", Wanted("m", bare="m")),
@@ -75,8 +68,8 @@ class Accelerometer(Frozen):
     @property
     def place(self) -> Array:
         """(3,) place in world axes [m]."""
-        found = finite_numbers(self.point[1] if self.on_crown else self.point)  # type: ignore[index]  # a pair
-        return np.empty(0) if found is None else found
+        place = finite_numbers(self.point[1] if self.on_crown else self.point)  # type: ignore[index]  # a pair
+        return np.empty(0) if place is None else place
 
     @property
     def along(self) -> Array:
@@ -86,17 +79,17 @@ class Accelerometer(Frozen):
                 raise PinpressError(
                     f"Accelerometer: direction is {shown(self.direction)}: give one of {', '.join(DIRECTIONS)}, or a vector"
                 )
-            return np.array(DIRECTIONS[self.direction])
+            return np.where(np.array(list("xyz")) == self.direction[-1], -1.0 if self.direction[0] == "-" else 1.0, 0.0)
         wanted = "a vector (3,), not zero"
         vector = suitable_numbers("Accelerometer: direction", self.direction, wanted, (3,), lambda v: 0 < np.abs(v).max() < LARGEST)
         return np.asarray(vector / np.linalg.norm(vector))
 
     def row(self, parts: int) -> Array:
-        """(6 parts,) reading for a unit acceleration of each coordinate of a frame in 1 or 2 parts, see `MountedPress`."""
+        """(6 parts,) readings for a unit acceleration of each coordinate of a frame in 1 or 2 parts, see `MountedPress`."""
         part, turning = int(self.on_crown and parts == 2), np.cross(self.place, self.along)
-        found = np.zeros(6 * parts)
-        found[6 * part : 6 * part + 6] = [*self.along, *turning]
-        return found
+        row = np.zeros(6 * parts)
+        row[6 * part : 6 * part + 6] = [*self.along, *turning]
+        return row
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -127,19 +120,19 @@ def points_of(file: str | os.PathLike[str]) -> dict[str, Accelerometer]:
     Raises:
         PinpressError: the file cannot be read or lacks a column, or a row does not describe an accelerometer.
     """
-    found: dict[str, Accelerometer] = {}
+    sensors: dict[str, Accelerometer] = {}
     table = read_columns(files.path_of("points", file), POINTS)
     for line, row in table.rows():
         place, part, gain = (row["x"], row["y"], row["z"]), row.get("part") or "bed", row.get("gain", math.nan)
         if part not in ("bed", "crown"):
             raise PinpressError(f"{table.file}, line {line}: part is {shown(part)}: give bed or crown")
-        if row["channel"] in found:
+        if row["channel"] in sensors:
             raise PinpressError(
                 f"{table.file}, line {line}: channel {row['channel']!r} is there twice: give each accelerometer a separate channel"
             )
         point = ("crown", place) if part == "crown" else place
-        found[row["channel"]] = Accelerometer(point, row["direction"], None if math.isnan(gain) else gain)
-    return found
+        sensors[row["channel"]] = Accelerometer(point, row["direction"], None if math.isnan(gain) else gain)
+    return sensors
 
 
 def run_of(
@@ -150,14 +143,14 @@ def run_of(
     crank: tuple[str | None, str | None, int],
     speed: float | None,
 ) -> VibrationRun:
-    """One run of `vibration`, whose errors it raises.
+    """One run of `vibration`; raises as `vibration`.
 
     Args:
         source: a file, or columns by name.
-        name: of the run, where it is no file.
-        sensors: accelerometers by column.
+        name: name of the run if it is not a file.
+        sensors: column -> accelerometer.
         time: column of the time.
-        crank: columns of its angle and of its tacho, and pulses by turn.
+        crank: columns of the crank's angle and of its tacho, and pulses in a turn.
         speed: constant speed of the crank [rad/s].
     """
     angle, tacho, pulses = crank
@@ -168,17 +161,27 @@ def run_of(
         table = name_columns(name, {column: numbers(f"{name}: {column}", values, (None,)) for column, values in source.items()})
     else:
         table, name = read_channels(source, wanted), os.path.basename(os.fspath(source))
+
     times = times_of(table, time)
-    _refuse_uneven(name, times)
+    if len(times) < 256:
+        raise PinpressError(f"{name}: {len(times)} samples: give 256 or more")
+    steps = np.diff(times)
+    if steps.min() <= 0 or steps.max() > 1.5 * np.median(steps) or steps.std() > UNEVEN * np.median(steps):
+        k = int(np.abs(steps - np.median(steps)).argmax())
+        raise PinpressError(
+            f"{name}: samples are not in equal time steps: {steps[k]:.4g} s after {times[k]:.6g} s, but {np.median(steps):.4g} s elsewhere:"
+            " cut the record there, or resample it"
+        )
+
     accelerations = np.array([_acceleration(table, name, column, sensor) for column, sensor in sensors.items()]).T
     crank_angle = None
     if angle is not None:
-        found, unit = table.column(angle)
+        values, unit = table.column(angle)
         size = known_factor(unit, "rad")
         if size is None:
             known = ", ".join(readable("rad"))
             raise PinpressError(f"{name}: column {angle!r} is in {unit or 'no unit'}: give an angle in {known}, or tacho=")
-        crank_angle = np.unwrap(_finite(found, name, angle) * size)
+        crank_angle = np.unwrap(_finite(values, name, angle) * size)
     elif tacho is not None:
         times, accelerations, crank_angle = _by_pulses(name, times, accelerations, _finite(table.column(tacho).values, name, tacho), pulses)
     elif speed is not None:
@@ -187,29 +190,33 @@ def run_of(
 
 
 def _acceleration(table: Channels, name: str, column: str, sensor: Accelerometer) -> Array:
-    """(n,) what a column says, in m/s2."""
-    found, unit = table.column(column)
+    """(n,) values of a column in m/s2."""
+    values, unit = table.column(column)
     factor = known_factor(unit, "m/s2")
-    if factor is not None:
-        if sensor.gain is not None:
-            raise PinpressError(
-                f"{name}: column {column!r} is in {unit}, but its accelerometer has a gain: leave the gain out, or name the column in V"
-            )
-    elif sensor.gain is not None:
+    if factor is None and sensor.gain is not None:
         factor = sensor.gain * (1e-3 if unit == "mV" else 1.0)
-    else:
+    elif factor is None:
         what = f"is in {unit}" if unit else "has no unit"
         raise PinpressError(
             f"{name}: column {column!r} {what}: name it in one of {', '.join(readable('m/s2'))}, or give its Accelerometer a gain"
         )
-    values = _finite(found, name, column)
-    rest = max(longest_rest(values, float(extreme))[0] for extreme in (values.max(), values.min()))
+    elif sensor.gain is not None:
+        raise PinpressError(
+            f"{name}: column {column!r} is in {unit}, but its accelerometer has a gain: leave the gain out, or name the column in V"
+        )
+    values = _finite(values, name, column)
+    starts, lengths = equal_samples(values)
+
+    def longest(value: float) -> int:
+        return int(lengths[values[starts] == value].max(initial=1))
+
+    rest = max(longest(values.max()), longest(values.min()))
     if not np.ptp(values):
         caution(f"{name}: channel {column!r} is constant, {values[0]:.4g} in all samples: check its cable, or leave it out")
-    elif rest >= STUCK and rest > 3 * max(longest_rest(values, float(np.median(values)))[0], 1):
+    elif rest >= 8 and rest > 3 * longest(float(np.median(values))):
         caution(f"{name}: channel {column!r} stays at its extreme for {rest} samples, as if its amplifier is overdriven: lower that gain")
     size = float(np.abs(factor * (values - np.median(values))).max())
-    if size > HEAVY:
+    if size > 1000 * GRAVITY:
         caution(f"{name}: channel {column!r} reaches {size / GRAVITY:.4g} g: check its unit, or its gain [m/s2 per V]")
     return np.asarray(factor * values)
 
@@ -220,33 +227,19 @@ def _finite(values: Array, name: str, column: str) -> Array:
     return values
 
 
-def _refuse_uneven(name: str, times: Array) -> None:
-    """Refuse samples that are few, or not in equal steps."""
-    if len(times) < FEWEST:
-        raise PinpressError(f"{name}: {len(times)} samples: give {FEWEST} or more")
-    steps = np.diff(times)
-    if steps.min() <= 0 or steps.max() > 1.5 * np.median(steps) or steps.std() > UNEVEN * np.median(steps):
-        k = int(np.abs(steps - np.median(steps)).argmax())
-        raise PinpressError(
-            f"{name}: samples are not in equal time steps: {steps[k]:.4g} s after {times[k]:.6g} s, but {np.median(steps):.4g} s elsewhere:"
-            " cut the record there, or resample it"
-        )
-
-
 def _by_pulses(name: str, times: Array, accelerations: Array, signal: Array, pulses: int) -> tuple[Array, Array, Array]:
     """Times, accelerations and crank angles between the first and the last pulse of a tacho."""
+    from scipy.interpolate import PchipInterpolator  # slow to import
+
     low, high = np.quantile(signal, (0.001, 0.999))
-    state, ends = np.full(len(signal), np.nan), (low + (high - low) * 0.35, low + (high - low) * 0.65)
-    state[signal <= ends[0]], state[signal >= ends[1]] = 0.0, 1.0  # between them the signal keeps its state, so that noise makes no pulses
+    levels = (signal - low) / (high - low)
+    state = np.where(levels <= 0.35, 0.0, np.where(levels >= 0.65, 1.0, np.nan))  # noise between the levels makes no pulses
     known = np.flatnonzero(~np.isnan(state))
     risen = np.flatnonzero(np.diff(state[known]) > 0)
     if len(risen) < 4:
         raise PinpressError(f"{name}: the tacho gives {len(risen)} pulses: record four or more, or give angle= or speed=")
     first, last = known[risen], known[risen + 1]
-    middle, at_first, at_last = 0.5 * (low + high), signal[first], signal[last]
-    moments = times[first] + (middle - at_first) / (at_last - at_first) * (times[last] - times[first])
-    from scipy.interpolate import PchipInterpolator  # slow to import
-
+    moments = times[first] + (0.5 - levels[first]) / (levels[last] - levels[first]) * (times[last] - times[first])
     within = (times >= moments[0]) & (times <= moments[-1])
     turned = PchipInterpolator(moments, 2 * np.pi / pulses * np.arange(len(moments)))(times[within])
     return times[within], accelerations[within], np.asarray(turned)

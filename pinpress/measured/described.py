@@ -9,9 +9,10 @@ from ..common.quantities import Array, quantity
 from ..dynamics.reactions import Reactions
 from ..foundation.mounted_press import VibrationModes
 from .hit_modes import MeasuredModes
-from .identification import ROUNDING, IdentifiedPress
+from .identification import IdentifiedPress
 from .measuring_plan import MeasuringPlan
 from .mount_fit import UNSEEN, FittedMounts
+from .records import MeasuredRun
 from .stroke_force import MeasuredForce
 from .vibration_record import VibrationRecord
 from .vibration_spectra import OrderSpectra, Spectra
@@ -24,6 +25,35 @@ ROOM = 1.06  # end of a chart of modes, divided by the highest frequency
 MOST_NAMES = 4  # parameters that a motion leaves unknown, by name
 INTERVAL = "95 % interval"
 FREE, DAMPING = "natural frequency", "damping ratio"
+
+
+def run(found: MeasuredRun, page: Reactions | None = None) -> tuple[Section, ...]:
+    """A record: its samples, the speed of the crank, and all signals over the time."""
+    low, high = found.speeds
+    figures = [
+        Figure("samples", str(len(found.time)), where=f"in {quantity('s').text(found.duration, 4)}"),
+        Figure("sampled at", TURN / found.sampling, "frequency"),
+        Figure("turns of the crank", found.strokes, "number"),
+        Figure("lowest speed", low, "rad/s", "over a hundredth of the record"),
+        Figure("highest speed", high, "rad/s", "over a hundredth of the record"),
+    ]
+    if found.resolution is not None:
+        figures.append(Figure("step of the encoder", found.resolution, "angle", f"{TURN / found.resolution:.6g} in a turn of the crank"))
+    figures += [Figure(f"mass added to {link}", mass, "kg") for link, mass in found.added_mass.items()]
+
+    signals = [(name.replace("_", " "), values, unit) for name, values, unit in found._signals()]
+    along, charts = Along("time", "s", found.time), []
+    for kind in ("torque", "current", "shaking force", "shaking moment", "height", "angle"):
+        curves = [Curve(name, values) for name, values, _ in signals if name.startswith(kind)]
+        if curves:
+            charts.append(Chart(kind, kind.capitalize(), next(unit for name, _, unit in signals if name.startswith(kind)), along, curves))
+    columns = [
+        Column("", [name for name, *_ in signals]),
+        Column("smallest", [float(values.min()) for _, values, _ in signals]),
+        Column("largest", [float(values.max()) for _, values, _ in signals]),
+    ]
+    table = Table("signals", "Signals", columns, quantities=["height" if name == "height" else unit for name, _, unit in signals])
+    return (Section("Record", figures, [*charts, table], note="\n  ".join(found.notes)),)
 
 
 def force(found: MeasuredForce, page: Reactions | None = None) -> tuple[Section, ...]:
@@ -211,7 +241,7 @@ def identified(found: IdentifiedPress, page: Reactions | None = None) -> tuple[S
         low, high = found.motor_constant_interval
         figures.append(Figure("motor constant at the crank", found.motor_constant, "N m/A", f"{low:.5g} to {high:.5g}"))
     figures.append(Figure("noise of a sample", ", ".join(f"{name} {size:.3g}" for name, size in found.noise.items())))
-    values = [0.0 if abs(each.value) < ROUNDING * each.posterior else each.value for each in found.parameters]
+    values = [0.0 if abs(each.value) < 1e-6 * each.posterior else each.value for each in found.parameters]
     columns = [
         Column("", [each.name for each in found.parameters]),
         Column("before", ["" if each.before is None else f"{each.before:.5g}" for each in found.parameters]),
@@ -268,6 +298,7 @@ def identifiable(found: IdentifiableParameters, page: Reactions | None = None) -
 
 
 SECTIONS = {
+    MeasuredRun: run,
     MeasuredForce: force,
     VibrationRecord: record,
     Spectra: spectra,

@@ -6,9 +6,9 @@ After a hit the frame vibrates freely. What accelerometers measure then is a sum
 
 with the same s and shape after all hits. The modes are found in two steps. The eigensystem realisation algorithm (Juang and Pappa 1985)
 puts the Hankel matrices of all hits side by side, reduces the rank to the part above the noise (Gavish and Donoho 2014), and reads s from
-the shift of the rows. From there a Gauss-Newton method fits s, shapes and strengths to all samples. In this fit each mode has the same
-shape after all hits; the fit also gives standard deviations. Modes that are closer than their damping is wide can be separated only by
-hits that excite them differently: a single hit mixes them.
+the shift of the rows. Starting from these s, the Gauss-Newton method fits s, shapes and strengths to all samples, and gives standard
+deviations. Modes that are closer than their damping is wide can be separated only by hits that excite them differently: a single hit mixes
+them.
 
 First the samples are filtered and thinned. The filter has a finite length; after this length a free vibration is again a free vibration.
 
@@ -36,24 +36,12 @@ from ..foundation.mounted_press import VibrationModes
 from .accelerometers import Accelerometer, VibrationRun
 
 Samples = NDArray[np.intp]
-THINNED = 5.0  # samples by period of the highest frequency after thinning
-SLOWEST = 2.56  # samples by period of the highest frequency that are needed, as recorders have them
-ABRUPT = 9.0  # energy after a hit by that before it, over half a period of the lowest frequency
-FAINT = 1e-4  # energy of a hit by that of the strongest, below which it is none
-ROWS, COLUMNS = 400, 600  # most rows of the Hankel matrix, and columns by hit
+FAINT = 1e-4  # energy of a hit / energy of the strongest hit, below which it is no hit
 MOST_DAMPED = 0.5  # damping ratio above which a root is no mode
-GROWING = 0.01  # a root that grows less than so by its size may be a hum, seen through noise
-HUMMING = 5e-4  # damping ratio below which a vibration is a hum, or that of a running machine, and no mode
+HUMMING = 5e-4  # damping ratio below which a vibration is a hum, or that of a machine nearby
 MOST_MODES = 60
-OUT_OF_NOISE = 4.0  # strengths of a mode by their standard deviations, root mean square, below which it is noise
-STEPS, FIRST_STEPS = 30, 4  # most steps of the Gauss-Newton method, and those before modes are left out
-SHORTEST = 1e-3  # share of a step below which shorter ones are not tried
-ROUNDING = 1e-13  # added to the diagonal of its normal equations, scaled to 1
-SETTLED = 1e-9  # relative change of the roots at which it ends
-AROUND = 51  # frequencies around one, by whose median noise is known
-RARE = 1e-4  # probability that noise alone has a frequency as strong as one that counts as no noise
-MOSTLY_NOISE = 0.3  # share of the energy that no mode explains, above which the hits are doubted
-DOUBTED_MAC = 0.8  # below this a measured shape is hardly the calculated one
+OUT_OF_NOISE = 4.0  # strengths of a mode / their standard deviations, root mean square, below which the mode is noise
+SETTLED = 1e-9  # relative change of the roots at which the Gauss-Newton method ends
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -134,12 +122,12 @@ class MeasuredModes(Tabular):
             )
         if self.beside is not None:
             for k, place in enumerate(self.partner):
-                if place >= 0 and self.mac[k, place] < DOUBTED_MAC:
+                if place >= 0 and self.mac[k, place] < 0.8:
                     frequency = self.natural_frequency[k] / (2 * np.pi)
                     found.append(f"{frequency:.4g} Hz differs in shape from {self.beside.motion[place]!r}: MAC {self.mac[k, place]:.2f}")
         for w in self.natural_frequency[self.damping_ratio < HUMMING]:
             found.append(f"{w / (2 * np.pi):.4g} Hz does not die away: it is not a mode, but a hum or a machine that runs nearby")
-        if self.noise > MOSTLY_NOISE:
+        if self.noise > 0.3:
             found.append(
                 f"{100 * self.noise:.2g} % of the energy after the hits is not free vibration of these modes: check the times of"
                 " the hits, or give another band"
@@ -167,7 +155,7 @@ class _Decays(NamedTuple):
     """Free vibrations after hits.
 
     Attributes:
-        values: (n, channels) for each hit, thinned.
+        values: for each hit (n, channels) samples.
         step: time between samples [s].
         hits: (h,) times of the hits [s].
         colour: variance of the noise in the band / its mean over all frequencies.
@@ -178,19 +166,21 @@ class _Decays(NamedTuple):
     hits: Array
     colour: float
 
+    def waves(self, hit: int, roots: ComplexArray) -> ComplexArray:
+        """(n, m) exp(s t) after a hit."""
+        return np.asarray(np.exp(np.outer(self.step * np.arange(len(self.values[hit])), roots)))
+
 
 class _Model(NamedTuple):
-    """Decaying modes.
-
-    Attributes:
-        roots: (m,) s [1/s].
-        shapes: (channels, m).
-        strengths: (m, hits).
-    """
+    """Decaying modes: roots s (m,) [1/s], shapes (channels, m), strengths (m, hits)."""
 
     roots: ComplexArray
     shapes: ComplexArray
     strengths: ComplexArray
+
+    def of(self, modes: Samples) -> _Model:
+        """These modes alone, in this order."""
+        return _Model(self.roots[modes], self.shapes[:, modes], self.strengths[modes])
 
 
 class _Fit(NamedTuple):
@@ -221,9 +211,8 @@ def hit_modes(
     low, high = _band(runs, beside, band)
     wanted = None if count is None else whole_number("count", count, 1, MOST_MODES)
     decays, fit, late = _begun_in_time(_free_vibrations(runs, low, high, hits), low, high, wanted)
-    model, deviations, noise = fit.model, fit.deviations, fit.noise
-    order = np.argsort(np.abs(model.roots))
-    model, deviations = _Model(model.roots[order], model.shapes[:, order], model.strengths[order]), deviations[order]
+    order = np.argsort(np.abs(fit.model.roots))
+    model, deviations = fit.model.of(order), fit.deviations[order]
     partner, mac = _beside(model, accelerometers, beside)
     size = np.abs(model.roots)
     found = MeasuredModes(
@@ -235,16 +224,15 @@ def hit_modes(
         damping_ratio_deviation=deviations[:, 1],
         shapes=model.shapes,
         energy_share=_energy_share(decays, model),
-        noise=noise,
+        noise=fit.noise,
         misfit=fit.misfit,
         late=late,
         beside=beside,
         partner=partner,
         mac=mac,
     )
-    for pair in found._close():
-        caution(f"modes {pair[0] + 1} and {pair[1] + 1}: {found.doubts[0]}")
-        break
+    for first, second in found._close()[:1]:
+        caution(f"modes {first + 1} and {second + 1}: {found.doubts[0]}")
     if found.misfit > 1.0:
         caution(found.doubts[-1])
     return found
@@ -278,9 +266,10 @@ def _band(runs: Sequence[VibrationRun], beside: VibrationModes | None, band: tup
         ends = np.array([0.5 * beside.natural_frequency[0], 1.3 * beside.natural_frequency[-1]]) / (2 * np.pi)
     else:
         ends = suitable_numbers("band", band, "lowest and highest frequency, both positive [Hz]", (2,), lambda f: 0 < f[0] < f[1])
-    if rate < SLOWEST * ends[1]:
+    needed = 2.56 * ends[1]  # as for recorders
+    if rate < needed:
         raise PinpressError(
-            f"{rate:.6g} samples a second are too few for {ends[1]:.4g} Hz: sample at {SLOWEST * ends[1]:.4g} Hz, or give a lower band"
+            f"{rate:.6g} samples a second are too few for {ends[1]:.4g} Hz: sample at {needed:.4g} Hz, or give a lower band"
         )
     return float(ends[0]), float(ends[1])
 
@@ -290,43 +279,30 @@ def _band(runs: Sequence[VibrationRun], beside: VibrationModes | None, band: tup
 
 def _free_vibrations(runs: Sequence[VibrationRun], low: float, high: float, hits: ArrayLike | None) -> _Decays:
     """The parts of all runs after hits, filtered and thinned; raises PinpressError if there is no such part."""
+    from scipy.signal import fftconvolve, firwin  # slow to import
+
     rate = runs[0].rate
     if any(abs(run.rate - rate) > 1e-3 * rate for run in runs):
         raise PinpressError("the runs are sampled at different rates: call modes for each run separately")
     if hits is not None and len(runs) > 1:
         raise PinpressError(f"hits are given for {len(runs)} runs: give only one run, or leave hits out (then they are searched)")
-    thinning = max(1, int(rate / (THINNED * high)))
-    weights = _low_pass(rate, high, thinning)
+    thinning = max(1, int(rate / (5 * high)))  # five samples in a period of the highest frequency are left
+    weights = np.ones(1)
+    if thinning > 1:  # a filter of finite length stops what thinning would fold into the band
+        stop = rate / thinning - high
+        weights = firwin(int(np.ceil(3.3 * rate / (stop - high))) | 1, (high + stop) / rate, window="hamming")
     values, times = [], []
     for run in runs:
         starts = _hits(run, low) if hits is None else _given(run, hits)
-        ends = np.append(starts[1:], len(run.time))
-        for start, end in zip(starts, ends, strict=True):
+        for start, end in zip(starts, np.append(starts[1:], len(run.time)), strict=True):
             part = run.acceleration[start + int(np.ceil(0.5 * rate / high)) : end - len(weights)]
             if len(part) - len(weights) >= 3 * rate / low:
-                values.append(_filtered(part, weights)[::thinning])
+                filtered = part if thinning == 1 else fftconvolve(part, weights[:, None], mode="valid", axes=0)
+                values.append(np.asarray(filtered[::thinning]))
                 times.append(run.time[start])
     if not values:
         raise PinpressError(f"after no hit there are three periods of {low:.4g} Hz without another hit: hit less often, and record longer")
     return _Decays(tuple(values), thinning / rate, np.array(times), float(1 / (thinning * (weights**2).sum())))
-
-
-def _low_pass(rate: float, high: float, thinning: int) -> Array:
-    """Weights of a filter of finite length that passes the band and stops what thinning would fold into it; of sum 1."""
-    if thinning == 1:
-        return np.ones(1)
-    stop = rate / thinning - high
-    count = int(np.ceil(3.3 * rate / (stop - high))) | 1
-    place = np.arange(count) - count // 2
-    cut = (high + stop) / rate
-    weights = np.sinc(cut * place) * np.hamming(count)
-    return np.asarray(weights / weights.sum())
-
-
-def _filtered(values: Array, weights: Array) -> Array:
-    from scipy.signal import fftconvolve  # slow to import
-
-    return values if len(weights) == 1 else np.asarray(fftconvolve(values, weights[:, None], mode="valid", axes=0))
 
 
 def _given(run: VibrationRun, hits: ArrayLike) -> Samples:
@@ -349,7 +325,7 @@ def _hits(run: VibrationRun, low: float) -> Samples:
     before = energy[place] - energy[np.maximum(place - half, 0)]
     jump = np.log((after + FAINT * after.max()) / (before + FAINT * after.max()))
     jump[: min(half, count) // 8] = 0.0  # nothing is known of the time before
-    peaks, _ = find_peaks(jump, height=np.log(ABRUPT), distance=half)
+    peaks, _ = find_peaks(jump, height=np.log(9.0), distance=half)  # the amplitude becomes three times as large
     peaks = peaks[after[peaks] > 10 * FAINT * after.max()]
     if not len(peaks):
         raise PinpressError(
@@ -366,39 +342,33 @@ def _realised(decays: _Decays, low: float, high: float, wanted: int | None) -> C
     channels = decays.values[0].shape[1]
     shortest = min(map(len, decays.values))
     reach = 0.5 / (low * decays.step)  # half a period of the lowest frequency
-    rows = int(np.clip(reach, 48 / channels, max(ROWS / channels, 2)))
+    rows = int(np.clip(reach, 48 / channels, max(400 / channels, 2)))  # as many as a decomposition takes in a short time
     apart = max(1, min(round(reach / rows), shortest // (2 * rows)))
     rows = max(2, min(rows, shortest // (2 * apart)))
     starts = apart * np.arange(rows)
-    hankel, shifted = (
-        np.vstack([np.hstack([part[k + shift : k + shift + _columns(part, starts)].T for part in decays.values]) for k in starts])
-        for shift in (0, 1)
-    )
-    left, sizes, right = np.linalg.svd(hankel, full_matrices=False)
-    order = _rank(sizes, hankel.shape)
+
+    def hankel(shift: int) -> Array:
+        lengths = [min(len(part) - int(starts[-1]) - 1, 600) for part in decays.values]
+        return np.block([[part[k + shift : k + shift + n].T for part, n in zip(decays.values, lengths, strict=True)] for k in starts])
+
+    matrix = hankel(0)
+    left, sizes, right = np.linalg.svd(matrix, full_matrices=False)
+    ratio = min(matrix.shape) / max(matrix.shape)
+    threshold = (0.56 * ratio**3 - 0.95 * ratio**2 + 1.82 * ratio + 1.43) * np.median(sizes)  # of noise (Gavish and Donoho 2014)
+    order = int((sizes > threshold).sum())
     if wanted is not None:
         order = max(order, 2 * wanted + 2)
     order = min(order, 2 * MOST_MODES, int((sizes > 1e-12 * sizes[0]).sum()))
     root = np.sqrt(sizes[:order])
-    advance = (left[:, :order] / root).T @ shifted @ (right[:order].T / root)
+    advance = (left[:, :order] / root).T @ hankel(1) @ (right[:order].T / root)
     multipliers = np.linalg.eigvals(advance).astype(complex)
     roots = np.log(multipliers[np.abs(multipliers) > 0]) / decays.step
     size = np.abs(roots)
     within = (roots.imag > 0) & (size >= 2 * np.pi * low) & (size <= 2 * np.pi * high)
-    within &= (roots.real < GROWING * size) & (-roots.real < MOST_DAMPED * size)
+    within &= (roots.real < 0.01 * size) & (-roots.real < MOST_DAMPED * size)  # noise may make a hum grow
     if not within.any():
         raise PinpressError(f"no mode between {low:.4g} and {high:.4g} Hz stands out of the noise: hit harder, or give another band")
     return np.asarray(np.minimum(roots.real, 0.0)[within] + 1j * roots.imag[within])
-
-
-def _columns(part: Array, starts: Samples) -> int:
-    return min(len(part) - int(starts[-1]) - 1, COLUMNS)
-
-
-def _rank(sizes: Array, shape: tuple[int, ...]) -> int:
-    """Number of singular values above the noise (Gavish and Donoho 2014, unknown noise)."""
-    ratio = min(shape) / max(shape)
-    return int((sizes > (0.56 * ratio**3 - 0.95 * ratio**2 + 1.82 * ratio + 1.43) * np.median(sizes)).sum())
 
 
 def _fitted(decays: _Decays, roots: ComplexArray, wanted: int | None) -> _Fit:
@@ -407,37 +377,39 @@ def _fitted(decays: _Decays, roots: ComplexArray, wanted: int | None) -> _Fit:
     Modes that do not stand out of the noise are left out, the faintest first.
     """
     model, scale = _separate(decays, roots), np.ones(decays.values[0].shape[1])
-    while True:  # few steps are enough to see which modes are noise
-        model, distinct, _ = _weighted(decays, model, scale, FIRST_STEPS)
+    while True:
+        model, distinct, _ = _weighted(decays, model, scale, 4)  # few steps are enough to see which modes are noise
         dropped = _dropped(model, distinct, wanted)
-        if not len(dropped):
+        if not dropped:
             break
-        kept = np.delete(np.arange(len(distinct)), dropped)
-        model = _Model(model.roots[kept], model.shapes[:, kept], model.strengths[kept])
+        model = model.of(np.delete(np.arange(len(distinct)), dropped))
     noise = np.sqrt(np.mean([(part**2).mean(axis=0) for part in _residual(decays, model)], axis=0))
     if noise.max() > 0:
         scale = np.maximum(noise, 0.1 * np.median(noise))
-    model, distinct, covariance = _weighted(decays, model, scale, STEPS)
+    model, distinct, covariance = _weighted(decays, model, scale, 30)
     if distinct.max() < OUT_OF_NOISE:
         raise PinpressError("no mode stands out of the noise: hit harder, or give another band")
-    rest = sum(float((part**2).sum()) for part in _residual(decays, model))
-    biggest = np.abs(model.shapes).argmax(axis=0), np.arange(len(model.roots))
-    unit = model.shapes[biggest]
+    unit = model.shapes[np.abs(model.shapes).argmax(axis=0), np.arange(len(model.roots))]
     model = _Model(model.roots, model.shapes / unit, model.strengths * unit[:, None])
-    period = max(1, round(2 * np.pi / (np.abs(model.roots).min() * decays.step)))
-    share = rest / sum(float((part**2).sum()) for part in decays.values)
-    turned = np.abs(model.roots).max() * decays.step * max(map(len, decays.values))
-    # below this share is what roots that are settled leave over
-    misfit = _misfit(decays, [part / scale for part in _residual(decays, model)], period) if share > (SETTLED * turned) ** 2 else 1.0
+    residual, size = _residual(decays, model), np.abs(model.roots)
+    share = sum(float((part**2).sum()) for part in residual) / sum(float((part**2).sum()) for part in decays.values)
+    settled = (SETTLED * size.max() * decays.step * max(map(len, decays.values))) ** 2  # residual of roots at which the method ends
+    period = max(1, round(2 * np.pi / (size.min() * decays.step)))
+    misfit = _misfit(decays, [part / scale for part in residual], period) if share > settled else 1.0
     return _Fit(model, misfit * _deviations(model.roots, covariance), share, misfit)
 
 
 def _misfit(decays: _Decays, residual: Sequence[Array], period: int) -> float:
-    """Factor on the deviations if the residuals (n, channels) after each hit, in the same units, are more than noise.
+    """Factor on the deviations, more than 1 if the residuals (n, channels) after the hits are more than noise.
 
-    What a wrong model leaves over swings as the modes do, in all channels together, and before a second blow more than after it. Where the
-    energy of a frequency is more than noise has that is about as strong at the frequencies around it (Fisher 1929), or that of a time is
-    more, the strongest frequency counts as noise. ``period``: samples of a period of the slowest mode.
+    The residual of a wrong model swings as the modes do, in all channels together, and before a second blow more than after it. So the
+    strongest frequency counts as noise if noise alone is too unlikely: if a frequency has more energy than noise that is about as strong at
+    the frequencies around it (Fisher 1929), or if a time has more.
+
+    Args:
+        decays: the free vibrations.
+        residual: residuals after each hit, in units of the noise of each channel.
+        period: samples in a period of the slowest mode.
     """
     from scipy.ndimage import median_filter  # slow to import
     from scipy.stats import gamma  # slow to import
@@ -447,66 +419,65 @@ def _misfit(decays: _Decays, residual: Sequence[Array], period: int) -> float:
     for part in residual:
         swinging = part - part.mean(axis=0)
         powers = (np.abs(np.fft.rfft(swinging, axis=0)) ** 2).sum(axis=1)[1:] / max(float((swinging**2).mean()) * len(part), 1e-300)
-        around = median_filter(powers, AROUND, mode="reflect") / gamma.median(channels)
+        around = median_filter(powers, 51, mode="reflect") / gamma.median(channels)
         energies = (swinging[: len(part) // period * period] ** 2).reshape(-1, period * channels).sum(axis=1)
         independent = 0.5 * channels * period * around.mean() ** 2 / (around**2).mean()
         odds = min(odds, len(powers) * float(gamma.sf((powers / np.maximum(around, 1e-300)).max(), channels)))
         odds = min(odds, len(energies) * float(gamma.sf(independent * energies.max() / np.median(energies), independent)))
         highest = max(highest, float(powers.max()))
-    return max(1.0, float(np.sqrt(highest / decays.colour))) if odds * len(residual) < RARE else 1.0
+    return max(1.0, float(np.sqrt(highest / decays.colour))) if odds * len(residual) < 1e-4 else 1.0
 
 
 def _weighted(decays: _Decays, model: _Model, scale: Array, steps: int) -> tuple[_Model, Array, Array]:
-    """The best model where channels count by their noise ``scale`` (channels,), the strengths of its modes by their deviations, and the
-    covariance of the unknowns."""
+    """The best model, the strengths of its modes / their deviations, and the covariance of the unknowns.
+
+    Channels are weighted by their noise ``scale`` (channels,).
+    """
     whitened = decays._replace(values=tuple(part / scale for part in decays.values))
     best, covariance = _gauss_newton(whitened, model._replace(shapes=model.shapes / scale[:, None]), steps)
     return best._replace(shapes=best.shapes * scale[:, None]), _distinct(best, covariance), covariance
 
 
 def _dropped(model: _Model, distinct: Array, wanted: int | None) -> list[int]:
-    """Modes that are left out next: those that are noise; of two close ones, which hide each other's strength, the fainter alone."""
+    """Modes that are noise and left out next. Of two close modes, which hide each other's strength, only the fainter one."""
     least = OUT_OF_NOISE if wanted is None else np.inf
     most = len(distinct) - (1 if wanted is None else wanted)
-    found: list[int] = np.flatnonzero(-model.roots.real > MOST_DAMPED * np.abs(model.roots)).tolist()[:most]
-    if found:
-        return found
+    dropped: list[int] = np.flatnonzero(-model.roots.real > MOST_DAMPED * np.abs(model.roots)).tolist()[:most]
+    if dropped:
+        return dropped
     for mode in np.argsort(distinct).tolist():
-        apart = [abs(model.roots[mode] - model.roots[other]) > 3 * abs(model.roots[mode].real + model.roots[other].real) for other in found]
-        if distinct[mode] < least and len(found) < most and all(apart):
-            found.append(mode)
-    return found
+        root, others = model.roots[mode], model.roots[dropped]
+        apart = np.abs(root - others) > 3 * np.abs(root.real + others.real)
+        if distinct[mode] < least and len(dropped) < most and apart.all():
+            dropped.append(mode)
+    return dropped
 
 
 def _separate(decays: _Decays, roots: ComplexArray) -> _Model:
-    """A first model: amplitudes of each channel after each hit by linear least squares, and the nearest product of shape and strength."""
-    count = len(roots)
+    """A first model: amplitudes by linear least squares, and the nearest product of shape and strength of each mode."""
     amplitudes = []
-    for part in decays.values:
-        waves = np.exp(np.outer(decays.step * np.arange(len(part)), roots))
-        found = np.linalg.lstsq(np.hstack([waves.real, -waves.imag]), part, rcond=None)[0]
-        amplitudes.append(found[:count] + 1j * found[count:])
-    left, sizes, right = np.linalg.svd(np.moveaxis(np.array(amplitudes), 0, 2), full_matrices=False)  # by mode: channels x hits
+    for hit, part in enumerate(decays.values):
+        waves = decays.waves(hit, roots)
+        real, imaginary = np.split(np.linalg.lstsq(np.hstack([waves.real, -waves.imag]), part, rcond=None)[0], 2)
+        amplitudes.append(real + 1j * imaginary)
+    left, sizes, right = np.linalg.svd(np.moveaxis(np.array(amplitudes), 0, 2), full_matrices=False)  # for each mode: channels x hits
     return _Model(roots, np.asarray(left[:, :, 0].T), np.asarray(sizes[:, :1] * right[:, 0, :]))
 
 
 def _residual(decays: _Decays, model: _Model) -> list[Array]:
-    found = []
-    for hit, part in enumerate(decays.values):
-        waves = np.exp(np.outer(decays.step * np.arange(len(part)), model.roots)) * model.strengths[:, hit]
-        found.append(part - (waves @ model.shapes.T).real)
-    return found
+    waves = [decays.waves(hit, model.roots) * model.strengths[:, hit] for hit in range(len(decays.values))]
+    return [part - (wave @ model.shapes.T).real for part, wave in zip(decays.values, waves, strict=True)]
 
 
 def _gauss_newton(decays: _Decays, model: _Model, steps: int) -> tuple[_Model, Array]:
-    """The best model after so many steps at most, and the covariance matrix of its unknowns, in the order of `_equations`."""
+    """The best model after up to ``steps`` steps, and the covariance matrix of its unknowns, in the order of `_equations`."""
     cost = np.inf
     shortened, step, trial = 1.0, np.zeros(0), model
     for _ in range(steps):
         matrix, missed, rest = _equations(decays, trial)
         tried = float(missed @ missed) + rest
         if tried > cost * (1 + 1e-12):
-            if shortened < SHORTEST:
+            if shortened < 1e-3:
                 break
             shortened *= 0.25
             trial = _moved(model, shortened * step)
@@ -514,7 +485,7 @@ def _gauss_newton(decays: _Decays, model: _Model, steps: int) -> tuple[_Model, A
         settled = cost < np.inf and np.abs(trial.roots - model.roots).max() <= SETTLED * np.abs(trial.roots).max()
         model, cost, shortened = trial, min(cost, tried), 1.0
         sizes = np.linalg.norm(matrix, axis=0)
-        normal = (matrix / sizes).T @ (matrix / sizes) + np.diag(np.full(len(sizes), ROUNDING))
+        normal = (matrix / sizes).T @ (matrix / sizes) + 1e-13 * np.eye(len(sizes))  # against rounding errors
         step = np.linalg.solve(normal, (matrix / sizes).T @ missed) / sizes
         if settled:
             break
@@ -525,61 +496,57 @@ def _gauss_newton(decays: _Decays, model: _Model, steps: int) -> tuple[_Model, A
 
 
 def _equations(decays: _Decays, model: _Model) -> tuple[Array, Array, float]:
-    """Derivatives of the model by its unknowns, what it misses, and the squares that no small change of the roots can reach.
+    """Derivatives of the model by its unknowns, the residual, and the squares that no small change of the roots can reach.
 
-    Both are in an orthonormal basis of the waves and of their derivatives by the roots, which makes them short. The unknowns are, each as
-    real and imaginary part: roots; shapes, mode by mode without the largest element; strengths, mode by mode.
+    The first two are in an orthonormal basis of the waves and of their derivatives by the roots, which makes them short. The unknowns are
+    roots, then shapes without their largest elements, then strengths; mode by mode, each as real and imaginary part.
     """
     channels, modes = model.shapes.shape
     free = _free(model)
     blocks, missed, rest = [], [], 0.0
     for hit, part in enumerate(decays.values):
-        times = decays.step * np.arange(len(part))[:, None]
-        waves = np.exp(times * model.roots)
-        slopes = times * waves
+        waves = decays.waves(hit, model.roots)
+        slopes = decays.step * np.arange(len(part))[:, None] * waves
         basis = np.linalg.qr(np.hstack([waves.real, waves.imag, slopes.real, slopes.imag]))[0]
         seen, wave, slope = basis.T @ part, basis.T @ waves, basis.T @ slopes
         rest += float((part**2).sum() - (seen**2).sum())
-        by_root = np.einsum("kj,cj,j->kcj", slope, model.shapes, model.strengths[:, hit])
-        by_shape = np.zeros((len(seen), channels, len(free)), dtype=complex)
-        for place, (mode, channel) in enumerate(free):
-            by_shape[:, channel, place] = wave[:, mode] * model.strengths[mode, hit]
+        strong = wave * model.strengths[:, hit]
+        by_root = np.einsum("kj,cj->kcj", slope * model.strengths[:, hit], model.shapes)
+        by_shape = np.einsum("kj,cd->kcjd", strong, np.eye(channels))[:, :, free]
         by_strength = np.zeros((len(seen), channels, modes, len(decays.values)), dtype=complex)
         by_strength[:, :, :, hit] = np.einsum("kj,cj->kcj", wave, model.shapes)
         columns = np.concatenate([by_root, by_shape, by_strength.reshape(len(seen), channels, -1)], axis=2).reshape(seen.size, -1)
         blocks.append(np.stack([columns.real, -columns.imag], axis=2).reshape(seen.size, -1))
-        missed.append((seen - ((wave * model.strengths[:, hit]) @ model.shapes.T).real).ravel())
+        missed.append((seen - (strong @ model.shapes.T).real).ravel())
     return np.vstack(blocks), np.concatenate(missed), max(rest, 0.0)
 
 
-def _free(model: _Model) -> list[tuple[int, int]]:
-    """Mode and channel of the elements of shapes that are unknowns: the largest of each is held, as only products with strengths count."""
+def _free(model: _Model) -> NDArray[np.bool_]:
+    """(m, channels) elements of shapes that are unknowns. The largest of each mode is fixed, because only products with strengths count."""
     largest = np.abs(model.shapes).argmax(axis=0)
-    return [(mode, channel) for mode in range(len(largest)) for channel in range(len(model.shapes)) if channel != largest[mode]]
+    return np.asarray(np.arange(len(model.shapes)) != largest[:, None])
 
 
 def _moved(model: _Model, step: Array) -> _Model:
-    """The model after a step of its unknowns; roots stay those of swinging that dies away."""
+    """The model after a step of its unknowns; its vibrations still swing and die away."""
     change = step[0::2] + 1j * step[1::2]
-    modes, free = len(model.roots), _free(model)
-    shapes = model.shapes.copy()
-    for (mode, channel), each in zip(free, change[modes : modes + len(free)], strict=True):
-        shapes[channel, mode] += each
-    roots = model.roots + change[:modes]
-    roots = np.minimum(roots.real, -1e-9 * np.abs(model.roots)) + 1j * np.maximum(roots.imag, 1e-3 * np.abs(model.roots))
-    return _Model(roots, shapes, model.strengths + change[modes + len(free) :].reshape(modes, -1))
+    modes, free, shapes = len(model.roots), _free(model), model.shapes.T.copy()
+    end = modes + np.count_nonzero(free)
+    shapes[free] += change[modes:end]
+    roots, size = model.roots + change[:modes], np.abs(model.roots)
+    roots = np.minimum(roots.real, -1e-9 * size) + 1j * np.maximum(roots.imag, 1e-3 * size)
+    return _Model(roots, shapes.T, model.strengths + change[end:].reshape(modes, -1))
 
 
 def _distinct(model: _Model, covariance: Array) -> Array:
-    """(m,) strengths of each mode by their standard deviations, root mean square over the hits."""
+    """(m,) strengths of each mode / their standard deviations, root mean square over the hits."""
     modes, hits = model.strengths.shape
-    begin = 2 * (modes + len(_free(model)))
-    found = []
-    for mode in range(modes):
-        own = slice(begin + 2 * hits * mode, begin + 2 * hits * (mode + 1))
-        strength = np.stack([model.strengths[mode].real, model.strengths[mode].imag], axis=1).ravel()
-        found.append(float(np.sqrt(max(strength @ np.linalg.pinv(covariance[own, own], hermitian=True) @ strength, 0.0) / (2 * hits))))
-    return np.array(found)
+    unknowns = np.arange(len(covariance) - 2 * hits * modes, len(covariance)).reshape(modes, -1)
+    squares = []
+    for strengths, own in zip(model.strengths, unknowns, strict=True):
+        strength = np.stack([strengths.real, strengths.imag], axis=1).ravel()
+        squares.append(strength @ np.linalg.pinv(covariance[np.ix_(own, own)], hermitian=True) @ strength)
+    return np.sqrt(np.maximum(squares, 0.0) / (2 * hits))
 
 
 def _deviations(roots: ComplexArray, covariance: Array) -> Array:
@@ -594,10 +561,8 @@ def _deviations(roots: ComplexArray, covariance: Array) -> Array:
 
 def _energy_share(decays: _Decays, model: _Model) -> Array:
     """(m,) shares of the modes in their energy."""
-    energy = np.zeros(len(model.roots))
-    for hit, part in enumerate(decays.values):
-        decay = np.exp(2 * np.outer(decays.step * np.arange(len(part)), model.roots.real)).sum(axis=0)
-        energy += decay * np.abs(model.strengths[:, hit]) ** 2 * (np.abs(model.shapes) ** 2).sum(axis=0)
+    decay = np.array([(np.abs(decays.waves(hit, model.roots)) ** 2).sum(axis=0) for hit in range(len(decays.values))])
+    energy = (decay.T * np.abs(model.strengths) ** 2).sum(axis=1) * (np.abs(model.shapes) ** 2).sum(axis=0)
     return np.asarray(energy / energy.sum())
 
 
@@ -605,12 +570,11 @@ def _beside(model: _Model, accelerometers: Mapping[str, Accelerometer], beside: 
     """Number of the calculated mode of each measured one, and the modal assurance criterion of all pairs."""
     if beside is None:
         return (-1,) * len(model.roots), np.zeros((len(model.roots), 0))
-    coordinates = len(beside.shapes)
-    seen = np.array([sensor.row(coordinates // 6) for sensor in accelerometers.values()]) @ beside.shapes
+    seen = np.array([sensor.row(len(beside.shapes) // 6) for sensor in accelerometers.values()]) @ beside.shapes
     lengths = np.outer(np.linalg.norm(model.shapes, axis=0), np.linalg.norm(seen, axis=0))
     products = np.abs(model.shapes.conj().T @ seen)
     mac = np.divide(products, lengths, out=np.zeros_like(products), where=lengths > 0) ** 2
     apart = np.abs(np.log(np.abs(model.roots)[:, None] / beside.natural_frequency))
-    mine, theirs = pair_modes(mac - apart)  # few accelerometers do not tell shapes apart, but frequencies do
+    mine, theirs = pair_modes(mac - apart)  # few accelerometers do not distinguish shapes, but frequencies do
     partner = dict(zip(mine.tolist(), theirs.tolist(), strict=True))
     return tuple(partner.get(k, -1) for k in range(len(model.roots))), mac

@@ -4,8 +4,8 @@
     print(found)
     found.press  # a Linkage, for pp.write_urdf
 
-The method is least squares over the weak equations of all runs (`weak_form`), with rows for the description of the press, and with the
-cones within which masses and inertias belong to real bodies (Wensing 2017).
+The method is least squares over the weak equations of all runs (`weak_form`). Rows for the description of the press and the cones of real
+bodies (Wensing 2017) are added.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -32,32 +31,13 @@ from .estimates.base_parameters import base_parameters
 from .estimates.encoder_zero import Start, likely_starts
 from .estimates.least_squares import Fit, deviations, fitted
 from .estimates.prior import NOTHING, ZERO, Losses, Unknowns, unknowns_of
-from .estimates.run_rows import BY_FORCE, Known, RunEquations
+from .estimates.run_rows import BY_FORCE, RunEquations
 from .estimates.weak_form import quantities, smoothed
 from .records import MeasuredRun, sample_noise
-from .regressor import (
-    PIN,
-    refuse_losses,
-    slide_rates,
-)
+from .regressor import PIN, Parameter, refuse_losses, slide_rates, turning_bearings
 
-WIDE = 1.96  # standard deviations of a 95 % interval
-PASSES = 20  # of rows about the last estimates: of forces in bearings, by which friction is, and of the encoder's zero
-SETTLED = 1e-3  # share of its own deviation by which an estimate may change in the last pass
-UNSETTLED = 1e-2  # share above which it is refused
-SHRINKING = 0.5  # of the last change, by which a change falls at least where whole steps are good
-ROUNDING = 1e-6  # of its deviation, below which a value is shown as 0
-HIDDEN = 0.3  # of the rms torque: a loss whose deviation makes as much is not known
-DISAGREEING = 2.5  # ratio of the two deviations of a known parameter from which on they are said to disagree
-UNLIKELY = 1e-4  # probability below which masses are said to be off by more than the prior
-COARSE = 4000  # fewest counts a turn of the crank at which noise of the encoder is small
-EVEN = 0.05  # spread of speeds over all runs below which they are one
-SCALED = 3.0  # by which torques may differ from those of the press as described before their unit is doubted
-LARGE = 3.0  # residuals by the noise of samples, above which it is said that something else moves the press
-MATTERING = 1e-3  # of the largest torque, below which residuals do not matter
-FAR = 0.3  # an encoder's zero that is hardly meant [rad]
-UNTOLD = 0.5  # deviation of the encoder's zero by that before, above which it is said that records do not tell it
-_NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
+WIDE = 1.96  # standard deviations of half a 95 % interval
+PASSES = 20  # with rows about the last estimates
 
 
 @dataclass(frozen=True, repr=False)
@@ -202,11 +182,11 @@ def identify(
     unknowns = unknowns_of(press, prior, wanted, known)
     records = checked_runs(press, runs)
     _doubt_runs(records)
-    beside = Known(checked_inertia(drive_inertia), tuple(loads))
-    equations = [RunEquations(unknowns, wanted, beside, run, smoothed(run)) for run in records]
+    inertia = checked_inertia(drive_inertia)
+    equations = [RunEquations(unknowns, wanted, inertia, tuple(loads), run, smoothed(run)) for run in records]
     current = records[0].current is not None
     start, unknowns, fit = _best(unknowns, equations, current)
-    if not current and not 1 / SCALED < start.torque < SCALED:
+    if not current and not 1 / 3 < start.torque < 3:
         caution(
             f"the torque is {start.torque:.2g} times the torque of the described press: check its unit, and the ratio of motor to crank,"
             " record(..., ratio=20.7)"
@@ -217,24 +197,25 @@ def identify(
 
 
 def _best(unknowns: Unknowns, runs: Sequence[RunEquations], current: bool) -> tuple[Start, Unknowns, Fit]:
-    """Estimates from all likely zeros of the encoder; the estimates with the smallest residual count."""
-    found: list[tuple[Start, Unknowns, Fit]] = []
-    refused: PinpressError | None = None
+    """The estimates with the smallest residual, of those from all likely zeros of the encoder."""
+    fits: list[tuple[Start, Unknowns, Fit]] = []
+    refusals: list[PinpressError] = []
     for start in likely_starts(unknowns, runs):
         about = unknowns.about_zero(start.about)
         try:
-            fit = _settled(about, [each._replace(unknowns=about) for each in runs], start.zero, current)
+            fits.append((start, about, _settled(about, [each._replace(unknowns=about) for each in runs], start.zero, current)))
         except PinpressError as error:
-            refused = refused or error
-        else:
-            found.append((start, about, fit))
-    if not found and refused is not None:
-        raise refused
-    return min(found, key=lambda each: sum(each[2].noise.values()))
+            refusals.append(error)
+    if not fits:
+        raise refusals[0]
+    return min(fits, key=lambda each: sum(each[2].noise.values()))
 
 
 def _settled(unknowns: Unknowns, runs: Sequence[RunEquations], zero: float, current: bool) -> Fit:
-    """Estimates about which the rows are those of the estimates; ``zero``: of the encoder, to begin with [rad]."""
+    """Estimates whose rows are linear about the estimates themselves; ``zero``: first estimate of the encoder's zero [rad].
+
+    A step from pass to pass is halved if the change does not fall, as far from the solution, or if cones turn steps to and fro.
+    """
     start = np.array([each.value for each in unknowns.parameters])
     start[unknowns.zero] = zero
     fit = fitted(unknowns, [row for run in runs for row in run.rows(start, {})], current)
@@ -244,16 +225,16 @@ def _settled(unknowns: Unknowns, runs: Sequence[RunEquations], zero: float, curr
         fit = fitted(unknowns, [row for run, own in zip(runs, slopes, strict=True) for row in run.rows(about, own)], current)
         last, moving = change, fit.deviation > 0
         change = float((np.abs(fit.values - about)[moving] / fit.deviation[moving]).max())
-        if change <= SETTLED:
+        if change <= 1e-3:
             return fit
-        if change < (1 - SHRINKING * step) * last:
+        if change < (1 - 0.5 * step) * last:
             lengthened |= step < longest
             step = min(2 * step, longest)
-        else:  # at first because the start is far; where a step is too long again, cones turn such steps to and fro
+        else:
             step *= 0.5
             longest, lengthened = step if lengthened else longest, False
         about = about + step * (fit.values - about)
-    if not change <= UNSETTLED:
+    if not change <= 1e-2:
         raise PinpressError(
             f"estimates still change by {change:.2g} of their deviations after {PASSES} passes: check signs and units of"
             " torque and angle and the values of known, leave out kinds of friction, or measure at more speeds"
@@ -303,23 +284,24 @@ def checked_radii(press: Linkage, radii: Mapping[str, float] | None) -> Mapping[
     return {name: positive(f"radius of {name}", radius, "m") for name, radius in radii.items()}
 
 
-# ---------------------------------------------------------------------------------------------------------------------------- what is said
+# ------------------------------------------------------------------------------------------------------------------------------- warnings
 
 
 def _doubt_runs(runs: Sequence[MeasuredRun]) -> None:
     """Warn of records that show little."""
     speeds = np.abs([run.speeds for run in runs])
-    if np.ptp(speeds) < EVEN * speeds.max():
+    if np.ptp(speeds) < 0.05 * speeds.max():
         caution(
             f"all runs are at {30 / math.pi * speeds.mean():.4g} r/min: then friction and inertia of the crank follow only from"
             " the description. Measure at two more speeds, or with a speed that changes by a third in 2.6 strokes"
         )
+    coarse = 4000  # counts a turn, below which noise of the encoder is large
     for run in runs:
         step = run.resolution
-        if step is not None and 2 * math.pi / step < COARSE:
+        if step is not None and 2 * math.pi / step < coarse:
             caution(
                 f"{run.name}: the angle has {2 * math.pi / step:.0f} steps a turn of the crank, so its noise is large: measure it at the"
-                f" motor, record(..., angle_ratio=), or with an encoder of {2 * COARSE} counts or more"
+                f" motor, record(..., angle_ratio=), or with an encoder of {2 * coarse} counts or more"
             )
 
 
@@ -327,34 +309,34 @@ def _doubt_fit(unknowns: Unknowns, fit: Fit) -> None:
     """Warn of estimates that can mislead."""
     from scipy.special import chdtrc  # to save start-up time
 
-    deviation, by_noise = unknowns.deviation, deviations(fit.posterior)
+    names, before, by_noise = [each.name for each in unknowns.parameters], unknowns.deviation, deviations(fit.posterior)
     losses = range(unknowns.inertial, unknowns.zero)
-    hidden = [unknowns.parameters[k].name for k in losses if by_noise[k] * fit.weight[k] > HIDDEN]
+    hidden = [names[k] for k in losses if by_noise[k] * fit.weight[k] > 0.3]  # of the rms torque
     if hidden:
         caution(
             f"{', '.join(hidden)}: these records cannot separate it from the other losses. Leave it out, or measure at other speeds, to"
             " separate viscous from constant friction"
         )
     zero, spread = float(fit.values[unknowns.zero]), float(by_noise[unknowns.zero])
-    if abs(zero) > FAR:
+    if abs(zero) > 0.3:
         caution(
             f"in the drawn pose the records show an angle of {math.degrees(zero):.5g} deg, not 0: give record(..., zero=) the"
             " encoder's reading in the drawn pose"
         )
-    if spread > UNTOLD * deviation[unknowns.zero]:
+    if spread > 0.5 * before[unknowns.zero]:
         caution(
             f"these records do not show the encoder's zero; it counts as {math.degrees(zero):.3g} ± {math.degrees(spread):.2g} deg:"
             f" gauge it at bottom dead centre, and give known={{'{ZERO}': (angle, deviation)}} [rad]"
         )
     changed, learnt = fit.misfit
-    if learnt > 0 and chdtrc(learnt, changed) < UNLIKELY:
+    if learnt > 0 and chdtrc(learnt, changed) < 1e-4:
         caution(
             f"masses and inertias differ from the description by {math.sqrt(changed / learnt):.2g} times the prior: give a larger prior, or"
             " add to the description what it does not contain"
         )
-    known = [k for k in range(unknowns.inertial) if 0 < by_noise[k] < 0.5 * deviation[k]] + list(losses)
+    determined = [k for k in range(unknowns.inertial) if 0 < by_noise[k] < 0.5 * before[k]] + list(losses)
     scatter = deviations(fit.sandwich)
-    apart = [unknowns.parameters[k].name for k in known if scatter[k] > DISAGREEING * by_noise[k]]
+    apart = [names[k] for k in determined if scatter[k] > 2.5 * by_noise[k]]
     if apart:
         caution(
             f"{', '.join(apart[:4])}{' and others' if len(apart) > 4 else ''}: residuals scatter more than noise, so intervals"
@@ -369,7 +351,7 @@ def _doubt_residuals(runs: Sequence[MeasuredRun], fit: Fit) -> None:
         return
     noise, largest = float(np.median([sample_noise(each) for each in measured])), max(float(np.abs(each).max()) for each in measured)
     left = fit.noise["torque"]
-    if left > max(LARGE * noise, MATTERING * largest):
+    if left > max(3 * noise, 1e-3 * largest):  # smaller residuals do not matter
         caution(
             f"residuals of the identified press are {left / noise:.2g} times the noise of the torque: an effect has no"
             " parameter (force on the slide, another friction, an encoder that is zeroed again for each run), or a filter delays the"
@@ -378,59 +360,50 @@ def _doubt_residuals(runs: Sequence[MeasuredRun], fit: Fit) -> None:
 
 
 def _result(unknowns: Unknowns, fit: Fit, press: Linkage, losses: Losses) -> IdentifiedPress:
-    by_noise, by_blocks = deviations(fit.posterior), deviations(fit.sandwich)
-    width = WIDE * fit.deviation
-    records, before_sd = [], unknowns.deviation
-    for k, each in enumerate(unknowns.parameters):
-        value, known = float(fit.values[k]), bool(np.isfinite(before_sd[k]))
-        if not before_sd[k]:
-            continue
-        never_negative = each.name.endswith("mass") or "friction" in each.name or each.name.endswith((" I", " xx", " yy", " zz"))
-        low = value - width[k]
-        records.append(
-            IdentifiedParameter(
-                each.name,
-                each.unit,
-                each.value if known else None,
-                value,
-                float(max(low, 0.0) if never_negative else low),
-                float(value + width[k]),
-                float(by_noise[k]),
-                float(by_blocks[k]),
-                float(fit.deviation[k] / before_sd[k]) if known else None,
-            )
+    before = unknowns.deviation
+
+    def identified(parameter: Parameter, row: Array, known: bool, prior: float) -> IdentifiedParameter:
+        """A weighted sum ``row`` (unknowns,) of the unknowns; ``prior``: its standard deviation before, if it was known."""
+        value, name = float(row @ fit.values), parameter.name
+        by_noise, by_blocks = (float(np.sqrt(max(row @ covariance @ row, 0.0))) for covariance in (fit.posterior, fit.sandwich))
+        width = WIDE * max(by_noise, by_blocks)
+        never_negative = np.count_nonzero(row) == 1 and (name.endswith(("mass", " I", " xx", " yy", " zz")) or "friction" in name)
+        low = max(value - width, 0.0) if never_negative else value - width
+        doubt = max(by_noise, by_blocks) / prior if known and prior else None
+        return IdentifiedParameter(
+            name, parameter.unit, parameter.value if known else None, value, low, value + width, by_noise, by_blocks, doubt
         )
-    bases = base_parameters(unknowns.equations)
-    before = bases.matrix @ unknowns.equations.values
-    sums = []
-    for k, name in enumerate(bases.names):
-        row = bases.matrix[k]
-        own, other = (float(np.sqrt(max(row @ c[: len(row), : len(row)] @ row, 0.0))) for c in (fit.posterior, fit.sandwich))
-        value, wide = float(row @ fit.values[: len(row)]), WIDE * max(own, other)
-        spread = float(np.linalg.norm(row @ unknowns.at(np.zeros(len(row)))[1]))
-        doubt = max(own, other) / spread if spread else None
-        sums.append(IdentifiedParameter(name, bases.units[k], float(before[k]), value, value - wide, value + wide, own, other, doubt))
+
+    moving = np.flatnonzero(before > 0)
+    records = [
+        identified(unknowns.parameters[k], row, bool(np.isfinite(before[k])), float(before[k]))
+        for k, row in enumerate(np.eye(len(before)))
+        if before[k]
+    ]
+    bases, sums = base_parameters(unknowns.equations), []
+    inertial = unknowns.at(np.zeros(unknowns.inertial))[1]
+    for name, unit, row in zip(bases.names, bases.units, bases.matrix, strict=True):
+        parameter = Parameter(name, unit, float(row @ unknowns.equations.values), 0.0)
+        sums.append(identified(parameter, np.append(row, np.zeros(len(before) - len(row))), True, float(np.linalg.norm(row @ inertial))))
     found = {each.name: float(fit.values[k]) for k, each in enumerate(unknowns.parameters) if unknowns.inertial <= k < unknowns.zero}
     friction: dict[str, Friction] = {}
-    turning = [name for name, axis in zip(press.joints, press.axes, strict=True) if axis.turns]
-    pins = [*turning, *(loop.name for loop in press.loops if loop.type != "fixed")]
     if "pins friction" in found:
-        radii = losses.radii or dict.fromkeys(pins, PIN * press.size)
-        share = found["pins friction"] / (1.0 if losses.radii else PIN * press.size)
-        friction |= {name: Friction(share, radius=radius) for name, radius in radii.items()}
+        usual = PIN * press.size
+        share, radii = found.pop("pins friction"), losses.radii
+        friction = {name: Friction(share / usual, radius=usual) for name in turning_bearings(press)} if radii is None else {}
+        friction |= {name: Friction(share, radius=radius) for name, radius in (radii or {}).items()}
     if "slide guide friction" in found:
-        friction[press.joints[press.slide_guide.joint]] = Friction(found["slide guide friction"])
+        friction[press.joints[press.slide_guide.joint]] = Friction(found.pop("slide guide friction"))
     constant = fit.constant
-    kept = np.flatnonzero(before_sd > 0)
     return IdentifiedPress(
         press,
         Records(IdentifiedParameter, records),
         Records(IdentifiedParameter, sums),
         fit.learnt,
         friction,
-        {name: value for name, value in found.items() if name not in ("pins friction", "slide guide friction")},
+        found,
         None if constant is None else constant[0],
         None if constant is None else (constant[0] - WIDE * constant[1], constant[0] + WIDE * constant[1]),
         fit.noise,
-        fit.posterior[np.ix_(kept, kept)],
+        fit.posterior[np.ix_(moving, moving)],
     )

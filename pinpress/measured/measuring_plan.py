@@ -3,8 +3,8 @@
     motions = pp.measured.measuring_motions(press, [30 * pp.RPM, 50 * pp.RPM, 70 * pp.RPM])
     print(pp.measured.plan(press, motions, noise=1400.0, time=24.0, cylinder=True))
 
-The information matrix of a motion is the mean of Y'Y over its time / variance of the torque's noise; Y are the columns of `regressor`. The
-matrices of motions that share the time are added to the prior of masses and inertias:
+The information matrix of a motion is the mean of Y'Y over its time, divided by the variance of the torque's noise; Y has the columns of
+`regressor`. The matrices of motions that share the time are added to the information of the prior:
 
     deviations^2 = diagonal of (prior + time x sum of share x information)^-1.
 
@@ -35,21 +35,10 @@ from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
 from .estimates.prior import NOTHING, USUAL, ZERO_DEVIATION, Losses, Unknowns, unknowns_of
 from .estimates.run_rows import TURN
-from .regressor import LOSSES, InertialEquations, loss_columns, refuse_losses
+from .identification import WIDE
+from .regressor import LOSSES, loss_columns, refuse_losses
 
-STATES = 72  # of a stroke of `measuring_motions`
-LOSS = 0.05  # expected share of a loss in the rms torque if ``expected`` does not give it
-FASTEST = 1e4  # speed of a crank [rad/s]
-DOUBT = 2.0  # relative standard deviation of losses as expected
-LEARNT = 0.9  # deviation by that before, above which a parameter of the masses was not learnt
-KNOWN = 1.0  # half of a 95 % interval by the value, above which a loss is not known
-WIDE = 1.96  # standard deviations of half a 95 % interval
-GAP = 1e-3  # relative distance to the optimum at which shares are good enough
-STEPS = 20_000  # most steps of the multiplicative algorithm
-SHARED = 0.005  # shares below this are left out
-EVEN = 1e-3  # relative change of a speed that counts as constant
-IN_STEP = 0.05  # change of the speed at one angle by its whole change, below which it swings in step with the stroke
-_NONE_GIVEN: Mapping[str, float] = FrozenMapping({})
+LEARNT = 0.9  # deviation after / before, above which a mass or inertia was not learnt
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -135,9 +124,9 @@ def measuring_motions(
     Raises:
         PinpressError: a number is out of its range; `servo_cycle` refuses the motion.
     """
-    found: dict[str, Motion] = {}
+    motions: dict[str, Motion] = {}
     wanted = numbers("speeds", speeds, (None,), unit="rad/s")
-    if not len(wanted) or not ((wanted > 0) & (wanted < FASTEST)).all():
+    if not len(wanted) or not ((wanted > 0) & (wanted < 1e4)).all():
         raise PinpressError(f"speeds is {shown(speeds)}: give positive speeds of the crank [rad/s]")
     share = number("swing", swing)
     if not 0 <= share < 1:
@@ -145,15 +134,15 @@ def measuring_motions(
     turns, periods = whole_number("count", count, 2, 200), numbers("strokes", strokes, (None,))
     for speed in wanted:
         plain = f"{speed / RPM:.4g} r/min"
-        time = np.arange(turns * STATES) / STATES * 2 * np.pi / speed
-        found[plain] = servo_cycle(press, speed * time, speed=np.full(len(time), speed), acceleration=np.zeros(len(time)), time=time)
+        time = np.arange(72 * turns) / 72 * 2 * np.pi / speed
+        motions[plain] = servo_cycle(press, speed * time, speed=np.full(len(time), speed), acceleration=np.zeros(len(time)), time=time)
         for each in periods if share else ():
             rate = speed / positive("strokes", each, "-", 1e3)
             angle = speed * time - share * speed / rate * (np.cos(rate * time) - 1)
             faster, change = speed * (1 + share * np.sin(rate * time)), share * speed * rate * np.cos(rate * time)
             name = f"{plain} ±{100 * share:.3g} % in {each:g} strokes"
-            found[name] = servo_cycle(press, angle, speed=faster, acceleration=change, time=time)
-    return FrozenMapping(found)
+            motions[name] = servo_cycle(press, angle, speed=faster, acceleration=change, time=time)
+    return FrozenMapping(motions)
 
 
 @typed
@@ -168,7 +157,7 @@ def plan(
     known: Mapping[str, tuple[float, float]] = NOTHING,
     friction: Sequence[str] = ("crank", "gibs"),
     cylinder: bool = False,
-    expected: Mapping[str, float] = _NONE_GIVEN,
+    expected: Mapping[str, float] = FrozenMapping({}),
     wanted: Sequence[str] | None = None,
 ) -> MeasuringPlan:
     """Share the time of a measurement among motions so that the wanted parameters become as exact as possible.
@@ -211,11 +200,17 @@ def plan(
     chosen = _chosen(task, information, wanted)
     relative = task.spread[chosen] / task.sizes[chosen][:, None]
     share, gap = _shares(task.before, information, relative.T @ relative)
-    alone = np.array([_deviations(task, task.before + each) for each in information])
-    after = _deviations(task, task.before + np.tensordot(share, information, 1))
+    alone = np.array([task.deviations(task.before + each) for each in information])
+    after = task.deviations(task.before + np.tensordot(share, information, 1))
     names = tuple(task.unknowns.parameters[k].name for k in chosen)
-    unknown = tuple(tuple(name for name, left in zip(names, _left(task, each, chosen), strict=True) if left) for each in alone)
-    never = [name for name, left in zip(names, _left(task, after, chosen), strict=True) if left]
+
+    def unknown_with(deviation: Array) -> tuple[str, ...]:
+        """Names of the chosen parameters that these deviations leave unknown."""
+        inertial, before = task.unknowns.inertial, task.unknowns.deviation
+        left = [deviation[k] > LEARNT * before[k] if k < inertial else WIDE * deviation[k] > task.sizes[k] for k in chosen]
+        return tuple(name for name, is_left in zip(names, left, strict=True) if is_left)
+
+    unknown, never = tuple(map(unknown_with, alone)), unknown_with(after)
     if never:
         caution(
             f"{', '.join(never)}: these motions do not determine it, however long they are measured. Give others, or leave it out of wanted"
@@ -236,14 +231,14 @@ def plan(
 
 
 class _Task(NamedTuple):
-    """What is looked for, p parameters, in q numbers about one.
+    """The p unknowns of a plan, without the encoder's zero, by q scaled numbers.
 
     Attributes:
-        unknowns: with what is known before.
-        sizes: (p,) with which deviations are compared; 0 of what a press does not have.
-        spread: (p, q) changes of the parameters by the numbers.
-        before: (q, q) information before.
-        information: (m, q, q) of each motion, by sample of unit noise.
+        unknowns: the unknowns with their prior.
+        sizes: (p,) sizes with which deviations are compared; 0 if the press does not have the parameter.
+        spread: (p, q) changes of the unknowns by the scaled numbers.
+        before: (q, q) information of the prior.
+        information: (m, q, q) information of each motion for one sample with noise 1.
     """
 
     unknowns: Unknowns
@@ -252,6 +247,12 @@ class _Task(NamedTuple):
     before: Array
     information: Array
 
+    def deviations(self, information: Array) -> Array:
+        """(p,) standard deviations for an information matrix (q, q)."""
+        scale = 1 / np.sqrt(np.diag(information))
+        root = np.linalg.cholesky(scale[:, None] * information * scale)
+        return np.asarray(np.linalg.norm(np.linalg.solve(root, (self.spread * scale).T), axis=0))
+
 
 def _task(unknowns: Unknowns, motions: Mapping[str, Motion], losses: Losses, expected: Mapping[str, float]) -> _Task:
     equations, inertial = unknowns.equations, unknowns.inertial
@@ -259,103 +260,83 @@ def _task(unknowns: Unknowns, motions: Mapping[str, Motion], losses: Losses, exp
     for name in expected:
         if name not in [each.name for each in lost]:
             raise UnknownNameError("loss", name, [each.name for each in lost])
-    columns = {name: _columns(equations, motion, losses) for name, motion in motions.items()}
-    weights = {name: _weights(motion) for name, motion in motions.items()}
+
+    def torque(motion: Motion, zero: float = 0.0) -> Array:
+        """(n, p - 1) torque by all parameters except the encoder's zero, for this zero."""
+        angle, speed, acceleration = motion.crank_angle - zero, motion.crank_speed, motion.crank_acceleration
+        masses = equations.coefficients(angle)["torque"].columns(speed, acceleration)
+        return np.hstack([masses, loss_columns(equations.press, angle, speed, acceleration, losses.friction, losses.cylinder)])
+
+    columns, weights = [torque(motion) for motion in motions.values()], []
+    for motion in motions.values():
+        duration = np.gradient(motion.time) if len(motion.time) > 1 else np.ones(1)
+        weights.append(duration / duration.sum())
     sizes = np.array([each.size for each in equations.parameters] + [0.0] * len(lost) + [ZERO_DEVIATION])
-    rms = {
-        name: (np.sqrt(weights[name] @ (each[:, :inertial] @ equations.values) ** 2), np.sqrt(weights[name] @ each**2))
-        for name, each in columns.items()
-    }
     for k, each in enumerate(lost, inertial):
-        usual = max(LOSS * torque / own[k] for torque, own in rms.values() if own[k] > 0)
-        sizes[k] = positive(f"expected {each.name}", expected[each.name], each.unit) if each.name in expected else usual
-    spread = unknowns.scaled(np.append(DOUBT * sizes[inertial : unknowns.zero], ZERO_DEVIATION))
+        if each.name in expected:
+            sizes[k] = positive(f"expected {each.name}", expected[each.name], each.unit)
+        else:  # 5 % of the rms torque
+            pairs = [
+                (np.sqrt(w @ (c[:, :inertial] @ equations.values) ** 2), np.sqrt(w @ c[:, k] ** 2))
+                for w, c in zip(weights, columns, strict=True)
+            ]
+            sizes[k] = max(0.05 * rms / own for rms, own in pairs if own > 0)
+    spread = unknowns.scaled(np.append(2.0 * sizes[inertial : unknowns.zero], ZERO_DEVIATION))  # losses may be three times as expected
     spread = spread[:, np.abs(spread).max(axis=0) > 0]
     values = np.append(equations.values, sizes[inertial : unknowns.zero])
     information = []
-    for name, motion in motions.items():
-        slopes = [_columns(equations, motion, losses, turn) @ values for turn in (TURN, -TURN)]
-        whole = np.column_stack([columns[name], (slopes[0] - slopes[1]) / (2 * TURN)]) @ spread
-        information.append(whole.T @ (weights[name][:, None] * whole))
+    for motion, each, weight in zip(motions.values(), columns, weights, strict=True):
+        by_zero = (torque(motion, TURN) @ values - torque(motion, -TURN) @ values) / (2 * TURN)
+        whole = np.column_stack([each, by_zero]) @ spread
+        information.append(whole.T @ (weight[:, None] * whole))
     weighed = unknowns.weighed @ spread
     return _Task(unknowns, sizes, spread, np.eye(spread.shape[1]) + weighed.T @ weighed, np.array(information))
 
 
-def _columns(equations: InertialEquations, motion: Motion, losses: Losses, zero: float = 0.0) -> Array:
-    """(n, p - 1) torque by all parameters but the encoder's zero, where it is this."""
-    angle, speed, acceleration = motion.crank_angle - zero, motion.crank_speed, motion.crank_acceleration
-    inertial = equations.coefficients(angle)["torque"].columns(speed, acceleration)
-    return np.hstack([inertial, loss_columns(equations.press, angle, speed, acceleration, losses.friction, losses.cylinder)])
-
-
-def _weights(motion: Motion) -> Array:
-    """(n,) shares of the states in the time."""
-    duration = np.gradient(motion.time) if len(motion.time) > 1 else np.ones(1)
-    return np.asarray(duration / duration.sum())
-
-
 def _chosen(task: _Task, information: Array, wanted: Sequence[str] | None) -> list[int]:
-    """Places of the parameters that matter."""
-    names = [each.name for each in task.unknowns.parameters[:-1]]  # the zero is found with them
+    """Places of the wanted parameters."""
+    names = [each.name for each in task.unknowns.parameters[:-1]]  # without the encoder's zero
     if wanted is None:
-        together, before = _deviations(task, task.before + information.mean(axis=0)), task.unknowns.deviation
+        together, before = task.deviations(task.before + information.mean(axis=0)), task.unknowns.deviation
         learnt = [k for k in range(task.unknowns.inertial) if task.sizes[k] > 0 and together[k] < LEARNT * before[k]]
         return [*learnt, *range(task.unknowns.inertial, len(names))]
-    found = list(wanted)
-    for name in found:
+    for name in wanted:
         if not isinstance(name, str) or name not in names or task.sizes[names.index(name)] == 0:
             raise UnknownNameError("parameter", name, [name for name, size in zip(names, task.sizes, strict=False) if size > 0])
-    if not found:
+    if not len(wanted):
         raise PinpressError("wanted is empty: name one parameter or more")
-    return [names.index(name) for name in found]
+    return [names.index(name) for name in wanted]
 
 
 def _shares(before: Array, information: Array, matter: Array) -> tuple[Array, float]:
-    """Shares that make the trace of ``matter`` x covariance least, and how much less, relative, it can be at most."""
+    """Shares that minimise the trace of ``matter`` x covariance, and an upper bound of what other shares can gain, relative to it."""
     scale = 1 / np.sqrt(np.diag(before + information.sum(axis=0)))
     start, parts, aim = (scale[:, None] * each * scale for each in (before, information, matter))
     share = np.full(len(parts), 1 / len(parts))
-    for _ in range(STEPS):
+    for _ in range(20_000):
         inverse = np.linalg.inv(start + np.tensordot(share, parts, 1))
-        sensitive = inverse @ aim @ inverse
         value = float((aim * inverse).sum())
-        slopes = np.tensordot(parts, sensitive, 2)  # how much the sum falls by a share
-        gap = float(slopes.max() - share @ slopes) / value if value > 0 else 0.0  # 0: what is wanted is known, and all shares are as good
-        if gap < GAP:
+        slopes = np.tensordot(parts, inverse @ aim @ inverse, 2)  # how much the trace falls with each share
+        gap = float(slopes.max() - share @ slopes) / value if value > 0 else 0.0  # 0: all is known, and all shares are equally good
+        if gap < 1e-3:
             break
         share = share * np.sqrt(np.maximum(slopes, 0.0))
         share /= share.sum()
-    kept = np.where(share >= SHARED, share, 0.0)
+    kept = np.where(share >= 0.005, share, 0.0)
     kept /= kept.sum()
     rounded = float((aim * np.linalg.inv(start + np.tensordot(kept, parts, 1))).sum())
     return kept, max(1 - (1 - gap) * value / rounded, 0.0) if rounded > 0 else 0.0
 
 
-def _deviations(task: _Task, information: Array) -> Array:
-    """(p,) standard deviations for an information matrix (q, q)."""
-    scale = 1 / np.sqrt(np.diag(information))
-    root = np.linalg.cholesky(scale[:, None] * information * scale)
-    return np.asarray(np.linalg.norm(np.linalg.solve(root, (task.spread * scale).T), axis=0))
-
-
-def _left(task: _Task, deviation: Array, chosen: Sequence[int]) -> list[bool]:
-    """Whether each of the chosen parameters is left unknown."""
-    before = task.unknowns.deviation
-    return [
-        bool(deviation[k] > LEARNT * before[k]) if k < task.unknowns.inertial else bool(WIDE * deviation[k] > KNOWN * task.sizes[k])
-        for k in chosen
-    ]
-
-
 def _why(press: Linkage, motion: Motion) -> str:
-    """Why a motion leaves something unknown."""
+    """The reason why a motion leaves something unknown; empty if it is not one of these."""
     speed = motion.crank_speed
     change = float(np.ptp(speed))
-    if change <= EVEN * np.abs(speed).max():
+    if change <= 1e-3 * np.abs(speed).max():
         return "at one speed viscous and constant friction cannot be separated, and the crank's inertia makes no torque"
     places = np.floor(np.mod(motion.crank_angle, 2 * np.pi) / (2 * np.pi) * 36).astype(int)
     spread = max(float(np.ptp(speed[places == each])) for each in np.unique(places))
     slope = float(np.abs(np.gradient(speed, motion.crank_angle)).max()) * 2 * np.pi / 36
-    if spread <= IN_STEP * change + slope and press.period_turns == 1:
+    if spread <= 0.05 * change + slope and press.period_turns == 1:
         return "the speed swings in step with the stroke, so all torques are one function of the crank angle"
     return ""

@@ -24,13 +24,9 @@ from ..foundation.mounted_press import MountedPress, modes, with_mounts
 from ..foundation.mounts import Mount
 from .hit_modes import MeasuredModes
 
-FACTOR = 20.0  # largest factor on a stiffness; the smallest is 1 / 20
-LOSS = (1e-4, 1.0)  # range of the loss factor
-AT_BOUND = 1e-3  # logarithm of a factor from its bound, below which it rests on it
-MODEL = 1e-3  # relative error of a frequency by the model of a rigid frame, in addition to the noise of the measurement
-MODEL_LOSS = 1e-3  # error of a damping ratio by this model
-UNSEEN = 3.0  # highest / lowest end of the interval of a stiffness: more means that the modes do not show it
+UNSEEN = 3.0  # highest / lowest end of the interval of a stiffness, above which the modes do not show it
 DAMPING = ("loss_factor", "viscous")
+BY_MODE = ("natural_frequency", "natural_frequency_deviation", "damping_ratio", "damping_ratio_deviation", "energy_share", "mac")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -89,106 +85,84 @@ def fit_mounts(system: MountedPress, measured: MeasuredModes, *, damping: str = 
         raise PinpressError(f"damping is {shown(damping)}: give one of {', '.join(DAMPING)}")
     if measured.beside is None or len(measured.beside.shapes) != len(system.mass):
         raise PinpressError("the measured modes are not compared with those of this system: write modes(beside=foundation.modes(system))")
-    places = np.array(measured.partner)
-    seen = np.flatnonzero(places >= 0)
+    from scipy.optimize import least_squares  # slow to import
+    from scipy.stats import t as student
+
+    partner = np.array(measured.partner)
+    seen = np.flatnonzero(partner >= 0)
     names, start, low, high = _unknowns(system, damping)
     count = 3 if system.crown is None else 6
     if len(seen) < count:
         raise PinpressError(
             f"{len(seen)} measured modes have a calculated partner, for {count} stiffnesses: hit the frame in other directions too"
         )
-    return _least_squares(system, measured, (names, start, low, high))
+    seen_modes = replace(
+        measured,
+        partner=tuple(partner[seen].tolist()),
+        shapes=measured.shapes[:, seen],
+        **{name: getattr(measured, name)[seen] for name in BY_MODE},
+    )
+    frequency, ratio = seen_modes.natural_frequency, seen_modes.damping_ratio
+    # A rigid frame has errors too: 1e-3 of a frequency, and 1e-3 in a damping ratio.
+    scatter = np.hypot(seen_modes.natural_frequency_deviation / frequency, 1e-3)
+    scatter_of_ratio = np.hypot(seen_modes.damping_ratio_deviation, 1e-3)
+    shapes = measured.beside.shapes[:, partner[seen]]
+
+    def calculated(logarithms: Array) -> tuple[Array, Array]:
+        """Frequencies and damping ratios of the modes whose shapes are nearest to those of the calculated partners."""
+        changed = modes(_changed(system, names, np.exp(logarithms)))
+        mine, theirs = pair_modes((changed.shapes.T @ system.mass @ shapes) ** 2)
+        places = mine[np.argsort(theirs)]
+        return changed.natural_frequency[places], changed.damping_ratio[places]
+
+    def residual(logarithms: Array) -> Array:
+        ours, damped = calculated(logarithms)
+        return np.concatenate([np.log(ours / frequency) / scatter, (damped - ratio) / scatter_of_ratio])
+
+    best = least_squares(residual, start, bounds=(low, high), x_scale=0.1, diff_step=1e-4)
+    freedom = max(len(best.fun) - len(names), 1)
+    information = best.jac.T @ best.jac
+    deviation = np.sqrt(max(1.0, 2 * best.cost / freedom) * np.diag(np.linalg.pinv(information, hermitian=True)))
+    deviation[np.diag(information) < 1e-12] = np.inf
+    half = float(student.ppf(0.975, freedom)) * deviation
+    intervals = np.exp(np.clip(best.x[:, None] + np.array([-1.0, 1.0]) * half[:, None], low[:, None], high[:, None]))
+    for name, logarithm, bounds in zip(names, best.x, np.column_stack([low, high]), strict=True):
+        if np.abs(logarithm - bounds).min() < 1e-3:
+            caution(f"{name} reaches its bound, {np.exp(logarithm):.4g}: the model cannot have the measured frequencies. Check the masses")
+    values = np.exp(best.x)
+    return FittedMounts(_changed(system, names, values), names, values, intervals, seen_modes, *calculated(best.x))
 
 
 def _unknowns(system: MountedPress, damping: str) -> tuple[tuple[str, ...], Array, Array, Array]:
-    """Names of the unknowns, where their logarithms start, and their bounds."""
-    names: list[str] = []
-    values, low, high = [], [], []
+    """Names of the unknowns, first estimates of their logarithms, and the bounds of these."""
+    rows: list[tuple[str, float, float, float]] = []
+    factor = 1.0, 1 / 20, 20.0
     for what, springs in (("mounts", system.mounts), ("columns", system.uprights)):
         if not springs:
             continue
         for i, axis in enumerate("xyz"):
             if any(spring.stiffness[i] > 0 for spring in springs):
-                names.append(f"stiffness of {what} along {axis}")
-                values.append(1.0)
-                low.append(1 / FACTOR)
-                high.append(FACTOR)
-        if damping == "viscous":
-            if not any(np.any(spring.damping) for spring in springs):
-                raise PinpressError(f"the {what} have no dampers: give Mount(damping=...), or damping='loss_factor'")
-            names.append(f"dampers of {what}")
-            values.append(1.0)
-            low.append(1 / FACTOR)
-            high.append(FACTOR)
+                rows.append((f"stiffness of {what} along {axis}", *factor))
+        if damping == "loss_factor":
+            loss = float(np.clip(np.mean([spring.loss_factor for spring in springs]), 0.01, 0.5))
+            rows.append((f"loss factor of {what}", loss, 1e-4, 1.0))
+        elif any(np.any(spring.damping) for spring in springs):
+            rows.append((f"dampers of {what}", *factor))
         else:
-            names.append(f"loss factor of {what}")
-            values.append(float(np.clip(np.mean([spring.loss_factor for spring in springs]), 0.01, 0.5)))
-            low.append(LOSS[0])
-            high.append(LOSS[1])
-    return tuple(names), np.log(values), np.log(low), np.log(high)
+            raise PinpressError(f"the {what} have no dampers: give Mount(damping=...), or damping='loss_factor'")
+    names, *numbers = zip(*rows, strict=True)
+    start, low, high = np.log(np.array(numbers))
+    return tuple(map(str, names)), start, low, high
 
 
 def _changed(system: MountedPress, names: tuple[str, ...], values: Array) -> MountedPress:
     """The system with changed springs."""
-    given = dict(zip(names, values.tolist(), strict=True))
+    changes = dict(zip(names, values.tolist(), strict=True))
 
     def spring(one: Mount, what: str) -> Mount:
-        stiffness = tuple(k * given.get(f"stiffness of {what} along {axis}", 1.0) for k, axis in zip(one.stiffness, "xyz", strict=True))
-        dampers = tuple(c * given.get(f"dampers of {what}", 1.0) for c in one.damping)
-        loss = given.get(f"loss factor of {what}", one.loss_factor)
-        return replace(one, stiffness=stiffness, damping=dampers, loss_factor=loss)
+        stiffness = tuple(k * changes.get(f"stiffness of {what} along {axis}", 1.0) for k, axis in zip(one.stiffness, "xyz", strict=True))
+        dampers = tuple(c * changes.get(f"dampers of {what}", 1.0) for c in one.damping)
+        return replace(one, stiffness=stiffness, damping=dampers, loss_factor=changes.get(f"loss factor of {what}", one.loss_factor))
 
     mounts = [spring(one, "mounts") for one in system.mounts]
     return with_mounts(replace(system, uprights=tuple(spring(one, "columns") for one in system.uprights)), mounts)
-
-
-def _least_squares(system: MountedPress, measured: MeasuredModes, unknowns: tuple[tuple[str, ...], Array, Array, Array]) -> FittedMounts:
-    """The fit in logarithms of the unknowns."""
-    from scipy.optimize import least_squares  # slow to import
-    from scipy.stats import t as student  # slow to import
-
-    names, start, low, high = unknowns
-    seen = np.flatnonzero(np.array(measured.partner) >= 0)
-    frequency, ratio = measured.natural_frequency[seen], measured.damping_ratio[seen]
-    scatter = np.hypot(measured.natural_frequency_deviation[seen] / frequency, MODEL)
-    scatter_of_ratio = np.hypot(measured.damping_ratio_deviation[seen], MODEL_LOSS)
-    assert measured.beside is not None  # checked before
-    shapes = measured.beside.shapes[:, np.array(measured.partner)[seen]]
-
-    def calculated(logarithms: Array) -> tuple[Array, Array]:
-        """Frequencies and damping ratios of the modes whose shapes are nearest to those first laid beside the measured ones."""
-        found = modes(_changed(system, names, np.exp(logarithms)))
-        products = found.shapes.T @ system.mass @ shapes
-        mine, theirs = pair_modes(products**2)
-        places = mine[np.argsort(theirs)]
-        return found.natural_frequency[places], found.damping_ratio[places]
-
-    def missed(logarithms: Array) -> Array:
-        ours, damped = calculated(logarithms)
-        return np.concatenate([np.log(ours / frequency) / scatter, (damped - ratio) / scatter_of_ratio])
-
-    best = least_squares(missed, start, bounds=(low, high), x_scale=0.1, diff_step=1e-4)
-    values = np.exp(best.x)
-    left = max(len(best.fun) - len(names), 1)
-    wider = max(1.0, 2 * best.cost / left)
-    information = best.jac.T @ best.jac
-    deviation = np.sqrt(wider * np.diag(np.linalg.pinv(information, hermitian=True)))
-    deviation[np.diag(information) < 1e-12] = np.inf
-    half = float(student.ppf(0.975, left)) * deviation
-    intervals = np.exp(np.clip(best.x[:, None] + np.array([-1.0, 1.0]) * half[:, None], low[:, None], high[:, None]))
-    for name, logarithm, one, other in zip(names, best.x, low, high, strict=True):
-        if min(logarithm - one, other - logarithm) < AT_BOUND:
-            caution(f"{name} reaches its bound, {np.exp(logarithm):.4g}: the model cannot have the measured frequencies. Check the masses")
-    ours, damped = calculated(best.x)
-    kept = replace(
-        measured,
-        natural_frequency=frequency,
-        natural_frequency_deviation=measured.natural_frequency_deviation[seen],
-        damping_ratio=ratio,
-        damping_ratio_deviation=measured.damping_ratio_deviation[seen],
-        shapes=measured.shapes[:, seen],
-        energy_share=measured.energy_share[seen],
-        partner=tuple(int(measured.partner[k]) for k in seen),
-        mac=measured.mac[seen],
-    )
-    return FittedMounts(_changed(system, names, values), names, values, intervals, kept, ours, damped)

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.arguments import LARGEST, SMALLEST, known_factor, number, numbers, typed
 from ..common.errors import PinpressError, caution, shown
@@ -22,21 +23,11 @@ from ..common.reading.columns import TIMES, Channels, read_channels, split_head
 from ..common.results import Tabular
 
 FEWEST = 32  # samples of a record
-SLOWEST_SAMPLES = 0.5  # samples at this distance do not show a stroke [s]
-GAP = 4.5  # median steps: a longer step is a gap, a shorter one is a few samples that a bus lost
-UNEVEN = 0.02  # standard deviation / median of the steps: more is uneven sampling
-JUMP = 0.5  # share of the counter's range: a larger change of an angle is a restart of the counter
-ROLLOVERS = (2.0**16, 2.0**24, 2.0**32)  # counts after which counters start again from zero
-RESTING = 20.0  # median times between two changes of the angle: after a longer time the crank rests
-FLAT = 12  # samples in a row at the very extreme that look like saturation
-BRAKING = 0.1  # -mean(power) / mean(abs(power)): more means that a sign is wrong
 FEWEST_A_TURN = 12  # samples
-NOISELESS = 1e-5  # least noise / largest sample: sums over samples are not more exact
-AXES = ("x", "y", "z")
+UNEVEN = 0.02  # standard deviation / median of the steps of time: more is uneven sampling
 _NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
-
-_UNITS = {"torque": "N m", "current": "A"}
-SPEEDS = ("rpm", "r/min", "1/min", "min-1", "rad/s", "deg/s", "Hz")
+_UNITS = {"time": "s", "angle": "rad", "torque": "N m", "current": "A", "height": "m"}  # of the columns
+_SHAKING = {"shaking_force": "N", "shaking_moment": "N m"}  # of the columns by axis
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,15 +67,24 @@ class MeasuredRun(Tabular):
     notes: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:
-        for column, unit in (("time", "s"), ("angle", "rad"), ("torque", "N m"), ("current", "A"), ("height", "m")):
+        for column, unit in _UNITS.items():
             if column in ("time", "angle") or getattr(self, column) is not None:
                 vars(self)[column] = numbers(f"{self.name}: {column}", getattr(self, column), (None,), unit=unit)
-        for kind, unit in (("shaking_force", "N"), ("shaking_moment", "N m")):
-            vars(self)[kind] = self._by_axis(kind, unit)
-        vars(self)["added_mass"] = self._masses()
+        for kind, unit in _SHAKING.items():
+            given = getattr(self, kind)
+            if not isinstance(given, Mapping) or not set(given) <= set("xyz"):
+                raise PinpressError(f"{self.name}: {kind} is {shown(given)}: give a mapping by axis, {{'x': ..., 'z': ...}}")
+            by_axis = {
+                axis: numbers(f"{self.name}: {kind} along {axis}", given[axis], (None,), unit=unit) for axis in "xyz" if axis in given
+            }
+            vars(self)[kind] = by_axis
+        if not isinstance(self.added_mass, Mapping):
+            raise PinpressError(f"{self.name}: added_mass is {shown(self.added_mass)}: give masses by link, {{'slide': 200.0}}")
+        masses = {str(link): number(f"{self.name}: mass on {link}", mass, "kg", positive=True) for link, mass in self.added_mass.items()}
+        vars(self)["added_mass"] = masses
         if self.torque is not None and self.current is not None:
             raise PinpressError(f"{self.name}: both torque and current are given: give only one of them")
-        lengths = {name: len(values) for name, values in self._signals().items()}
+        lengths = {name: len(values) for name, values, _ in self._signals()}
         if len(set(lengths.values())) > 1:
             raise PinpressError(
                 f"{self.name}: lengths differ ({', '.join(f'{k} {n}' for k, n in lengths.items())}): give one value for each time"
@@ -144,40 +144,19 @@ class MeasuredRun(Tabular):
             PinpressError: there are fewer than 32 samples between the times.
         """
         inside = (self.time >= number("start", start, "s")) & (self.time <= number("end", end, "s"))
-        columns = {name: getattr(self, name) for name in ("time", "angle", "torque", "current", "height")}
-        cut: dict[str, Any] = {name: None if values is None else values[inside] for name, values in columns.items()}
-        for kind in ("shaking_force", "shaking_moment"):
-            cut[kind] = {axis: values[inside] for axis, values in getattr(self, kind).items()}
+        cut: dict[str, Any] = {name: getattr(self, name)[inside] for name in _UNITS if getattr(self, name) is not None}
+        cut |= {kind: {axis: values[inside] for axis, values in getattr(self, kind).items()} for kind in _SHAKING}
         return replace(self, **cut)
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return "time [s]", *(name for name in ("torque [N m]", "current [A]") if name in self.columns())
 
     def columns(self) -> dict[str, Array]:
         """All measured quantities as columns: name with unit -> (n,) values."""
-        units = {"time": "s", "angle": "rad", "torque": "N m", "current": "A", "height": "m"}
-        return {f"{name} [{units.get(name, 'N m' if 'moment' in name else 'N')}]": values for name, values in self._signals().items()}
+        return {f"{name} [{unit}]": values for name, values, unit in self._signals()}
 
-    def __str__(self) -> str:
-        return "\n".join([super().__str__(), *(f"  {note}" for note in self.notes)])
-
-    def _signals(self) -> dict[str, Array]:
-        found = {name: getattr(self, name) for name in ("time", "angle", "torque", "current", "height")}
-        for kind in ("shaking_force", "shaking_moment"):
-            found |= {f"{kind}_{axis}": values for axis, values in getattr(self, kind).items()}
-        return {name: values for name, values in found.items() if values is not None}
-
-    def _by_axis(self, kind: str, unit: str) -> dict[str, Array]:
-        given = getattr(self, kind)
-        if not isinstance(given, Mapping) or not set(given) <= set(AXES):
-            raise PinpressError(f"{self.name}: {kind} is {shown(given)}: give a mapping by axis, {{'x': ..., 'z': ...}}")
-        return {axis: numbers(f"{self.name}: {kind} along {axis}", given[axis], (None,), unit=unit) for axis in AXES if axis in given}
-
-    def _masses(self) -> dict[str, float]:
-        if not isinstance(self.added_mass, Mapping):
-            raise PinpressError(f"{self.name}: added_mass is {shown(self.added_mass)}: give masses by link, {{'slide': 200.0}}")
-        return {str(link): number(f"{self.name}: mass on {link}", mass, "kg", positive=True) for link, mass in self.added_mass.items()}
+    def _signals(self) -> Iterator[tuple[str, Array, str]]:
+        """Name, samples (n,) and unit of each measured quantity."""
+        yield from ((name, getattr(self, name), unit) for name, unit in _UNITS.items() if getattr(self, name) is not None)
+        for kind, unit in _SHAKING.items():
+            yield from ((f"{kind}_{axis}", values, unit) for axis, values in getattr(self, kind).items())
 
 
 def _check_times(run: MeasuredRun) -> None:
@@ -188,13 +167,13 @@ def _check_times(run: MeasuredRun) -> None:
             f"{run.name}: the time does not rise after {run.time[k]:.6g} s (sample {k}): sort the samples and leave out duplicates"
         )
     common = float(np.median(steps))
-    if steps.max() > GAP * common:
-        k = int(np.argmax(steps > GAP * common))
+    if steps.max() > 4.5 * common:  # shorter steps are a few samples that a bus lost
+        k = int(np.argmax(steps > 4.5 * common))
         raise PinpressError(
             f"{run.name}: no samples for {steps[k]:.4g} s after {run.time[k]:.6g} s; elsewhere they are {common:.4g} s apart. Make a run of"
             " each part: record(..., between=(start, end))"
         )
-    if common > SLOWEST_SAMPLES:
+    if common > 0.5:  # [s], which does not show a stroke
         caution(f"{run.name}: samples are {common:.4g} s apart. If the time is in ms, give it in s, or name the file's column time [ms]")
     if np.std(steps) > UNEVEN * common:
         caution(
@@ -205,10 +184,10 @@ def _check_times(run: MeasuredRun) -> None:
 
 def _check_angle(run: MeasuredRun) -> None:
     steps = np.diff(run.angle)
-    largest = float(np.abs(steps).max())
+    k = int(np.abs(steps).argmax())
+    largest = abs(float(steps[k]))
     if largest == 0:
         raise PinpressError(f"{run.name}: the crank rests all the time at {math.degrees(run.angle[0]):.6g} deg: measure a running press")
-    k = int(np.argmax(np.abs(steps)))
     pace = float(np.quantile(np.abs(steps / np.diff(run.time)), 0.99))
     if largest > math.radians(5) and largest > 4 * pace * (run.time[k + 1] - run.time[k]):
         raise PinpressError(
@@ -223,58 +202,56 @@ def _check_angle(run: MeasuredRun) -> None:
 
 
 def _check_torque(run: MeasuredRun) -> None:
-    effort, word = (run.torque, "torque") if run.torque is not None else (run.current, "current")
+    effort, word, unit = (run.torque, "torque", "N m") if run.torque is not None else (run.current, "current", "A")
     if effort is None:
         return
     if not np.ptp(effort):
         raise PinpressError(f"{run.name}: the {word} is the same in all samples ({effort[0]:.6g}): give a measured column")
     largest = float(np.abs(effort).max())
     if not SMALLEST <= largest <= LARGEST:
-        raise PinpressError(f"{run.name}: the largest {word} is {largest:.4g} {_UNITS[word]}, a size that no press has: check its unit")
-    _doubt_rest(run)
-    for extreme in (effort.max(), effort.min()):
-        longest, others = longest_rest(effort, extreme)
-        if longest >= FLAT and longest > 3 * others:
-            k = int(np.argmax(effort == extreme))
-            caution(
-                f"{run.name}: the {word} stays at {extreme:.6g} for {longest} samples from {run.time[k]:.6g} s on, as if a drive or an"
-                " amplifier limits it: raise the limit or range, or leave these parts out"
-            )
-    speed = np.gradient(run.angle, run.time)
-    power, size = float(np.mean(effort * speed)), float(np.mean(np.abs(effort * speed)))
-    if power < -BRAKING * size:
-        caution(
-            f"{run.name}: the mean power is {'' if run.torque is None else f'{power:.4g} W, '}negative, as if the press drives its motor:"
-            " change the sign of the ratio, record(..., ratio=-20.7), or of angle_ratio="
-        )
+        raise PinpressError(f"{run.name}: the largest {word} is {largest:.4g} {unit}, a size that no press has: check its unit")
 
-
-def _doubt_rest(run: MeasuredRun) -> None:
-    """Warn of a crank that rests in a part of a record with torque."""
-    changes = np.flatnonzero(np.diff(run.angle)) + 1
-    ends = np.concatenate([[0], changes, [len(run.angle)]])
-    lengths = np.diff(ends)
+    starts, lengths = equal_samples(run.angle)
     k = int(lengths.argmax())
-    if lengths[k] > max(RESTING * np.median(lengths), FEWEST):
-        rest, begin = lengths[k] * run.sampling, run.time[ends[k]]
+    if lengths[k] > max(20 * np.median(lengths), FEWEST):  # a coarse encoder shows the same angle for less time
+        rest, begin = lengths[k] * run.sampling, run.time[starts[k]]
         caution(
             f"{run.name}: the crank rests for {rest:.4g} s from {begin:.6g} s on. A brake may hold it, and friction has no direction:"
             " leave this part out: record(..., between=(start, end))"
         )
 
+    starts, lengths = equal_samples(effort)
+    for extreme in (effort.max(), effort.min()):
+        there = effort[starts] == extreme
+        longest = int(lengths[there].max())
+        if longest >= 12 and longest > 3 * lengths[~there].max(initial=0):  # other values do not stay for as long
+            caution(
+                f"{run.name}: the {word} stays at {extreme:.6g} for {longest} samples from {run.time[starts[there][0]]:.6g} s on, as if a"
+                " drive or an amplifier limits it: raise the limit or range, or leave these parts out"
+            )
 
-def longest_rest(values: Array, at: float) -> tuple[int, int]:
-    """Largest number of equal samples in a row: with this value, and with any other value."""
-    ends = np.flatnonzero(np.diff(values)) + 1
-    lengths = np.diff(np.concatenate([[0], ends, [len(values)]]))
-    there = values[np.concatenate([[0], ends])] == at
-    return int(lengths[there].max(initial=0)), int(lengths[~there].max(initial=0))
+    power = effort * np.gradient(run.angle, run.time)
+    if power.mean() < -0.1 * np.abs(power).mean():  # noise of an idle press may be slightly negative
+        caution(
+            f"{run.name}: the mean power is {'' if run.torque is None else f'{power.mean():.4g} W, '}negative, as if the press drives its"
+            " motor: change the sign of the ratio, record(..., ratio=-20.7), or of angle_ratio="
+        )
+
+
+def equal_samples(values: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Where runs of equal samples begin, and their lengths."""
+    starts = np.append(0, np.flatnonzero(np.diff(values)) + 1)
+    return starts, np.diff(starts, append=len(values))
+
+
+def white_noise(samples: Array) -> float:
+    """Standard deviation of white noise in samples of a slow signal: third differences are sqrt(20) times as large. Edges do not count."""
+    return float(1.4826 * np.median(np.abs(np.diff(samples, 3))) / math.sqrt(20.0))
 
 
 def sample_noise(samples: Array) -> float:
-    """Standard deviation of even noise in samples of a slow signal; edges do not count, and the result is never 0."""
-    found = float(1.4826 * np.median(np.abs(np.diff(samples, 3))) / math.sqrt(20.0))
-    return max(found, NOISELESS * float(np.abs(samples).max()), np.finfo(float).tiny)
+    """The same, never 0: it is at least as large as the error of sums over samples."""
+    return max(white_noise(samples), 1e-5 * float(np.abs(samples).max()), np.finfo(float).tiny)
 
 
 # ------------------------------------------------------------------------------------------------------------------------------ from files
@@ -328,60 +305,58 @@ def record(
     Warns:
         PinpressWarning: as for `MeasuredRun`.
     """
-    given = (torque, time, height, *shaking_force.values(), *shaking_moment.values())
-    asked = [angle, *(name for name in given if name is not None)]
-    for name in asked:
-        if not isinstance(name, str):
+    for name in (angle, torque, time, height, *shaking_force.values(), *shaking_moment.values()):
+        if name is not None and not isinstance(name, str):
             raise PinpressError(f"the name of a column is {shown(name)}: give text, 'motor [N m]'")
-    table = read_channels(file, asked)
+    asked = (torque, time, height, *shaking_force.values(), *shaking_moment.values())
+    table = read_channels(file, [angle, *(name for name in asked if name is not None)])
     times = times_of(table, time)
-    span = np.ones(len(times), dtype=bool)
-    if between is not None:
-        start, end = numbers("between", between, (2,))
-        span = (times >= start) & (times <= end)
+    start, end = (-math.inf, math.inf) if between is None else numbers("between", between, (2,))
+    inside = (times >= start) & (times <= end)
 
-    def values(name: str, wanted: str, what: str, size: float | None = None) -> Array:
-        found, unit = table.column(name)
-        size = known_factor(unit, wanted) if size is None else size
-        if size is None:
-            raise PinpressError(_unit_refused(table.file, name, unit, what, wanted))
-        wrong = ~np.isfinite(found[span])
-        if wrong.any():
-            first = times[span][int(np.argmax(wrong))]
+    def samples(name: str, unit: str, quantity: str, factor: float | None = None) -> Array:
+        """(n,) a column in an SI unit; ``factor``: size of its unit, by default from the table of units."""
+        values, given = table.column(name)
+        size = _factor(table.file, name, given, unit, quantity) if factor is None else factor
+        missing = ~np.isfinite(values[inside])
+        if missing.any():
+            first = times[inside][int(np.argmax(missing))]
             raise PinpressError(f"{table.file}: {name} has no number at {first:.6g} s: cut the record with between=, or fill the gap")
-        return np.asarray(found[span] * size)
+        return np.asarray(values[inside] * size)
 
-    notes: list[str] = []
-    in_counts = counts is not None and table.column(angle).unit == "counts"
-    per_unit = 2 * math.pi / number("counts", counts, positive=True) if in_counts else known_factor(table.column(angle).unit, "rad")
-    readings = values(angle, "rad", "angle", per_unit)  # refuses a column in another unit
-    per_unit = per_unit or 1.0
-    readings = _continuous(readings / per_unit, per_unit, times[span], angle, notes, counted=in_counts)
-    crank = per_unit * (readings - number("zero", zero)) / _ratio("angle_ratio", angle_ratio)
+    # The angle: continuous, that of the crank, and 0 in the drawn pose.
+    unit = table.column(angle).unit
+    counted = counts is not None and unit == "counts"
+    size = 2 * math.pi / number("counts", counts, positive=True) if counted else _factor(table.file, angle, unit, "rad", "angle")
+    readings, over = _continuous(samples(angle, "rad", "angle", 1.0), 2 * math.pi / size, counted)
+    crank = size * (readings - number("zero", zero)) / _ratio("angle_ratio", angle_ratio)
+
+    # Torque or current, at the crank.
     gear, effort, current = _ratio("ratio", ratio), None, None
     if torque is not None:
         drawn = known_factor(table.column(torque).unit, "A") is not None
-        read_in = gear * values(torque, "A" if drawn else "N m", "torque")
+        at_crank = gear * samples(torque, "A" if drawn else "N m", "torque")
         if drawn and motor_constant is None:
-            current = read_in
+            current = at_crank
         else:
-            effort = read_in * (number("motor_constant", motor_constant, positive=True) if drawn else 1.0)
+            effort = at_crank * (number("motor_constant", motor_constant, positive=True) if drawn else 1.0)
+
     return MeasuredRun(
-        times[span],
+        times[inside],
         crank,
         effort,
         current,
-        {axis: values(name, "N", "force") for axis, name in shaking_force.items()},
-        {axis: values(name, "N m", "moment") for axis, name in shaking_moment.items()},
-        None if height is None else values(height, "m", "height"),
+        {axis: samples(name, "N", "force") for axis, name in shaking_force.items()},
+        {axis: samples(name, "N m", "moment") for axis, name in shaking_moment.items()},
+        None if height is None else samples(height, "m", "height"),
         added_mass,
         os.path.basename(table.file),
-        tuple(notes),
+        () if over is None else (f"{angle} restarts {over}; it was made continuous",),
     )
 
 
 def times_of(table: Channels, asked: str | None) -> Array:
-    """Read the times of a file [s]. ``asked``: the time's column; None: the column time or t, or the times of the format.
+    """Read the times of a file [s]. ``asked``: column of the time; None: the column time or t, or the times of the format.
 
     Raises:
         PinpressError: there is no such column, its unit is not a time, or a time is not a number.
@@ -392,49 +367,52 @@ def times_of(table: Channels, asked: str | None) -> Array:
         asked = next((name for name in table.columns if name.lower() in TIMES), None)
         if asked is None:
             raise PinpressError(f"{table.file} has no column time or t: name the time's column, record(..., time='clock [ms]')")
-    found, unit = table.column(asked)
-    size = known_factor(unit or "s", "s")
-    if size is None:
-        raise PinpressError(_unit_refused(table.file, asked, unit, "time", "s"))
-    if not np.isfinite(found).all():
+    values, unit = table.column(asked)
+    size = _factor(table.file, asked, unit or "s", "s", "time")
+    if not np.isfinite(values).all():
         raise PinpressError(
-            f"{table.file}: {asked} has no number in row {int(np.argmin(np.isfinite(found)))}, counted from 0: leave this row out"
+            f"{table.file}: {asked} has no number in row {int(np.argmin(np.isfinite(values)))}, counted from 0: leave this row out"
         )
-    return np.asarray(found * size)
+    return np.asarray(values * size)
 
 
-def _unit_refused(file: str, name: str, unit: str, what: str, wanted: str) -> str:
-    (plain, _), known = split_head(name), readable(wanted)
+def _factor(file: str, name: str, given: str, unit: str, quantity: str) -> float:
+    """Size of the unit of a column; raises PinpressError if it is not a unit of this quantity."""
+    factor = known_factor(given, unit)
+    if factor is not None:
+        return factor
+    (plain, _), known = split_head(name), readable(unit)
     such = f"write the column as {plain!r} with one of the units {', '.join(known)}: '{plain} [{next(iter(known))}]'"
-    if not unit:
-        return f"{file}: column {plain!r} has no unit: {such}"
-    if what == "angle" and unit in SPEEDS:
-        return f"{file}: {name!r} is a speed in {unit}, not an angle: give the column of the encoder's angle"
-    if unit == "counts":
-        return f"{file}: {name!r} is in counts: give the counts in one turn, record(..., counts=8192)"
-    if unit == "%":
-        return f"{file}: {name!r} is in %: multiply it by the rated torque, and {such}"
-    return f"{file}: {name!r} is in {unit}, which is not a unit of {what}: {such}"
+    if not given:
+        raise PinpressError(f"{file}: column {plain!r} has no unit: {such}")
+    if quantity == "angle" and known_factor(given, "rad/s") is not None:
+        raise PinpressError(f"{file}: {name!r} is a speed in {given}, not an angle: give the column of the encoder's angle")
+    if given == "counts":
+        raise PinpressError(f"{file}: {name!r} is in counts: give the counts in one turn, record(..., counts=8192)")
+    if given == "%":
+        raise PinpressError(f"{file}: {name!r} is in %: multiply it by the rated torque, and {such}")
+    raise PinpressError(f"{file}: {name!r} is in {given}, which is not a unit of {quantity}: {such}")
 
 
 def _ratio(name: str, value: float) -> float:
-    found = number(name, value)
-    if not 1e-6 < abs(found) < 1e6:
+    ratio = number(name, value)
+    if not 1e-6 < abs(ratio) < 1e6:
         raise PinpressError(f"{name} is {shown(value)}: give turns of motor or encoder / turns of the crank, such as 20.7")
-    return found
+    return ratio
 
 
-def _continuous(readings: Array, per_unit: float, times: Array, name: str, notes: list[str], *, counted: bool) -> Array:
-    """Remove the jumps from readings of an encoder that restarts; adds a line to ``notes``."""
-    if len(readings) < 2:
-        return readings
+def _continuous(readings: Array, turn: float, counted: bool) -> tuple[Array, str | None]:
+    """Readings of an encoder without the jumps at which it restarts, and how often it restarts, as text; None if it does not.
+
+    Args:
+        readings: (n,) readings.
+        turn: readings in a turn.
+        counted: whether they are counts, which also restart where 16, 24 or 32 bits overflow.
+    """
     steps = np.diff(readings)
-    turn = 2 * math.pi / per_unit
-    rollovers = [turn, *(each for each in ROLLOVERS if counted and each > turn)]
-    span = float(np.abs(steps).max())
-    over = next((each for each in rollovers if JUMP * each < span < (2 - JUMP) * each), None)
+    ranges = [turn, *(each for each in (2.0**16, 2.0**24, 2.0**32) if counted and each > turn)]
+    over = next((each for each in ranges if 0.5 * each < np.abs(steps).max(initial=0.0) < 1.5 * each), None)
     if over is None:
-        return readings
+        return readings, None
     jumps = np.round(steps / over)
-    notes.append(f"{name} restarts {int(np.count_nonzero(jumps))} times, each time after {over:.6g}; it was made continuous")
-    return np.asarray(readings - over * np.concatenate([[0.0], np.cumsum(jumps)]))
+    return np.asarray(readings - over * np.append(0.0, np.cumsum(jumps))), f"{np.count_nonzero(jumps)} times, each time after {over:.6g}"

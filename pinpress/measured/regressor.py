@@ -1,14 +1,14 @@
 """The equations of a press as columns by its unknown parameters: torque at the crank, shaking force and moment.
 
-Kinetic and potential energy are linear in masses, first moments and moments of inertia about the joints' origins, so that everything
-that is measured is, with the crank's angle, its speed w and the time t,
+Kinetic and potential energy are linear in the masses, first moments and moments of inertia of the links about the origins of their joints.
+So every measured quantity s is linear in them too. With the speed w of the crank and the time t,
 
-    s = sum over parameters p of  p (d/dt (A w) - share A' w^2 + C)
+    s = sum over parameters p of  p (d/dt (A w) - share A' w^2 + C).
 
-with A, A' = dA/d(angle) and C, which depend on the angle alone. Share is 1/2 for the torque (A is the inertia at the crank) and 0 for
-forces and moments (A is minus the momentum). A sum that is read so needs no acceleration where it is weighted over time. What is lost in
-bearings, guides and gibs and what a balance cylinder does are columns too. Parameters are Pinocchio's, in its order: mass, first moments,
-inertia; the columns agree with those of its energy regressors (Gautier 1991).
+A, A' = dA/d(angle) and C depend on the crank angle alone. The share is 1/2 for the torque, where A is the inertia at the crank, and 0 for
+forces and moments, where A is minus the momentum. Weighted over time, the equation needs no acceleration. Friction and the force of a
+balance cylinder are columns too. The parameters are those of Pinocchio, in its order: mass, first moments, inertia. The columns agree with
+those of its energy regressors (Gautier 1991).
 """
 
 from __future__ import annotations
@@ -34,25 +34,12 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import NAME_A_SLIDE, Linkage
 from ..loads.link import Friction, Load
 
-INERTIAL: tuple[str, ...] = (
-    "mass",
-    "moment x",
-    "moment y",
-    "moment z",
-    "I xx",
-    "I xy",
-    "I yy",
-    "I xz",
-    "I yz",
-    "I zz",
-)  # as Pinocchio has them
-UNITS: tuple[str, ...] = ("kg", "kg m", "kg m", "kg m", *("kg m2",) * 6)
+INERTIAL = ("mass", "moment x", "moment y", "moment z", "I xx", "I xy", "I yy", "I xz", "I yz", "I zz")  # as Pinocchio orders them
+UNITS = ("kg", "kg m", "kg m", "kg m", *("kg m2",) * 6)
 TENSOR = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))  # rows and columns of the inertias in this order
+SHAKING = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
 LOSSES = ("crank", "pins", "slide_guide", "gibs")
-SMALL = 1e-6  # coefficient of friction by which the torque of friction is found: it is linear in a small one
-PIN = 0.05  # radius of a pin by the size of the linkage, where none is known
-ABSENT = 1e-12  # share of the largest column below which a parameter is in no equation
-PIECE = 20_000  # angles that are taken at once
+PIN = 0.05  # radius of a pin / size of the linkage, if the radius is not known
 
 
 class Parameter(NamedTuple):
@@ -60,10 +47,10 @@ class Parameter(NamedTuple):
 
     Attributes:
         name: "slide mass", "crank I", "crank friction".
-        unit: of it.
-        value: as the press has it, of what it does not have 0.
-        size: to which a relative uncertainty refers: of a first moment mass x radius of gyration about the joint, else the value; 0 where
-            nothing is known beforehand.
+        unit: unit of its values.
+        value: value in the description of the press; 0 if the description does not have it.
+        size: reference of its relative uncertainty: mass x radius of gyration about the joint for a first moment, otherwise the value; 0 if
+            nothing is known before the measurement.
     """
 
     name: str
@@ -81,7 +68,7 @@ class Coefficients(NamedTuple):
     share: float
 
     def columns(self, speed: Array | float, acceleration: Array | float) -> Array:
-        """(n, parameters) of the quantity by the parameters, at speeds and accelerations of the crank, (n,) or one each."""
+        """(n, parameters) of the quantity by the parameters, at speeds and accelerations of the crank, (n,) or one number each."""
         speeds, rates = np.asarray(speed)[..., None], np.asarray(acceleration)[..., None]
         return np.asarray(self.inertia * rates + (1 - self.share) * self.slope * speeds**2 + self.weight)
 
@@ -92,8 +79,8 @@ class InertialEquations(Frozen):
 
     Attributes:
         press: the press.
-        parameters: of all bodies; of a planar press the four of each in its plane.
-        bases: of every body, (10, k): its k parameters to Pinocchio's ten.
+        parameters: parameters of all bodies; in a planar press each body has four, in its plane.
+        bases: for each body (10, k): from its k parameters to Pinocchio's ten.
     """
 
     press: Linkage
@@ -102,72 +89,63 @@ class InertialEquations(Frozen):
 
     @cached_property
     def values(self) -> Array:
-        """(parameters,) as the press has them."""
+        """(parameters,) values in the description of the press."""
         return np.array([each.value for each in self.parameters])
+
+    @cached_property
+    def places(self) -> tuple[slice, ...]:
+        """Where the parameters of each body are."""
+        ends = np.cumsum([basis.shape[1] for basis in self.bases]).tolist()
+        return tuple(slice(end - basis.shape[1], end) for end, basis in zip(ends, self.bases, strict=True))
 
     def coefficients(self, angle: Array, wanted: Sequence[str] = ("torque",)) -> dict[str, Coefficients]:
         """Coefficients of the torque and of shaking forces and moments, "force x", "moment y", at crank angles (n,).
 
         Raises:
-            PinpressError: a moment of a planar press about another axis than its normal: its parameters in the plane do not give it.
+            PinpressError: a moment of a planar press about another axis than its normal, which depends on inertias out of the plane.
         """
-        self._refuse_across(wanted)
-        pieces = [self._coefficients(angle[k : k + PIECE], wanted) for k in range(0, max(len(angle), 1), PIECE)]
-        if len(pieces) == 1:
-            return pieces[0]
-        joined = {}
-        for name in wanted:
-            parts = [piece[name] for piece in pieces]
-            inertia, slope, weight = (np.concatenate([part[k] for part in parts]) for k in range(3))
-            joined[name] = Coefficients(inertia, slope, weight, parts[0].share)
-        return joined
-
-    def columns(self, motion: Motion, wanted: str = "torque") -> Array:
-        """(n, parameters) of a measured quantity over a motion: their product with ``values`` is what inverse dynamics gives."""
-        return self.coefficients(motion.crank_angle, (wanted,))[wanted].columns(motion.crank_speed, motion.crank_acceleration)
-
-    def _refuse_across(self, wanted: Sequence[str]) -> None:
         engine = self.press.engine()
         if isinstance(engine, PlanarEngine):
             for axis, part in zip("xyz", engine.plane.normal, strict=True):
-                if f"moment {axis}" in wanted and abs(part) < 1 - ABSENT:
+                if f"moment {axis}" in wanted and abs(part) < 1 - 1e-12:
                     raise PinpressError(
                         f"the moment about {axis} of {self.press.name} depends on inertias of its links out of their plane: leave it out,"
                         " and give forces and the moment about the plane's normal"
                     )
+        # 60,000 angles at once would take three times as long as in pieces, because their arrays do not fit into the cache.
+        pieces = [self._coefficients(angle[k : k + 20_000], wanted) for k in range(0, max(len(angle), 1), 20_000)]
+        shares = {name: 0.5 if name == "torque" else 0.0 for name in wanted}
+        return {
+            name: Coefficients(*map(np.concatenate, zip(*(piece[name] for piece in pieces), strict=True)), shares[name]) for name in wanted
+        }
+
+    def columns(self, motion: Motion, wanted: str = "torque") -> Array:
+        """(n, parameters) of a measured quantity over a motion; times ``values`` they are the result of inverse dynamics."""
+        return self.coefficients(motion.crank_angle, (wanted,))[wanted].columns(motion.crank_speed, motion.crank_acceleration)
 
     def pressed(self, values: Array, name: str | None = None) -> Linkage:
-        """The press with other parameters (parameters,). Of a planar press tensors are scaled, so that they stay ones of real bodies."""
-        inertias, start = [self.press.model.inertias[0]], 0
+        """The press with other parameters (parameters,). The tensors of a planar press are scaled, so that its bodies stay real."""
+        inertias = [self.press.model.inertias[0]]
         planar = isinstance(self.press.engine(), PlanarEngine)
-        for body, basis in enumerate(self.bases, 1):
-            own = self.press.model.inertias[body]
-            given = values[start : start + basis.shape[1]]
-            start += basis.shape[1]
-            inertias.append(_in_plane(own, basis, given) if planar else _inertia(basis @ given))
+        for basis, place, own in zip(self.bases, self.places, self.press.model.inertias.tolist()[1:], strict=True):
+            inertias.append(_in_plane(own, basis, values[place]) if planar else _inertia(basis @ values[place]))
         return self.press.with_inertias(inertias, name)
 
-    def _coefficients(self, angle: Array, wanted: Sequence[str]) -> dict[str, Coefficients]:
+    def _coefficients(self, angle: Array, wanted: Sequence[str]) -> dict[str, tuple[Array, ...]]:
+        """A, A' and C of each wanted quantity."""
         press = self.press
         unit = moved(press, press.branch, angle, 1.0, 0.0, None, press.engine())
         bodies = press.engine("space").body_motion(unit.states(press), range(1, press.model.njoints))
         gravity = np.array(press.model.gravity.linear)[:, None]
-        found: dict[str, list[tuple[Array, Array, Array]]] = {name: [] for name in wanted}
+        by_body: dict[str, list[list[Array]]] = {name: [] for name in wanted}
         for basis, *motion in zip(self.bases, *bodies, strict=True):
-            moving = _Body(*motion)
-            if "torque" in found:
-                found["torque"].append(tuple(part @ basis for part in moving.energy(gravity)))
-            if any(name != "torque" for name in wanted):
-                momentum = moving.momentum(gravity)
-                for name in wanted:
-                    if name != "torque":
-                        row = ("force x", "force y", "force z", "moment x", "moment y", "moment z").index(name)
-                        found[name].append(tuple(part[row] @ basis for part in momentum))
-        made = {}
-        for name, parts in found.items():
-            inertia, slope, weight = (np.concatenate([part[k] for part in parts], axis=1) for k in range(3))
-            made[name] = Coefficients(inertia, slope, weight, 0.5 if name == "torque" else 0.0)
-        return made
+            body = _Body(*motion)
+            energy = body.energy(gravity) if "torque" in wanted else ()
+            momentum = body.momentum(gravity) if set(wanted) != {"torque"} else ()
+            for name, parts in by_body.items():
+                row = () if name == "torque" else SHAKING.index(name)
+                parts.append([part[row] @ basis for part in (energy if name == "torque" else momentum)])
+        return {name: tuple(np.concatenate(parts, axis=1) for parts in zip(*bodies, strict=True)) for name, bodies in by_body.items()}
 
 
 class _Body(NamedTuple):
@@ -181,7 +159,7 @@ class _Body(NamedTuple):
     turning: Array
 
     def energy(self, gravity: Array) -> tuple[Array, Array, Array]:
-        """(n, 10) each: twice the kinetic energy, its rate of change, and the rate of the potential energy, by Pinocchio's parameters."""
+        """(n, 10) each, by Pinocchio's parameters: twice the kinetic energy, its rate, and the rate of the potential energy."""
         back = self.rotation
         v, w = turned_back(back, self.velocity), turned_back(back, self.spin)
         dv, dw = turned_back(back, self.acceleration - cross(self.spin, self.velocity)), turned_back(back, self.turning)
@@ -197,7 +175,7 @@ class _Body(NamedTuple):
         return twice.T, rate.T, weight.T
 
     def momentum(self, gravity: Array) -> tuple[Array, Array, Array]:
-        """(6, n, 10) each: minus momentum and moment of momentum about the world origin, minus their rates, and weight with its moment."""
+        """(6, n, 10) each: minus momentum and angular momentum about the world's origin, minus their rates, and weight with its moment."""
         n = self.origin.shape[-1]
         moment, rate, weight = np.zeros((10, 6, n)), np.zeros((10, 6, n)), np.zeros((10, 6, n))
         moment[0, :3], rate[0, :3], weight[0, :3] = self.velocity, self.acceleration, gravity
@@ -227,26 +205,28 @@ def inertial_equations(press: Linkage) -> InertialEquations:
     """The equations of a press with one crank.
 
     Raises:
-        PinpressError: it has several drivers, or one that slides.
+        PinpressError: the press has several drivers, or a driver that slides.
     """
     press.refuse_several_drivers("records need a press with one crank; hold the joints of the other drivers")
     press.refuse_sliding_driver("records need a press with a crank")
-    engine, parameters, bases = press.engine(), [], []
+    engine, parameters, bases = press.engine(), list[Parameter](), []
     planar = engine if isinstance(engine, PlanarEngine) else None
+    data = press.model.createData()
+    pin.forwardKinematics(press.model, data, pin.neutral(press.model))
     for body in range(1, press.model.njoints):
         link, inertia = press.link_of(body), press.model.inertias[body]
-        ten = np.array(inertia.toDynamicParameters())
+        ten, lever = np.array(inertia.toDynamicParameters()), inertia.lever
+        swing = inertia.inertia + inertia.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))  # about the joint's origin
         if planar is None:
             basis, names, units = np.eye(10), INERTIAL, UNITS
-        else:
-            basis, names, units = _plane_basis(_normal(press, planar, body))
-        swing = _about_joint(inertia)
-        if planar is None:
             values, turning = ten, np.trace(swing) / 2
         else:
-            normal = np.cross(basis[1:4, 1], basis[1:4, 2])
+            # The normal is the same in a body's frame in all poses.
+            basis, names, units = _plane_basis(data.oMi[body].rotation.T @ planar.plane.normal)
+            first, second = basis[1:4, 1], basis[1:4, 2]
+            normal = np.cross(first, second)
             turning = normal @ swing @ normal
-            values = np.array([ten[0], basis[1:4, 1] @ ten[1:4], basis[1:4, 2] @ ten[1:4], turning])
+            values = np.array([ten[0], first @ ten[1:4], second @ ten[1:4], turning])
         sizes = {"kg": inertia.mass, "kg m": np.sqrt(inertia.mass * turning), "kg m2": turning}
         parameters += [
             Parameter(f"{link} {name}", unit, float(v), float(sizes[unit])) for name, unit, v in zip(names, units, values, strict=True)
@@ -255,15 +235,8 @@ def inertial_equations(press: Linkage) -> InertialEquations:
     return InertialEquations(press, tuple(parameters), tuple(bases))
 
 
-def _normal(press: Linkage, engine: PlanarEngine, body: int) -> Array:
-    """(3,) normal of a planar press's plane in a body's frame; the same in all poses."""
-    data = press.model.createData()
-    pin.forwardKinematics(press.model, data, pin.neutral(press.model))
-    return np.asarray(data.oMi[body].rotation.T @ engine.plane.normal)
-
-
 def _plane_basis(normal: Array) -> tuple[Array, tuple[str, ...], tuple[str, ...]]:
-    """(10, 4) from mass, two first moments and the moment of inertia about the normal to Pinocchio's ten, and what they are called."""
+    """(10, 4) from mass, two first moments and moment of inertia about the normal to Pinocchio's ten; names and units of the four."""
     across = [k for k in range(3) if k != int(np.argmax(np.abs(normal)))]
     first = np.eye(3)[across[0]] - normal[across[0]] * normal
     first /= np.linalg.norm(first)
@@ -277,19 +250,13 @@ def _plane_basis(normal: Array) -> tuple[Array, tuple[str, ...], tuple[str, ...]
     return basis, ("mass", f"moment {'xyz'[across[0]]}", f"moment {'xyz'[across[1]]}", "I"), ("kg", "kg m", "kg m", "kg m2")
 
 
-def _about_joint(inertia: pin.Inertia) -> Array:
-    """(3, 3) tensor about the joint's origin."""
-    lever = inertia.lever
-    return np.asarray(inertia.inertia + inertia.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever)))
-
-
 def _inertia(ten: Array) -> pin.Inertia:
-    """Of Pinocchio's ten parameters; a body without mass has none."""
+    """The inertia with Pinocchio's ten parameters; that of a body without mass is zero."""
     return pin.Inertia.FromDynamicParameters(ten) if ten[0] > 0 else pin.Inertia(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 def _in_plane(own: pin.Inertia, basis: Array, given: Array) -> pin.Inertia:
-    """A body's inertia with other parameters in the plane: what is across it stays, the tensor about the centre of mass is scaled."""
+    """A body's inertia with other parameters in the plane. The tensor about the centre of mass is scaled, and all else stays."""
     mass, first, second, about_joint = given
     if mass <= 0:
         return pin.Inertia(0.0, np.zeros(3), np.zeros((3, 3)))
@@ -306,20 +273,16 @@ def _in_plane(own: pin.Inertia, basis: Array, given: Array) -> pin.Inertia:
 
 
 def loss_parameters(friction: Sequence[str], cylinder: bool, radii: bool) -> tuple[Parameter, ...]:
-    """The unknowns of friction and of a balance cylinder, in the order of `loss_columns`; ``radii``: whether those of pins are known."""
-    found = []
-    for name in friction:
-        if name == "crank":
-            found += [Parameter("crank friction", "N m", 0.0, 0.0), Parameter("crank viscous friction", "N m s/rad", 0.0, 0.0)]
-        elif name == "pins":
-            found.append(Parameter("pins friction", "-" if radii else "m", 0.0, 0.0))
-        elif name == "slide_guide":
-            found.append(Parameter("slide guide friction", "-", 0.0, 0.0))
-        else:
-            found.append(Parameter("gibs friction", "N", 0.0, 0.0))
-    if cylinder:
-        found += [Parameter("cylinder force", "N", 0.0, 0.0), Parameter("cylinder stiffness", "N/m", 0.0, 0.0)]
-    return tuple(found)
+    """The unknowns of friction and balance cylinder, in the order of `loss_columns`; ``radii``: whether the radii of pins are known."""
+    units = {
+        "crank": {"crank friction": "N m", "crank viscous friction": "N m s/rad"},
+        "pins": {"pins friction": "-" if radii else "m"},
+        "slide_guide": {"slide guide friction": "-"},
+        "gibs": {"gibs friction": "N"},
+        "cylinder": {"cylinder force": "N", "cylinder stiffness": "N/m"},
+    }
+    kinds = [*friction, *(["cylinder"] if cylinder else [])]
+    return tuple(Parameter(name, unit, 0.0, 0.0) for kind in kinds for name, unit in units[kind].items())
 
 
 def refuse_losses(press: Linkage, friction: Sequence[str], cylinder: bool) -> None:
@@ -346,21 +309,22 @@ def loss_columns(
     radii: Mapping[str, float] | None = None,
     cylinder_load: tuple[float, float] = (0.0, 0.0),
 ) -> Array:
-    """(n, losses) torque at the crank by the unknowns of `loss_parameters`, with the forces of this press in its bearings.
+    """(n, losses) torque at the crank by the unknowns of `loss_parameters`.
 
     Args:
-        press: the press, by whose masses forces in bearings are.
+        press: the press, whose masses make the forces in its bearings.
         angle: (n,) crank angle [rad].
         speed: (n,) speed of the crank [rad/s].
-        acceleration: (n,) [rad/s2].
-        friction: kinds, of `LOSSES`.
+        acceleration: (n,) acceleration of the crank [rad/s2].
+        friction: kinds of friction, from `LOSSES`.
         cylinder: whether there is a balance cylinder.
-        radii: of the pins, by their names [m]; None: 1 m each.
+        radii: name of a pin -> radius [m]; None: 1 m for each.
         cylinder_load: force of the cylinder at bottom dead centre [N] and its stiffness [N/m], for the forces in bearings.
     """
     motion = moved(press, press.branch, angle, speed, acceleration, None, press.engine())
     sign, columns = np.sign(speed), []
-    powers = _powers(press, motion, radii, cylinder_load) if {"pins", "slide_guide"} & set(friction) else {}
+    by_force = {"pins", "slide_guide"} & set(friction)
+    powers = _powers(press, motion, radii, cylinder_load) if by_force else {}
     turning = np.where(speed == 0, 1.0, speed)
     rate, height = slide_rates(press, motion)
     for name in friction:
@@ -379,28 +343,37 @@ def slide_rates(press: Linkage, motion: Motion) -> tuple[Array, Array]:
     """(n,) travel of the slide by angle of the crank [m/rad], and (n,) its height above bottom dead centre [m]; 0 without a slide."""
     if press.slide is None:
         return np.zeros(len(motion.crank_angle)), np.zeros(len(motion.crank_angle))
-    speed = motion.crank_speed
-    if (speed == 0).any():
+    if (motion.crank_speed == 0).any():
         motion = moved(press, press.branch, motion.crank_angle, 1.0, 0.0, None, press.engine())
-        speed = motion.crank_speed
-    return motion.slide_velocity / speed, motion.slide_position - dead_centres(press).bottom_position
+    return motion.slide_velocity / motion.crank_speed, motion.slide_position - dead_centres(press).bottom_position
+
+
+def turning_bearings(press: Linkage) -> list[str]:
+    """Names of the joints and loops in which links turn: the pins."""
+    turns = [axis.turns for axis in press.axes] + [loop.type != "fixed" for loop in press.loops]
+    return [name for name, turning in zip(press.bearings, turns, strict=True) if turning]
 
 
 def _powers(press: Linkage, motion: Motion, radii: Mapping[str, float] | None, cylinder: tuple[float, float]) -> dict[str, Array]:
-    """(n,) powers lost in all pins, and in the slide's guide, by a unit of friction [W]."""
-    turns = [axis.turns for axis in press.axes] + [loop.type != "fixed" for loop in press.loops]
-    pins = [name for name, turning in zip(press.bearings, turns, strict=True) if turning]
-    guide = None if press.slide is None else press.joints[press.slide_guide.joint]
-    known = dict.fromkeys(pins, PIN * press.size) if radii is None else radii
-    share = SMALL / (PIN * press.size) if radii is None else SMALL  # of 1 m, by a radius that bearings of this press may have
-    laws = {name: Friction(share, radius=known[name]) for name in pins if name in known}
-    if guide is not None:
-        laws[guide] = Friction(SMALL)
+    """(n,) powers lost in all pins and in the guide of the slide, for a coefficient of friction of 1, or of 1 x 1 m [W]."""
+    small = 1e-6  # the torque of friction is linear in a small coefficient
+    usual = PIN * press.size  # a bearing of this press may have this radius; 1 m would be too large
+    pins = turning_bearings(press)
+    if radii is None:
+        laws = {name: Friction(small / usual, radius=usual) for name in pins}
+    else:
+        laws = {name: Friction(small, radius=radii[name]) for name in pins if name in radii}
     loads: list[Load] = []
-    if press.slide is not None and any(cylinder):
-        _, height = slide_rates(press, motion)
-        loads.append(force_on_slide(press, cylinder[0] + cylinder[1] * height))
-    found = inverse_dynamics(press, motion, loads, friction=laws, bearings=())
-    power = {name: found.friction_power[name] / SMALL for name in laws}
+    guide = None
+    if press.slide is not None:
+        guide = press.joints[press.slide_guide.joint]
+        laws[guide] = Friction(small)
+        if any(cylinder):
+            _, height = slide_rates(press, motion)
+            loads.append(force_on_slide(press, cylinder[0] + cylinder[1] * height))
+    lost = inverse_dynamics(press, motion, loads, friction=laws, bearings=()).friction_power
     zero = np.zeros(len(motion.crank_angle))
-    return {"pins": sum((power[name] for name in pins if name in power), zero), "slide_guide": zero if guide is None else power[guide]}
+    return {
+        "pins": sum((lost[name] / small for name in pins if name in laws), zero),
+        "slide_guide": zero if guide is None else lost[guide] / small,
+    }

@@ -13,13 +13,13 @@ Crank and slide have the same power. With the crank's angle q and speed w, the t
 
 where J turns with the crank (motor, gears, flywheel), A(q) is the inertia of the links at the crank, C(q) their weight, and z(q) the height
 of the slide with z' = dz/dq. The force F on the slide is positive upwards. On the way down it is linear between heights and zero above the
-highest; on request also on the way up, between other heights. The equation is multiplied with B-splines phi over time and integrated by
-parts twice,
+highest. On request a force acts on the way up too, between other heights. The equation is multiplied by B-splines phi over time and
+integrated by parts twice,
 
     integral of phi torque dt = integral of phi'' (J q + G) dt + integral of phi (C - A' w^2 / 2 + friction - F z') dt
 
-with G the integral of A over q. So the large term needs no derivative of the angle: the flywheel's torque is a second difference of the
-angle, whose noise is known. The covariance of both noises makes the rows independent, and least squares give F with its covariance.
+where G is the integral of A over q. So the large term needs no derivative of the angle: the flywheel's torque is a second difference of
+the angle, whose noise is known. The covariance of both noises makes the rows independent, and least squares give F with its covariance.
 Inverse dynamics give the friction under this force, in a few passes.
 
 In an elastic press the force over the angle stays right, but the slide is higher than the crank angle shows, by force / stiffness.
@@ -48,7 +48,7 @@ from ..linkage.linkage import NAME_A_SLIDE, Linkage
 from ..loads.link import Friction
 from .estimates.prior import ZERO
 from .identification import IdentifiedPress, checked_inertia
-from .records import MeasuredRun, sample_noise
+from .records import MeasuredRun, sample_noise, white_noise
 from .regressor import InertialEquations, inertial_equations, slide_rates
 
 if TYPE_CHECKING:
@@ -56,13 +56,7 @@ if TYPE_CHECKING:
 
 STATES = 1440  # of a turn, between which coefficients are splines
 APART = 2  # samples between the middles of two B-splines
-SPEED_KNOTS = 24  # of the spline by which the speed is known, a turn
-PASSES = 3  # of friction under the force found
-MOST_HEIGHTS = 2000
-FEWEST = 40  # samples of a stroke that is judged
-EDGED = 1.5  # ratio of residuals under force to those without, above which a force has edges between the heights
-DOUBTFUL = 0.01  # probability that noise alone contradicts straight lines between the heights
-UNLIKE = 2.0  # ratio of residuals without force to noise above which the model of the press is doubted
+FEWEST = 40  # samples of a stroke that is measured
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -124,7 +118,7 @@ class MeasuredForce(Tabular):
     @property
     def edges(self) -> bool:
         """Whether the residuals show edges of the force that straight lines between these heights do not follow."""
-        return self.misfit > EDGED * max(self.idle_misfit, 1.0)
+        return self.misfit > 1.5 * max(self.idle_misfit, 1.0)
 
     def columns(self) -> dict[str, Column]:
         """A row for each height, first down, then up: height, force, deviation, and true height of the slide."""
@@ -138,15 +132,15 @@ class MeasuredForce(Tabular):
 
 
 class _Coefficients(NamedTuple):
-    """Periodic splines over the crank angle: inertia A [kg m2], weight C [N m], height z above bottom dead centre [m]; and the period."""
+    """Periodic splines over the crank angle and their period: inertia A [kg m2], weight C [N m], height above bottom dead centre z [m]."""
 
     inertia: CubicSpline
     weight: CubicSpline
     height: CubicSpline
     period: float
 
-    def summed(self, angle: Array) -> Array:
-        """(n,) integral of A from angle 0 on [kg m2 rad]."""
+    def inertia_integral(self, angle: Array) -> Array:
+        """(n,) integral of A from angle 0 [kg m2 rad]."""
         whole, rest = np.divmod(angle, self.period)
         integral = self.inertia.antiderivative()
         return np.asarray(whole * integral(self.period) + integral(rest))
@@ -198,7 +192,9 @@ class ProcessForceSensor(Frozen):
         """
         expect("run", run, MeasuredRun, "measured.record")
         period = self._coefficients.period
-        phase = np.floor((run.angle - self._zero - self._top) / period)
+        angles = np.linspace(0.0, period, STATES, endpoint=False)
+        top = float(angles[int(np.argmax(self._coefficients.height(angles)))])
+        phase = np.floor((run.angle - self._zero - top) / period)
         for turn in range(int(phase.min()), int(phase.max()) + 1):
             within = phase == turn
             times = run.time[within]
@@ -207,13 +203,8 @@ class ProcessForceSensor(Frozen):
 
     @property
     def _zero(self) -> float:
-        """Reading of the encoder where the press is as drawn [rad]."""
+        """Reading of the encoder in the drawn pose [rad]."""
         return 0.0 if self.identified is None else self.identified.values[ZERO]
-
-    @property
-    def _top(self) -> float:
-        angles = np.linspace(0.0, self._coefficients.period, STATES, endpoint=False)
-        return float(angles[int(np.argmax(self._coefficients.height(angles)))])
 
 
 @typed
@@ -253,9 +244,9 @@ def force_sensor(
         raise PinpressError(f"the crank of {press.name} does not turn fully, but a force sensor needs whole strokes")
     coefficients = _coefficients_of(press, equations)
     stroke = float(coefficients.height(np.linspace(0.0, coefficients.period, STATES)).max())
-    down, up = _knots("heights", heights, stroke, press.name), np.zeros(0)
-    if not (isinstance(heights_up, Sequence) and not len(heights_up)):
-        up = _knots("heights_up", heights_up, stroke, press.name)
+    down = _knots("heights", heights, stroke, press.name)
+    none_up = isinstance(heights_up, Sequence) and not len(heights_up)
+    up = np.zeros(0) if none_up else _knots("heights_up", heights_up, stroke, press.name)
     inertia = checked_inertia(drive_inertia)
     spring = None if stiffness is None else positive("stiffness", stiffness, "N/m")
     if spring is not None:
@@ -267,8 +258,8 @@ def force_sensor(
 def _knots(name: str, heights: ArrayLike, stroke: float, press: str) -> Array:
     """Check the heights of one way; raises PinpressError if they are wrong."""
     knots = numbers(name, heights, (None,), unit="m")
-    if not 2 <= len(knots) <= MOST_HEIGHTS or not (np.diff(knots) > 0).all():
-        raise PinpressError(f"{name} is {shown(heights)}: give 2 to {MOST_HEIGHTS} rising heights above bottom dead centre [m]")
+    if not 2 <= len(knots) <= 2000 or not (np.diff(knots) > 0).all():
+        raise PinpressError(f"{name} is {shown(heights)}: give 2 to 2000 rising heights above bottom dead centre [m]")
     if knots[0] < -1e-9 * stroke or knots[-1] >= stroke:
         raise PinpressError(
             f"{name} reach from {knots[0]:.6g} to {knots[-1]:.6g} m; the slide of {press} moves from 0 to {stroke:.6g} m above bottom"
@@ -311,9 +302,9 @@ def _coefficients_of(press: Linkage, equations: InertialEquations) -> _Coefficie
 
     period = 2 * np.pi * (press.period_turns or 1)
     angles = np.linspace(0.0, period, STATES * (press.period_turns or 1) + 1)
-    found = equations.coefficients(angles)["torque"]
+    torque = equations.coefficients(angles)["torque"]
     motion = moved(press, press.branch, angles, 1.0, 0.0, None, press.engine())
-    columns = np.stack([found.inertia @ equations.values, found.weight @ equations.values, slide_rates(press, motion)[1]])
+    columns = np.stack([torque.inertia @ equations.values, torque.weight @ equations.values, slide_rates(press, motion)[1]])
     columns[:, -1] = columns[:, 0]
     inertia, weight, height = (CubicSpline(angles, column, bc_type="periodic") for column in columns)
     return _Coefficients(inertia, weight, height, period)
@@ -323,7 +314,7 @@ def _coefficients_of(press: Linkage, equations: InertialEquations) -> _Coefficie
 
 
 class _Smooth(NamedTuple):
-    """The crank in each sample, by a spline: speeds [rad/s] and accelerations [rad/s2], (n,), and the angle's noise [rad]."""
+    """The crank by a spline: speeds [rad/s] and accelerations [rad/s2], (n,), and the noise of a sample of the angle [rad]."""
 
     speed: Array
     acceleration: Array
@@ -334,8 +325,8 @@ class _Weights(NamedTuple):
     """Weights of the equations of a run.
 
     Attributes:
-        plain: (m,) of samples around the middle of a row: phi dt.
-        twice: (m,) phi'' dt.
+        plain: (m,) phi dt of the samples around the middle of a row.
+        twice: (m,) phi'' dt of these samples.
         factor: banded Cholesky factor of the covariance of rows, in units of the torque's noise.
     """
 
@@ -364,52 +355,51 @@ def _measured(sensor: ProcessForceSensor, run: MeasuredRun) -> MeasuredForce:
         raise PinpressError(f"{run.name}: {len(run.time)} samples are too few for a stroke: sample faster")
     smooth, noise, angle = _smooth(run), sample_noise(run.torque), run.angle - sensor._zero
     inertia, weight, height = (spline(angle) for spline in sensor._coefficients[:3])
+    rate, slope = sensor._coefficients.height(angle, 1), sensor._coefficients.inertia(angle, 1)
     weights = _weights(run, (smooth.noise / noise) * (sensor.drive_inertia + inertia))
-    rate = sensor._coefficients.height(angle, 1)
-    down = (rate * smooth.speed < 0)[:, None]
-    basis = _hats(sensor.heights, height) * down
-    if len(sensor.heights_up):
-        basis = np.hstack([basis, _hats(sensor.heights_up, height) * ~down])
+    down = rate * smooth.speed < 0
+    basis = _basis([sensor.heights, sensor.heights_up], height, down)
     columns = weights.of(-basis * rate[:, None])
     _refuse_unseen(sensor, run, columns)
-    momentum = sensor.drive_inertia * angle + sensor._coefficients.summed(angle)
-    idle = weight - 0.5 * sensor._coefficients.inertia(angle, 1) * smooth.speed**2
-    without = weights.of(run.torque - idle) - weights.of(momentum - momentum[0], twice=True)
+
+    momentum = sensor.drive_inertia * angle + sensor._coefficients.inertia_integral(angle)
+    left = weights.of(run.torque - weight + 0.5 * slope * smooth.speed**2) - weights.of(momentum - momentum[0], twice=True)
     independent = weights.independent(columns) / noise
-    acting = (columns != 0).any(axis=1)
-    force = np.zeros(basis.shape[1])
+    force, lost = np.zeros(basis.shape[1]), np.zeros(1)
     rubs = bool(sensor.friction) or sensor.identified is not None
-    for _ in range(PASSES if rubs else 1):
-        lost = weights.of(_losses(sensor, run, smooth, basis @ force)) if rubs else 0.0
-        known = weights.independent(without - lost) / noise
+    for _ in range(3 if rubs else 1):  # passes of friction under the last force
+        if rubs:
+            lost = weights.of(_losses(sensor, run, smooth, basis @ force))
+        known = weights.independent(left - lost) / noise
         force, covariance = _least_squares(independent, known)
-    residual = known - independent @ force
-    curved = [
-        _contradicts_lines(weights.independent(weights.of(-finer * rate[:, None])) / noise, known, residual, acting)
-        for finer in _finer_bases(sensor, height, down)
-    ]
-    return _result(sensor, run, force, covariance, (residual, acting), noise, curved)
+
+    residual, acting = known - independent @ force, (columns != 0).any(axis=1)
+    curved = []
+    for way in range(2):  # with one more height between each two of a way
+        ways = [sensor.heights, sensor.heights_up]
+        ways[way] = np.sort(np.append(ways[way], 0.5 * (ways[way][1:] + ways[way][:-1])))
+        finer = weights.independent(weights.of(-_basis(ways, height, down) * rate[:, None])) / noise
+        curved.append(len(ways[way]) > 0 and _contradicts_lines(finer, known, residual, acting))
+    return _result(sensor, run, force, covariance, residual, acting, noise, curved)
 
 
-def _finer_bases(sensor: ProcessForceSensor, height: Array, down: NDArray[np.bool_]) -> Iterator[Array]:
-    """Shares (n, ...) of forces with one more height between each two, of the way down and of the way up."""
-    ways = [(sensor.heights, down)] + ([(sensor.heights_up, ~down)] if len(sensor.heights_up) else [])
-    for way in range(len(ways)):
-        parts = []
-        for k, (heights, on) in enumerate(ways):
-            knots = np.sort(np.append(heights, 0.5 * (heights[1:] + heights[:-1]))) if k == way else heights
-            parts.append(_hats(knots, height) * on)
-        yield np.hstack(parts)
+def _basis(ways: Sequence[Array], height: Array, down: NDArray[np.bool_]) -> Array:
+    """(n, k + j) shares of the forces at heights on the way down and up in a force that is linear between heights and zero above them."""
+    parts = []
+    for heights, on in zip(ways, (down, ~down), strict=True):
+        shares = [np.interp(height, heights, one, right=0.0) * on for one in np.eye(len(heights))]
+        parts.append(np.array(shares).reshape(len(heights), len(height)).T)
+    return np.hstack(parts)
 
 
 def _contradicts_lines(columns: Array, known: Array, residual: Array, acting: NDArray[np.bool_]) -> bool:
-    """Whether forces at more heights, whose columns these are, explain more than noise would let them (an F-test)."""
+    """Whether forces at more heights, which have these columns, explain more than they would explain of noise in 99 % of runs (F-test)."""
     from scipy.stats import f  # slow to import
 
-    found, _, rank, _ = np.linalg.lstsq(columns, known, rcond=1e-9)
-    left = float(((known - columns @ found)[acting] ** 2).sum())
+    force, _, rank, _ = np.linalg.lstsq(columns, known, rcond=1e-9)
+    left = float(((known - columns @ force)[acting] ** 2).sum())
     more, free = rank // 2, max(int(np.count_nonzero(acting)) - int(rank), 1)
-    return bool((residual[acting] ** 2).sum() - left > more * left / free * f.isf(DOUBTFUL, more, free))
+    return bool((residual[acting] ** 2).sum() - left > more * left / free * f.isf(0.01, more, free))
 
 
 def _smooth(run: MeasuredRun) -> _Smooth:
@@ -417,17 +407,15 @@ def _smooth(run: MeasuredRun) -> _Smooth:
     from scipy.interpolate import make_lsq_spline  # slow to import
 
     time = run.time - run.time[0]
-    pieces = int(np.clip(run.strokes * SPEED_KNOTS, 4, len(time) // 4))
+    pieces = int(np.clip(24 * run.strokes, 4, len(time) // 4))
     knots = np.concatenate([np.zeros(5), np.linspace(0.0, time[-1], pieces + 1), np.full(5, time[-1])])
     spline = make_lsq_spline(time, run.angle, knots, k=5)
-    steps = np.diff(run.angle, 3)
-    rough = float(1.4826 * np.median(np.abs(steps)) / np.sqrt(20.0))  # of white noise alone, whatever the crank does
-    counted = run.resolution
-    return _Smooth(spline(time, 1), spline(time, 2), max(rough, 0.0 if counted is None else counted / np.sqrt(12.0), 1e-12))
+    noise = max(white_noise(run.angle), (run.resolution or 0.0) / np.sqrt(12.0), 1e-12)  # a count is even noise
+    return _Smooth(spline(time, 1), spline(time, 2), noise)
 
 
 def _weights(run: MeasuredRun, arm: Array) -> _Weights:
-    """Cubic B-splines over the samples; ``arm``: (n,) noise of the angle by that of the torque, times the inertia that turns."""
+    """Cubic B-splines over the samples; ``arm``: (n,) noise of the angle / noise of the torque x inertia that turns."""
     from scipy.linalg import cholesky_banded  # slow to import
 
     interval = (run.time[-1] - run.time[0]) / (len(run.time) - 1)
@@ -444,16 +432,6 @@ def _weights(run: MeasuredRun, arm: Array) -> _Weights:
             bands[k, : rows - k] = plain[shift:] @ plain[: len(plain) - shift]
             bands[k, : rows - k] += (twice[shift:] @ twice[: len(plain) - shift]) * local[: rows - k] * local[k:]
     return _Weights(plain, twice, cholesky_banded(bands, lower=True))
-
-
-def _hats(heights: Array, at: Array) -> Array:
-    """(n, k) shares of each of the heights in a force that is linear between them, and zero above."""
-    place = np.clip(np.searchsorted(heights, at, side="right") - 1, 0, len(heights) - 2)
-    share = np.clip((at - heights[place]) / (heights[place + 1] - heights[place]), 0.0, 1.0)
-    found = np.zeros((len(at), len(heights)))
-    inside = np.flatnonzero(at <= heights[-1])
-    found[inside, place[inside]], found[inside, place[inside] + 1] = 1 - share[inside], share[inside]
-    return found
 
 
 def _refuse_unseen(sensor: ProcessForceSensor, run: MeasuredRun, columns: Array) -> None:
@@ -494,13 +472,12 @@ def _result(
     run: MeasuredRun,
     force: Array,
     covariance: Array,
-    left: tuple[Array, Array],
+    residual: Array,
+    acting: NDArray[np.bool_],
     noise: float,
     curved: Sequence[bool],
 ) -> MeasuredForce:
-    """The force with its band, which is widened where residuals are larger than noise, and where the force of a way is ``curved``."""
-    residual, active = left
-    acting = active.astype(bool)
+    """The force with its band, which is wider where residuals are larger than noise, and where the force of a way is ``curved``."""
     rest = residual[~acting]
     idle_misfit = float(np.sqrt((rest**2).mean())) if len(rest) > FEWEST // 2 else 1.0
     free = max(int(np.count_nonzero(acting)) - len(force), 1)
@@ -508,11 +485,13 @@ def _result(
     covariance = covariance * max(1.0, misfit, idle_misfit) ** 2
     count = len(sensor.heights)
     deviation = np.sqrt(np.diag(covariance))
-    for is_curved, heights, way in zip(curved, (sensor.heights, sensor.heights_up), (slice(count), slice(count, None)), strict=False):
+    for is_curved, heights, way in zip(curved, (sensor.heights, sensor.heights_up), (slice(count), slice(count, None)), strict=True):
         if is_curved:
             deviation[way] = np.hypot(deviation[way], np.sqrt(_squared_errors_of_lines(heights, force[way], covariance[way, way])))
     lifted = 0.0 * force if sensor.stiffness is None else force / sensor.stiffness
-    lengths = np.append(_lengths(sensor.heights), -_lengths(sensor.heights_up))  # on the way up a force upwards gives to the slide
+    # Work is a sum of forces x lengths, by the trapezoidal rule. On the way up a force upwards gives work to the slide.
+    down, up = (np.trapezoid(np.eye(len(heights)), heights) for heights in (sensor.heights, sensor.heights_up))
+    lengths = np.append(down, -up)
     found = MeasuredForce(
         name=run.name,
         heights=sensor.heights,
@@ -530,7 +509,7 @@ def _result(
         misfit=misfit,
         idle_misfit=idle_misfit,
     )
-    if idle_misfit > UNLIKE:
+    if idle_misfit > 2:
         caution(
             f"{run.name}: without process force the torque differs from that of the described press by {idle_misfit:.3g} times the"
             " noise: identify the press from a run without a blank, and give its friction and drive_inertia"
@@ -544,10 +523,10 @@ def _result(
 
 
 def _squared_errors_of_lines(heights: Array, force: Array, covariance: Array) -> Array:
-    """(k,) squares of the errors of a curved force that is taken as straight lines between heights [N2].
+    """(k,) squared errors of straight lines between heights for a curved force [N2].
 
-    By least squares the lines miss the force at a height by h^2 F'' / 12. F'' is that of the forces, less what their noise makes of it; at
-    the ends it is that of the next height.
+    At a height the lines of least squares differ from the force by h^2 F'' / 12. F'' is taken from the forces, less the part that their
+    noise explains; at the ends it is that of the next height.
     """
     if len(heights) < 3:
         return np.zeros(len(heights))
@@ -558,9 +537,3 @@ def _squared_errors_of_lines(heights: Array, force: Array, covariance: Array) ->
     rows[inner, inner], rows[inner, inner + 1], rows[inner, inner + 2] = share / below, -share * (1 / below + 1 / above), share / above
     squares = np.maximum((rows @ force) ** 2 - np.diag(rows @ covariance @ rows.T), 0.0)
     return np.concatenate([squares[:1], squares, squares[-1:]])
-
-
-def _lengths(heights: Array) -> Array:
-    """(k,) lengths by which forces at heights are summed."""
-    steps = np.diff(heights)
-    return 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps)) if len(heights) else steps

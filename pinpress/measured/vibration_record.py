@@ -186,16 +186,13 @@ def vibration(
     )
     if not named or not sensors:
         raise PinpressError(f"points is {shown(points)}: give {{'A [m/s2]': Accelerometer((x, y, z), 'z'), ...}}, or a CSV file")
-    speeds = [None] * len(sources) if speed is None else _speeds(speed, len(sources))
-    runs = [
-        run_of(each, f"run {k + 1}", sensors, time, (angle, tacho, whole_number("pulses", pulses, 1, 100_000)), given)
-        for k, (each, given) in enumerate(zip(sources, speeds, strict=True))
-    ]
+    speeds: list[float | None] = [None] * len(sources)
+    if speed is not None:
+        given = numbers("speed", speed, unit="rad/s")
+        if given.shape not in ((), (len(sources),)) or not (given > 0).all():
+            one = f"give one positive speed, or {len(sources)}, one for each run [rad/s]; {RPM:.5g} is 1 r/min"
+            raise PinpressError(f"speed is {shown(speed)}: {one}")
+        speeds = list(np.broadcast_to(given, (len(sources),)))
+    crank = angle, tacho, whole_number("pulses", pulses, 1, 100_000)
+    runs = [run_of(each, f"run {k + 1}", sensors, time, crank, speeds[k]) for k, each in enumerate(sources)]
     return VibrationRecord({split_head(name)[0]: each for name, each in sensors.items()}, tuple(runs))
-
-
-def _speeds(speed: ArrayLike, runs: int) -> list[float]:
-    given = numbers("speed", speed, unit="rad/s")
-    if given.shape not in ((), (runs,)) or not (given > 0).all():
-        raise PinpressError(f"speed is {shown(speed)}: give one positive speed, or {runs}, one for each run [rad/s]; {RPM:.5g} is 1 r/min")
-    return list(np.broadcast_to(given, (runs,)))

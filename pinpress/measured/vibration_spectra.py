@@ -19,15 +19,7 @@ from ..common.results import Tabular
 from ..foundation.mounted_press import VibrationModes
 from .accelerometers import VibrationRun
 
-WINDOWS = 8  # windows side by side in the default resolution; half-overlapping ones are about twice as many
-CARRIED = 0.8  # share of half the sampling rate up to which recorders keep amplitudes
-FINER = 4  # samples for each of the record's, between which splines are laid
-REACH = 20  # samples of the record to both sides, from which those between are made
-STANDING_OUT = 4.0  # a peak that is named has at least this many times the density of the valleys beside it
-INDEPENDENT = 0.9  # share of half-overlapping Hann windows that count as independent
-BY_CHANCE = 0.01  # of spectra of noise alone, the share in which a peak is named
-FAINT = 0.02  # share of the largest amplitude below which an order is not named
-NAMED = 6  # most lines and orders named in words
+NAMED = 6  # most lines and orders that are named
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,10 +59,10 @@ class Spectra(Tabular):
         from scipy.signal import find_peaks  # slow to import
         from scipy.special import chdtri
 
-        whole, freedoms = self.density.sum(axis=1), INDEPENDENT * 2 * self.windows
-        rarely = 0.5 * BY_CHANCE / len(whole)
+        whole, freedoms = self.density.sum(axis=1), 0.9 * 2 * self.windows  # of half-overlapping windows 90 % count as independent
+        rarely = 0.5 * 0.01 / len(whole)  # a peak is named in 1 % of spectra of noise
         scatter = float(chdtri(freedoms, rarely) / chdtri(freedoms, 1.0 - rarely))
-        peaks, _ = find_peaks(np.log(np.maximum(whole, np.finfo(float).tiny)), prominence=np.log(max(STANDING_OUT, scatter)))
+        peaks, _ = find_peaks(np.log(np.maximum(whole, np.finfo(float).tiny)), prominence=np.log(max(4.0, scatter)))
         return np.asarray(self.frequency[peaks[np.argsort(-whole[peaks])][:NAMED]])
 
     def columns(self) -> dict[str, Array]:
@@ -127,8 +119,7 @@ class OrderSpectra(Tabular):
         """Places of the strongest orders of a channel, by rising order. A window spreads a line over its neighbours, which are no peaks."""
         largest = self.amplitude[:, :, channel].max(axis=0)
         beside = np.pad(largest, 1)
-        peaks = np.flatnonzero((largest > beside[:-2]) & (largest >= beside[2:]))
-        peaks = peaks[largest[peaks] > FAINT * largest.max()]
+        peaks = np.flatnonzero((largest > beside[:-2]) & (largest >= beside[2:]) & (largest > 0.02 * largest.max()))
         return sorted(map(int, peaks[np.argsort(-largest[peaks])][: NAMED // 2]))
 
     def with_modes(self, modes: VibrationModes) -> OrderSpectra:
@@ -158,7 +149,7 @@ def spectra(runs: Sequence[VibrationRun], channels: tuple[str, ...], resolution:
                 f"{run.name} is sampled at {run.rate:.6g} Hz, {runs[0].name} at {rate:.6g} Hz: call spectra for each separately"
             )
     shortest = min(len(run.time) for run in runs)
-    wanted = WINDOWS * rate / shortest if resolution is None else number("resolution", resolution, "Hz", positive=True)
+    wanted = 8 * rate / shortest if resolution is None else number("resolution", resolution, "Hz", positive=True)
     length = round(rate / wanted)
     if not 8 <= length <= shortest:
         raise PinpressError(
@@ -166,24 +157,18 @@ def spectra(runs: Sequence[VibrationRun], channels: tuple[str, ...], resolution:
             f" {rate / shortest:.3g} to {rate / 8:.3g} Hz"
         )
     counts = [(len(run.time) - length // 2) // (length - length // 2) for run in runs]
-    found = [welch(run.acceleration, rate, nperseg=length, axis=0) for run in runs]
-    density = sum(count * part for count, (_, part) in zip(counts, found, strict=True)) / sum(counts)
-    return Spectra(channels, found[0][0], np.asarray(density), sum(counts))
+    parts = [welch(run.acceleration, rate, nperseg=length, axis=0) for run in runs]
+    density = sum(count * part for count, (_, part) in zip(counts, parts, strict=True)) / sum(counts)
+    return Spectra(channels, parts[0][0], np.asarray(density), sum(counts))
 
 
 def order_spectra(runs: Sequence[VibrationRun], channels: tuple[str, ...], orders: float, turns: int) -> OrderSpectra:
     """Amplitudes by order, see `VibrationRecord.order_spectra`."""
     highest, turns = number("orders", orders, positive=True), whole_number("turns", turns, 2, 10_000)
-    speeds, amplitudes = [], []
-    for run in runs:
-        for speed, amplitude in _windows(run, highest, turns):
-            speeds.append(speed)
-            amplitudes.append(amplitude)
-    rising = np.argsort(speeds)
+    windows = sorted((window for run in runs for window in _windows(run, highest, turns)), key=lambda window: window[0])
+    speeds, amplitudes = zip(*windows, strict=True)
     kept = int(highest * turns + 1e-9)
-    return OrderSpectra(
-        channels, np.array(speeds)[rising], np.arange(1, kept + 1) / turns, np.array(amplitudes)[rising, 1 : kept + 1], turns
-    )
+    return OrderSpectra(channels, np.array(speeds), np.arange(1, kept + 1) / turns, np.array(amplitudes)[:, 1 : kept + 1], turns)
 
 
 def _windows(run: VibrationRun, highest: float, turns: int) -> list[tuple[float, Array]]:
@@ -204,7 +189,7 @@ def _windows(run: VibrationRun, highest: float, turns: int) -> list[tuple[float,
             f"{run.name}: {turned:.4g} turns of the crank are less than a window of {turns}: give fewer turns=, or a longer run"
         )
     fastest = float((np.diff(angle) / np.diff(run.time)).max())
-    needed = 2 / CARRIED * highest * fastest / (2 * np.pi)
+    needed = 2 / 0.8 * highest * fastest / (2 * np.pi)  # recorders keep amplitudes up to 0.8 of half their rate
     if run.rate < needed:
         raise PinpressError(
             f"{run.name}: order {highest:g} at {fastest / RPM:.4g} r/min is {highest * fastest / (2 * np.pi):.4g} Hz;"
@@ -212,17 +197,18 @@ def _windows(run: VibrationRun, highest: float, turns: int) -> list[tuple[float,
         )
     slowest = (angle[-1] - angle[0]) / (run.time[-1] - run.time[0])
     points = 1 << int(np.ceil(np.log2(max(run.rate * 2 * np.pi / min(slowest, fastest) * 2, 8 * highest))))
-    # a spline through few samples a period flattens it: 16 % at 2.5 of them, 0.1 % at ten
-    between = firwin(2 * REACH * FINER + 1, 1 / FINER, window=("kaiser", 8.0))  # keeps amplitudes to 1e-4, up to what recorders keep
-    fine = resample_poly(run.acceleration, FINER, 1, axis=0, window=between, padtype="line")
-    resampled = make_interp_spline(np.arange(len(fine)) / FINER, fine, k=3)
+    # A spline through 2.5 samples a period flattens a sine by 16 %, through ten samples by 0.1 %. So there are four samples for one first,
+    # by a filter over 20 samples to both sides that keeps amplitudes within 1e-4.
+    between = firwin(2 * 20 * 4 + 1, 1 / 4, window=("kaiser", 8.0))
+    fine = resample_poly(run.acceleration, 4, 1, axis=0, window=between, padtype="line")
+    resampled = make_interp_spline(np.arange(len(fine)) / 4, fine, k=3)
     sample, moment = (make_interp_spline(angle, each, k=3) for each in (np.arange(len(angle)), run.time))
     window = np.hanning(turns * points + 1)[:-1, None]
-    found = []
+    windows = []
     for k in range(count):
         begin = angle[0] + 2 * np.pi * turns * k
         values = resampled(sample(begin + 2 * np.pi / points * np.arange(turns * points)))
         lines = np.fft.rfft(window * (values - values.mean(axis=0)), axis=0)
         first, last = moment([begin, begin + 2 * np.pi * turns])
-        found.append((2 * np.pi * turns / (last - first), 2 * np.abs(lines) / window.sum()))
-    return [(float(speed), amplitude[: int(highest * turns + 1e-9) + 1]) for speed, amplitude in found]
+        windows.append((float(2 * np.pi * turns / (last - first)), (2 * np.abs(lines) / window.sum())[: int(highest * turns + 1e-9) + 1]))
+    return windows

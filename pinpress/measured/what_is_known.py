@@ -24,10 +24,7 @@ from .estimates.run_rows import TURN, loss_rows
 from .estimates.weak_form import smoothed
 from .identification import checked_radii, checked_runs
 from .records import MeasuredRun
-from .regressor import refuse_losses
-
-KNOWN = 0.3  # doubt below which a parameter counts as known from the records
-LEAST_NOISE = 1e-9  # shares of the largest torque, below which rounding counts
+from .regressor import SHAKING, refuse_losses
 
 
 @dataclass(frozen=True, repr=False)
@@ -117,7 +114,7 @@ def identifiability(
     losses = Losses(tuple(friction), cylinder, checked_radii(press, radii))
     unknowns = unknowns_of(press, prior, losses, known)
     share = number("noise", noise, positive=True)
-    if share < LEAST_NOISE:
+    if share < 1e-9:  # rounding errors would count
         raise PinpressError(f"noise is {share:g}: give it as a share of the largest measured torque, such as 0.01")
     records = checked_runs(press, runs, for_torque=False) if len(runs) else []
     shaking = shaking_quantities(press)
@@ -134,10 +131,10 @@ def identifiability(
 
 
 def shaking_quantities(press: Linkage) -> tuple[str, ...]:
-    """Forces and moments on the foundation that tell something of a press: of a planar one those in its plane."""
+    """Forces and moments on the foundation that show something of a press; those in its plane if it is planar."""
     engine = press.engine()
     if not isinstance(engine, PlanarEngine):
-        return tuple(f"{kind} {axis}" for kind in ("force", "moment") for axis in "xyz")
+        return SHAKING
     normal = np.abs(engine.plane.normal)
     forces = [f"force {axis}" for axis, part in zip("xyz", normal, strict=True) if part < 1 - 1e-9]
     return (*forces, *(f"moment {axis}" for axis, part in zip("xyz", normal, strict=True) if part > 1 - 1e-12))
@@ -146,39 +143,41 @@ def shaking_quantities(press: Linkage) -> tuple[str, ...]:
 def _learnt(
     unknowns: Unknowns, runs: Sequence[MeasuredRun], losses: Losses, share: float, shaking: Sequence[str]
 ) -> tuple[list[tuple[float, float] | None], tuple[float, float]]:
-    """Doubts of all unknowns by torque and by torque and shaking force, None of what is fixed; and how many are learnt."""
+    """Doubts of all unknowns by torque alone and with shaking force, None for fixed unknowns; and how many parameters both determine."""
     equations, inertial, count = unknowns.equations, unknowns.inertial, len(unknowns.parameters)
-    matrices: dict[str, list[Array]] = {name: [] for name in ("torque", *shaking)}
-    largest = dict.fromkeys(matrices, 0.0)
+    parts: dict[str, list[Array]] = {name: [] for name in ("torque", *shaking)}
+    largest = dict.fromkeys(parts, 0.0)
     for run in runs:
         smooth = smoothed(run)
-        found, ahead, behind = (equations.coefficients(smooth.angle - turn, tuple(matrices)) for turn in (0.0, TURN, -TURN))
-        for name, each in found.items():
+        here, ahead, behind = (equations.coefficients(smooth.angle - turn, tuple(parts)) for turn in (0.0, TURN, -TURN))
+        for name, coefficients in here.items():
             rows = np.zeros((smooth.weighted.shape[0], count))
-            rows[:, :inertial] = smooth.equations(each)
+            rows[:, :inertial] = smooth.equations(coefficients)
             rows[:, -1] = (smooth.equations(ahead[name]) - smooth.equations(behind[name])) @ equations.values / (2 * TURN)
             if name == "torque":
                 rows[:, inertial:-1] = loss_rows(equations.press, smooth, losses)
-            matrices[name].append(rows if name == "torque" else smooth.without_offset(rows))
-            values = each.columns(smooth.speed, smooth.acceleration) @ equations.values
+            parts[name].append(rows if name == "torque" else smooth.without_offset(rows))
+            values = coefficients.columns(smooth.speed, smooth.acceleration) @ equations.values
             largest[name] = max(largest[name], float(np.abs(values).max()))
-    whole = {name: np.concatenate(parts) for name, parts in matrices.items()}
-    rms = float(np.sqrt(((whole["torque"][:, :inertial] @ equations.values) ** 2).mean()))
-    weight = np.sqrt((whole["torque"] ** 2).mean(axis=0)) / rms
+    rows_of = {name: np.concatenate(each) for name, each in parts.items()}
+
+    rms = float(np.sqrt(((rows_of["torque"][:, :inertial] @ equations.values) ** 2).mean()))
+    weight = np.sqrt((rows_of["torque"] ** 2).mean(axis=0)) / rms
     priors = unknowns.deviation
     vague = ~np.isfinite(priors)
     sizes = np.where(vague, np.divide(1, weight, out=np.zeros(count), where=weight > 0), priors)
-    turned = unknowns.scaled(sizes[inertial:])
-    moving = np.abs(turned).max(axis=0) > 0
-    turned, weighed = turned[:, moving], unknowns.weighed @ turned[:, moving]
+    spread = unknowns.scaled(sizes[inertial:])
+    moving = np.abs(spread).max(axis=0) > 0
+    spread = spread[:, moving]
+    weighed = unknowns.weighed @ spread
     before = np.diag(np.where(vague, VAGUE, 1.0)[moving] ** -2) + weighed.T @ weighed
     information, doubts, learnt = before, [], []
     for names in (("torque",), tuple(shaking)):
         for name in names:
-            scaled = whole[name] @ turned / (share * largest[name])
+            scaled = rows_of[name] @ spread / (share * largest[name])
             information = information + scaled.T @ scaled
         covariance = np.linalg.inv(information)
         learnt.append(float(np.trace(np.eye(len(before)) - covariance @ before)))
-        doubts.append(np.sqrt(np.diag(turned @ covariance @ turned.T)) / np.where(sizes > 0, sizes, 1.0))
+        doubts.append(np.sqrt(np.diag(spread @ covariance @ spread.T)) / np.where(sizes > 0, sizes, 1.0))
     pairs = [(float(a), float(b)) for a, b in zip(*doubts, strict=True)]
     return [pair if size > 0 else None for pair, size in zip(pairs, sizes, strict=True)], (learnt[0], learnt[1])

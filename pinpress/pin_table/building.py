@@ -34,39 +34,27 @@ from ..kinematics.servo_motion import servo_cycle
 from ..linkage.document import Document, Finding, check_command
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load_document
-from ..visual.shapes.appearance import bodies
+from ..visual.shapes.appearance import ShownLink, bodies
 from .copies import Parts, copied
-from .formulas import CONSTANTS, FUNCTIONS, formula, parameters_of
+from .formulas import CONSTANTS, FUNCTIONS, Numbers, formula, parameters_of
 from .links import Link, read_links
-from .placement import UNITS, Pin, UnreachableError, place_pins
+from .placement import UNITS, Pin, UnreachableError, place_pins, size_of
 from .reading import BESIDE, CALL, Entry, given_table, overlaid, read_table
 from .sketch import sketch_of_failure, sketch_of_parts
 from .tool import Tool, read_tool
 from .tree import Tree, build_tree
 from .urdf_text import REACH, urdf_text
 
-KEYS = (
-    "press",
-    "units",
-    "parameters",
-    "frame",
-    "pins",
-    "links",
-    "drive",
-    "base",
-    "density",
-    "masses",
-    "copies",
-    "gears",
-    "turns",
-    "tool",
-    "note",
-)
+NEEDED = {  # keys without which there is no press, and what to write if one is missing
+    "units": "give the unit of all lengths: units: mm",
+    "frame": "name the pins that are fixed in the frame: frame: A D",
+    "pins": "give pins their places: pins: {A: [0, 0]}",
+    "links": "name links with their pins: links: {crank: {pins: A B, mass: 20}}",
+    "drive": "name the pin that is driven: drive: A",
+}
+KEYS = ("press", *NEEDED, "parameters", "base", "density", "masses", "copies", "gears", "turns", "tool", "note")
 SENSES = ("clockwise", "counter-clockwise")  # in the picture: what `turns` may be
-MOST, LEAST = 200.0, 0.02  # sizes of presses [m]
-LARGEST_RACK = 10.0  # pitch radius of a pinion / size of the press: a larger ratio is probably not in m/rad
 MARK = b"written by pinpress from the pin table"  # a URDF with this mark may be overwritten
-NEEDED = ("units", "frame", "pins", "links", "drive")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -103,7 +91,7 @@ class DrawnPress(Tabular):
             PinpressError: what `load` raises.
         """
         press = self.press()
-        return urdf_text(self.name, self._comment(), self.parts, self.tree, self.tool, bodies(press, _positions(press)))
+        return self._text(bodies(press, _positions(press)))
 
     @cached_property
     def sketch(self) -> str:
@@ -123,9 +111,8 @@ class DrawnPress(Tabular):
         Raises:
             PinpressError: `load` refuses the press.
         """
-        return load_document(
-            self._document(self._file_as_urdf, self._text()), None, slide, gravity, in_file=False, command=self._check_command
-        )
+        command = "check() of its draft" if self.file == CALL else check_command(self.file, parameters=self._given)
+        return load_document(self._document(), None, slide, gravity, in_file=False, command=command)
 
     def check(self, slide: str | None = None) -> CheckResult:
         """Check how the press moves, and list all errors, doubts and notes, as `pinpress.check` does.
@@ -133,46 +120,31 @@ class DrawnPress(Tabular):
         Args:
             slide: as for `load`.
         """
-        found = check_document(self.file, self._document(self._file_as_urdf, self._text()), slide=slide)
-        findings = (replace(finding, line=None) for finding in found.findings)  # the lines belong to a URDF that the user has not seen
-        return replace(found, findings=Records(Finding, findings))
+        result = check_document(self.file, self._document(), slide=slide)
+        findings = (replace(finding, line=None) for finding in result.findings)  # the lines belong to a URDF that the user has not seen
+        return replace(result, findings=Records(Finding, findings))
 
-    def _document(self, file: str, text: bytes) -> Document:
+    def _document(self) -> Document:
         """A URDF of this press that marks links with estimated moments of inertia."""
-        return Document(file, text, estimated=frozenset(link.name for link in self.parts.links if not link.inertia_given))
-
-    @property
-    def _file_as_urdf(self) -> str:
-        return f"{self.file}{self._with_given} as URDF"
-
-    @property
-    def _check_command(self) -> str:
-        """How to list all findings of `check`: the command for a file, the method for a table of a call."""
-        return "check() of its draft" if self.file == CALL else check_command(self.file, parameters=self._given)
+        estimated = frozenset(link.name for link in self.parts.links if not link.inertia_given)
+        return Document(f"{self.file}{self._with_given} as URDF", self._text(), estimated=estimated)
 
     @property
     def _with_given(self) -> str:
         return f" with {', '.join(self._given)}" if self._given else ""
 
-    def _text(self) -> bytes:
-        return urdf_text(self.name, self._comment(), self.parts, self.tree, self.tool)
-
     @property
     def title(self) -> str:
         """The press, how many links it has, and its size."""
-        return f"DrawnPress {self.name}: {len(self.parts.links)} links and the frame, {_size(self.parts.pins):.3f} m across"
+        return f"DrawnPress {self.name}: {len(self.parts.links)} links and the frame, {size_of(self.parts.pins):.3f} m across"
 
     def columns(self) -> Columns:
         """Bearings with the links that they connect and their places in the drawn pose."""
-        bearings = list(self.bearings())
-        at = {joint.name: joint.pin for joint in self.tree.joints} | {loop.name: loop.pin for loop in self.tree.loops}
+        names, exerting, loaded = zip(*self.bearings(), strict=True)
+        pins = {bearing.name: bearing.pin for bearing in (*self.tree.joints, *self.tree.loops)}
         origins = {link.guide.name: link.origin for link in self.parts.links if link.guide is not None}
-        points = np.array([self.parts.pins[pin].point if (pin := at[name]) is not None else origins[name] for name, _, _ in bearings])
-        named = {
-            "bearing": [each[0] for each in bearings],
-            "force of": [each[1] for each in bearings],
-            "on": [each[2] for each in bearings],
-        }
+        points = np.array([origins[name] if (pin := pins[name]) is None else self.parts.pins[pin].point for name in names])
+        named = {"bearing": list(names), "force of": list(exerting), "on": list(loaded)}
         return named | {f"{axis} [m]": points[:, k] for k, axis in enumerate("xyz")}
 
     def bearings(self) -> Iterator[tuple[str, str, str]]:
@@ -188,10 +160,8 @@ class DrawnPress(Tabular):
             for estimate in link.estimates:
                 yield link.name, estimate
             if link.guide is not None and link.guide.name in self.tree.drivers and link.guide.travel is None:
-                yield (
-                    link.name,
-                    f"travel of its guide, {REACH:g} times the size of the press either way: give travel, which determines the stroke",
-                )
+                reach = f"{REACH:g} times the size of the press either way"
+                yield link.name, f"travel of its guide, {reach}: give travel, which determines the stroke"
 
     def other_places(self) -> Iterator[tuple[str, tuple[float, float], tuple[float, float]]]:
         """Pins whose lengths allow another place: name, (x, z) of the place and (x, z) of the other place, in the table's unit."""
@@ -222,32 +192,25 @@ class DrawnPress(Tabular):
         drawn = drawn_from(replace(self._table, value={**items, "pins": replace(items["pins"], value=pins)}))
         return replace(drawn, _given=self._given)
 
-    def _comment(self) -> str:
-        return "\n".join(self._commented())
-
-    def _commented(self) -> Iterator[str]:
-        yield f"{self.name}: {MARK.decode()} {Path(self.file).name}{self._with_given}."
-        clockwise = "turns" in (items := self._table.items("a table")) and _is_clockwise(items["turns"])
+    def _text(self, shown: Sequence[ShownLink] = ()) -> bytes:
+        """The URDF, with the shapes of these links."""
+        items = self._table.items("a table")
+        clockwise = "turns" in items and _is_clockwise(items["turns"])
         turning = "(0, 1, 0), so a positive angle turns z towards x" if clockwise else "(0, -1, 0), so a positive angle turns x towards z"
-        yield f"Drawn at crank angle 0. x to the right, z up; pins turn about {turning}. SI units."
-        yield ""
-        yield "Bearings, and the links between which their forces act:"
-        for name, link1, link2 in self.bearings():
-            yield f"  {name}: {link1} on {link2}"
-        if any(self.estimates()):
-            yield ""
-            yield "Estimated, because the table does not give it:"
-            for link, words in self.estimates():
-                yield f"  {link}: {words}"
+        lines = [
+            f"{self.name}: {MARK.decode()} {Path(self.file).name}{self._with_given}.",
+            f"Drawn at crank angle 0. x to the right, z up; pins turn about {turning}. SI units.",
+            "",
+            "Bearings, and the links between which their forces act:",
+            *(f"  {name}: {link1} on {link2}" for name, link1, link2 in self.bearings()),
+        ]
+        if estimates := [f"  {link}: {words}" for link, words in self.estimates()]:
+            lines += ["", "Estimated, because the table does not give it:", *estimates]
+        return urdf_text(self.name, "\n".join(lines), self.parts, self.tree, self.tool, shown)
 
 
 def build(
-    table: str | os.PathLike[str] | None = None,
-    /,
-    *,
-    gravity: Sequence[float] = (0.0, 0.0, -9.81),
-    slide: str | None = None,
-    **values: Any,
+    table: str | os.PathLike[str] | None = None, /, *, gravity: Sequence[float] = (0.0, 0.0, -9.81), slide: str | None = None, **values: Any
 ) -> Linkage:
     """Build a press from a pin table: pins by coordinates or lengths, links by their pins with masses, sections or estimates.
 
@@ -290,7 +253,7 @@ def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Draw
     if isinstance(table, Mapping):
         raise PinpressError("build takes the path of a table, or the keys of one as arguments: write build(**table)")
     if table is None:
-        return drawn_from(given_table(_without_units(values, _length_of(values.get("units")))))
+        return drawn_from(given_table(_without_units(values, values.get("units"))))
     return _with_parameters(read_table(table), values) if values else drawn_from(read_table(table))
 
 
@@ -300,33 +263,37 @@ def drawn_from(entries: Entry) -> DrawnPress:
     for key, entry in items.items():
         if key not in KEYS and key not in BESIDE:
             entries.refuse_key(key, entry, (*KEYS, *BESIDE))
-    for key in NEEDED:
+    for key, remedy in NEEDED.items():
         if key not in items or not items[key].value:
-            entries.refuse(f"no {key}", _MISSING[key])
-    unit = _unit(items["units"])
-    parameters = parameters_of(items)
+            entries.refuse(f"no {key}", remedy)
+    unit = items["units"].text("a unit of length")
+    if unit not in UNITS:
+        items["units"].refuse(f"{unit!r} is not a unit of length here{suggestion(unit, UNITS)}", f"write one of {', '.join(UNITS)}")
+    numbers = Numbers(parameters_of(items), UNITS[unit])
     try:
-        pins = place_pins(items["pins"], parameters, UNITS[unit])
+        pins = place_pins(items["pins"], numbers)
     except UnreachableError as error:
         drawn = sketch_of_failure(error, UNITS[unit], unit)
         raise PinTableError(error.file, error.line, error.element, error.problem, error.remedy, drawn) from error
     clockwise = "turns" in items and _is_clockwise(items["turns"])
     if clockwise:  # turn all axes that are normal to the picture together
         pins = {name: pin if pin.in_space or pin.axis is None else replace(pin, axis=-pin.axis) for name, pin in pins.items()}
-    _check_sizes(items["pins"], pins, unit)
-    links = read_links(items, pins, parameters, UNITS[unit])
+    _check_size(items["pins"], pins, unit)
+    links = read_links(items, pins, numbers)
     _check_links(links, pins, unit)
-    parts = _parts(items, pins, links, parameters)
+    parts = _parts(items, pins, links, numbers)
     for each in items["copies"].list("copies: [{links: rod, y: [-300, 300], names: _front _back}]") if "copies" in items else ():
-        parts = copied(parts, each, parameters, UNITS[unit])
+        parts = copied(parts, each, numbers)
     tree = build_tree(parts, entries)
-    if clockwise:
-        tree = _meshing_as_before(tree, parts)
-    _check_racks(items, tree, _size(pins), unit)
+    if clockwise:  # a ratio between a reversed axis and a guide or an axis in space changes its sign: teeth mesh as before
+        sense = {joint.name: -1.0 if joint.pin is not None and not parts.pins[joint.pin].in_space else 1.0 for joint in tree.joints}
+        meshing = {name: (leader, ratio * sense[name] * sense[leader]) for name, (leader, ratio) in tree.gears.items()}
+        tree = replace(tree, gears=meshing)
+    _check_racks(items, tree, size_of(pins), unit)
     name = items["press"].text("a name") if "press" in items else "press"
     if odd := odd_character(name):
         items["press"].refuse(f"{name!a} has the character {odd}, which no line shows as it is", "choose another name")
-    tool = read_tool(items, pins, parts, tree, parameters, UNITS[unit])
+    tool = read_tool(items, pins, parts, tree, numbers)
     return DrawnPress(name, entries.file, unit, pins, links, parts, tree, tool, entries)
 
 
@@ -336,16 +303,6 @@ def _is_clockwise(entry: Entry) -> bool:
     if sense not in SENSES:
         entry.refuse(f"{sense!r} is not a sense of rotation{suggestion(sense, SENSES)}", f"write {' or '.join(SENSES)}")
     return sense == SENSES[0]
-
-
-def _meshing_as_before(tree: Tree, parts: Parts) -> Tree:
-    """Correct the gears of a tree whose axes normal to the picture were reversed, so that they mesh as before.
-
-    A ratio between a reversed axis and a guide, or between a reversed axis and an axis in space, changes its sign.
-    """
-    sense = {joint.name: -1.0 if joint.pin is not None and not parts.pins[joint.pin].in_space else 1.0 for joint in tree.joints}
-    gears = {name: (leader, ratio * sense[name] * sense[leader]) for name, (leader, ratio) in tree.gears.items()}
-    return replace(tree, gears=gears)
 
 
 def _positions(press: Linkage) -> Array:
@@ -360,15 +317,6 @@ def _positions(press: Linkage) -> Array:
         return press.closed[None]
 
 
-_MISSING = {
-    "units": "give the unit of all lengths: units: mm",
-    "frame": "name the pins that are fixed in the frame: frame: A D",
-    "pins": "give pins their places: pins: {A: [0, 0]}",
-    "links": "name links with their pins: links: {crank: {pins: A B, mass: 20}}",
-    "drive": "name the pin that is driven: drive: A",
-}
-
-
 def _with_parameters(table: Entry, values: Mapping[str, Any]) -> DrawnPress:
     """The press of a table with other values of its parameters."""
     items = table.items("a table")
@@ -377,45 +325,34 @@ def _with_parameters(table: Entry, values: Mapping[str, Any]) -> DrawnPress:
         if name not in known:
             where = f"its parameters are {', '.join(known)}" if known else "it has no parameters"
             table.refuse(f"no parameter {name}{suggestion(name, known)}", where)
-    numbers = _without_units(values, _length_of(items["units"].value if "units" in items else None))
-    given = given_table({"parameters": numbers}).items("parameters")
-    drawn = drawn_from(overlaid(table, replace(table, value={"parameters": given["parameters"]}, path=())))
+    numbers = _without_units(values, items["units"].value if "units" in items else None)
+    above = given_table({"parameters": numbers}).items("parameters")["parameters"]
+    drawn = drawn_from(overlaid(table, replace(table, value={"parameters": above}, path=())))
     words = (f"{name}={value:.9g}" if isinstance(value, float) else f"{name}={value}" for name, value in numbers.items())
     return replace(drawn, _given=tuple(words))
 
 
-def _without_units(value: Any, length: float, depth: int = 0) -> Any:
-    """Replace quantities of pint by numbers of a table: lengths in its unit [m], angles in degrees, the rest in SI units.
+def _without_units(value: Any, unit: object, depth: int = 0) -> Any:
+    """Replace quantities of pint by numbers of a table: lengths in its unit, angles in degrees, the rest in SI units.
 
     Below the deepest level of a table all stays as it is: a list may contain itself.
     """
     if isinstance(value, Mapping | list | tuple) and depth > DEEPEST:
         return value
     if isinstance(value, Mapping):
-        return {key: _without_units(each, length, depth + 1) for key, each in value.items()}
+        return {key: _without_units(each, unit, depth + 1) for key, each in value.items()}
     if isinstance(value, list | tuple):
-        return [_without_units(each, length, depth + 1) for each in value]
+        return [_without_units(each, unit, depth + 1) for each in value]
     if not is_quantity(value):
         return value
-    for unit, one in (("m", length), ("kg", 1.0), ("kg m2", 1.0), ("kg/m3", 1.0), ("rad", np.pi / 180)):
+    length = UNITS.get(unit, 1.0) if isinstance(unit, str) else 1.0  # any other unit is refused later
+    for name, one in (("m", length), ("kg", 1.0), ("kg m2", 1.0), ("kg/m3", 1.0), ("rad", np.pi / 180)):
         with suppress(PinpressError):
-            return np.asarray(in_unit("a value", value, unit) / one).tolist()
+            return np.asarray(in_unit("a value", value, name) / one).tolist()
     raise PinpressError(f"build: a table cannot hold {shown(value)}: give lengths, angles, masses or moments of inertia")
 
 
-def _length_of(name: object) -> float:
-    """The unit of length that a table names [m]; 1 without a unit, which is refused later."""
-    return UNITS.get(name, 1.0) if isinstance(name, str) else 1.0
-
-
-def _unit(entry: Entry) -> str:
-    name = entry.text("a unit of length")
-    if name not in UNITS:
-        entry.refuse(f"{name!r} is not a unit of length here{suggestion(name, UNITS)}", f"write one of {', '.join(UNITS)}")
-    return name
-
-
-def _parts(items: Mapping[str, Entry], pins: Mapping[str, Pin], links: tuple[Link, ...], parameters: Mapping[str, float]) -> Parts:
+def _parts(items: Mapping[str, Entry], pins: Mapping[str, Pin], links: tuple[Link, ...], numbers: Numbers) -> Parts:
     if isinstance(items["frame"].value, Mapping):
         items["frame"].refuse("keys with values", "the pins fixed in the frame stand here, frame: A D; mass and mounts go into foundation")
     frame = tuple(items["frame"].names("names of pins, separated by blanks"))
@@ -423,29 +360,21 @@ def _parts(items: Mapping[str, Entry], pins: Mapping[str, Pin], links: tuple[Lin
         if name not in pins:
             items["frame"].refuse(f"no pin {name}{suggestion(name, pins)}", f"name some of {', '.join(pins)}")
     drivers = tuple(items["drive"].names("the pin that is driven"))
-    gears = (
-        {name: _gear(entry, parameters) for name, entry in items["gears"].items("gears: {V: -2 * O}").items()} if "gears" in items else {}
-    )
-    return Parts(pins, links, frame, drivers, gears)
+    gears = items["gears"].items("gears: {V: -2 * O}") if "gears" in items else {}
+    return Parts(pins, links, frame, drivers, {name: _gear(entry, numbers.parameters) for name, entry in gears.items()})
 
 
 def _gear(entry: Entry, parameters: Mapping[str, float]) -> tuple[str, float]:
     """The bearing that a geared bearing follows, and the ratio; the formula is proportional to one bearing."""
-    text = entry.text("a formula of one bearing, such as -2 * O")
-    words = [
-        word for word in re.findall(r"[A-Za-z_]\w*", text) if word not in parameters and word not in CONSTANTS and word not in FUNCTIONS
-    ]
-    if len(set(words)) != 1:
-        entry.refuse(f"{text!r} has {len(set(words))} bearings", "write a formula of one bearing, such as -2 * O")
-    once, twice, none = (formula(entry, {**parameters, words[0]: turns}) for turns in (1.0, 2.0, 0.0))
+    text, known = entry.text("a formula of one bearing, such as -2 * O"), (*parameters, *CONSTANTS, *FUNCTIONS)
+    words = {word for word in re.findall(r"[A-Za-z_]\w*", text) if word not in known}
+    if len(words) != 1:
+        entry.refuse(f"{text!r} has {len(words)} bearings", "write a formula of one bearing, such as -2 * O")
+    (leader,) = words
+    once, twice, none = (formula(entry, {**parameters, leader: turns}) for turns in (1.0, 2.0, 0.0))
     if none or not np.isclose(twice, 2 * once, rtol=1e-12) or not once:
-        entry.refuse(f"{text!r} is not proportional to {words[0]}", "write a ratio times a bearing, such as -2 * O")
-    return words[0], once
-
-
-def _size(pins: Mapping[str, Pin]) -> float:
-    """Diagonal of the box about all pins [m]."""
-    return float(np.linalg.norm(np.ptp([pin.point for pin in pins.values()], axis=0)))
+        entry.refuse(f"{text!r} is not proportional to {leader}", "write a ratio times a bearing, such as -2 * O")
+    return leader, once
 
 
 def _check_racks(items: Mapping[str, Entry], tree: Tree, size: float, unit: str) -> None:
@@ -454,31 +383,30 @@ def _check_racks(items: Mapping[str, Entry], tree: Tree, size: float, unit: str)
     for follower, (leader, ratio) in tree.gears.items():
         if (follower in guides) != (leader in guides):
             radius = abs(ratio) if follower in guides else 1 / abs(ratio)
-            if radius > LARGEST_RACK * size > 0.0:
+            if radius > 10 * size > 0.0:
                 written = items["gears"].items("gears").get(follower, items["gears"]) if "gears" in items else items["copies"]
                 guide, shaft = (follower, leader) if follower in guides else (leader, follower)
                 right = f"{radius * UNITS[unit]:.6g} m/rad for {radius:.6g} {unit}" if UNITS[unit] < 1 else "the pitch radius of a pinion"
                 written.doubt(f"{shaft} moves {guide} by {radius:.6g} m/rad: gears of guides are in m/rad, not in units: {right}")
 
 
-def _check_sizes(entry: Entry, pins: Mapping[str, Pin], unit: str) -> None:
+def _check_size(entry: Entry, pins: Mapping[str, Pin], unit: str) -> None:
     """Refuse a press that is larger than any press; warn of a press that is too small to be one."""
-    size = _size(pins)
-    said = f"the largest distance is {size / UNITS[unit]:.4g} {unit}"
-    if size > MOST:
-        entry.refuse(said, f"is it units: {'mm' if unit == 'm' else 'another'}?")
-    if 0 < size < LEAST:
-        entry.doubt(f"{said}; is it units: {'m' if unit == 'mm' else 'another'}?")
+    size = size_of(pins)
+    largest = f"the largest distance is {size / UNITS[unit]:.4g} {unit}"
+    if size > 200.0:  # [m]
+        entry.refuse(largest, f"is it units: {'mm' if unit == 'm' else 'another'}?")
+    if 0 < size < 0.02:
+        entry.doubt(f"{largest}; is it units: {'m' if unit == 'mm' else 'another'}?")
 
 
 def _check_links(links: tuple[Link, ...], pins: Mapping[str, Pin], unit: str) -> None:
     """Warn of centres of mass far outside of their links."""
-    size = _size(pins)
+    size = size_of(pins)
     for link in links:
-        if link.guide is not None:
-            continue
-        reach = max(float(np.linalg.norm(pins[name].point - link.origin)) for name in link.pins)
-        away = float(np.linalg.norm(link.centre - link.origin))
-        if away > 3 * max(reach, 0.2 * size):
-            said = f"com is {away / UNITS[unit]:.4g} {unit} from {link.pins[0]}, the link reaches {reach / UNITS[unit]:.4g}"
-            link.entry.doubt(f"{said}; to give a place in the drawing, name a point of pins")
+        if link.guide is None:
+            reach = max(float(np.linalg.norm(pins[name].point - link.origin)) for name in link.pins)
+            away = float(np.linalg.norm(link.centre - link.origin))
+            if away > 3 * max(reach, 0.2 * size):
+                far = f"com is {away / UNITS[unit]:.4g} {unit} from {link.pins[0]}, the link reaches {reach / UNITS[unit]:.4g}"
+                link.entry.doubt(f"{far}; to give a place in the drawing, name a point of pins")

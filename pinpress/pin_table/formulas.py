@@ -7,6 +7,7 @@ import math
 import operator
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 from ..common.errors import suggestion
 from .reading import Entry
@@ -37,6 +38,34 @@ _OPERATIONS: Mapping[type[ast.AST], Callable[..., float]] = {
     ast.UAdd: operator.pos,
     ast.USub: operator.neg,
 }
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """How the numbers of a table are read.
+
+    Attributes:
+        parameters: name -> value.
+        unit: the table's unit of length [m].
+    """
+
+    parameters: Mapping[str, float]
+    unit: float
+
+    def number(self, entry: Entry) -> float:
+        """A plain number or the value of a formula, as `number` reads it."""
+        return number(entry, self.parameters)
+
+    def above_zero(self, entry: Entry, what: str) -> float:
+        """A number above zero; messages call it ``what``."""
+        value = self.number(entry)
+        if value <= 0:
+            entry.refuse(f"{what} of {value:.6g}", "write a value above zero")
+        return value
+
+    def length(self, entry: Entry) -> float:
+        """A length of any sign [m]."""
+        return self.number(entry) * self.unit
 
 
 def parameters_of(table: Mapping[str, Entry]) -> dict[str, float]:
@@ -81,13 +110,12 @@ def formula(entry: Entry, names: Mapping[str, float]) -> float:
     try:
         return _value(ast.parse(text, mode="eval").body, names)
     except (SyntaxError, ValueError, TypeError) as error:
-        entry.refuse(f"{text!r} is not a number{_reason(error)}", _remedy(text))
+        reason = " (out of a function's range)" if "domain" in str(error) else ""
+        entry.refuse(f"{text!r} is not a number{reason}", _remedy(text))
     except _UnknownNameError as error:
-        known = [*names, *CONSTANTS, *FUNCTIONS]
-        entry.refuse(
-            f"{error.args[0]!r} in {text!r} is not a parameter{suggestion(error.args[0], known)}",
-            f"add it to parameters ({'now ' + ', '.join(names) if names else 'now empty'})",
-        )
+        meant = suggestion(error.args[0], [*names, *CONSTANTS, *FUNCTIONS])
+        remedy = f"add it to parameters ({'now ' + ', '.join(names) if names else 'now empty'})"
+        entry.refuse(f"{error.args[0]!r} in {text!r} is not a parameter{meant}", remedy)
     except (ZeroDivisionError, OverflowError, RecursionError, MemoryError):
         entry.refuse(f"{text!r} has no finite value", "write a formula with a finite value")
 
@@ -106,10 +134,6 @@ def _remedy(text: str) -> str:
     if re.fullmatch(r"[-+.\deE]+\s*[^\W\d_][^\s(]*|[-+.\deE]+\s*[°%\"]", text):
         return "leave the unit out: lengths are in the table's units, angles in degrees, masses in kg, moments of inertia in kg m2"
     return "write a number, or a formula such as 2 * r + 10"
-
-
-def _reason(error: Exception) -> str:
-    return " (out of a function's range)" if "domain" in str(error) else ""
 
 
 def _value(node: ast.expr, names: Mapping[str, float]) -> float:

@@ -7,15 +7,16 @@ slide, of a link with one pin and of a link with pins in space are parallel to t
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ..common.errors import suggestion
 from ..common.quantities import Array
-from .formulas import number
-from .placement import ALIKE, AXES, SIDES, Pin, refuse_unless_a_word
+from .formulas import Numbers
+from .placement import ALIKE, SIDES, Pin, refuse_unless_a_word, signed_axis
 from .reading import Entry
 
 FRAME = "frame"
@@ -24,7 +25,6 @@ LIGHTEST, HEAVIEST = 25.0, 25e3  # densities of solid parts, from foam to beyond
 DENSEST = 1e7  # hundreds of times the density of any metal: a mass above this is probably not in kg [kg/m3]
 MASSLESS = 1e-6  # mass of a link without a given mass if the table has ``masses: none`` [kg]
 SLENDER = 1 / 10  # thickness / length of a rod of which only the mass is given
-FAR_BESIDE = 1 / 4  # distance of a centre of mass from a rod's line / length of the rod: more is probably a mistake
 WAYS = "up, down, left, right, an angle, or two points"  # of a guide
 KEYS = ("pins", "guide", "travel", "mass", "com", "inertia", "gyration", "section", "overhang", "box", "disc", "density", "parts", "note")
 PART_KEYS = ("mass", "disc", "box", "density", "at", "inertia", "note")
@@ -83,63 +83,61 @@ class Link:
     entry: Entry
 
 
-@dataclass(frozen=True, eq=False)
-class _Solid:
+class _Solid(NamedTuple):
     """A plain body.
 
     Attributes:
-        kind: "box" or "disc" (a cylinder about y).
-        size: (3,) lengths of the box along its axes, or (2,) radius and thickness of the disc [m].
-        centre: (3,) world coordinates.
-        rotation: (3, 3) its axes in the world.
+        volume: [m3].
+        centre: (3,) world coordinates [m].
+        axes: (3, 3) its principal axes in the world.
+        gyration: (3,) squares of its radii of gyration about these axes [m2].
     """
 
-    kind: str
-    size: tuple[float, ...]
+    volume: float
     centre: Array
-    rotation: Array
+    axes: Array
+    gyration: Array
+
+    def inertia(self, mass: float) -> Array:
+        """Moments of inertia (3, 3) about the centre, world axes [kg m2]."""
+        return np.asarray(self.axes @ np.diag(self.gyration * mass) @ self.axes.T)
 
 
-@dataclass(frozen=True, eq=False)
-class _Body:
-    """A mass, in world coordinates.
-
-    Attributes:
-        mass: [kg].
-        centre: (3,) centre of mass [m].
-        inertia: (3, 3) about the centre of mass, world axes [kg m2].
-    """
+class _Body(NamedTuple):
+    """A mass [kg] with its centre (3,) [m] and the inertia (3, 3) about it [kg m2], in world coordinates."""
 
     mass: float
     centre: Array
     inertia: Array
 
     def about(self, point: Array) -> Array:
-        """The inertia about a point."""
-        return self.inertia + _offset(self.mass, self.centre - point)
+        """The inertia about a point, by Steiner's rule."""
+        lever = self.centre - point
+        return self.inertia + self.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
 
 
-def read_links(table: Mapping[str, Entry], pins: Mapping[str, Pin], parameters: Mapping[str, float], unit: float) -> tuple[Link, ...]:
+def read_links(table: Mapping[str, Entry], pins: Mapping[str, Pin], numbers: Numbers) -> tuple[Link, ...]:
     """Read the links of a table, in the table's order.
 
     Args:
         table: key -> entry of the table.
         pins: pin name -> pin in its place.
-        parameters: parameter name -> value.
-        unit: the table's unit of length [m].
+        numbers: reads the table's numbers.
 
     Raises:
         PinTableError: an entry of a link has a wrong key or value.
     """
-    reader = _Reader(table, pins, parameters, unit)
+    reader = _Reader(table, pins, numbers)
     return tuple(reader.link(name, entry) for name, entry in reader.items.items())
 
 
 class _Reader:
-    def __init__(self, table: Mapping[str, Entry], pins: Mapping[str, Pin], parameters: Mapping[str, float], unit: float) -> None:
+    def __init__(self, table: Mapping[str, Entry], pins: Mapping[str, Pin], numbers: Numbers) -> None:
         self.items = table["links"].items("links by their names: {crank: {pins: A B, mass: 20}}")
-        self.pins, self.parameters, self.unit = pins, parameters, unit
-        self.without = "masses" in table and self._without(table["masses"])
+        self.pins, self.numbers = pins, numbers
+        if "masses" in table and table["masses"].value not in ("none", "all"):
+            table["masses"].refuse(f"{table['masses'].value!r}", "write masses: none, or leave it out")
+        self.without = "masses" in table and table["masses"].value == "none"
         self.density = self.density_of(table, STEEL)
         self.carried: dict[str, list[str]] = {}
         for name, entry in self.items.items():
@@ -159,17 +157,9 @@ class _Reader:
             if guide is None:
                 items["travel"].refuse(f"{name} has no guide", "say where it slides: guide: up")
             guide = replace(guide, travel=self._travel(items["travel"]))
-        origin = self.pins[pins[0]].point
-        rotation = self._rotation(pins, guide)
-        space = _Space(self, name, pins, guide, origin, rotation)
-        body, estimates = _Masses(space, items, entry).found()
-        inertia_given = "inertia" in items or "gyration" in items
-        return Link(name, tuple(pins), guide, body.mass, body.centre, body.inertia, origin, rotation, estimates, inertia_given, entry)
-
-    def _without(self, entry: Entry) -> bool:
-        if entry.value not in ("none", "all"):
-            entry.refuse(f"{entry.value!r}", "write masses: none, or leave it out")
-        return entry.value == "none"
+        masses = _Masses(self, items, entry, pins, guide)
+        body, origin, axes = masses.body(), masses.points[0], masses.rotation
+        return Link(name, tuple(pins), guide, *body, origin, axes, tuple(masses.estimates), masses.inertia_given, entry)
 
     def _pins(self, items: Mapping[str, Entry], entry: Entry) -> list[str]:
         if "pins" not in items:
@@ -182,14 +172,14 @@ class _Reader:
             items["pins"].refuse("a pin is named twice", "name every pin of the link once")
         return names
 
-    def _rotation(self, pins: Sequence[str], guide: Guide | None) -> Array:
+    def rotation(self, pins: Sequence[str], guide: Guide | None) -> Array:
         """Axes of a link: parallel to the world's, or with x along its guide, or from its first pin to the next pin at another point."""
-        points = [self.pins[name].point for name in pins]
+        first, *others = (self.pins[name].point for name in pins)
         if any(self.pins[name].in_space for name in pins) or (guide is not None and guide.carrier == FRAME):
             return np.eye(3)
         if guide is not None:
             return axes_along(guide.direction)
-        apart = next((p - points[0] for p in points[1:] if np.linalg.norm((p - points[0])[[0, 2]]) > 0), None)
+        apart = next((point - first for point in others if np.linalg.norm((point - first)[[0, 2]]) > 0), None)
         return np.eye(3) if apart is None else axes_along(apart)
 
     def _guide(self, link: str, entry: Entry) -> Guide:
@@ -221,11 +211,10 @@ class _Reader:
         parts = entry.list("how far it slides from the drawn pose, lowest and highest: [-180, 120]")
         if len(parts) != 2:
             entry.refuse(f"{len(parts)} numbers", "write the lowest and the highest, from the drawn pose: [-180, 120]")
-        lower, upper = (number(part, self.parameters) * self.unit for part in parts)
+        lower, upper = (self.numbers.length(part) for part in parts)
         if not (lower <= 0.0 <= upper and lower < upper):
-            entry.refuse(
-                f"it slides from {parts[0].value} to {parts[1].value}", "count from the drawn pose, which is 0: [0 or less, 0 or more]"
-            )
+            problem = f"it slides from {parts[0].value} to {parts[1].value}"
+            entry.refuse(problem, "count from the drawn pose, which is 0: [0 or less, 0 or more]")
         return lower, upper
 
     def _carrier(self, link: str, entry: Entry, start: str, end: str) -> str:
@@ -239,151 +228,106 @@ class _Reader:
         if word in SIDES:
             x, z = SIDES[word]
             return np.array([x, 0.0, z])
-        if word.lstrip("-") in AXES and word.count("-") < 2:
-            return np.array(AXES[word.lstrip("-")]) * (-1.0 if word.startswith("-") else 1.0)
+        if (axis := signed_axis(word)) is not None:
+            return axis
         if word in self.pins:
             entry.refuse(f"the guide has one point, {word}", f"write {WAYS}")
-        if word.isidentifier() and word not in self.parameters:
-            entry.refuse(f"no direction {word!r}{suggestion(word, (*SIDES, *self.parameters))}", f"write {WAYS}")
-        angle = np.radians(number(replace(entry, value=word), self.parameters))
+        if word.isidentifier() and word not in self.numbers.parameters:
+            entry.refuse(f"no direction {word!r}{suggestion(word, (*SIDES, *self.numbers.parameters))}", f"write {WAYS}")
+        angle = np.radians(self.numbers.number(replace(entry, value=word)))
         return np.array([np.cos(angle), 0.0, np.sin(angle)])
-
-    def above_zero(self, entry: Entry, what: str) -> float:
-        """Read a number above zero; messages call it ``what``."""
-        value = number(entry, self.parameters)
-        if value <= 0:
-            entry.refuse(f"{what} of {value:.6g}", "write a value above zero")
-        return value
 
     def density_of(self, items: Mapping[str, Entry], otherwise: float) -> float:
         """The density among keys [kg/m3], or ``otherwise`` if they have no density. Warns if no part of a press has this density."""
         if "density" not in items:
             return otherwise
-        value = self.above_zero(items["density"], "a density")
+        value = self.numbers.above_zero(items["density"], "a density")
         if not LIGHTEST <= value <= HEAVIEST:
             items["density"].doubt(f"{value:.6g} kg/m3 is not the density of a solid part: write it in kg/m3, {STEEL:g} for steel")
         return value
 
 
-@dataclass(frozen=True, eq=False)
-class _Space:
-    """Pins, guide and axes that the masses of a link are placed by.
-
-    Attributes:
-        reader: of all links.
-        name: of the link.
-        pins: names of its pins.
-        guide: None where it has none.
-        origin: (3,) its first pin [m].
-        rotation: (3, 3) its own axes in the world.
-    """
-
-    reader: _Reader
-    name: str
-    pins: Sequence[str]
-    guide: Guide | None
-    origin: Array
-    rotation: Array
-
-    def points(self) -> list[Array]:
-        """Places of its pins."""
-        return [self.reader.pins[name].point for name in self.pins]
-
-    def is_spatial(self) -> bool:
-        """Whether a pin is in space, so that all moments of inertia have an effect."""
-        return any(self.reader.pins[name].in_space for name in self.pins)
-
-    def place(self, entry: Entry) -> Array:
-        """World coordinates of a pin, or of a point in the link's coordinates."""
-        return place_of(entry, self.reader.pins, self.reader.parameters, self.reader.unit, self.origin, self.rotation)
-
-    def length(self, entry: Entry, what: str) -> float:
-        """A length above zero [m]."""
-        return self.reader.above_zero(entry, what) * self.reader.unit
-
-    def lengths(self, entry: Entry, what: str, count: int) -> tuple[float, ...]:
-        """Lengths written with x between them [m]."""
-        if isinstance(entry.value, tuple):
-            parts: Sequence[Entry] = entry.value
-        else:
-            parts = [replace(entry, value=part) for part in re.split(r"\s+[x×]\s+|(?<=\d)[x×](?=\d)", entry.text(what))]
-        if len(parts) != count:
-            entry.refuse(f"{len(parts)} lengths", f"write {what}")
-        return tuple(self.length(part, "a length") for part in parts)
-
-
 class _Masses:
-    """Mass, centre of mass and inertia of a link, given or estimated."""
+    """Mass, centre of mass and inertia of a link, given or estimated, with descriptions of the ``estimates``."""
 
-    def __init__(self, space: _Space, items: Mapping[str, Entry], entry: Entry) -> None:
-        self.space, self.items, self.entry = space, items, entry
+    def __init__(self, reader: _Reader, items: Mapping[str, Entry], entry: Entry, pins: Sequence[str], guide: Guide | None) -> None:
+        self.reader, self.numbers = reader, reader.numbers
+        self.items, self.entry, self.pins = items, entry, pins
+        self.points = [reader.pins[name].point for name in pins]
+        self.rotation = reader.rotation(pins, guide)
+        self.is_rod_or_plate = guide is None and len(pins) > 1
+        self.inertia_given = "inertia" in items or "gyration" in items
         self.estimates: list[str] = []
 
-    def found(self) -> tuple[_Body, tuple[str, ...]]:
-        """The link's body, and what of it is estimated."""
-        given = [key for key in SOLIDS if key in self.items]
-        if len(given) > 1:
-            self.items[given[1]].refuse(f"{' and '.join(given)}", "give one of them; weld others on as parts")
+    def body(self) -> _Body:
+        """The link with the parts that are welded on."""
+        solids = [key for key in SOLIDS if key in self.items]
+        if len(solids) > 1:
+            self.items[solids[1]].refuse(f"{' and '.join(solids)}", "give one of them; weld others on as parts")
         if "overhang" in self.items and "section" not in self.items:
             self.items["overhang"].refuse("an overhang without a section", "give section: height x width")
         if "inertia" in self.items and "gyration" in self.items:
             self.items["gyration"].refuse("inertia and gyration", "give one of them")
-        if given:
-            body = self._of_solid(given[0])
+        if solids:
+            body = self._of_solid(solids[0])
         elif "mass" in self.items:
             body = self._of_mass()
-        elif self.space.reader.without:
+        elif self.reader.without:
             body = self._weightless()
         else:
             self.entry.refuse("no mass", "give mass, section, box or disc; or say masses: none at the top")
-        return _sum([body, *(self._part(each) for each in self._parts())]), tuple(self.estimates)
+        if "parts" not in self.items:
+            return body
+        bodies = [body, *(self._part(each) for each in self.items["parts"].list("parts: [{mass: 20, at: A}]"))]
+        mass = sum(each.mass for each in bodies)
+        centre = sum((each.mass * each.centre for each in bodies), np.zeros(3)) / mass
+        return _Body(mass, centre, sum((each.about(centre) for each in bodies), np.zeros((3, 3))))
 
     def _weightless(self) -> _Body:
         """A link without a given mass, in a table with ``masses: none``."""
         if idle := next((key for key in OF_MASS if key in self.items), None):
             self.items[idle].refuse(f"{idle} of a link without mass", "give its mass")
         self.estimates.append(f"a mass of {1e6 * MASSLESS:g} mg, as masses: none says")
-        points = self.space.points()
-        centre = np.mean(points, axis=0)
-        size = max((float(np.linalg.norm(p - centre)) for p in points), default=0.0) or 0.1
+        centre = np.mean(self.points, axis=0)
+        size = max(float(np.linalg.norm(point - centre)) for point in self.points) or 0.1
         return _Body(MASSLESS, centre, MASSLESS * size**2 * np.eye(3))
 
     def _of_mass(self) -> _Body:
-        mass = self.space.reader.above_zero(self.items["mass"], "a mass")
+        mass = self.numbers.above_zero(self.items["mass"], "a mass")
         centre, inertia, words = self._estimated(mass)
-        if not (words.startswith("a cube") and "inertia" not in self.items and "gyration" not in self.items):
+        if self.inertia_given or not words.startswith("a cube"):
             self._doubt_density(self.items)
         if "com" in self.items:
-            centre = self.space.place(self.items["com"])
-        if "inertia" in self.items or "gyration" in self.items:
+            centre = self._place(self.items["com"])
+        if self.inertia_given:
             if "com" not in self.items:
                 self.estimates.append(f"centre of mass {self._middle()}")
             return _Body(mass, centre, self._inertia(mass, centre))
         self._check_beside(centre)
-        if len(self.space.pins) > 1 and self.space.guide is None:
-            self._doubt_mass(mass, float(np.ptp(self.space.points(), axis=0).max()) ** 3)
+        if self.is_rod_or_plate:
+            self._doubt_mass(mass, float(np.ptp(self.points, axis=0).max()) ** 3)
         self.estimates.append(f"moments of inertia of {words}" + ("" if "com" in self.items else ", whose centre is taken too"))
         return _Body(mass, centre, inertia)
 
     def _middle(self) -> str:
         """Description of the assumed centre of mass."""
-        pins, points = self.space.pins, _apart(self.space.points())
-        if self.space.guide is not None or len(pins) == 1:
-            return f"at {pins[0]}"
-        if len(points) > 2:
+        if not self.is_rod_or_plate:
+            return f"at {self.pins[0]}"
+        apart = _apart(self.points)
+        if len(apart) > 2:
             return "of a flat plate with its corners at the pins"
-        ends = [name for name, place in zip(pins, self.space.points(), strict=True) if any(place is each for each in points)]
+        ends = [name for name, place in zip(self.pins, self.points, strict=True) if any(place is each for each in apart)]
         return f"half-way from {ends[0]} to {ends[1]}"
 
     def _check_beside(self, centre: Array) -> None:
         """Warn of a centre of mass far from the line of a rod: it is probably given in world coordinates, not in the link's."""
-        if "com" not in self.items or isinstance(self.items["com"].value, str) or len(self.space.pins) != 2 or self.space.guide is not None:
+        if "com" not in self.items or isinstance(self.items["com"].value, str) or len(self.pins) != 2 or not self.is_rod_or_plate:
             return
-        start, end = self.space.points()
-        along = (end - start) / np.linalg.norm(end - start)
-        away = centre - start
-        if np.linalg.norm(away - (away @ along) * along) > FAR_BESIDE * np.linalg.norm(end - start):
-            a, b = self.space.pins
+        start, end = self.points
+        length = np.linalg.norm(end - start)
+        along, away = (end - start) / length, centre - start
+        if np.linalg.norm(away - (away @ along) * along) > length / 4:
+            a, b = self.pins
             self.items["com"].doubt(
                 f"it is far from the line {a} {b} of a link that counts as a rod; com is in the link's axes, "
                 f"x from {a} to {b}: name a point of pins for a place in the drawing, or give inertia too"
@@ -391,26 +335,22 @@ class _Masses:
 
     def _estimated(self, mass: float) -> tuple[Array, Array, str]:
         """Centre of mass and inertia of a cube, rod or plate with the link's pins. Pins at one point count once."""
-        points = _apart(self.space.points())
-        own_given = "inertia" in self.items or "gyration" in self.items
-        if self.space.guide is not None or len(self.space.pins) == 1:
-            density = self.space.reader.density_of(self.items, self.space.reader.density)
+        points = _apart(self.points)
+        if not self.is_rod_or_plate:
+            density = self.reader.density_of(self.items, self.reader.density)
             side = (mass / density) ** (1 / 3)
             of = "steel" if density == STEEL else f"{density:g} kg/m3"
             return points[0], mass * side**2 / 6 * np.eye(3), f"a cube of {of}, {side:.3g} m wide"
         if len(points) == 1:
-            self.items["pins"].refuse(f"{' and '.join(self.space.pins)} are one point: a rod of length zero", "move one")
+            self.items["pins"].refuse(f"{' and '.join(self.pins)} are one point: a rod of length zero", "move one")
         if len(points) == 2:
             way = points[1] - points[0]
             length = float(np.linalg.norm(way))
             along = np.outer(way, way) / length**2
             thick = (SLENDER * length) ** 2 / 6
-            return (
-                (points[0] + points[1]) / 2,
-                mass * (length**2 / 12 * (np.eye(3) - along) + thick * along),
-                f"a uniform rod, {length:.4g} m long",
-            )
-        if own_given and "com" in self.items:
+            inertia = mass * (length**2 / 12 * (np.eye(3) - along) + thick * along)
+            return (points[0] + points[1]) / 2, inertia, f"a uniform rod, {length:.4g} m long"
+        if self.inertia_given and "com" in self.items:
             return points[0], np.zeros((3, 3)), ""
         return (*self._plate(mass, points), "a flat plate with its corners at the pins")
 
@@ -423,12 +363,7 @@ class _Masses:
         centroid = ((corners + following) * cross[:, None]).sum(axis=0) / (6 * area)
         a, b = corners - centroid, following - centroid
         cross = a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]
-        squares = np.array(
-            [
-                [(cross * (a[:, i] * a[:, j] + b[:, i] * b[:, j] + (a[:, i] + b[:, i]) * (a[:, j] + b[:, j]))).sum() / 24 for j in (0, 1)]
-                for i in (0, 1)
-            ]
-        )
+        squares = sum(np.einsum("n,ni,nj->ij", cross, side, side) for side in (a, b, a + b)) / 24
         second = np.zeros((3, 3))
         second[np.ix_([0, 2], [0, 2])] = squares * mass / area
         return np.array([centroid[0], points[0][1], centroid[1]]), np.trace(second) * np.eye(3) - second
@@ -448,63 +383,55 @@ class _Masses:
     def _inertia(self, mass: float, centre: Array) -> Array:
         """Read the inertia: about the centre of mass or a pin, by a radius of gyration, or as three moments."""
         if "gyration" in self.items:
-            return self._about_normal(mass * self.space.length(self.items["gyration"], "a radius of gyration") ** 2)
+            return _about_normal(mass * self._length(self.items["gyration"], "a radius of gyration") ** 2)
         return self._given_inertia(self.items["inertia"], mass, centre)
 
     def _given_inertia(self, entry: Entry, mass: float, centre: Array) -> Array:
         if isinstance(entry.value, tuple):
             if len(entry.value) != 3:
                 entry.refuse(f"{len(entry.value)} moments of inertia", "give one, about the normal, or three: [Ixx, Iyy, Izz]")
-            moments = np.array([number(each, self.space.reader.parameters) for each in entry.value])
+            moments = np.array([self.numbers.number(each) for each in entry.value])
             if not (np.all(moments > 0) and moments.max() <= moments.sum() - moments.max()):
                 entry.refuse("no body has these moments of inertia", "give three above zero, none larger than the other two together")
-            return np.asarray(self.space.rotation @ np.diag(moments) @ self.space.rotation.T)
+            return np.asarray(self.rotation @ np.diag(moments) @ self.rotation.T)
         if isinstance(entry.value, Mapping):
             if len(entry.value) != 1:
                 entry.refuse("an inertia about several points", "give it about one: {O: 0.289}")
             ((name, each),) = entry.value.items()
-            pin = self.space.place(replace(each, value=name))
-            about = number(each, self.space.reader.parameters)
-            distance = float(np.linalg.norm((pin - centre)[[0, 2]]))
+            distance = float(np.linalg.norm((self._place(replace(each, value=name)) - centre)[[0, 2]]))
+            about = self.numbers.number(each)
             if about <= mass * distance**2:
                 problem = f"{about:.6g} kg m2 about {name} is less than m d2 = {mass * distance**2:.6g} kg m2 of its mass alone"
                 each.refuse(problem, f"give it in kg m2; if it is about the centre of mass write inertia: {about:.6g}")
-            return self._about_normal(about - mass * distance**2)
-        value = self.space.reader.above_zero(entry, "a moment of inertia")
-        if self.space.is_spatial():
+            return _about_normal(about - mass * distance**2)
+        value = self.numbers.above_zero(entry, "a moment of inertia")
+        if any(self.reader.pins[name].in_space for name in self.pins):
             entry.refuse("one moment of inertia of a link in space", "give three: [Ixx, Iyy, Izz]")
-        return self._about_normal(value)
-
-    def _about_normal(self, moment: float) -> Array:
-        return moment * np.diag([0.5, 1.0, 0.5])
+        return _about_normal(value)
 
     def _of_solid(self, kind: str) -> _Body:
         """A prism between the first two pins, a box or a disc."""
-        entry, space = self.items[kind], self.space
-        if kind == "section":
-            solid = self._prism(entry)
-        else:
-            centre = space.place(self.items["com"]) if "com" in self.items else space.points()[0]
-            solid = self._solid(kind, entry, centre)
-        density = space.reader.density_of(self.items, space.reader.density)
-        mass = space.reader.above_zero(self.items["mass"], "a mass") if "mass" in self.items else density * _volume(solid)
-        self._doubt_mass(mass, _volume(solid))
-        centre = space.place(self.items["com"]) if "com" in self.items else solid.centre
-        inertia_given = "inertia" in self.items or "gyration" in self.items
+        centre = self._place(self.items["com"]) if "com" in self.items else None
+        solid = self._prism() if kind == "section" else self._solid(kind, self.items, self.points[0] if centre is None else centre)
+        density = self.reader.density_of(self.items, self.reader.density)
         if "mass" in self.items:
+            mass = self.numbers.above_zero(self.items["mass"], "a mass")
+            self._doubt_mass(mass, solid.volume)
             self._doubt_density(self.items)
-        elif inertia_given:
-            self.estimates.append(f"mass of its {kind} of {density:g} kg/m3, {mass:.4g} kg; its moment of inertia is given")
-        if not inertia_given and "mass" in self.items:
-            self.estimates.append(f"moments of inertia of its {kind}, with the mass that is given")
-        if not inertia_given and "com" in self.items and kind == "section":
+            if not self.inertia_given:
+                self.estimates.append(f"moments of inertia of its {kind}, with the mass that is given")
+        else:
+            mass = density * solid.volume
+            if self.inertia_given:
+                self.estimates.append(f"mass of its {kind} of {density:g} kg/m3, {mass:.4g} kg; its moment of inertia is given")
+        if not self.inertia_given and centre is not None and kind == "section":
             self.estimates.append("moments of inertia of its section about its middle, taken about com")
-        inertia = self._inertia(mass, centre) if inertia_given else _inertia_of(solid, mass)
-        return _Body(mass, centre, inertia)
+        centre = solid.centre if centre is None else centre
+        return _Body(mass, centre, self._inertia(mass, centre) if self.inertia_given else solid.inertia(mass))
 
     def _doubt_mass(self, mass: float, volume: float) -> None:
         """Warn of a mass that is probably not in kg; the link fills at most this volume [m3]."""
-        if "mass" in self.items and mass > DENSEST * volume:
+        if mass > DENSEST * volume:
             self.items["mass"].doubt(
                 f"{mass:.6g} kg in {volume:.3g} m3: no material is that dense. Write kg, and check that units is the drawing's unit"
             )
@@ -514,63 +441,72 @@ class _Masses:
         if "density" in items:
             items["density"].doubt("density has no effect, because the mass is given: leave out one of them")
 
-    def _prism(self, entry: Entry) -> _Solid:
-        height, width = self.space.lengths(entry, "section: height x width", 2)
-        points = self.space.points()
-        if len(points) < 2:
+    def _prism(self) -> _Solid:
+        entry = self.items["section"]
+        height, width = self._lengths(entry, "section: height x width", 2)
+        if len(self.points) < 2:
             entry.refuse("a section of a link with one pin", "give box or disc, or another pin")
-        way = points[1] - points[0]
-        length = float(np.linalg.norm(way))
+        start, end = self.points[:2]
+        length = float(np.linalg.norm(end - start))
         if not length > 0:
-            self.items["pins"].refuse(f"{self.space.pins[0]} and {self.space.pins[1]} are one point: a rod of length zero", "move one")
-        beyond = number(self.items["overhang"], self.space.reader.parameters) * self.space.reader.unit if "overhang" in self.items else 0.0
-        if length + 2 * beyond <= 0:
+            self.items["pins"].refuse(f"{self.pins[0]} and {self.pins[1]} are one point: a rod of length zero", "move one")
+        whole = length + 2 * self.numbers.length(self.items["overhang"]) if "overhang" in self.items else length
+        if whole <= 0:
             self.items["overhang"].refuse("nothing is left of the link", "write a larger overhang")
-        return _Solid("box", (length + 2 * beyond, width, height), (points[0] + points[1]) / 2, axes_along(way))
+        return _box((whole, width, height), (start + end) / 2, axes_along(end - start))
 
-    def _solid(self, kind: str, entry: Entry, centre: Array) -> _Solid:
+    def _solid(self, kind: str, items: Mapping[str, Entry], centre: Array) -> _Solid:
         if kind == "box":
-            return _Solid("box", self.space.lengths(entry, "box: length x width x height", 3), centre, self.space.rotation)
-        return _Solid("disc", self.space.lengths(entry, "disc: radius x thickness", 2), centre, self.space.rotation)
-
-    def _parts(self) -> Iterator[Entry]:
-        yield from self.items["parts"].list("parts: [{mass: 20, at: A}]") if "parts" in self.items else ()
+            return _box(self._lengths(items["box"], "box: length x width x height", 3), centre, self.rotation)
+        radius, thickness = self._lengths(items["disc"], "disc: radius x thickness", 2)
+        across = (3 * radius**2 + thickness**2) / 12  # it turns about y
+        return _Solid(float(np.pi * radius**2 * thickness), centre, self.rotation, np.array([across, radius**2 / 2, across]))
 
     def _part(self, entry: Entry) -> _Body:
         """A body that is welded on: a point mass, a disc or a box."""
-        items, space = entry.known(PART_KEYS, "a part"), self.space
+        items = entry.known(PART_KEYS, "a part")
         kinds = [key for key in ("disc", "box") if key in items]
         if len(kinds) > 1 or not (kinds or "mass" in items):
             entry.refuse("a part without mass" if not kinds else "a disc and a box", "give mass, disc or box")
-        centre = space.place(items["at"]) if "at" in items else space.points()[0]
-        mass = space.reader.above_zero(items["mass"], "a mass") if "mass" in items else 0.0
+        centre = self._place(items["at"]) if "at" in items else self.points[0]
+        mass = self.numbers.above_zero(items["mass"], "a mass") if "mass" in items else 0.0
         inertia = np.zeros((3, 3))
         if kinds:
-            solid = self._solid(kinds[0], items[kinds[0]], centre)
-            density = space.reader.density_of(items, space.reader.density)
-            mass = mass or density * _volume(solid)
-            inertia = _inertia_of(solid, mass)
+            solid = self._solid(kinds[0], items, centre)
+            mass = mass or self.reader.density_of(items, self.reader.density) * solid.volume
+            inertia = solid.inertia(mass)
         if "mass" in items:
             self._doubt_density(items)
         if "inertia" in items:
             inertia = self._given_inertia(items["inertia"], mass, centre)
         return _Body(mass, centre, inertia)
 
+    def _place(self, entry: Entry) -> Array:
+        """World coordinates of a pin, or of a point in the link's coordinates."""
+        return place_of(entry, self.reader.pins, self.numbers, self.points[0], self.rotation)
 
-def _apart(points: Sequence[Array]) -> list[Array]:
-    """The points without duplicates."""
-    size = float(np.ptp(points, axis=0).max())
-    return [p for k, p in enumerate(points) if all(np.abs(p - other).max() > ALIKE * size for other in points[:k])]
+    def _length(self, entry: Entry, what: str) -> float:
+        """A length above zero [m]."""
+        return self.numbers.above_zero(entry, what) * self.numbers.unit
+
+    def _lengths(self, entry: Entry, what: str, count: int) -> tuple[float, ...]:
+        """Lengths above zero, written with x between them or as a list [m]."""
+        if isinstance(entry.value, tuple):
+            parts: Sequence[Entry] = entry.value
+        else:
+            parts = [replace(entry, value=part) for part in re.split(r"\s+[x×]\s+|(?<=\d)[x×](?=\d)", entry.text(what))]
+        if len(parts) != count:
+            entry.refuse(f"{len(parts)} lengths", f"write {what}")
+        return tuple(self._length(part, "a length") for part in parts)
 
 
-def place_of(entry: Entry, pins: Mapping[str, Pin], parameters: Mapping[str, float], unit: float, origin: Array, rotation: Array) -> Array:
+def place_of(entry: Entry, pins: Mapping[str, Pin], numbers: Numbers, origin: Array, rotation: Array) -> Array:
     """Read a pin, or a point in a link's coordinates: world coordinates (3,) [m].
 
     Args:
         entry: name of the pin, or coordinates of the point.
         pins: pin name -> pin in its place.
-        parameters: parameter name -> value.
-        unit: the table's unit of length [m].
+        numbers: reads the table's numbers.
         origin: (3,) origin of the link's coordinates in the world [m].
         rotation: (3, 3) axes of the link in the world.
 
@@ -585,13 +521,13 @@ def place_of(entry: Entry, pins: Mapping[str, Pin], parameters: Mapping[str, flo
         return pins[name].point
     if isinstance(entry.value, Mapping):
         items = entry.known(("x", "y", "z"), "a point in space")
-        own = np.array([number(items[key], parameters) if key in items else 0.0 for key in "xyz"])
+        own = np.array([numbers.length(items[key]) if key in items else 0.0 for key in "xyz"])
     else:
         values = entry.list("a pin, or [x, z] from the first pin")
         if len(values) != 2:
             entry.refuse(f"{len(values)} numbers found; a point is [x, z]", "write decimals after a point; in space {x: , y: , z: }")
-        own = np.array([number(values[0], parameters), 0.0, number(values[1], parameters)])
-    return np.asarray(origin + rotation @ own * unit)
+        own = np.array([numbers.length(values[0]), 0.0, numbers.length(values[1])])
+    return np.asarray(origin + rotation @ own)
 
 
 def axes_along(way: Array) -> Array:
@@ -604,27 +540,18 @@ def axes_along(way: Array) -> Array:
     return np.stack([x, y, np.cross(x, y)], axis=1)
 
 
-def _offset(mass: float, lever: Array) -> Array:
-    """The term of Steiner's rule for a mass at this distance from the point."""
-    return mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+def _apart(points: Sequence[Array]) -> list[Array]:
+    """The points without duplicates."""
+    size = float(np.ptp(points, axis=0).max())
+    return [p for k, p in enumerate(points) if all(np.abs(p - other).max() > ALIKE * size for other in points[:k])]
 
 
-def _sum(bodies: Sequence[_Body]) -> _Body:
-    mass = sum(body.mass for body in bodies)
-    centre = sum((body.mass * body.centre for body in bodies), np.zeros(3)) / mass
-    return bodies[0] if len(bodies) == 1 else _Body(mass, centre, sum((body.about(centre) for body in bodies), np.zeros((3, 3))))
+def _about_normal(moment: float) -> Array:
+    """Moments of inertia of a link of which only the one about the picture's normal has an effect."""
+    return moment * np.diag([0.5, 1.0, 0.5])
 
 
-def _volume(solid: _Solid) -> float:
-    return float(np.prod(solid.size)) if solid.kind == "box" else float(np.pi * solid.size[0] ** 2 * solid.size[1])
-
-
-def _inertia_of(solid: _Solid, mass: float) -> Array:
-    if solid.kind == "box":
-        x, y, z = (length**2 for length in solid.size)
-        own = np.diag([y + z, x + z, x + y]) * mass / 12
-    else:
-        radius, thickness = solid.size
-        across = (3 * radius**2 + thickness**2) / 12
-        own = np.diag([across, radius**2 / 2, across]) * mass
-    return np.asarray(solid.rotation @ own @ solid.rotation.T)
+def _box(size: Sequence[float], centre: Array, axes: Array) -> _Solid:
+    """A box with these lengths along its axes [m]."""
+    squares = np.square(size)
+    return _Solid(float(np.prod(size)), centre, axes, (squares.sum() - squares) / 12)

@@ -46,14 +46,11 @@ def numbers_of(text: str) -> tuple[TableNumber, ...]:
     Args:
         text: text of a file that `read_table` reads.
     """
-    top = yaml.compose(text, Loader=yaml.BaseLoader)
-    found = []
-    for key, value in _items(top):
-        if key == "parameters":
-            found += [each for name, node in _items(value) for each in _plain(text, node, (key, name), "parameter")]
-        if key == "pins":
-            found += [each for name, node in _items(value) for each in _of_pin(text, node, (key, name))]
-    return tuple(sorted(found, key=lambda each: each.start))
+    numbers: list[TableNumber] = []
+    for key, value in _items(yaml.compose(text, Loader=yaml.BaseLoader)):
+        for name, node in _items(value) if key in ("parameters", "pins") else ():
+            numbers += _plain(text, node, (key, name), "parameter") if key == "parameters" else _of_pin(text, node, (key, name))
+    return tuple(sorted(numbers, key=lambda each: each.start))
 
 
 def with_numbers(table: Entry, values: Mapping[Path, float]) -> Entry:
@@ -135,10 +132,9 @@ def _with(entry: Entry, path: Path, value: str) -> Entry:
     """Replace the value at the end of a path."""
     if not path:
         return replace(entry, value=value)
-    first, rest = path[0], path[1:]
-    if isinstance(entry.value, Mapping) and first in entry.value:
-        return replace(entry, value={**entry.value, first: _with(entry.value[first], rest, value)})
-    if isinstance(entry.value, tuple) and first.isdigit() and 0 < int(first) <= len(entry.value):
-        place = int(first) - 1
-        return replace(entry, value=(*entry.value[:place], _with(entry.value[place], rest, value), *entry.value[place + 1 :]))
-    return entry.refuse(f"there is no {first}", "give the keys of a number in the table")
+    first, *rest = path
+    items = {str(k): each for k, each in enumerate(entry.value, 1)} if isinstance(entry.value, tuple) else entry.value
+    if not isinstance(items, Mapping) or first not in items:
+        entry.refuse(f"there is no {first}", "give the keys of a number in the table")
+    changed = {**items, first: _with(items[first], tuple(rest), value)}
+    return replace(entry, value=tuple(changed.values()) if isinstance(entry.value, tuple) else changed)

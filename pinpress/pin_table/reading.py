@@ -16,26 +16,18 @@ from ..linkage.loading import shipped_table
 from .templates import TEMPLATES
 
 CALL = "build(...)"  # stands for the file's name if a call gives the table or values
-MOST_BASES = 20
-USUAL_WORDS = {  # synonyms of keys, in lower case
-    "radius": "length",
-    "l": "length",
-    "len": "length",
-    "weight": "mass",
-    "m": "mass",
-    "cog": "com",
-    "centre": "com",
-    "center": "com",
-    "j": "inertia",
-    "i": "inertia",
-    "material": "density",
-    "rho": "density",
-    "slot": "guide",
-    "cylinder": "guide",
-    "driver": "drive",
-    "name": "press",
-    "unit": "units",
+SYNONYMS = {  # key -> other words that people write for it, in lower case
+    "length": "radius l len",
+    "mass": "weight m",
+    "com": "cog centre center",
+    "inertia": "j i",
+    "density": "material rho",
+    "guide": "slot cylinder",
+    "drive": "driver",
+    "press": "name",
+    "units": "unit",
 }
+USUAL_WORDS = {word: key for key, words in SYNONYMS.items() for word in words.split()}
 PIN_TABLE = FileKind(
     "pin table", PinTableError, "units, frame, pins, links and drive", USUAL_WORDS, {"pins": "separate names by blanks, as in pins: A B"}
 )
@@ -43,14 +35,9 @@ PIN_TABLE = FileKind(
 BESIDE = {  # sections of a job that may stand in a table -> levels at which they are laid over those of a base
     **dict.fromkeys(("loads", "bearings"), 2),
     **dict.fromkeys(("slide", "gravity", "zero", "speed", "points"), 0),
-    **dict.fromkeys(
-        ("motion", "motor", "flywheel", "clutch", "brake", "capacities", "elastic", "foundation", "balance", "tolerances", "servo", "run"),
-        1,
-    ),
-    **dict.fromkeys(("traces", "report", "variants"), 1),
+    **dict.fromkeys(("motion", "motor", "flywheel", "clutch", "brake", "capacities", "elastic", "foundation"), 1),
+    **dict.fromkeys(("balance", "tolerances", "servo", "run", "traces", "report", "variants"), 1),
 }
-
-MODELS = (".urdf", ".sdf", ".xml", ".mjcf")  # names of files that `load` reads
 
 
 def read_table(path: str | os.PathLike[str]) -> Entry:
@@ -61,7 +48,7 @@ def read_table(path: str | os.PathLike[str]) -> Entry:
     """
     given = path_of("path", path)
     shipped = None if os.path.exists(given) else shipped_table(given)
-    if shipped is None and given.lower().endswith(MODELS):
+    if shipped is None and given.lower().endswith((".urdf", ".sdf", ".xml", ".mjcf")):
         raise PinTableError(given, None, "", "this is not a pin table", "pp.load(path) and pinpress check read URDF, SDF and MJCF files")
     if shipped is None and not os.path.exists(given) and (name := Path(given).stem) in TEMPLATES:
         remedy = f"make one of the template of this name: pinpress new {name}.yaml --template {name}, then give {name}.yaml"
@@ -74,33 +61,18 @@ def given_table(values: Mapping[str, Any]) -> Entry:
     return given_entries(values, CALL, PIN_TABLE)
 
 
-def overlaid(below: Entry, above: Entry) -> Entry:
+def overlaid(below: Entry, above: Entry, depth: int = 0) -> Entry:
     """Lay a table over another: its pins, parameters, gears and keys of links replace those below; ``none`` removes them."""
-    return _overlaid(below, above, 0)
-
-
-def _overlaid(below: Entry, above: Entry, depth: int) -> Entry:
-    if not (isinstance(below.value, Mapping) and isinstance(above.value, Mapping)) or depth > _MERGED.get(
-        above.path[0] if above.path else "", 0
-    ):
-        return above
+    merged_levels = {"parameters": 1, "pins": 1, "links": 2, "gears": 1, **BESIDE}.get(above.path[0] if above.path else "", 0)
+    if not (isinstance(below.value, Mapping) and isinstance(above.value, Mapping)) or depth > merged_levels:
+        return above  # deeper entries are replaced as a whole
     merged = dict(below.value)
     for key, entry in above.value.items():
         if entry.value == "none" and (depth or key != "masses"):
             merged.pop(key, None)
         else:
-            merged[key] = _overlaid(merged[key], entry, depth + 1) if key in merged else entry
+            merged[key] = overlaid(merged[key], entry, depth + 1) if key in merged else entry
     return replace(above, value=merged)
-
-
-# Levels at which entries are merged; deeper ones are replaced as a whole.
-_MERGED = {
-    "parameters": 1,
-    "pins": 1,
-    "links": 2,
-    "gears": 1,
-    **BESIDE,
-}
 
 
 def _with_bases(path: Path, above: tuple[Path, ...]) -> Entry:
@@ -108,11 +80,10 @@ def _with_bases(path: Path, above: tuple[Path, ...]) -> Entry:
     if not (isinstance(table.value, Mapping) and "base" in table.value):
         return table
     base = table.value["base"]
-    if path.resolve() in above or len(above) == MOST_BASES:
+    if path.resolve() in above or len(above) == 20:
         base.refuse("the tables name each other as base", "name a base that does not lead back to this table")
     named = base.text("the file of another table, or the name of a shipped press")
-    beside = path.parent / named
-    shipped = None if os.path.exists(beside) else shipped_table(named)
-    below = _with_bases(shipped or beside, (*above, path.resolve()))
-    own = replace(table, value={key: entry for key, entry in table.value.items() if key != "base"})
-    return overlaid(below, own)
+    file = path.parent / named
+    shipped = None if os.path.exists(file) else shipped_table(named)
+    below = _with_bases(shipped or file, (*above, path.resolve()))
+    return overlaid(below, replace(table, value={key: entry for key, entry in table.value.items() if key != "base"}))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
@@ -73,14 +73,8 @@ class _Sheet:
     def link(self, link: Link, pins: Mapping[str, Pin], colour: str) -> None:
         """Draw a link as a bar or a plate, and a sliding link as a block across its guide."""
         corners = [self.at(pins[name].point[[0, 2]]) for name in link.pins]
-        shape = {
-            "fill": colour,
-            "fill-opacity": "0.25",
-            "stroke": colour,
-            "stroke-width": "7",
-            "stroke-linejoin": "round",
-            "stroke-linecap": "round",
-        }
+        shape = {"fill": colour, "fill-opacity": "0.25", "stroke": colour, "stroke-width": "7"}
+        shape |= {"stroke-linejoin": "round", "stroke-linecap": "round"}
         if len(corners) > 1:
             kind = "polygon" if len(corners) > 2 else "polyline"
             SubElement(self.root, kind, {"points": " ".join(f"{x:.1f},{y:.1f}" for x, y in corners), **shape})
@@ -116,25 +110,19 @@ class _Sheet:
         for pin in pins:
             x, y = self.at(pin.point[[0, 2]])
             places.setdefault((round(x, 1), round(y, 1)), []).append(pin.name)
+        look = {"fill": "#fff", "stroke": INK, "stroke-width": "2"}
         for (x, y), names in places.items():
-            self._pin(x, y, ", ".join(names), any(name in frame for name in names))
-
-    def _pin(self, x: float, y: float, words: str, fixed: bool) -> None:
-        if fixed:
-            path = f"M{x:.1f},{y:.1f} l-13,20 h26 z M{x - 16:.1f},{y + 20:.1f} h32"
-            SubElement(self.root, "path", {"d": path, "fill": "#fff", "stroke": INK, "stroke-width": "2"})
-        SubElement(self.root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": "6", "fill": "#fff", "stroke": INK, "stroke-width": "2"})
-        self._label(x + 11, y - 9, words, None)
+            if any(name in frame for name in names):
+                SubElement(self.root, "path", {"d": f"M{x:.1f},{y:.1f} l-13,20 h26 z M{x - 16:.1f},{y + 20:.1f} h32", **look})
+            SubElement(self.root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": "6", **look})
+            self._label(x + 11, y - 9, ", ".join(names), None)
 
     def circle(self, centre: Array, radius: float, words: str) -> None:
         """A circle about a pin."""
-        x, y = self.at(centre)
-        SubElement(
-            self.root,
-            "circle",
-            {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{radius * self.scale:.1f}", "fill": "none", "stroke": WRONG, "stroke-width": "2"},
-        )
-        self._label(x, y - radius * self.scale - 6, words, WRONG)
+        (x, y), size = self.at(centre), radius * self.scale
+        circle = {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{size:.1f}"}
+        SubElement(self.root, "circle", {**circle, "fill": "none", "stroke": WRONG, "stroke-width": "2"})
+        self._label(x, y - size - 6, words, WRONG)
 
     def line(self, point: Array, way: Array) -> None:
         """A straight line across the sheet."""
@@ -161,20 +149,15 @@ class _Sheet:
         SubElement(self.root, "rect", {**box, **turn, "fill": colour, "fill-opacity": "0.35", "stroke": colour, "stroke-width": "3"})
 
     def _label(self, x: float, y: float, words: str, colour: str | None, kind: str = "") -> None:
-        """Write words next to a point, moved down until they cover no other words."""
-        for step in self._steps():
+        """Write words next to a point, moved down or up until they cover no other words."""
+        for step in (0, 15, -15, 30, -30, 45, -45, 60):
             place = (x, y + step)
             if all(abs(place[0] - a) > 40 or abs(place[1] - b) > 14 for a, b in self.used):
                 break
         self.used.append(place)
         self._write(*place, words, "start", colour, kind)
 
-    def _steps(self) -> Iterator[float]:
-        for k in range(8):
-            yield 15.0 * ((k + 1) // 2) * (1 if k % 2 else -1)
-
     def _write(self, x: float, y: float, words: str, anchor: str, colour: str | None = None, kind: str = "") -> None:
-        style = {"style": f"fill:{colour}"} if colour else {}
-        SubElement(
-            self.root, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor, **({"class": kind} if kind else {}), **style}
-        ).text = words
+        look = {"class": kind} if kind else {}
+        look |= {"style": f"fill:{colour}"} if colour else {}
+        SubElement(self.root, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}", "text-anchor": anchor, **look}).text = words

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-import numpy as np
-
 from ..common.quantities import Array
 from ..linkage.tool_point import middle_of_outermost
 from .copies import Parts
-from .links import FRAME, Link, place_of
-from .placement import Pin
+from .formulas import Numbers
+from .links import FRAME, place_of
+from .placement import Pin, size_of
 from .reading import Entry
 from .tree import Tree
 
@@ -30,9 +29,7 @@ class Tool(NamedTuple):
     name: str
 
 
-def read_tool(
-    items: Mapping[str, Entry], pins: Mapping[str, Pin], parts: Parts, tree: Tree, parameters: Mapping[str, float], unit: float
-) -> Tool | None:
+def read_tool(items: Mapping[str, Entry], pins: Mapping[str, Pin], parts: Parts, tree: Tree, numbers: Numbers) -> Tool | None:
     """Find the point of the slide where process forces act; None if its pins determine it, as in `Linkage.tool`.
 
     Args:
@@ -40,35 +37,30 @@ def read_tool(
         pins: pin name -> pin of the table, before links are copied.
         parts: links and pins in the drawn pose.
         tree: bearings of the parts.
-        parameters: parameter name -> value.
-        unit: the table's unit of length [m].
+        numbers: reads the table's numbers.
 
     Raises:
         PinTableError: the press has no slide for its tool, or the tool is not a point.
     """
-    slide = _slide(parts)
+    guided = {link.name: link for link in parts.links if link.guide is not None and link.guide.carrier == FRAME}
+    by_guide = {link.guide.name: link for link in guided.values() if link.guide is not None}
+    only = next(iter(guided.values())) if len(guided) == 1 else None
+    slide = guided.get("slide") or by_guide.get("slide_guide") or only  # as `load` takes it if the call names no slide
     if "tool" in items:
         entry = items["tool"]
         if slide is None:
             entry.refuse("no link is the slide", "guide one link by the frame, guide: up; if several links are guided, name one slide")
         name = f"{entry.value.strip()} of the table" if isinstance(entry.value, str) else "the tool of the table"
-        return Tool(slide.name, place_of(entry, {**pins, **parts.pins}, parameters, unit, slide.origin, slide.rotation), name)
-    slots = [link.guide for link in parts.links if link.guide is not None and slide is not None and link.guide.carrier == slide.name]
-    if slide is None or slide.guide is None or not any(slot.ends for slot in slots):
+        return Tool(slide.name, place_of(entry, {**pins, **parts.pins}, numbers, slide.origin, slide.rotation), name)
+    if slide is None or slide.guide is None:
+        return None
+    slots = [link.guide for link in parts.links if link.guide is not None and link.guide.carrier == slide.name]
+    if not any(slot.ends for slot in slots):
         return None
     at = [joint.pin for joint in tree.joints if joint.parent == slide.name]
     at += [loop.pin for loop in tree.loops if slide.name in (loop.link1, loop.link2)]
     points = {name: parts.pins[name].point for name in at if name is not None}
     for slot in slots:
         points |= slot.ends
-    size = float(np.linalg.norm(np.ptp([pin.point for pin in parts.pins.values()], axis=0)))
-    middle = middle_of_outermost(points, slide.guide.direction, size)
+    middle = middle_of_outermost(points, slide.guide.direction, size_of(parts.pins))
     return None if middle is None else Tool(slide.name, *middle)
-
-
-def _slide(parts: Parts) -> Link | None:
-    """The link that `load` takes as the slide if the call names no slide."""
-    guided = {link.name: link for link in parts.links if link.guide is not None and link.guide.carrier == FRAME}
-    by_guide = {link.guide.name: link for link in guided.values() if link.guide is not None}
-    only = next(iter(guided.values())) if len(guided) == 1 else None
-    return guided.get("slide") or by_guide.get("slide_guide") or only

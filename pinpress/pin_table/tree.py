@@ -89,27 +89,19 @@ class _Growing:
         self.links = {link.name: link for link in parts.links}
         self.order = [FRAME, *self.links]
         self.sliders = [link.name for link in parts.links if link.guide is not None and link.guide.carrier == FRAME]
-        self.at: dict[str, list[str]] = {name: [] for name in parts.pins}
-        for pin in parts.frame:
-            self.at[pin].append(FRAME)
-        for link in parts.links:
-            for pin in link.pins:
-                self.at[pin].append(link.name)
+        carried = [(FRAME, parts.frame), *((link.name, link.pins) for link in parts.links)]
+        self.at = {pin: {name: None for name, pins in carried if pin in pins}.keys() for pin in parts.pins}  # links at every pin, in order
         self.hung = [FRAME]
         self.by: dict[str, tuple[str | None, str]] = {}  # pin (None: its guide) and parent of every hung link
         self.special = {*parts.drivers, *parts.gears, *(leader for leader, _ in parts.gears.values())}
 
-    def _refuse_held(self, link: Link) -> None:
-        """Refuse a link that slides in the frame and has a pin that is fixed in the frame."""
-        held = next((pin for pin in link.pins if pin in self.parts.frame), None)
-        if held is not None:
-            remedy = f"take {held} out of frame:, or leave the guide out"
-            link.entry.refuse(f"it slides in the frame, but its pin {held} is fixed in the frame", remedy)
-
     def tree(self) -> Tree:
         """Hang all links, then name the bearings."""
         for name in self.sliders:
-            self._refuse_held(self.links[name])
+            link = self.links[name]
+            if fixed := next((pin for pin in link.pins if pin in self.parts.frame), None):
+                remedy = f"take {fixed} out of frame:, or leave the guide out"
+                link.entry.refuse(f"it slides in the frame, but its pin {fixed} is fixed in the frame", remedy)
             self._hang(name, None, FRAME)
         while len(self.hung) <= len(self.links):
             self._hang(*self._next())
@@ -127,43 +119,23 @@ class _Growing:
     def _next(self) -> tuple[str, str | None, str]:
         """The link that hangs next, its pin and what it hangs on."""
         waiting = [link for link in self.links.values() if link.name not in self.hung]
-        for choose in (self._driven, self._first, self._any, self._on_sliders):
+        for step in ("driven", "first", "any", "on a slider"):
             for link in waiting:
-                if found := choose(link):
-                    return link.name, *found
+                if place := self._place(link, step):
+                    return link.name, *place
         loose = ", ".join(link.name for link in waiting)
-        waiting[0].entry.refuse(
-            f"{loose}: connected to nothing that hangs in the frame", "name a pin that it shares with other links or the frame"
-        )
+        remedy = "name a pin that it shares with other links or the frame"
+        waiting[0].entry.refuse(f"{loose}: connected to nothing that hangs in the frame", remedy)
 
-    def _driven(self, link: Link) -> tuple[str | None, str] | None:
+    def _place(self, link: Link, step: str) -> tuple[str | None, str] | None:
+        """Where a link can hang in a step: its pin (None: its guide) and the link that carries it. None if it cannot hang yet."""
+        carriers = [name for name in self.hung if step == "on a slider" or name not in self.sliders]
         if link.guide is not None:
-            return self._by_guide(link) if link.guide.name in self.special else None
-        return next((found for pin in link.pins if pin in self.special and (found := self._at_pin(pin))), None)
-
-    def _first(self, link: Link) -> tuple[str | None, str] | None:
-        return self._by_guide(link) if link.guide is not None else self._at_pin(link.pins[0])
-
-    def _any(self, link: Link) -> tuple[str | None, str] | None:
-        return None if link.guide is not None else next((found for pin in link.pins if (found := self._at_pin(pin))), None)
-
-    def _on_sliders(self, link: Link) -> tuple[str | None, str] | None:
-        if link.guide is not None:
-            return self._by_guide(link, also=True)
-        return next((found for pin in link.pins if (found := self._at_pin(pin, also=True))), None)
-
-    def _by_guide(self, link: Link, also: bool = False) -> tuple[None, str] | None:
-        assert link.guide is not None
-        carrier = link.guide.carrier
-        return (None, carrier) if carrier in self.hung and (also or carrier not in self.sliders) else None
-
-    def _at_pin(self, pin: str, also: bool = False) -> tuple[str, str] | None:
-        """The reference link of a pin, if that link hangs already. A link that slides in the frame counts only with ``also``."""
-        there = [name for name in self.hung if name in self.at[pin] and (also or name not in self.sliders)]
-        if not there:
-            return None
-        every = [name for name in self.hung if name in self.at[pin]]
-        return pin, every[0] if len(self.at[pin]) > 2 else there[0]
+            may = step != "driven" or link.guide.name in self.special
+            return (None, link.guide.carrier) if may and link.guide.carrier in carriers else None
+        chosen = {"driven": [pin for pin in link.pins if pin in self.special], "first": link.pins[:1]}.get(step, link.pins)
+        pin = next((pin for pin in chosen if not self.at[pin].isdisjoint(carriers)), None)
+        return None if pin is None else (pin, self._reference(pin))
 
     def _reference(self, pin: str) -> str:
         return next(name for name in self.hung if name in self.at[pin])
@@ -179,9 +151,8 @@ class _Growing:
                 link.entry.refuse(f"it hangs only by pin {meetings[0]} and swings freely", remedy)
 
     def _joint_name(self, link: str) -> str:
-        pin, _ = self.by[link]
+        pin, guide = self.by[link][0], self.links[link].guide
         if pin is None:
-            guide = self.links[link].guide
             assert guide is not None
             return guide.name
         return pin if len(self.at[pin]) == 2 else f"{pin}_{link}"
@@ -197,14 +168,11 @@ class _Growing:
                 if len(names) > 2:
                     yield Loop(f"{pin}_{name}", pin, reference, name)
                 elif self.by.get(reference, (None,))[0] != pin:
-                    yield Loop(pin, pin, *sorted((reference, name), key=self._rank))
-
-    def _rank(self, link: str) -> tuple[bool, int]:
-        return link in self.sliders, self.order.index(link)
+                    yield Loop(pin, pin, *sorted((reference, name), key=lambda link: (link in self.sliders, self.order.index(link))))
 
     def _bearing(self, name: str, named: dict[str, str]) -> str:
         """The joint of the tree at a driven or geared pin or guide."""
-        entry = self._where(name)
+        entry = self._written("drive" if name in self.parts.drivers else "gears")
         if name in named:
             if name in self.parts.drivers and name in self.at and FRAME not in self.at[name]:
                 both = " and ".join(self.at[name])
@@ -214,8 +182,7 @@ class _Growing:
                 )
             return named[name]
         if name in self.links:
-            pin, _ = self.by[name]
-            entry.refuse(f"{name} is a link", f"name its bearing: {pin or self._joint_name(name)}")
+            entry.refuse(f"{name} is a link", f"name its bearing: {self.by[name][0] or self._joint_name(name)}")
         if name in self.parts.pins:
             entry.refuse(f"nothing hangs by pin {name}", "name a pin between the frame and a link, or a guide")
         if name.startswith("-") and name[1:] in named:
@@ -233,11 +200,9 @@ class _Growing:
             if {geared[0].parent, geared[0].child}.isdisjoint((geared[1].parent, geared[1].child)):
                 carriers = ", ".join(f"{joint.name} is between {joint.parent} and {joint.child}" for joint in geared)
                 problem = f"no link carries both axes of the gear pair {follower}, {leader}: {carriers}. The teeth would separate"
-                gears_entry = self.table.items("a table").get("gears", self.table)
-                written = gears_entry.items("gears").get(follower, gears_entry)
+                written = self._written("gears")
+                written = written.items("gears").get(follower, written)
                 written.refuse(problem, "connect two bearings of one link by gears; other planetary gears are not supported")
 
-    def _where(self, name: str) -> Entry:
-        items = self.table.items("a table")
-        key = "drive" if name in self.parts.drivers else "gears"
-        return items.get(key, self.table)
+    def _written(self, key: str) -> Entry:
+        return self.table.items("a table").get(key, self.table)

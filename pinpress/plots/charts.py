@@ -13,7 +13,7 @@ import numpy as np
 from ..common.arguments import expect
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.outlets.described import Along, Bars, Chart, Curve, Map, Mark, Polar, charts_of
-from ..common.quantities import Array, ShownUnit, quantity
+from ..common.quantities import ShownUnit, quantity
 from ..common.results import Tabular
 from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion
@@ -26,14 +26,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Drawn: TypeAlias = Chart | Bars | Polar | Map
-SAME = 1e-6  # curves that differ by less than this share of the largest value are drawn as one
 ROW = 0.45  # height of a row of a legend, and of a bar [cm]
 MOST_ABOVE = 4  # most names of curves in a legend of one line above the axes
-HIGH, SQUARE = 4.4, 8.0  # least heights of a chart and of a square one [cm]
-PALE, SHADE = "#b0b0b0", "#f3f3f3"
+HIGH = 4.4  # least height of a chart [cm]
+PALE = "#b0b0b0"
 DASHED = (0, (4, 1.5))
-LARGEST = 8.0  # longest side of a polar diagram [cm]
-STRONG, LIMIT = 3.0, 1.0  # widths of lines [pt]
+LIMIT = 1.0  # width of the line of a limit [pt]
 
 
 def draw(
@@ -78,7 +76,14 @@ def draw(
             f"{shown(before)} has none of the charts {', '.join(chart.name for chart in charts)}: there is nothing to compare"
         )
     for chart in charts:
-        _refuse_incomparable(chart, old.get(chart.name))
+        other = old.get(chart.name)
+        if isinstance(chart, Chart) and isinstance(other, Chart):
+            one, two = chart.along, other.along
+            if one.name != two.name:
+                raise PinpressError(f"one is drawn over {one.name}, the other over {two.name}: compare two cycles, or two runs")
+            ways = {along.values[-1] < along.values[0] for along in (one, two) if along.values is not None}
+            if one.quantity != "s" and len(ways) > 1:
+                raise PinpressError("one motion turns forwards, the other backwards: compare two that turn the same way")
     return _figure(charts, old, ax)
 
 
@@ -93,26 +98,24 @@ def _chosen(result: Tabular, names: Sequence[str], page: Reactions | None) -> li
     if not names:
         every: list[Drawn] = list(known.values())
         return [chart for chart in every if not isinstance(chart, Polar) and not getattr(chart, "detail", False)] or every
-    found: list[Drawn] = []
+    charts: list[Drawn] = []
     for name in names:
-        some = [known[name]] if name in known else [chart for key, chart in known.items() if key.startswith(f"{name} ")]
-        if not some:
+        of_name = [known[name]] if name in known else [chart for key, chart in known.items() if key.startswith(f"{name} ")]
+        if not of_name:
             raise UnknownNameError("chart", name, known)
-        found += some
-    return found
+        charts += of_name
+    return charts
 
 
 def _over_each_other(results: Mapping[str, Tabular], names: Sequence[str], page: Reactions | None) -> list[Drawn]:
     """The charts of several results with one name as one."""
     if not results:
         raise PinpressError("there is nothing to draw: give results, each under a name")
-    by_result = {name: _chosen(result, names, page) for name, result in results.items()}
+    by_result = {name: {chart.name: chart for chart in _chosen(result, names, page)} for name, result in results.items()}
     first = next(iter(by_result.values()))
-    found: list[Drawn] = []
-    for chart in first:
-        same = {name: next((each for each in some if each.name == chart.name), None) for name, some in by_result.items()}
-        found.append(_joined(chart, {name: each for name, each in same.items() if each is not None}))
-    return found
+    return [
+        _joined(chart, {name: charts[chart.name] for name, charts in by_result.items() if chart.name in charts}) for chart in first.values()
+    ]
 
 
 def _joined(first: Drawn, same: Mapping[str, Drawn]) -> Drawn:
@@ -134,12 +137,8 @@ def _joined(first: Drawn, same: Mapping[str, Drawn]) -> Drawn:
         if not isinstance(each, Chart) or (each.along.name, each.quantity) != (first.along.name, first.quantity):
             raise PinpressError(f"{name} has its chart {first.name} over another quantity: draw it alone")
         own = [curve for curve in each.curves if curve.look not in ("guide", "limit") and curve.name not in shared]
+        curves += [replace(_closed(each.along, curve), name=named(name, curve.name, len(own))) for curve in own]
         x = each.along.values
-        for curve in own:
-            states, period = x if curve.x is None else curve.x, _period(each.along, curve)
-            places, values = _closed(states, curve.y, period, curve.x is None)
-            band = None if curve.band is None else _closed(states, curve.band, period, curve.x is None)[1]
-            curves.append(replace(curve, name=named(name, curve.name, len(own)), x=places, y=values, band=band))
         guides |= {curve.name: replace(curve, x=x if curve.x is None else curve.x) for curve in each.curves if curve not in own}
     return replace(first, curves=[*curves, *guides.values()], along=replace(first.along, period=None))
 
@@ -154,15 +153,6 @@ def _shared_points(charts: Sequence[Chart]) -> list[str]:
     return [name for name, place in first.items() if all(known.get(name) == place for known in others)]
 
 
-def _refuse_incomparable(chart: Drawn, old: Drawn | None) -> None:
-    if isinstance(chart, Chart) and isinstance(old, Chart):
-        if chart.along.name != old.along.name:
-            raise PinpressError(f"one is drawn over {chart.along.name}, the other over {old.along.name}: compare two cycles, or two runs")
-        ways = [each.along.values[-1] < each.along.values[0] for each in (chart, old) if each.along.values is not None]
-        if chart.along.quantity != "s" and len(set(ways)) > 1:
-            raise PinpressError("one motion turns forwards, the other backwards: compare two that turn the same way")
-
-
 # ------------------------------------------------------------------------------------------------------------------------------- layout
 
 
@@ -173,7 +163,7 @@ def _figure(charts: Sequence[Drawn], old: Mapping[str, Drawn], ax: Axes | Iterab
     heights = [_height(chart) for chart in others]
     columns = {1: 1, 2: 2, 4: 2}.get(len(loci), 3 if len(loci) < 10 else 4)
     rows = math.ceil(len(loci) / columns)
-    side = min(WIDTH / columns, LARGEST)
+    side = min(WIDTH / columns, 8.0)
 
     def laid_out(figure: Figure) -> list[Axes]:
         places = figure.add_gridspec(len(others) + rows, columns, height_ratios=[*heights, *[side] * rows])
@@ -183,13 +173,20 @@ def _figure(charts: Sequence[Drawn], old: Mapping[str, Drawn], ax: Axes | Iterab
     with panels(ax, len(charts), 1.4 + sum(heights) + rows * (side + 0.8), laid_out) as drawn:
         order = {chart.name: axes for chart, axes in zip([*others, *loci] if drawn.own else charts, drawn.axes, strict=True)}
         for chart in others:
-            _panel(order[chart.name], chart, old.get(chart.name))
-        if drawn.own:
-            _share_labels([order[chart.name] for chart in others])
+            axes, before = order[chart.name], old.get(chart.name)
+            if isinstance(chart, Bars):
+                _bars(axes, chart, before if isinstance(before, Bars) else None)
+            elif isinstance(chart, Map):
+                _map(axes, chart)
+            elif isinstance(chart, Chart):
+                _chart(axes, chart, before if isinstance(before, Chart) else None)
+        if drawn.own:  # of charts below each other along one quantity, the lowest alone names it
+            for upper, lower in itertools.pairwise(order[chart.name] for chart in others):
+                if upper.get_xlabel() == lower.get_xlabel() and upper.get_xlim() == lower.get_xlim():
+                    upper.set_xlabel("")
         if loci:
-            draw_loci(
-                drawn, [order[locus.name] for locus in loci], loci, {name: each for name, each in old.items() if isinstance(each, Polar)}
-            )
+            earlier = {name: each for name, each in old.items() if isinstance(each, Polar)}
+            draw_loci(drawn, [order[locus.name] for locus in loci], loci, earlier)
         drawn.align_labels()
     return drawn.figure
 
@@ -197,7 +194,7 @@ def _figure(charts: Sequence[Drawn], old: Mapping[str, Drawn], ax: Axes | Iterab
 def _height(chart: Drawn) -> float:
     """Height of a chart, as its legend or its bars need [cm]."""
     if isinstance(chart, Map) or (isinstance(chart, Chart) and chart.square):
-        return SQUARE
+        return 8.0
     if isinstance(chart, Bars):
         if not _words(chart):
             return HIGH
@@ -206,22 +203,6 @@ def _height(chart: Drawn) -> float:
     assert isinstance(chart, Chart)
     names = sum(1 + curve.name.count("\n") for curve in _merged(chart).curves) + sum(bool(mark.name) for mark in chart.marks)
     return max(HIGH, 0.8 + ROW * names) if names > MOST_ABOVE else HIGH
-
-
-def _share_labels(axes: Sequence[Axes]) -> None:
-    """Of charts below each other along one quantity, the lowest alone names it."""
-    for upper, lower in itertools.pairwise(axes):
-        if upper.get_xlabel() == lower.get_xlabel() and upper.get_xlim() == lower.get_xlim():
-            upper.set_xlabel("")
-
-
-def _panel(axes: Axes, chart: Drawn, old: Drawn | None) -> None:
-    if isinstance(chart, Bars):
-        _bars(axes, chart, old if isinstance(old, Bars) else None)
-    elif isinstance(chart, Map):
-        _map(axes, chart)
-    elif isinstance(chart, Chart):
-        _chart(axes, chart, old if isinstance(old, Chart) else None)
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- curves
@@ -237,23 +218,22 @@ def _chart(axes: Axes, chart: Chart, old: Chart | None) -> None:
     names: list[str] = []
     coloured = 0
     for curve in chart.curves:
-        places = chart.along.values if curve.x is None else curve.x
-        x, y = _closed(places, curve.y, _period(chart.along, curve), curve.x is None)
         colour, style = _look(curve, coloured)
         coloured += curve.look != "guide"
-        if curve.band is not None:
-            ends = up.factor * _closed(places, curve.band, _period(chart.along, curve), curve.x is None)[1]
+        closed = _closed(chart.along, curve)
+        x, y = across.factor * closed.x, up.factor * closed.y
+        if closed.band is not None:
+            low, high = up.factor * closed.band.T
             if curve.look == "points":
-                axes.vlines(across.factor * x, ends[:, 0], ends[:, 1], color=colour, linewidth=LIMIT)
+                axes.vlines(x, low, high, color=colour, linewidth=LIMIT)
             else:
-                axes.fill_between(across.factor * x, ends[:, 0], ends[:, 1], color=colour, alpha=0.25, linewidth=0)
-        base = curve.name.split(",\n")[0]
-        if old is not None and base in before:
-            other = before[base]
-            earlier = _closed(old.along.values if other.x is None else other.x, other.y, _period(old.along, other), other.x is None)
+                axes.fill_between(x, low, high, color=colour, alpha=0.25, linewidth=0)
+        other = before.get(curve.name.split(",\n")[0])
+        if old is not None and other is not None:
+            earlier = _closed(old.along, other)
             dashes: dict[str, Any] = {"color": GREY if len(chart.curves) == 1 else colour, "linestyle": DASHED, "alpha": 0.7}
-            axes.plot(across.factor * earlier[0], up.factor * earlier[1], **dashes)
-        drawn = axes.plot(across.factor * x, up.factor * y, **style)
+            axes.plot(across.factor * earlier.x, up.factor * earlier.y, **dashes)
+        drawn = axes.plot(x, y, **style)
         if curve.look != "guide":
             lines += drawn
             names.append(curve.name)
@@ -263,14 +243,21 @@ def _chart(axes: Axes, chart: Chart, old: Chart | None) -> None:
             lines.append(made)
             names.append(mark.name)
     _limits(axes, chart, across)
-    title = chart.title if old is None or len(chart.curves) > 1 else f"{chart.title}, range {_change_of_range(chart, old)}"
-    crowded = len(names) > 1
-    over = crowded and len(names) <= MOST_ABOVE and sum(map(len, names)) < 80
+    title = chart.title
+    if old is not None and len(chart.curves) == 1:
+        other = before.get(chart.curves[0].name)
+        title += f", range {'' if other is None else change(float(np.ptp(other.y)), float(np.ptp(chart.curves[0].y)))}"
+    _title(axes, title, lines, names, in_one_line=sum(map(len, names)) < 80)
+
+
+def _title(axes: Axes, title: str, handles: Sequence[Artist], names: Sequence[str], in_one_line: bool = True) -> None:
+    """Title and legend of a chart: the legend of a few names is one line above the axes, others are beside them."""
+    over = in_one_line and 1 < len(names) <= MOST_ABOVE
     plain(axes.set_title(brief(title, 90), loc="left", pad=17.0 if over else 5.0))
     if over:
-        above(axes, lines, names)
-    elif crowded:
-        legend(axes, lines, names, loc="upper left", bbox_to_anchor=(1.0, 1.02), borderaxespad=0.3)
+        above(axes, handles, names)
+    elif len(names) > 1:
+        legend(axes, handles, names, loc="upper left", bbox_to_anchor=(1.0, 1.02), borderaxespad=0.3)
 
 
 def _look(curve: Curve, k: int) -> tuple[str, dict[str, Any]]:
@@ -282,7 +269,7 @@ def _look(curve: Curve, k: int) -> tuple[str, dict[str, Any]]:
     elif curve.look == "marked":
         style |= {"marker": "o", "markersize": 2.5}
     elif curve.look == "strong":
-        style |= {"linewidth": STRONG, "alpha": 0.75, "solid_capstyle": "round"}
+        style |= {"linewidth": 3.0, "alpha": 0.75, "solid_capstyle": "round"}
     elif curve.look == "limit":
         style |= {"linewidth": LIMIT, "linestyle": LINES[1 + k // len(COLOURS) % (len(LINES) - 1)]}
     elif curve.look == "guide":
@@ -294,7 +281,7 @@ def _merged(chart: Chart) -> Chart:
     """The chart with coinciding curves as one, under both names, as for the two halves of a symmetric press."""
     if chart.stacked:
         return _stacked(chart)
-    least = SAME * max((float(np.nanmax(np.abs(curve.y), initial=0.0)) for curve in chart.curves), default=0.0)
+    least = 1e-6 * max((float(np.nanmax(np.abs(curve.y), initial=0.0)) for curve in chart.curves), default=0.0)
     merged: list[Curve] = []
     for curve in chart.curves:
         twin = next((k for k, other in enumerate(merged) if _alike(curve, other, least)), None)
@@ -324,20 +311,16 @@ def _stacked(chart: Chart) -> Chart:
     return replace(chart, curves=curves, stacked=False)
 
 
-def _period(along: Along, curve: Curve) -> float | None:
-    """The period by whose first state a curve is closed; None of a curve that is not of the states of the motion."""
-    of = along.of
-    own = curve.x is None or (isinstance(of, Motion) and len(curve.x) == len(of.crank_angle))
-    return along.period if own else None
-
-
-def _closed(x: Array | None, values: Array, period: float | None, own: bool) -> tuple[Array, Array]:
-    """Places and values, of a period closed by its first state; ``own``: whether the places are those of the chart."""
+def _closed(along: Along, curve: Curve) -> Curve:
+    """A curve with its places; one of the states of a period is closed by its first state."""
+    x, period = along.values if curve.x is None else curve.x, along.period
     assert x is not None
-    if period is None or len(x) != len(values):
-        return x, values
-    first = x[0] + period if own else x[0]
-    return np.append(x, first), np.concatenate([values, values[:1]])
+    of_states = curve.x is None or (isinstance(along.of, Motion) and len(x) == len(along.of.crank_angle))
+    if period is None or not of_states or len(x) != len(curve.y):
+        return replace(curve, x=x)
+    end = x[0] + period if curve.x is None else x[0]
+    band = None if curve.band is None else np.concatenate([curve.band, curve.band[:1]])
+    return replace(curve, x=np.append(x, end), y=np.append(curve.y, curve.y[0]), band=band)
 
 
 def _scales(chart: Chart, others: Sequence[Curve]) -> tuple[ShownUnit, ShownUnit]:
@@ -361,7 +344,7 @@ def _label(name: str, scale: ShownUnit) -> str:
 def _backdrop(axes: Axes, along: Along, across: ShownUnit) -> None:
     """The working stroke shaded, and thin lines at marks with their names."""
     if along.shaded is not None:
-        axes.axvspan(*(across.factor * end for end in along.shaded), color=SHADE, zorder=0, linewidth=0)
+        axes.axvspan(*(across.factor * end for end in along.shaded), color="#f3f3f3", zorder=0, linewidth=0)
     for name, place in along.marks.items():
         axes.vlines(across.factor * place, 0.0, 1.0, transform=axes.get_xaxis_transform(), color=PALE, linewidth=THIN, linestyle=":")
         look = {"fontsize": SMALL - 2, "color": GREY, "va": "top", "ha": "right"}
@@ -371,11 +354,9 @@ def _backdrop(axes: Axes, along: Along, across: ShownUnit) -> None:
 def _mark(axes: Axes, mark: Mark, scale: ShownUnit, colour: str) -> Artist:
     if isinstance(mark.at, tuple):
         span = axes.axvspan if mark.axis == "x" else axes.axhspan
-        made: Artist = span(scale.factor * mark.at[0], scale.factor * mark.at[1], color=colour, alpha=0.5, linewidth=1.0)
-        return made
+        return span(scale.factor * mark.at[0], scale.factor * mark.at[1], color=colour, alpha=0.5, linewidth=1.0)
     line = axes.axvline if mark.axis == "x" else axes.axhline
-    made = line(scale.factor * mark.at, color=GREY, linewidth=LIMIT, linestyle="--")
-    return made
+    return line(scale.factor * mark.at, color=GREY, linewidth=LIMIT, linestyle="--")
 
 
 def _limits(axes: Axes, chart: Chart, across: ShownUnit) -> None:
@@ -404,12 +385,6 @@ def _limits(axes: Axes, chart: Chart, across: ShownUnit) -> None:
         axes.set_aspect("equal", adjustable="datalim")
     elif any(curve.look == "points" for curve in chart.curves) and not chart.logarithmic:
         axes.margins(x=0.04)
-
-
-def _change_of_range(chart: Chart, old: Chart) -> str:
-    (new,), known = chart.curves, {curve.name: curve for curve in old.curves}
-    other = known.get(new.name)
-    return "" if other is None else change(float(np.ptp(other.y)), float(np.ptp(new.y)))
 
 
 def change(before: float, after: float) -> str:
@@ -464,8 +439,14 @@ def _bars(axes: Axes, chart: Bars, old: Bars | None) -> None:
                 plain(axes.annotate(words, (max(old_size, new_size), spot), (4, 0), **where))
         high, low = (np.maximum(high, start + sizes), np.minimum(low, start + sizes)) if chart.stacked else (high, low)
         row += 0 if chart.stacked else 1
-    if chart.band is not None:
-        _sums(axes, chart, at, scale)
+    if chart.band is not None:  # a dot at the sum of each place
+        sums = scale.factor * np.sum(list(chart.series.values()), axis=0)
+        ends = np.maximum(np.abs(scale.factor * chart.band.T - sums), 0.0)
+        look: dict[str, Any] = {"fmt": "o", "color": "black", "markersize": 3.5, "capsize": 2.5, "linewidth": 1.0}
+        if flat:
+            axes.errorbar(sums, at, xerr=ends, **look)
+        else:
+            axes.errorbar(at, sums, yerr=ends, **look)
     if flat:
         axes.set_yticks(at, [brief(str(place)) for place in chart.places])
         for text in axes.get_yticklabels():
@@ -477,25 +458,7 @@ def _bars(axes: Axes, chart: Bars, old: Bars | None) -> None:
         axes.set_xlim(at[0] - 0.6 * apart, at[-1] + 0.6 * apart)
         axes.set_xticks(np.arange(1.0, at[-1] + 1.0) if at[-1] >= 1 and len(at) <= 40 else at)
         plain(axes.set_xlabel(chart.across))
-    names = list(chart.series)
-    over = 1 < len(names) <= MOST_ABOVE
-    plain(axes.set_title(brief(chart.title, 90), loc="left", pad=17.0 if over else 5.0))
-    if len(names) > MOST_ABOVE:
-        legend(axes, handles, names, loc="upper left", bbox_to_anchor=(1.0, 1.02), borderaxespad=0.3)
-    elif over:
-        above(axes, handles, names)
-
-
-def _sums(axes: Axes, chart: Bars, at: Array, scale: ShownUnit) -> None:
-    """A dot at the sum of each place, with its band."""
-    sums = scale.factor * np.sum(list(chart.series.values()), axis=0)
-    assert chart.band is not None
-    ends = np.maximum(np.abs(scale.factor * chart.band.T - sums), 0.0)
-    look: dict[str, Any] = {"fmt": "o", "color": "black", "markersize": 3.5, "capsize": 2.5, "linewidth": 1.0}
-    if _words(chart):
-        axes.errorbar(sums, at, xerr=ends, **look)
-    else:
-        axes.errorbar(at, sums, yerr=ends, **look)
+    _title(axes, chart.title, handles, list(chart.series))
 
 
 def _map(axes: Axes, chart: Map) -> None:

@@ -6,8 +6,6 @@ import io
 
 from matplotlib.figure import Figure
 
-DOTS = 110  # resolution in a notebook [1/inch]
-
 
 class NotebookFigure(Figure):
     """A figure of Matplotlib that is a picture in notebooks."""
@@ -15,5 +13,5 @@ class NotebookFigure(Figure):
     def _repr_png_(self) -> bytes:
         """The bytes of a PNG file, which IPython asks for."""
         drawn = io.BytesIO()
-        self.savefig(drawn, format="png", dpi=DOTS)
+        self.savefig(drawn, format="png", dpi=110)
         return drawn.getvalue()

@@ -18,14 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.text import Text
 
-SAME = 1e-6  # paths that differ by less than this share of the largest value are drawn as one
 FRAME, OWN = COLOURS[0], COLOURS[1]
 DASHED = (0, (4, 1.5))
-QUARTER = 90  # difference of marked crank angles [deg]
-CLOSE = 0.12  # marks that are closer together than this share of the largest force have one label
-TINY = 6.5  # size of the letters in a diagram [pt]
-LETTER = 0.16  # width of one of these [cm]
-LARGEST = 8.0  # longest side of a diagram [cm]
 
 
 def draw_loci(drawn: Panels, axes: Sequence[Axes], loci: Sequence[Polar], before: Mapping[str, Polar]) -> None:
@@ -45,7 +39,7 @@ def draw_loci(drawn: Panels, axes: Sequence[Axes], loci: Sequence[Polar], before
         marked = _quarters(motion)
         first = max(0, (last_period(motion) or 0) - 1)  # earlier periods would only hide the last
         old = before.get(locus.name)
-        _draw(place, locus, old if old is not None and old.axes == locus.axes else None, first, marked, min(width, LARGEST))
+        _draw(place, locus, old if old is not None and old.axes == locus.axes else None, first, marked, min(width, 8.0))
     place = axes[0]
     lines = [*place.plot([], [], color=FRAME), *place.plot([], [], color=OWN, linestyle=DASHED)]
     names = ["axes of the frame", "axes fixed to the link"]
@@ -75,7 +69,7 @@ def _draw(axes: Axes, locus: Polar, old: Polar | None, first: int, marked: Seque
     if not largest:
         axes.plot(0.0, 0.0, "o", color=FRAME, markersize=4.0)
         return
-    turns = np.abs(own - world).max() > SAME * largest
+    turns = np.abs(own - world).max() > 1e-6 * largest
     if turns:
         axes.plot(*_closed(own, locus)[first:].T, color=OWN, linestyle=DASHED, linewidth=0.8 * LINE)
     axes.plot(*_closed(world, locus)[first:].T, color=FRAME, linewidth=0.8 * LINE)
@@ -85,9 +79,9 @@ def _draw(axes: Axes, locus: Polar, old: Polar | None, first: int, marked: Seque
         if turns:
             axes.plot(*own[state], "o", color="white", markersize=3.0, markeredgecolor=OWN, markeredgewidth=0.8)
         axes.plot(*world[state], "o", color=FRAME, markersize=4.0, markeredgecolor="white", markeredgewidth=THIN)
-    letter = float(np.ptp(axes.get_xlim())) * LETTER / side
+    letter = float(np.ptp(axes.get_xlim())) * 0.16 / side  # a letter of 6.5 pt is 0.16 cm wide
     taken = np.concatenate([world[first:], own[first:], labels])
-    for words, state in _together(world, marked, CLOSE * largest):
+    for words, state in _together(world, marked, 0.12 * largest):
         size = letter * np.array([0.5 * len(words), 0.8])
         place = _free(world[state], size, 1.2 * letter, taken)
         _haloed(axes.annotate(words, tuple(place), color=FRAME, ha="center", va="center"))
@@ -156,7 +150,7 @@ def _haloed(text: Text) -> Text:
     """Make a text small, with a white edge that keeps it legible on lines."""
     from matplotlib.patheffects import withStroke  # optional, and slow to import
 
-    text.set_fontsize(TINY)
+    text.set_fontsize(6.5)
     text.set_path_effects([withStroke(linewidth=1.2, foreground="white")])
     return text
 
@@ -179,7 +173,7 @@ def _quarters(motion: Motion) -> list[tuple[int, int]]:
     last = np.flatnonzero(np.abs(angle - angle[-1]) < period * (1 - 1e-9))
     step = float(np.abs(np.diff(angle)).max())
     marked = []
-    for degrees in range(0, 360 * turns, QUARTER):
+    for degrees in range(0, 360 * turns, 90):
         away = np.abs((angle[last] - np.radians(degrees) + 0.5 * period) % period - 0.5 * period)
         if away.min() <= 0.5 * step + 1e-9:
             marked.append((degrees, int(last[away.argmin()])))

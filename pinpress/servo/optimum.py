@@ -397,6 +397,10 @@ class _Task:
         rates = [each.rate * problem.drive.ratio for each in self.limits if isinstance(each, limits_.TorqueRate)]
         local = LocalLimits(problem.drive.power, min(rates, default=None), self.proved)
         closed, cost = problem.coefficients.grid.legs.closed, figures(problem, answer.b)
+
+        def optimum(problem: MotionProblem) -> Solution:
+            return _optimum(problem, self.press.name, False)
+
         if closed and "time" in self.wanted and needed_time(problem, cost) > cost.time * (1.0 + PAUSED):
             raise NoTurnError(
                 f"no turn was found that keeps all limits of {self.press.name}: a turn of {cost.time:.6g} s would need a pause of"
@@ -404,7 +408,7 @@ class _Task:
             )
         never_rests = closed and "time" not in self.wanted
         if not (never_rests and problem.time is not None and is_shorter(problem, answer.b, problem.time)):
-            return within_local_limits(problem, answer, local, lambda each: _optimum(each, self.press.name, False), last)
+            return within_local_limits(problem, answer, local, optimum, last)
         if last is not None:
             return turn_near(problem, answer, local, last)
 
@@ -416,7 +420,7 @@ class _Task:
         if key not in self.turns:
             faster = float(segment_times(problem.coefficients, answer.b).sum())
             self.turns[key] = coarse_turn(at(COARSE, None) if fine else problem, faster, local)
-        return turn_in_time(problem, answer, local, self.turns[key], at)
+        return turn_in_time(problem, answer, local, self.turns[key], at, optimum)
 
     def _coefficients(self, segments: int | None, like: PathMotion | None) -> Coefficients:
         """Coefficients of the path with this number of segments (None: unchanged), for motions near this one."""

@@ -1,13 +1,15 @@
-"""What maps of operating points show: extremes over speed and force as colours, and their ranges."""
+"""What maps of operating points and sweeps show: extremes over speed and force as colours, axes, ranges of results, and failed points."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from ..common import tables
 from ..common.outlets.described import Along, Block, Column, Figure, Map, Section, Table
 from ..common.quantities import quantity
 from ..dynamics.reactions import Reactions
 from .operating_map import OperatingMap, unit_of
+from .sweeping import Sweep
 
 DIGITS = 6  # of the ends of a range
 
@@ -36,5 +38,28 @@ def operating_map(found: OperatingMap, page: Reactions | None = None) -> tuple[S
     return (Section("Operating points", figures, [*blocks, Table("ranges", "", columns, most=200)]),)
 
 
-SECTIONS = {OperatingMap: operating_map}
+def sweep(found: Sweep, page: Reactions | None = None) -> tuple[Section, ...]:
+    """Axes, the ranges of the results, and the failed points."""
+    labels = found.axes.values()
+    axes = [
+        Column("", list(found.axes)),
+        Column("values", [len(values) for values in labels]),
+        Column("first", [values[0] for values in labels]),
+        Column("last", [values[-1] for values in labels]),
+    ]
+    blocks: list[Block] = [Table("axes", "Axes side by side" if found.paired else "Axes", axes, most=200)]
+    if found.results:
+        ends = [[*tables.ends(values), "", ""][:2] for values in found.results.values()]
+        low, high = zip(*ends, strict=True)
+        blocks.append(
+            Table("results", "Results", [Column("", list(found.results)), Column("smallest", low), Column("largest", high)], most=200)
+        )
+    if failed := found.failed:
+        points = [", ".join(f"{name}={label}" for name, label in bad.point.items()) for bad in failed]
+        errors = [bad.error.splitlines()[0] for bad in failed]
+        blocks.append(Table("failed points", "Failed points", [Column("point", points), Column("error", errors)], most=10))
+    return (Section("Sweep", (), blocks),)
+
+
+SECTIONS = {OperatingMap: operating_map, Sweep: sweep}
 """How results of this room are described."""

@@ -2,7 +2,7 @@
 
 import math
 import operator
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,7 @@ class Grid:
 
     Attributes:
         axes: name -> labels of each axis, numbers or texts.
-        objects: name -> objects for the function; the labels themselves, unless the axis is a mapping.
+        objects: name -> arguments of the function: the objects of an axis that is a mapping, else the labels.
         paired: whether the axes are columns of equal length.
     """
 
@@ -50,27 +50,30 @@ class Grid:
         """The arguments of the function at a point."""
         return {name: objects[k] for (name, objects), k in zip(self.objects.items(), self._places(number), strict=True)}
 
-    def columns(self, first: int, last: int) -> dict[str, NDArray[Any]]:
-        """The labels of the points from number ``first`` to before ``last``, by the axes' names."""
-        if self.paired:
-            return {name: as_array(labels[first:last]) for name, labels in self.axes.items()}
-        places = np.unravel_index(np.arange(first, last), self.shape)
-        return {name: as_array(labels)[k] for (name, labels), k in zip(self.axes.items(), places, strict=True)}
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The labels of all n points, name of the axis -> (n,)."""
+        labels = {name: as_array(labels) for name, labels in self.axes.items()}
+        return self._at(labels, np.arange(len(self)))
 
-    def arguments(self) -> dict[str, NDArray[Any]]:
-        """The labels of every axis as an array, or its objects where it was given as a mapping."""
-        return {
+    def arguments(self) -> Callable[[Sequence[int]], dict[str, NDArray[Any]]]:
+        """A function of the numbers of m points that returns the arguments at them: name -> (m,) labels, or objects of a mapping."""
+        arguments = {
             name: as_array(labels) if all(map(operator.is_, self.objects[name], labels)) else _as_objects(self.objects[name])
             for name, labels in self.axes.items()
         }
+        return lambda numbers: self._at(arguments, np.asarray(numbers))
 
     def refuse_mixed_labels(self) -> None:
-        """Raise PinpressError where the labels of an axis are of several kinds."""
+        """Raise PinpressError if the labels of an axis are of several kinds."""
         for name, labels in self.axes.items():
             if len({kind(label) for label in labels}) > 1:
                 raise PinpressError(
                     f"grid: the labels of axis {shown(name)} are of several kinds: give only numbers, only bools or only texts"
                 )
+
+    def _at(self, axes: dict[str, NDArray[Any]], numbers: NDArray[np.intp]) -> dict[str, NDArray[Any]]:
+        places = [numbers] * len(axes) if self.paired else np.unravel_index(numbers, self.shape)
+        return {name: values[k] for (name, values), k in zip(axes.items(), places, strict=True)}
 
     def _places(self, number: int) -> list[int]:
         if self.paired:
@@ -138,12 +141,12 @@ def kind(value: Scalar) -> str:
 
 
 def list_kinds(kinds: Mapping[str, str]) -> str:
-    """Names of results and kinds of their values, in words."""
+    """Names of results and kinds of their values, as text."""
     return ", ".join(f"{name} ({kind})" for name, kind in kinds.items())
 
 
 def differences(before: Mapping[str, object], now: Mapping[str, object]) -> Iterator[str]:
-    """The differences of two descriptions of sweeps, in words."""
+    """The differences between two descriptions of sweeps, as text."""
     if before.get("function") != now["function"]:
         yield f"its function is {shown(before.get('function'))}, not {shown(now['function'])}"
     then, axes = before.get("axes"), now["axes"]
@@ -163,15 +166,15 @@ def differences(before: Mapping[str, object], now: Mapping[str, object]) -> Iter
 
 
 def fingerprint(grid: Grid, function: str) -> dict[str, object]:
-    """A description of a sweep that is equal in all its runs, as JSON takes it."""
+    """A description that identifies the sweep in all its runs, for JSON."""
     return {"function": function, "axes": {name: list(labels) for name, labels in grid.axes.items()}, "paired": grid.paired}
 
 
 def _axis(name: str, values: object) -> tuple[tuple[Scalar, ...], tuple[object, ...]]:
-    """Labels and objects of one axis. Raises as `make_grid`."""
+    """Labels and objects of one axis; raises PinpressError as `make_grid`."""
     if isinstance(values, Mapping):
         labels, objects = list(values), tuple(values.values())
-    elif isinstance(values, Sequence | np.ndarray) and not isinstance(values, str | bytes) and _flat(values):
+    elif isinstance(values, Sequence | np.ndarray) and not isinstance(values, str | bytes) and getattr(values, "ndim", 1) == 1:
         labels, objects = list(values), ()
     else:
         raise PinpressError(f"grid: axis {shown(name)} is {shown(values)}; give a sequence of values, or a mapping of labels to objects")
@@ -198,10 +201,6 @@ def _as_objects(objects: Sequence[object]) -> NDArray[Any]:
     for k, item in enumerate(objects):
         array[k] = item
     return array
-
-
-def _flat(values: Sequence[object] | np.ndarray) -> bool:
-    return not isinstance(values, np.ndarray) or values.ndim == 1
 
 
 def _encodes(word: str) -> bool:

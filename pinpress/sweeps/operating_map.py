@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common.arguments import numbers, truth_value, typed
+from ..common.arguments import numbers, typed
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import read_only
 from ..common.quantities import Array
@@ -48,7 +48,6 @@ from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 SLOW = 1e-9  # share of the highest speed at which inertia is below rounding, but the slide still has a direction of travel
 BETWEEN = 0.37  # share of the highest speed and amplitude at which the coefficients are confirmed too
 AFFINE = 1e-9  # a quantity that differs by more than this share of its largest value is not affine
-NOTHING = 1e-13  # components below this share of the largest one are rounding
 TILES = 16  # along either axis: with fewer more states remain in each, and more take longer to prepare
 LEAST = 24  # points of a tile along either axis
 Quantities = dict[str, Array]
@@ -145,8 +144,12 @@ def operating_points(
     speed, force = _axis("speeds", speeds, "rad/s"), _axis("forces", forces, "N")
     if not (np.all(speed > 0) or np.all(speed < 0)):
         raise PinpressError("speeds: give only positive or only negative speeds, not 0, because loads depend on the direction of travel")
-    truth_value("angles", angles)
-    units, constant = _loads(unit_load, loads)
+    units = wrap_laws(list(unit_load) if isinstance(unit_load, list | tuple) else [unit_load])
+    constant = wrap_laws(list(loads))
+    if any(isinstance(load, SpringDamper) for load in units):
+        raise PinpressError("unit_load has a spring or damper, which has no amplitude: give it in loads")
+    if any(isinstance(load, TimeForce) for load in (*units, *constant)):
+        raise PinpressError("a TimeForce depends on time and thus on the speed: use sweep, which computes every point")
     if not units and force.any():
         raise PinpressError("forces are amplitudes of unit_load, which is missing: give e.g. pp.loads.DeepDrawing(force=1.0, start=0.010)")
 
@@ -208,16 +211,6 @@ def largest(quantity: Affine, squares: Array, forces: Array, lengths: bool, stat
     return np.sqrt(best, out=best) if lengths else best, state
 
 
-def _loads(unit_load: Load | Sequence[Load], loads: Sequence[Load]) -> tuple[Sequence[Load], Sequence[Load]]:
-    """The loads that are multiplied, and those that are equal at all points."""
-    units, constant = (wrap_laws(_listed(name, given)) for name, given in (("unit_load", unit_load), ("loads", loads)))
-    if any(isinstance(load, SpringDamper) for load in units):
-        raise PinpressError("unit_load has a spring or damper, which has no amplitude: give it in loads")
-    if any(isinstance(load, TimeForce) for load in (*units, *constant)):
-        raise PinpressError("a TimeForce depends on time and thus on the speed: use sweep, which computes every point")
-    return units, constant
-
-
 def _axis(name: str, values: ArrayLike, unit: str) -> Array:
     array = np.atleast_1d(numbers(name, values, unit=unit))
     if array.ndim != 1 or not array.size:
@@ -225,17 +218,9 @@ def _axis(name: str, values: ArrayLike, unit: str) -> Array:
     return read_only(array)
 
 
-def _listed(name: str, loads: Any) -> list[Load]:
-    if isinstance(loads, list | tuple):
-        return list(loads)
-    if name == "loads":
-        raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
-    return [loads]
-
-
 @dataclass(frozen=True, eq=False)
 class _Multiplied(AskedLoad):
-    """A process load whose force is multiplied by a factor; messages call it by the load's own name.
+    """A process load whose force is multiplied by a factor; messages call it by the name of the load.
 
     Attributes:
         factor: factor of its force [-].
@@ -282,7 +267,7 @@ def _quantities(found: Reactions) -> Quantities:
 
 
 def _coefficients(at: Cycle, fastest: float, most: float) -> tuple[Motion, dict[str, Affine]]:
-    """The period, and the coefficients of all quantities, from differences of calls that lose few digits."""
+    """The period, and the coefficients of all quantities, from differences between calls that lose few digits."""
     _, still = at(SLOW * fastest, None)
     motion, fast = at(fastest, None)
     loaded = at(SLOW * fastest, most)[1] if most else still
@@ -294,38 +279,33 @@ def _coefficients(at: Cycle, fastest: float, most: float) -> tuple[Motion, dict[
 
 
 def _confirm(at: Cycle, affine: dict[str, Affine], tried: set[tuple[float, float]]) -> None:
-    """Raise PinpressError where a quantity is not affine at other speeds and amplitudes."""
+    """Raise PinpressError if a quantity is not affine at other speeds and amplitudes."""
     for speed, force in sorted(tried):
+        forces = [part for name, part in affine.items() if name != "driving_torque"]
+        strongest = max(float(np.abs(a * speed**2).max() + np.abs(c).max() + np.abs(d * force).max()) for a, c, d in forces)
         for name, values in at(speed, force)[1].items():
             a, c, d = affine[name]
-            terms = max(float(np.abs(part).max()) for part in (a * speed**2, c, d * force, values))
-            if not np.abs(a * speed**2 + c + d * force - values).max() <= AFFINE * _scale(name, affine, speed, force, terms):
+            size = max(float(np.abs(part).max()) for part in (a * speed**2, c, d * force, values))
+            if name != "driving_torque":  # errors of forces are relative to the largest of all, because one force may be mere rounding
+                size = max(size, strongest)
+            if not np.abs(a * speed**2 + c + d * force - values).max() <= AFFINE * size:
                 raise PinpressError(
                     f"{name} is not affine in the square of the speed and the amplitude of the load: a load depends on the speed (as"
                     " a damper does), or is not proportional to its amplitude. Use sweep, which computes every point"
                 )
 
 
-def _scale(name: str, affine: dict[str, Affine], speed: float, force: float, own: float) -> float:
-    """The size to which errors of a quantity are relative: for forces the largest force of all, as one of them may be mere rounding."""
-    if name == "driving_torque":
-        return own
-    others = (part for other, part in affine.items() if other != "driving_torque")
-    return max(own, *(float(np.abs(a * speed**2).max() + np.abs(c).max() + np.abs(d * force).max()) for a, c, d in others))
-
-
 def _extremes(affine: dict[str, Affine], speeds: Array, forces: Array, angles: bool) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Results (n, m), and the states of the extremes (n, m) where they are wanted."""
+    """Results (n, m), and the states of the extremes (n, m) if the angles are wanted."""
     across, along = np.argsort(speeds**2), np.argsort(forces)
     squares, amplitudes = speeds[across] ** 2, forces[along]
     back = np.ix_(np.argsort(across), np.argsort(along))
-    sorted_already = np.all(np.diff(across) > 0) and np.all(np.diff(along) > 0)
     results, states = {}, {}
     for name, quantity in affine.items():
         for result, (values, state) in _named_extremes(name, quantity, squares, amplitudes, angles):
-            results[result] = values if sorted_already else values[back]
+            results[result] = values[back]
             if state is not None:
-                states[result] = state if sorted_already else state[back]
+                states[result] = state[back]
     return results, states
 
 
@@ -345,10 +325,10 @@ def _named_extremes(name: str, quantity: Affine, squares: Array, forces: Array, 
 
 
 def _without_nothing(vector: Affine, squares: Array, forces: Array) -> Affine:
-    """A vector without the components that are rounding; at least one remains."""
+    """A vector without the components that are rounding errors; at least one remains."""
     a, c, d = vector
     size = np.abs(a).max(axis=1) * squares[-1] + np.abs(c).max(axis=1) + np.abs(d).max(axis=1) * np.abs(forces).max()
-    kept = size > NOTHING * size.max()
+    kept = size > 1e-13 * size.max()
     kept[0] |= not kept.any()
     return Affine(a[kept], c[kept], d[kept])
 
@@ -413,9 +393,9 @@ def _compare(
     best: Array,
     state: NDArray[np.intp] | None,
 ) -> None:
-    """Write the largest values of some states at the points of a tile into ``best``, and the states into ``state``.
+    """Write the largest values of these states at the points of a tile into ``best``, and the states into ``state``.
 
-    Of lengths the squares are written.
+    For lengths it writes their squares.
     """
     turned = quantity.a[:, states, None] * squares + quantity.c[:, states, None]  # (k, states, n)
     loaded = quantity.d[:, states, None] * forces  # (k, states, m)

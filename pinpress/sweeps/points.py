@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import shown
-from .grid import LARGEST, LONGEST, RESERVED, Grid, Scalar, kind, list_kinds, scalar
+from .grid import LARGEST, LONGEST, RESERVED, Scalar, kind, list_kinds, scalar
 
 Function = Callable[..., Mapping[str, object]]
 Values = NDArray[Any]
 
-ERROR = "error"  # name under which a function of many points returns which of them failed
+ERROR = "error"  # name under which a function of many points returns the errors of those that failed
 KILLS = (
     "BrokenProcessPool: the function ends the process that it runs in, by os._exit, a crash of compiled code, or because it takes too much"
     " memory"
@@ -30,7 +29,7 @@ class Results(NamedTuple):
         errors: n errors: type and text of the exception; empty where the function succeeded.
         kinds: name of a result -> "number", "bool" or "word"; empty where all points failed.
         columns: n values of every result, in the order of ``kinds``; fillers where a point failed.
-        clash: why the results make no table; empty where they do.
+        clash: why the results make no table; empty if they make one.
     """
 
     numbers: Sequence[int]
@@ -41,42 +40,7 @@ class Results(NamedTuple):
 
 
 class ClashError(Exception):
-    """What the function returns makes no table; the text says why."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Points:
-    """Points of a sweep as they travel to a worker: by their columns, or by the axes of the grid where these are shorter.
-
-    Attributes:
-        numbers: n numbers of the points.
-        arguments: name of an axis -> its labels or objects, of these n points, or of the whole axis where there is a ``shape``.
-        shape: lengths of the axes; None where the arguments are columns.
-    """
-
-    numbers: Sequence[int]
-    arguments: Mapping[str, Values]
-    shape: tuple[int, ...] | None
-
-    def columns(self) -> dict[str, Values]:
-        """The arguments of the function at these points, each (n,)."""
-        if self.shape is None:
-            return dict(self.arguments)
-        places = np.unravel_index(np.asarray(self.numbers), self.shape)
-        return {name: values[k] for (name, values), k in zip(self.arguments.items(), places, strict=True)}
-
-
-def points_of(grid: Grid) -> Callable[[Sequence[int]], Points]:
-    """A function that makes the points with these numbers."""
-    axes = grid.arguments()
-
-    def points(numbers: Sequence[int]) -> Points:
-        if grid.paired:
-            return Points(numbers, {name: values[np.asarray(numbers)] for name, values in axes.items()}, None)
-        whole = Points(numbers, axes, grid.shape)
-        return whole if sum(grid.shape) <= len(numbers) * len(axes) else Points(numbers, whole.columns(), None)
-
-    return points
+    """The values that the function returned make no table; the text says why."""
 
 
 def call_at_point(function: Function, number: int, point: Mapping[str, object]) -> Results:
@@ -90,10 +54,11 @@ def call_at_point(function: Function, number: int, point: Mapping[str, object]) 
     return Results([number], [""], {name: kind(value) for name, value in values.items()}, [[value] for value in values.values()])
 
 
-def call_at_points(function: Function, _part: int, points: Points) -> Results:
-    """A function of many points. Where it raises, halves of the points are tried, down to those at which it raises."""
+def call_at_points(function: Function, _part: int, points: tuple[Sequence[int], Mapping[str, Values]]) -> Results:
+    """The function at m points, given by their numbers and arguments (m,). If it raises, halves of the points are tried, until only the
+    points that raise remain."""
     try:
-        return _call_by_halves(function, points.numbers, points.columns())
+        return _call_by_halves(function, *points)
     except ClashError as error:
         return Results([], [], {}, [], str(error))
 
@@ -104,7 +69,7 @@ def fail(numbers: Sequence[int], error: str) -> Results:
 
 
 def describe(error: BaseException) -> str:
-    """Type and text of an exception, as a table takes them."""
+    """Type and text of an exception for a table."""
     try:
         text = str(error)
     except Exception as second:
@@ -113,12 +78,12 @@ def describe(error: BaseException) -> str:
 
 
 def storable(text: str) -> str:
-    """A text as a table takes it: of UTF-8, without null characters, and not too long."""
+    """A text that a table can hold: UTF-8 without null characters, and not too long."""
     return text.encode("utf-8", "backslashreplace").decode().replace("\0", "\\0")[:LONGEST]
 
 
 def _check(returned: object) -> dict[str, Scalar]:
-    """The values that the function returned, as a table takes them.
+    """The values that the function returned, for a table.
 
     Raises:
         TypeError: it returned no mapping of names to values.
@@ -139,7 +104,7 @@ def _check(returned: object) -> dict[str, Scalar]:
 
 
 def _call_by_halves(function: Function, numbers: Sequence[int], arguments: Mapping[str, Values]) -> Results:
-    """The function at all these points at once; where it raises, at both halves of them."""
+    """The function at all these points at once; if it raises, at both halves of them."""
     try:
         returned = function(**{name: values.copy() for name, values in arguments.items()})  # copies, which it may change
     except KeyboardInterrupt:
@@ -161,7 +126,7 @@ def _join(first: Results, second: Results) -> Results:
     """Results at two groups of points as one.
 
     Raises:
-        ClashError: one group has other results than the other.
+        ClashError: the groups differ in their results.
     """
     numbers, errors = [*first.numbers, *second.numbers], [*first.errors, *second.errors]
     kinds = first.kinds or second.kinds
@@ -179,7 +144,7 @@ def _join(first: Results, second: Results) -> Results:
 
 
 def _columns_of(returned: object, numbers: Sequence[int], arguments: Mapping[str, Values]) -> Results:
-    """What a function of many points has returned; raises ClashError where that makes no table."""
+    """The values that a function of many points returned; raises ClashError if they make no table."""
     if not isinstance(returned, Mapping) or not returned:
         raise ClashError(
             f"the function returned {_short(returned)}; return a mapping of names to a value for each point, {{'peak_torque': [1.0, 2.0]}}"
@@ -210,7 +175,7 @@ def axis_name_taken(name: str) -> str:
 
 
 def _errors(column: object, count: int) -> list[str]:
-    """The errors that a function of many points has returned: for each point None, a word or an exception."""
+    """The errors that a function of many points returned: None, a word or an exception for each point."""
     if column is None:
         return [""] * count
     if isinstance(column, str) or not isinstance(column, Iterable) or len(errors := list(column)) != count:
@@ -219,7 +184,7 @@ def _errors(column: object, count: int) -> list[str]:
 
 
 def _column(name: str, column: object, count: int) -> tuple[Values, dict[int, str]]:
-    """Values of a result (count,) as floats, bools or words, and what is wrong with some of them."""
+    """Values of a result (count,) as floats, bools or words, and the faults of values that a table cannot hold."""
     if not isinstance(column, np.ndarray) or column.dtype.kind not in "biuf":
         return _listed_column(name, column, count)
     _refuse_shape(name, column.shape, count)
@@ -235,7 +200,7 @@ def _column(name: str, column: object, count: int) -> tuple[Values, dict[int, st
 
 
 def _listed_column(name: str, column: object, count: int) -> tuple[Values, dict[int, str]]:
-    """The same of a list, or an array of words or objects."""
+    """As `_column`, for a list or an array of words or objects."""
     if isinstance(column, str | Mapping) or not isinstance(column, Iterable):
         raise ClashError(f"the function returned {_short(column)} under {shown(name)}; return one value for each of the {count} points")
     items = list(column)

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ..common import files
 from ..common.errors import PinpressError
-from .grid import Grid, differences, fingerprint, list_kinds
+from .grid import Grid, differences, list_kinds
 from .points import Results, Values, axis_name_taken
 
 SUFFIX = ".sqlite"
@@ -62,8 +62,8 @@ class Store:
         """Read the description. ``name``: of the file, for messages.
 
         Raises:
-            sqlite3.DatabaseError: The file is no database.
-            ValueError: it is no database of a sweep, or is damaged.
+            sqlite3.DatabaseError: the file is no database.
+            ValueError: the database is not that of a sweep, or is damaged.
         """
         if connection.execute("PRAGMA quick_check").fetchall() != [("ok",)]:
             raise ValueError("its structure is broken")
@@ -92,7 +92,7 @@ class Store:
         done, errors = np.zeros(size, dtype=bool), {}
         values = [np.full(size, np.nan if kind == "number" else None) for kind in self.kinds.values()]
         names = "".join(f", {_quote(name)}" for name in self._names)
-        with self._name_in_errors():
+        with _name_in_errors(self._name):
             rows = self._connection.execute(f"SELECT point, error{names}, checksum FROM points ORDER BY point")
             while piece := rows.fetchmany(500):  # half as long as with 10 000, which no cache holds
                 self._refuse_changed(piece)
@@ -111,7 +111,7 @@ class Store:
 
     def begin(self) -> None:
         """Prepare for adding results, which go to a log."""
-        with self._name_in_errors():
+        with _name_in_errors(self._name):
             self._connection.execute("PRAGMA journal_mode=WAL")
             self._connection.execute("PRAGMA synchronous=NORMAL")
 
@@ -136,7 +136,7 @@ class Store:
             self._connection.execute("DELETE FROM points WHERE error IS NOT NULL")
 
     def _agreed(self, kinds: Mapping[str, str], results: Results) -> dict[str, str]:
-        """Names and kinds of the results; raises PinpressError where these differ from those before."""
+        """Names and kinds of the results; raises PinpressError if they differ from those of earlier results."""
         if results.clash:
             raise PinpressError(results.clash)
         if not results.kinds or results.kinds == kinds:
@@ -202,7 +202,7 @@ class Store:
         )
 
     def _checksums(self, rows: Iterable[tuple[Any, ...]]) -> Iterator[int]:
-        """The checksums of points: numbers as they are in memory, words by their own checksums; -1 for a value of a wrong type."""
+        """The checksums of points: of numbers as they are in memory, and of the checksums of words; -1 for a value of a wrong type."""
         pack, seed, end = self._pack, self._seed, 2 + len(self.kinds)
         words = "word" in self.kinds.values()
         for row in rows:
@@ -224,36 +224,25 @@ class Store:
 
     @contextmanager
     def _commit(self) -> Iterator[None]:
-        """All that is written in the block, or nothing."""
-        with self._name_in_errors(), self._connection:
+        """Write everything in the block, or nothing."""
+        with _name_in_errors(self._name), self._connection:
             self._connection.execute("BEGIN")
             yield
 
-    @contextmanager
-    def _name_in_errors(self) -> Iterator[None]:
-        with name_in_errors(self._name):
-            yield
 
-
-@contextmanager
-def open_store(grid: Grid, function: str, to: str | os.PathLike[str] | None) -> Iterator[Store]:
-    """The store of a sweep: the file ``to``, or None for one in memory.
-
-    Raises:
-        PinpressError: as `open_file`, or ``to`` is no name for such a file.
-    """
-    path = None
-    if to is not None:
-        with files.refused(to):
-            path = Path(to)
-        if path.suffix != SUFFIX:
-            name = path.with_suffix(SUFFIX) if path.name else f"runs{SUFFIX}"
-            raise PinpressError(
-                f"to is {os.fspath(to)!r}: a sweep is kept in an SQLite file, so write {os.fspath(name)!r}; a CSV or Parquet file is"
-                " written from the result, by to_csv or to_parquet"
-            )
-    with open_file(path, fingerprint(grid, function)) as database:
-        yield database
+def store_path(to: str | os.PathLike[str] | None) -> Path | None:
+    """The path of the file for the results of a sweep; raises PinpressError if its name does not end with `SUFFIX`."""
+    if to is None:
+        return None
+    with files.refused(to):
+        path = Path(to)
+    if path.suffix != SUFFIX:
+        name = path.with_suffix(SUFFIX) if path.name else f"runs{SUFFIX}"
+        raise PinpressError(
+            f"to is {os.fspath(to)!r}: a sweep is kept in an SQLite file, so write {os.fspath(name)!r}; a CSV or Parquet file is"
+            " written from the result, by to_csv or to_parquet"
+        )
+    return path
 
 
 @contextmanager
@@ -262,7 +251,7 @@ def open_file(path: Path | None, description: Mapping[str, Any] | None = None) -
 
     Args:
         path: path of the file; None: a database in memory.
-        description: description of the sweep that the file must be of, see `grid.fingerprint`; None: of any sweep, for reading alone.
+        description: description of the sweep to which the file must belong, see `grid.fingerprint`; None: any sweep, to read it.
 
     Raises:
         PinpressError: the file cannot be opened or written, is in use, is damaged, or is of another sweep.
@@ -272,10 +261,10 @@ def open_file(path: Path | None, description: Mapping[str, Any] | None = None) -
         raise PinpressError(f"{path} is a folder, not the file of a sweep: give the file, whose name ends with {SUFFIX}")
     if path is not None and path.exists() and not path.is_file():
         raise PinpressError(f"{path} is not a regular file: a sweep needs a separate file; give another name")
-    with name_in_errors(name):
+    with _name_in_errors(name):
         connection = sqlite3.connect(":memory:" if path is None else path, timeout=0.0, isolation_level=None)
     try:
-        with name_in_errors(name):
+        with _name_in_errors(name):
             connection.text_factory = lambda text: text.decode(errors="replace")  # damaged text is found by its checksum
             connection.execute(f"PRAGMA page_size={PAGE}")
             connection.execute("PRAGMA locking_mode=EXCLUSIVE")
@@ -290,13 +279,15 @@ def open_file(path: Path | None, description: Mapping[str, Any] | None = None) -
             raise PinpressError(f"{path} belongs to another sweep: {differ}. Give another file, or repeat the sweep of this file")
         yield database
     finally:
-        with suppress(sqlite3.Error):  # on a full disk the log stays beside the file, and is copied into it when it is opened next
+        with suppress(
+            sqlite3.Error
+        ):  # on a full disk the log stays next to the file; SQLite copies it into the file when this is opened again
             connection.execute("PRAGMA journal_mode=DELETE")
         connection.close()
 
 
 @contextmanager
-def name_in_errors(name: str) -> Iterator[None]:
+def _name_in_errors(name: str) -> Iterator[None]:
     """Turn errors of SQLite into a PinpressError that names the file."""
     try:
         yield
@@ -317,7 +308,7 @@ def _describe(description: Mapping[str, Any], kinds: Mapping[str, str]) -> tuple
 
 
 def _plain(values: Sequence[Any] | Values) -> list[Any]:
-    """Values as SQLite keeps them: numbers and bools as floats, 0.0 in place of -0.0."""
+    """Values for SQLite: numbers and bools as floats, 0.0 in place of -0.0."""
     if isinstance(values, np.ndarray) and values.dtype != object:
         return (values + 0.0).tolist()  # type: ignore[no-any-return]
     return [value if isinstance(value, str) else value + 0.0 for value in values]

@@ -15,22 +15,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common import files, tables
-from ..common.arguments import is_whole_number, typed
+from ..common.arguments import is_whole_number, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.files import path_of
 from ..common.frozen import FrozenMapping, read_only
 from ..common.results import Record, Records, Tabular
 from .execution import TaskError, Work, carry_out
-from .grid import Grid, Scalar, as_array, make_grid
-from .points import KILLS, Function, Results, call_at_point, call_at_points, fail, points_of
-from .store import Contents, Store, open_file, open_store
+from .grid import Grid, Scalar, fingerprint, make_grid
+from .points import KILLS, Function, Results, call_at_point, call_at_points, fail
+from .store import Contents, Store, open_file, store_path
 
 Column = NDArray[Any]
 
 POINTS_AT_ONCE = 1000  # with more of them `simulate_batch` makes hardly more runs a second
 MOST_AT_ONCE = 1_000_000
-PIECE = 100_000  # points of a row group in a Parquet file
 
 
 @typed
@@ -76,7 +74,12 @@ def sweep(
             is damaged, in use, or cannot be written, results differ in names or kinds or make no table, or the executor has stopped. The
             file contains all finished points.
     """
-    _check_arguments(function, executor, in_flight, progress)
+    if executor is not None and not isinstance(executor, Executor):
+        raise PinpressError(
+            f"executor is {shown(executor)}: give an executor of concurrent.futures, such as ProcessPoolExecutor(), or get_executor() of a"
+            " Dask client"
+        )
+    whole_number("in_flight", in_flight, 1, MOST_AT_ONCE)
     together = _points_at_once(at_once)
     points = make_grid(grid, paired)
     _check_call(function, points)
@@ -85,19 +88,19 @@ def sweep(
     if isinstance(executor, ProcessPoolExecutor):
         _check_sendable(function, points)
     name = name_of(function)
-    with open_store(points, name, to) as kept:
+    with open_file(store_path(to), fingerprint(points, name)) as store:
         if retry_failed:
-            kept.forget_failed()
-        finished = kept.contents().done
+            store.forget_failed()
+        finished = store.contents().done
         if not finished.all():
-            kept.begin()
+            store.begin()
         try:
-            # A part that ends its process is done once more, point by point, so that only the points fail that do so.
+            # A part whose process ends is repeated point by point, so that only the points that end it fail.
             for length in (together, 1) if together else (0,):
-                _run(function, points, length, finished, kept, executor, in_flight, progress)
+                _run(function, points, length, finished, store, executor, in_flight, progress)
         except TaskError as error:
             raise _report_lost_executor(error, int(finished.sum()), len(points), to) from error.__cause__
-        return _sweep(name, points, kept.contents())
+        return _sweep(name, points, store.contents())
 
 
 @typed
@@ -113,10 +116,10 @@ def read(path: str | os.PathLike[str]) -> Sweep:
     file = Path(path_of("path", path))
     if not file.exists():
         raise PinpressError(f"there is no file {file}: give the one that sweep has written by to=")
-    with open_file(file) as kept:
-        description = kept.description
+    with open_file(file) as store:
+        description = store.description
         axes = {name: tuple(labels) for name, labels in description["axes"].items()}
-        return _sweep(description["function"], Grid(axes, axes, description["paired"]), kept.contents())
+        return _sweep(description["function"], Grid(axes, axes, description["paired"]), store.contents())
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -142,19 +145,8 @@ class Sweep(Tabular):
 
     @property
     def title(self) -> str:
-        return f"Sweep of {self.function}: {len(self._grid)} points, {self._not_there}"
-
-    def __str__(self) -> str:
-        over = " side by side" if self.paired else ""
-        lines = [f"{self.function} at {len(self._grid)} points, {self._not_there}; axes{over}"]
-        lines += tables.table(([name, f"{len(labels):6} values, {_ends(labels)}"] for name, labels in self.axes.items()), [26, 0])
-        lines += ["", *tables.table([["Results", "smallest", "largest"]], [28, 14], indent="")]
-        lines += tables.ranges(self.results, 26)
-        bad = self._failed(5)
-        lines += ["", "Failed"] if bad else []
-        lines += [f"  {', '.join(f'{k}={v}' for k, v in point.point.items())}: {point.error.splitlines()[0]}" for point in bad]
-        lines += [f"  and {len(self.errors) - 5} more"] if len(self.errors) > 5 else []
-        return "\n".join(lines)
+        missing = f", {len(self.missing)} are not done" if self.missing else ""
+        return f"Sweep of {self.function}: {len(self._grid)} points, {len(self.errors)} of which failed{missing}"
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -164,11 +156,13 @@ class Sweep(Tabular):
     @property
     def failed(self) -> Records[FailedPoint]:
         """The points that failed, with their labels and errors."""
-        return Records(FailedPoint, self._failed(None))
+        points = (FailedPoint(k, dict(zip(self.axes, self._grid.labels(k), strict=True)), self.errors[k]) for k in sorted(self.errors))
+        return Records(FailedPoint, points)
 
     def columns(self) -> dict[str, Column | list[str]]:
         """A row for each point: labels, results, and the error of a failed point."""
-        return self._rows(0, len(self._grid))
+        errors = [self.errors.get(number, "") for number in range(len(self._grid))]
+        return {**self._grid.columns(), **self.results, "error": errors}
 
     def column(self, name: str) -> Column:
         """Read an axis' labels or a result of all points (n,); results are masked at failed and missing points.
@@ -179,7 +173,7 @@ class Sweep(Tabular):
         if name in self.results:
             return self.results[name]
         if name in self.axes:
-            return read_only(self._grid.columns(0, len(self._grid))[name])
+            return read_only(self._grid.columns()[name])
         raise UnknownNameError("result", name, [*self.results])
 
     def grid(self, name: str) -> Column:
@@ -190,42 +184,9 @@ class Sweep(Tabular):
         """
         return self.column(name).reshape(self.shape)
 
-    def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Write a Parquet file with pieces of a hundred thousand points; missing values are null. Needs pyarrow.
-
-        Raises:
-            PinpressError: the file cannot be written, or pyarrow is not installed.
-        """
-        tables.needs_pyarrow()
-        import pyarrow  # optional, and slow to import
-        import pyarrow.parquet
-
-        typical = {name: as_array(labels) for name, labels in self.axes.items()} | {**self.results}
-        schema = pyarrow.schema([*((name, _arrow_type(column)) for name, column in typical.items()), ("error", pyarrow.string())])
-        with files.written(path) as file, pyarrow.parquet.ParquetWriter(file, schema) as writer:
-            for first in range(0, len(self._grid), PIECE):
-                columns = {name: _for_arrow(column) for name, column in self._rows(first, first + PIECE).items()}
-                writer.write_table(pyarrow.table(columns, schema=schema))
-
-    def _rows(self, first: int, last: int) -> dict[str, Column | list[str]]:
-        last = min(last, len(self._grid))
-        errors = [self.errors.get(number, "") for number in range(first, last)]
-        results = {name: column[first:last] for name, column in self.results.items()}
-        return {**self._grid.columns(first, last), **results, "error": errors}
-
-    def _failed(self, most: int | None) -> list[FailedPoint]:
-        return [FailedPoint(number, self._point(number), self.errors[number]) for number in sorted(self.errors)[:most]]
-
-    def _point(self, number: int) -> dict[str, Scalar]:
-        return dict(zip(self.axes, self._grid.labels(number), strict=True))
-
     @property
     def _grid(self) -> Grid:
         return Grid(self.axes, self.axes, self.paired)
-
-    @property
-    def _not_there(self) -> str:
-        return f"{len(self.errors)} of which failed" + (f", {len(self.missing)} are not done" if self.missing else "")
 
 
 @dataclass(frozen=True, repr=False)
@@ -268,20 +229,6 @@ def _points_at_once(at_once: object) -> int:
     return int(at_once)
 
 
-def _check_arguments(function: object, executor: object, in_flight: object, progress: object) -> None:
-    if not callable(function):
-        raise PinpressError(f"function is {shown(function)}: give a function that takes the axes' names and returns a mapping")
-    if executor is not None and not isinstance(executor, Executor):
-        raise PinpressError(
-            f"executor is {shown(executor)}: give an executor of concurrent.futures, such as ProcessPoolExecutor(), or get_executor() of a"
-            " Dask client"
-        )
-    if not is_whole_number(in_flight) or in_flight < 1:
-        raise PinpressError(f"in_flight is {shown(in_flight)}: give a whole number of tasks, at least 1")
-    if progress is not None and not callable(progress):
-        raise PinpressError(f"progress is {shown(progress)}: give a function of the finished share")
-
-
 def _check_call(function: Function, grid: Grid) -> None:
     """Refuse a function that does not take the axes; otherwise it would fail at every point."""
     try:
@@ -312,16 +259,16 @@ def _check_sendable(function: Function, grid: Grid) -> None:
 
 
 def _work(function: Function, grid: Grid, missing: NDArray[np.intp], length: int) -> tuple[Sequence[int], Work[Results]]:
-    """Numbers of the pieces of work, and the work: a point each, or with a ``length`` the missing ones of so many consecutive points."""
+    """Numbers of the pieces of work, and the work. A piece is a point, or the missing ones of ``length`` consecutive points."""
     if not length:
         return missing.tolist(), Work(partial(call_at_point, function), grid.point, lambda number: fail([number], KILLS))
-    parts, points = list(_parts(missing, length)), points_of(grid)
+    parts, arguments = list(_parts(missing, length)), grid.arguments()
     killed = (lambda k: fail(parts[k], KILLS)) if length == 1 else (lambda _: fail([], KILLS))
-    return range(len(parts)), Work(partial(call_at_points, function), lambda k: points(parts[k]), killed)
+    return range(len(parts)), Work(partial(call_at_points, function), lambda k: (parts[k], arguments(parts[k])), killed)
 
 
 def _parts(missing: NDArray[np.intp], length: int) -> Iterator[Sequence[int]]:
-    """The missing points, divided at multiples of the length: the function is given the same points together whenever it is resumed."""
+    """The missing points, divided at multiples of the length: after a stop the function gets the same points together as before it."""
     for part in np.split(missing, np.flatnonzero(np.diff(missing // length)) + 1) if len(missing) else ():
         first, last = int(part[0]), int(part[-1]) + 1
         yield range(first, last) if last - first == len(part) else part.tolist()
@@ -332,12 +279,12 @@ def _run(
     grid: Grid,
     length: int,
     finished: NDArray[np.bool_],
-    kept: Store,
+    store: Store,
     executor: Executor | None,
     in_flight: int,
     progress: Callable[[float], None] | None,
 ) -> None:
-    """Call the function at the points that are missing, and mark these as finished.
+    """Call the function at the missing points, and mark these points as finished.
 
     Raises:
         TaskError: the executor is gone.
@@ -348,7 +295,7 @@ def _run(
     arriving = carry_out(work, numbers, executor, in_flight)
     try:
         for arrived in arriving:
-            kept.add(arrived)
+            store.add(arrived)
             for results in arrived:
                 finished[list(results.numbers)] = True
                 count += len(results.numbers)
@@ -359,33 +306,12 @@ def _run(
 
 
 def _report_lost_executor(error: TaskError, finished: int, points: int, to: str | os.PathLike[str] | None) -> PinpressError:
-    """The error of a sweep whose executor could not do its work, when so many of its points were finished."""
+    """The error of a sweep whose executor stopped after this number of finished points."""
     cause = error.__cause__
     where = "which are lost: give to=, a file that keeps them" if to is None else f"which are in {os.fspath(to)}"
     again = "" if to is None else "; call the same sweep again, with a new executor, to do the others"
     said = f"{type(cause).__name__}: {cause}".removesuffix(": ")
     return PinpressError(f"the executor could not do its work ({said}) after {finished} of {points} points, {where}{again}")
-
-
-def _arrow_type(column: Column) -> Any:
-    """The type of Arrow for an axis or a result. Labels of several kinds become words."""
-    import pyarrow  # optional, and slow to import
-
-    if column.dtype.kind != "O":
-        return pyarrow.from_numpy_dtype(column.dtype) if column.dtype.kind != "U" else pyarrow.string()
-    return pyarrow.bool_() if all(value is None or isinstance(value, bool) for value in column.tolist()) else pyarrow.string()
-
-
-def _for_arrow(column: Column | list[str]) -> Any:
-    """A column as Arrow takes it: numbers as an array, other values as a list with None where there is none."""
-    if isinstance(column, list) or column.dtype.kind in "fib":
-        return column
-    return [value if value is None or isinstance(value, bool | str) else str(value) for value in column.tolist()]
-
-
-def _ends(labels: tuple[Scalar, ...]) -> str:
-    first, last = (f"{label:.6g}" if isinstance(label, float) else f"{label}" for label in (labels[0], labels[-1]))
-    return first if len(labels) == 1 else f"{first} to {last}" if len(labels) > 2 else f"{first}, {last}"
 
 
 def name_of(function: object) -> str:

@@ -28,7 +28,7 @@ centre is bottom dead centre. The shift by heat is added. All parts are of first
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,7 +36,7 @@ from numpy.typing import ArrayLike
 from ..common import plausibility
 from ..common.arguments import LARGEST, number, numbers, typed
 from ..common.errors import PinpressError
-from ..common.quantities import GRAVITY, Array, DriverCoordinate
+from ..common.quantities import GRAVITY, DriverCoordinate
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..dynamics.applied_loads import force_on_slide
@@ -55,7 +55,6 @@ from .temperatures import Temperatures, heat
 WINDOW = np.radians(6.0)  # range on both sides of the rigid dead centre in which the lowest position is searched [rad]
 STATES = 121  # crank angles in this range: half a step of 0.05 deg moves a slide by less than 1e-6 of the crank radius
 PARTS = ("clearances", "springs", "heat")
-SOFTEST = 0.5  # a larger deflection, as a share of the stroke, is not small, and first order does not hold
 NEGLIGIBLE = 5e-8  # smaller shifts are not printed [m]
 
 
@@ -110,7 +109,7 @@ class AccuracyBudget(OfPress, Tabular):
     @property
     def worst(self) -> BottomCondition:
         """The condition with the largest rise."""
-        return max(self.conditions, key=lambda each: abs(each.rise))
+        return max(self.conditions, key=lambda condition: abs(condition.rise))
 
     @property
     def largest_rise(self) -> float:
@@ -190,86 +189,62 @@ def budget(
     doubt_speeds(press, crank_speeds)
     plausibility.forces("process", abs(force), GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass))
     warm = 0.0 if temperatures is None else heat(press, temperatures).bottom_shift
-    place = dead_centres(press).bottom_angle
-    angles = place + np.linspace(-WINDOW, WINDOW, STATES)
     conditions: list[BottomCondition] = []
     for speed in map(float, crank_speeds):
-        idle = _Bottom.of(press, angles, speed, loads, clearance, stiffness, known_to, doubt)
-        states = [("idle", idle, 0.0)]
+        states = [_bottom(press, speed, loads, clearance, stiffness, known_to, doubt)]
         if force:
-            pushed = force_on_slide(press, force)
-            loaded = _Bottom.of(press, angles, speed, [*loads, pushed], clearance, stiffness, known_to, doubt)
-            states.append(("process", loaded, 0.0))
+            pushed = [*loads, force_on_slide(press, force)]
+            states.append(replace(_bottom(press, speed, pushed, clearance, stiffness, known_to, doubt), condition="process"))
         if temperatures is not None:
-            states.append((f"{states[-1][0]}, warm", states[-1][1], warm))
-        for condition, bottom, added in states:
-            shift = bottom.clearances + bottom.springs + bottom.crank + added
-            conditions.append(
-                BottomCondition(
-                    speed=speed,
-                    condition=condition,
-                    clearances=bottom.clearances,
-                    springs=bottom.springs,
-                    crank=bottom.crank,
-                    heat=added,
-                    shift=shift,
-                    lowest=bottom.lowest + added,
-                    highest=bottom.highest + added,
-                    rise=shift - conditions[0].shift if conditions else 0.0,
-                )
-            )
+            cold = states[-1]
+            ends = {name: getattr(cold, name) + warm for name in ("shift", "lowest", "highest")}
+            states.append(replace(cold, condition=f"{cold.condition}, warm", heat=warm, **ends))
+        first = conditions[0] if conditions else states[0]
+        conditions += (replace(state, rise=state.shift - first.shift) for state in states)
     return AccuracyBudget(press, press.driver_coordinates[0], Records(BottomCondition, conditions), machining)
 
 
-@dataclass(frozen=True)
-class _Bottom:
-    """The lowest place of the slide in one condition, by parts, with its band [m]."""
-
-    clearances: float
-    springs: float
-    crank: float
-    lowest: float
-    highest: float
-
-    @staticmethod
-    def of(
-        press: Linkage,
-        angles: Array,
-        speed: float,
-        loads: Sequence[Load],
-        clearance: Mapping[str, float | GuideClearance] | None,
-        stiffness: Stiffness | None,
-        known_to: float,
-        stiffness_known_to: float,
-    ) -> _Bottom:
-        motion = servo_cycle(press, angles if speed > 0 else angles[::-1], speed=speed)
-        rigid = motion.slide_position - motion.slide_position[STATES // 2]
-        nothing = np.zeros(STATES)
-        offset = low = high = deflection = doubt = nothing
-        if clearance is not None:
-            placed = play(press, motion, clearance, loads, known_to=known_to)
-            offset, low, high = placed.offset, placed.lowest, placed.highest
-        if stiffness is not None:
-            deflected = slide_deflection(press, motion, stiffness, loads=loads)
-            deflection = deflected.deflection
-            stroke = dead_centres(press).stroke
-            if np.abs(deflection).max() > SOFTEST * stroke:
-                raise PinpressError(
-                    f"the springs of {press.name} deflect by {1e3 * np.abs(deflection).max():.3g} mm at {speed:.5g} rad/s, but the stroke"
-                    " is only"
-                    f" {1e3 * stroke:.3g} mm: check stiffnesses [N/m], speed and loads"
-                )
-            doubt = stiffness_known_to * np.sum([np.abs(part) for part in deflected.parts.values()], axis=0)
-        lowest_state = int((rigid + offset + deflection).argmin())
-        if lowest_state in (0, STATES - 1):
+def _bottom(
+    press: Linkage,
+    speed: float,
+    loads: Sequence[Load],
+    clearance: Mapping[str, float | GuideClearance] | None,
+    stiffness: Stiffness | None,
+    known_to: float,
+    stiffness_known_to: float,
+) -> BottomCondition:
+    """Bottom dead centre of the cold press at a speed, under loads, with no rise."""
+    centres = dead_centres(press)
+    angles = centres.bottom_angle + np.linspace(-WINDOW, WINDOW, STATES)
+    motion = servo_cycle(press, angles if speed > 0 else angles[::-1], speed=speed)
+    rigid = motion.slide_position - motion.slide_position[STATES // 2]
+    offset = low = high = deflection = doubt = np.zeros(STATES)
+    if clearance is not None:
+        placed = play(press, motion, clearance, loads, known_to=known_to)
+        offset, low, high = placed.offset, placed.lowest, placed.highest
+    if stiffness is not None:
+        deflected = slide_deflection(press, motion, stiffness, loads=loads)
+        deflection, largest = deflected.deflection, float(np.abs(deflected.deflection).max())
+        if largest > 0.5 * centres.stroke:  # first order does not hold
             raise PinpressError(
-                f"the slide of {press.name} is lowest more than 6 deg from its rigid bottom dead centre at {speed:.5g} rad/s: check"
-                " stiffnesses and loads"
+                f"the springs of {press.name} deflect by {1e3 * largest:.3g} mm at {speed:.5g} rad/s, but the stroke is only"
+                f" {1e3 * centres.stroke:.3g} mm: check stiffnesses [N/m], speed and loads"
             )
-        return _Bottom(
-            clearances=float(offset[lowest_state]),
-            springs=float(deflection[lowest_state]),
-            crank=float(rigid[lowest_state]),
-            lowest=float((rigid + low + deflection - doubt).min()),
-            highest=float((rigid + high + deflection + doubt).min()),
+        doubt = stiffness_known_to * np.sum([np.abs(part) for part in deflected.parts.values()], axis=0)
+    lowest = int((rigid + offset + deflection).argmin())
+    if lowest in (0, STATES - 1):
+        raise PinpressError(
+            f"the slide of {press.name} is lowest more than 6 deg from its rigid bottom dead centre at {speed:.5g} rad/s: check"
+            " stiffnesses and loads"
         )
+    parts = {"clearances": float(offset[lowest]), "springs": float(deflection[lowest]), "crank": float(rigid[lowest])}
+    return BottomCondition(
+        speed=speed,
+        condition="idle",
+        **parts,
+        heat=0.0,
+        shift=sum(parts.values()),
+        lowest=float((rigid + low + deflection - doubt).min()),
+        highest=float((rigid + high + deflection + doubt).min()),
+        rise=0.0,
+    )

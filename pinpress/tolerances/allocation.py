@@ -16,17 +16,16 @@ import numpy as np
 from ..common import plausibility, tables
 from ..common.arguments import number, positive, suitable_numbers, typed
 from ..common.conic_program import AT_MOST, CONE, PROVED, InfeasibleError, Optimum, Rows, minimise
-from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage, OfPress
 from .dead_centre_scatter import dead_centre_gradients
-from .dimensions import Dimension, check_dimensions, correlation_matrix
+from .dimensions import Dimension, check_dimensions, correlation_matrix, refuse_unknown, root_of
 
 QUANTITIES = ("height", "top", "stroke")
-FINEST, COARSEST = 0.1, 10.0  # default bounds of a tolerance, as multiples of the present tolerance
 SLACK = 1e-6  # relative distance below which a target counts as used up, and a tolerance as equal to its bound
 
 
@@ -125,17 +124,22 @@ def allocate(
     checked = check_dimensions(press, parts)
     tied = correlation_matrix(checked, correlation)
     present = np.array([part.tolerance for part in checked])
-    prices = _costs(checked, cost)
-    limits, ends = _targets(targets), _bounds(checked, {} if bounds is None else bounds)
-    sure = positive("deviations", deviations, "-", 100.0)
+    names = [part.name for part in checked]
+    for kind, given, known in (("dimension", cost, names), ("quantity", targets, QUANTITIES), ("dimension", bounds, names)):
+        for name in given or {}:
+            refuse_unknown(kind, name, known)
+    prices = np.array([number(f"cost of {name}", (cost or {}).get(name, 1.0), positive=True) for name in names])
+    limits = {name: number(f"target of {name}", value, "m", positive=True) for name, value in targets.items()}
+    if not limits:
+        raise PinpressError(f"targets is empty: give one or more of {', '.join(QUANTITIES)}, e.g. {{'height': 50e-6}}")
     for name, limit in limits.items():
         plausibility.target(f"target of {name}", limit, press.size)
+    ends, sure = _bounds(checked, bounds or {}), positive("deviations", deviations, "-", 100.0)
 
     bottom, top = dead_centre_gradients(press, checked, motion)
     gradients = {"height": bottom, "top": top, "stroke": top - bottom}
     ratios = np.array([part.standard_deviation for part in checked]) / present
-    values, vectors = np.linalg.eigh(tied)
-    root = vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
+    root = root_of(tied)
     spreads = {name: sure * root * (gradients[name] * ratios * present) / limit for name, limit in limits.items()}
     if not correlation:
         _refuse_missed(checked, limits, spreads, ends[:, 0] / present)
@@ -145,13 +149,11 @@ def allocate(
     chosen = tuple(_with_tolerance(part, float(factor)) for part, factor in zip(checked, factors, strict=True))
     reached = {name: limit * float(np.linalg.norm(spreads[name] @ factors)) for name, limit in limits.items()}
     costs, scale = prices / factors, float(prices.sum())
-    # the first dual variable of a target's cone is what a share more of the target saves
-    saved = {
-        name: scale * float(multipliers[0]) / limits[name] for name, multipliers in zip(limits, optimum.prices[-len(limits) :], strict=True)
-    }
-    alike = (
-        1.0 / max(float(np.linalg.norm(spread.sum(axis=1))) for spread in spreads.values()) if any(map(np.any, spreads.values())) else 1.0
-    )
+    # The first dual variable of a target's cone is what a share more of the target saves.
+    last = optimum.prices[-len(limits) :]
+    saved = {name: scale * float(dual[0]) / limit for (name, limit), dual in zip(limits.items(), last, strict=True)}
+    used = max(float(np.linalg.norm(spread.sum(axis=1))) for spread in spreads.values())
+    alike = 1.0 / used if used else 1.0
     inside = ((ends[:, 0] <= alike * present) & (alike * present <= ends[:, 1])).all()
     return AllocatedTolerances(
         press,
@@ -169,38 +171,15 @@ def allocate(
     )
 
 
-def _costs(parts: Sequence[Dimension], cost: Mapping[str, float] | None) -> Array:
-    """Costs (k,) at the present tolerances."""
-    names = [part.name for part in parts]
-    _refuse_unknown(cost or {}, "dimension", names)
-    return np.array([number(f"cost of {name}", (cost or {}).get(name, 1.0), positive=True) for name in names])
-
-
-def _targets(targets: Mapping[str, float]) -> dict[str, float]:
-    if not targets:
-        raise PinpressError(f"targets is empty: give one or more of {', '.join(QUANTITIES)}, e.g. {{'height': 50e-6}}")
-    _refuse_unknown(targets, "quantity", QUANTITIES)
-    return {name: number(f"target of {name}", value, "m", positive=True) for name, value in targets.items()}
-
-
 def _bounds(parts: Sequence[Dimension], bounds: Mapping[str, Sequence[float]]) -> Array:
     """Smallest and largest tolerances (k, 2) [m or rad]."""
-    if not isinstance(bounds, Mapping):
-        raise PinpressError(f"bounds is {shown(bounds)}: give a mapping, bounds={{name: (smallest, largest)}}")
-    _refuse_unknown(bounds, "dimension", [part.name for part in parts])
-    ends_ = np.array([[FINEST * part.tolerance, COARSEST * part.tolerance] for part in parts])
+    ends = np.array([[0.1 * part.tolerance, 10.0 * part.tolerance] for part in parts])
     for k, part in enumerate(parts):
         if part.name in bounds:
-            expected = f"smallest and largest tolerance [{part.unit}], positive and rising"
-            rising = lambda ends: (ends[0] > 0) & (ends[1] > ends[0])  # noqa: E731
-            ends_[k] = suitable_numbers(f"bounds of {part.name}", bounds[part.name], expected, (2,), rising)
-    return ends_
-
-
-def _refuse_unknown(given: Mapping[str, object], kind: str, known: Sequence[str]) -> None:
-    for name in given:
-        if name not in known:
-            raise UnknownNameError(kind, name, known)
+            wanted = f"smallest and largest tolerance [{part.unit}], positive and rising"
+            rising = lambda given: (given[0] > 0) & (given[1] > given[0])  # noqa: E731
+            ends[k] = suitable_numbers(f"bounds of {part.name}", bounds[part.name], wanted, (2,), rising)
+    return ends
 
 
 def _refuse_missed(parts: Sequence[Dimension], limits: Mapping[str, float], spreads: Mapping[str, Array], smallest: Array) -> None:

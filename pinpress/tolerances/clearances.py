@@ -36,13 +36,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
 from ..common import tables
 from ..common.arguments import number, typed
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping
-from ..common.parameters import parameter
+from ..common.parameters import Checked, parameter
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
@@ -54,13 +53,12 @@ from ..loads.link import Friction, Load
 from .virtual_work import UnitForces, forces_by_cause, in_plane, unit_forces
 
 KNOWN_TO = 0.05  # default relative uncertainty of masses and loads
-WIDEST = 2e-3  # a larger radial clearance is probably a mistake [m]
 ROUNDING = 1e-9  # a smaller force, as a share of the largest bearing force of a state, counts as rounding error
 UNMOVED = 1e-6  # with a smaller force per newton on the slide a bearing is not between drive and slide
 
 
 @dataclass(frozen=True)
-class GuideClearance:
+class GuideClearance(Checked):
     """The clearance of a guide with a length, in which the slide may tilt.
 
     Attributes:
@@ -75,14 +73,12 @@ class GuideClearance:
     middle: float = field(default=0.0, metadata=parameter("m"))
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _width("GuideClearance: across", self.across)
-        number("GuideClearance: length", self.length, "m", positive=True)
-        number("GuideClearance: middle", self.middle, "m")
         if not self.length > 10 * self.across:
             raise PinpressError(
                 f"GuideClearance: length is {self.length:g} m, too short for a clearance across of {self.across:g} m: give the length of"
-                " the"
-                " gibs and the clearance on each side, both in m"
+                " the gibs and the clearance on each side, both in m"
             )
 
 
@@ -208,40 +204,36 @@ def play(
     _refuse_open_moments(press, widths, reactions)
     unit = unit_forces(press, motion, without)
     rest, moving = forces_by_cause(press, motion, loads)
-    contacts = [each for name in widths for each in contacts_of(press, unit, name, widths[name], reactions)]
-    causes = [
-        [each.force for name in widths for each in contacts_of(press, unit, name, widths[name], reactions_)]
-        for reactions_ in (rest, without, *moving)
-    ]
+    contacts, *causes = (contacts_of(press, unit, widths, by_cause) for by_cause in (reactions, rest, without, *moving))
     size = ROUNDING * np.max([np.linalg.norm(force, axis=1) for force in reactions.bearing_force.values()], axis=0)
     shares = {name: np.zeros(len(motion.v)) for name in widths}
-    open_, spread = {name: np.zeros(len(motion.v), bool) for name in widths}, np.zeros(len(motion.v))
-    sure = np.zeros(len(motion.v))
-    for k, contact in enumerate(contacts):
-        weight, together, unloaded, *loaded = (cause[k] for cause in causes)
+    undetermined = {name: np.zeros(len(motion.v), bool) for name in widths}
+    sure, spread = np.zeros(len(motion.v)), np.zeros(len(motion.v))
+    for contact, *alone in zip(contacts, *causes, strict=True):
+        weight, together, unloaded, *loaded = (cause.force for cause in alone)
         parts = [weight, unloaded - weight, *(force - unloaded for force in loaded), contact.force - together]
         weak = np.linalg.norm(contact.force, axis=1) <= doubt * sum(np.linalg.norm(part, axis=1) for part in parts) + size
         offset = contact.offset
         shares[contact.bearing] += offset
-        open_[contact.bearing] |= weak
+        undetermined[contact.bearing] |= weak
         sure += np.where(weak, 0.0, offset)
         spread += np.where(weak, contact.width * np.linalg.norm(contact.unit, axis=1), _friction_offset(contact, friction))
-    shift, rotation = _in_guide(press, motion, contacts, widths)
-    reversals = [reactions_ for contact in contacts for reactions_ in _reversals(motion, contact)]
+    shift, rotation = _in_guide(press, motion, contacts)
+    reversals = [reversal for contact in contacts for reversal in _reversals(motion, contact)]
     return SlidePlay(
         _press=press,
         motion=motion,
-        clearance=FrozenMapping(dict(clearance)),
+        clearance=FrozenMapping(widths),
         friction=FrozenMapping(dict(friction)),
         known_to=doubt,
         offset=np.sum(list(shares.values()), axis=0),
         by_bearing=FrozenMapping(shares),
         lowest=sure - spread,
         highest=sure + spread,
-        undetermined=FrozenMapping(open_),
+        undetermined=FrozenMapping(undetermined),
         shift=shift,
         rotation=rotation,
-        reversals=Records(ForceReversal, [each for _, each in sorted(reversals, key=lambda pair: pair[0])]),
+        reversals=Records(ForceReversal, [reversal for _, reversal in sorted(reversals, key=lambda pair: pair[0])]),
     )
 
 
@@ -249,9 +241,10 @@ def play(
 
 
 class Contact(NamedTuple):
-    """A place where two links touch: a pin, a guide, or an end of a guide at ``height`` above the middle of the gibs; ``unit``: (n, 3)
-    force per
-    newton on the slide."""
+    """A place where two links touch: a pin, a guide, or an end of a guide at ``height`` above the middle of the gibs.
+
+    ``unit``: (n, 3) force per newton on the slide.
+    """
 
     name: str
     bearing: str
@@ -280,24 +273,25 @@ def _friction_offset(contact: Contact, friction: Mapping[str, Friction]) -> Arra
     return np.asarray(contact.width * sine * across + (1.0 - math.sqrt(1.0 - sine * sine)) * np.abs(contact.offset))
 
 
-def contacts_of(press: Linkage, unit: UnitForces, name: str, width: float | GuideClearance, reactions: Reactions) -> Iterator[Contact]:
-    """The contacts of a bearing with clearance under the forces of ``reactions``."""
+def contacts_of(press: Linkage, unit: UnitForces, widths: Mapping[str, float | GuideClearance], reactions: Reactions) -> list[Contact]:
+    """The contacts of all bearings with clearance under the forces of ``reactions``."""
+    return [contact for name, width in widths.items() for contact in _contacts(press, unit, name, width, reactions)]
+
+
+def _contacts(press: Linkage, unit: UnitForces, name: str, width: float | GuideClearance, reactions: Reactions) -> Iterator[Contact]:
     motion, force = unit.motion, in_plane(press, reactions.bearing_force[name])
     if not isinstance(width, GuideClearance):
         yield Contact(name, name, width, _radial(press, motion, name, unit.force[name]), _radial(press, motion, name, force))
         return
     _, across, normal, origin = _guide_axes(press, motion, name)
-    middle = origin + width.middle
-    for end, side in (("upper end", 1.0), ("lower end", -1.0)):
-        lower_end = middle - 0.5 * side * width.length
-        ends = [
-            side
-            / width.length
-            * (np.einsum("nk,k->n", moment, normal) - lower_end * np.einsum("nk,nk->n", pushed, across))[:, None]
-            * across
-            for pushed, moment in ((unit.force[name], unit.moment[name]), (force, reactions.bearing_moment[name]))
-        ]
-        yield Contact(f"{name} {end}", name, width.across, ends[0], ends[1], 0.5 * side * width.length)
+    both = (unit.force[name], unit.moment[name]), (force, reactions.bearing_moment[name])
+    for end, height in (("upper end", 0.5 * width.length), ("lower end", -0.5 * width.length)):
+        # The moment about the other end gives the force at this end.
+        other = origin + width.middle - height
+        pushed, pushing = (
+            ((moment @ normal - other * np.einsum("nk,nk->n", force, across)) / (2 * height))[:, None] * across for force, moment in both
+        )
+        yield Contact(f"{name} {end}", name, width.across, pushed, pushing, height)
 
 
 def _radial(press: Linkage, motion: Motion, name: str, force: Array) -> Array:
@@ -320,35 +314,30 @@ def _radial(press: Linkage, motion: Motion, name: str, force: Array) -> Array:
 
 
 def _guide_axes(press: Linkage, motion: Motion, name: str) -> tuple[Array, Array, Array, float]:
-    """The direction of a guide in a planar press (n, 3), the direction across it (n, 3), the normal (3,), and an offset along the guide
-    [m].
-
-    A positive turn about the normal moves the link's upper end across. The offset is from the joint frame's origin to the link's origin.
+    """The direction of a guide in a planar press (n, 3), the direction across it (n, 3), the normal (3,), and the offset along the guide
+    from the joint frame's origin to the link's origin [m]. A positive turn about the normal moves the link's upper end across.
     """
     k = press.joints.index(name)
     normal = press.engine().turning_axes()[0]
     rotation = rotation_of(press, motion.joint_position, k + 1)
     if press.slide is not None and k == press.slide_guide.joint:
         along = np.broadcast_to(press.slide_direction, (len(motion.v), 3))
-        place = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement.translation
-        origin = float(along[0] @ rotation[0] @ place)
+        origin = float(along[0] @ rotation[0] @ press.frame_of(press.slide).placement.translation)
     else:
         along, origin = np.asarray(rotation @ press.axes[k].direction), 0.0
     return along, np.cross(normal, along), normal, origin
 
 
-def _in_guide(
-    press: Linkage, motion: Motion, contacts: Sequence[Contact], widths: Mapping[str, float | GuideClearance]
-) -> tuple[Array, Array]:
+def _in_guide(press: Linkage, motion: Motion, contacts: Sequence[Contact]) -> tuple[Array, Array]:
     """Displacement of the slide across its guide, and its rotation, (n, 3) each, world axes [m, rad]."""
     shift, rotation = np.zeros((len(motion.v), 3)), np.zeros((len(motion.v), 3))
     name = press.joints[press.slide_guide.joint]
-    mine = [contact for contact in contacts if contact.bearing == name]
-    for contact in mine:
+    ends = [contact for contact in contacts if contact.bearing == name]
+    for contact in ends:
         moved = -contact.width * contact.direction
-        shift += moved / len(mine)
+        shift += moved / len(ends)
         if contact.height:
-            along, _, _, _ = _guide_axes(press, motion, name)
+            along, *_ = _guide_axes(press, motion, name)
             rotation += np.cross(along, moved) * (0.5 / contact.height)
     return shift, rotation
 
@@ -413,16 +402,16 @@ def _clearances(press: Linkage, given: Mapping[str, float | GuideClearance]) -> 
         joint = k < len(press.joints)
         if not joint and press.loops[k - len(press.joints)].type == "fixed":
             raise PinpressError(f"clearance of {shown(name)}: this joint is welded, so it has no clearance; leave it out")
-        if isinstance(width, GuideClearance):
-            if not joint or press.axes[k].turns:
-                raise PinpressError(
-                    f"clearance of {shown(name)}: this bearing is a pin, not a guide; give its radial clearance as a number [m]"
-                )
-            if not planar:
-                raise PinpressError(f"{press.name} is not planar: give the clearance of guide {shown(name)} as a number [m]")
-            checked[name] = width
-        else:
+        if not isinstance(width, GuideClearance):
             checked[name] = _width(f"clearance of {shown(name)}", width)
+            continue
+        if not joint or press.axes[k].turns:
+            raise PinpressError(
+                f"clearance of {shown(name)}: this bearing is a pin, not a guide; give its radial clearance as a number [m]"
+            )
+        if not planar:
+            raise PinpressError(f"{press.name} is not planar: give the clearance of guide {shown(name)} as a number [m]")
+        checked[name] = width
     return checked
 
 
@@ -433,8 +422,7 @@ def _refuse_open_moments(press: Linkage, widths: Mapping[str, float | GuideClear
         if np.any(reactions.indeterminate[name][3:] & (np.abs(reactions.indeterminate_axes @ normal) > 0.5)):
             raise PinpressError(
                 f"clearance of {shown(name)}: rigid mechanics does not determine the moment of this guide, because several rods may hold"
-                " the"
-                " link against turning; give the clearance as a number [m]"
+                " the link against turning; give the clearance as a number [m]"
             )
 
 
@@ -443,6 +431,6 @@ def _width(what: str, value: object) -> float:
     width = number(what, value, "m", positive=True)
     if not width < 0.1:
         raise PinpressError(f"{what} is {width:g} m: give the radial clearance in m, e.g. 5e-5")
-    if width > WIDEST:
+    if width > 2e-3:
         caution(f"{what} is {width:g} m ({1e3 * width:g} mm), larger than usual clearances. Is it {width:g} mm? Write {1e-3 * width:g}")
     return width

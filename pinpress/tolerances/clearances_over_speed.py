@@ -127,10 +127,7 @@ def _reversing_speeds(
     speeds = np.array([0.5, 0.75, 1.0]) * fastest
     motions = [cycle(press, float(speed)) for speed in speeds]
     unit = unit_forces(press, motions[0])
-    all_reactions = [inverse_dynamics(press, motion, loads) for motion in motions]
-    contacts = [
-        [each for name in clearance for each in contacts_of(press, unit, name, clearance[name], reactions)] for reactions in all_reactions
-    ]
+    contacts = [contacts_of(press, unit, clearance, inverse_dynamics(press, motion, loads)) for motion in motions]
     slow, between, fast = (np.array([contact.force for contact in of_speed]) for of_speed in contacts)
     inertia = (fast - slow) / (speeds[2] ** 2 - speeds[0] ** 2)
     rest = slow - speeds[0] ** 2 * inertia

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common import plausibility, tables
 from ..common.arguments import number, typed
@@ -33,13 +32,6 @@ from .scatter import Scatter, scatter
 from .sets_of_lengths.endings import Ending, shapes_of, sound
 from .sets_of_lengths.flat_dead_centres import TurningPoint, outermost_positions
 from .sets_of_lengths.shapes import Shapes
-
-SAMPLES = 100_000
-REACH = 3.0  # a turning point may become the outermost one within this multiple of the first-order deviation
-GRID = 181  # crank angles of a stroke, between which a height is searched
-STEPS = 360  # steps of a turn, or of the travel of a driver that slides, for sets with a flat dead centre
-FLAT = 1e-6  # a slower slide, as a share of its mean speed, does not turn back at a place of first order
-UNMOVED = 1e-12  # a dimension with smaller derivatives of the slide's position and travel does not move the slide
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -133,7 +125,7 @@ def bottom_dead_centre(
     speeds: Mapping[float, float] | None = None,
     motion: Motion | None = None,
     correlation: Mapping[tuple[str, str], float] | None = None,
-    samples: int = SAMPLES,
+    samples: int = 100_000,
     seed: int = 0,
 ) -> DeadCentreScatter:
     """Compute the scatter of a press's bottom dead centre, top dead centre and stroke with the tolerances of its dimensions.
@@ -177,11 +169,15 @@ def bottom_dead_centre(
             raise PinpressError("forces and speeds at a height need a crank that turns through its dead centres: leave out motion")
         shapes = _shapes(press, checked)
         bottom, top = (_at_end(shapes, motion, upwards) for upwards in (False, True))
-    _doubt_effects(checked, [bottom, top])
-    travels = [_Travel.on_the_way_down(shapes, bottom, *travel) for travel in _quantities_at_heights(press, forces or {}, speeds or {})]
+    slopes = np.abs([slope for end in (bottom.local, top.local) for slope in (end.position_slopes, end.rate_slopes)])
+    for part, largest in zip(checked, slopes.max(axis=0), strict=True):
+        if largest <= 1e-12 * press.size:
+            caution(f"dimension {part.name!r} does not move the slide at a dead centre: leave it out, or give another direction")
+    backwards = bool(speeds) and all(number(f"speeds at {height} m", value, "rad/s") < 0.0 for height, value in (speeds or {}).items())
+    asked = _quantities_at_heights(press, forces or {}, speeds or {}, backwards)
+    travels = [_Travel.on_the_way_down(shapes, bottom, *quantity) for quantity in asked]
 
-    stroke = top.gradient - bottom.gradient
-    gradients = np.array([bottom.gradient, top.gradient, stroke, *(travel.gradient for travel in travels)])
+    gradients = np.array([bottom.gradient, top.gradient, top.gradient - bottom.gradient, *(travel.gradient for travel in travels)])
     # rounding must not take a dimension that changes nothing to a limit of its tolerance at the worst corners
     gradients[np.abs(gradients) <= 1e-12 * np.abs(gradients).max(axis=1, keepdims=True)] = 0.0
     tolerances = np.array([part.tolerance for part in checked])
@@ -189,23 +185,19 @@ def bottom_dead_centre(
     everything = np.concatenate([drawn, corners.T], axis=1)
     low, high = bottom.positions(shapes, everything), top.positions(shapes, everything)
     values = [low, high, high - low, *(travel.values(shapes, everything, low) for travel in travels)]
-    heads = [
-        ("bottom dead centre", "m", bottom.nominal),
-        ("top dead centre", "m", top.nominal),
-        ("stroke", "m", top.nominal - bottom.nominal),
-    ]
+    lowest, highest = bottom.local.position, top.local.position
+    heads = [("bottom dead centre", "m", lowest), ("top dead centre", "m", highest), ("stroke", "m", highest - lowest)]
     heads += [(travel.quantity, travel.unit, travel.nominal) for travel in travels]
     count = drawn.shape[1]
     scatters = [
-        scatter(*head, checked, gradient, tied, travel[:count], travel[count + 2 * k : count + 2 * k + 2])
-        for k, (head, gradient, travel) in enumerate(zip(heads, gradients, values, strict=True))
+        scatter(*head, checked, gradient, tied, value[:count], value[count + 2 * k : count + 2 * k + 2])
+        for k, (head, gradient, value) in enumerate(zip(heads, gradients, values, strict=True))
     ]
-    by_height = [
-        {travel.height: scatter_ for travel, scatter_ in zip(travels, scatters[3:], strict=True) if travel.unit == unit}
+    torques, speeds_down = (
+        {travel.height: result for travel, result in zip(travels, scatters[3:], strict=True) if travel.unit == unit}
         for unit in ("N m", "m/s")
-    ]
-    backwards = _all_backwards(speeds or {})
-    return DeadCentreScatter(press, checked, scatters[0], scatters[1], scatters[2], by_height[0], by_height[1], drawn, backwards)
+    )
+    return DeadCentreScatter(press, checked, *scatters[:3], torques, speeds_down, drawn, backwards)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- the dead centres
@@ -233,20 +225,21 @@ class _Local(NamedTuple):
         """The nominal press in a state of a motion, with derivatives by time instead of crank angle. Raises as `at`."""
         by_position, by_rate = shapes.slide_slopes(motion.joint_position[state], motion.v[state])
         of_slide = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
-        position, rate, second = (float(each[state]) for each in of_slide)
+        position, rate, second = (float(values[state]) for values in of_slide)
         return _Local(motion.joint_position[state], position, rate, second, by_position, by_rate)
 
 
 class _DeadCentre(NamedTuple):
-    """The outermost slide position ``nominal``; ``gradient``: (k,) its slopes by the dimensions; ``moves``: (k,) whether a dimension moves
-    the slide near it; ``points``: turning points that can be outermost in a press of the sample.
-    """
+    """The nominal press at its outermost slide position; ``points``: turning points that can be outermost in a press of the sample."""
 
-    nominal: float
+    local: _Local
     angle: float
-    gradient: Array
-    moves: NDArray[np.bool_]
     points: tuple[TurningPoint, ...]
+
+    @property
+    def gradient(self) -> Array:
+        """(k,) derivatives of the position by the dimensions."""
+        return self.local.position_slopes
 
     def positions(self, shapes: Shapes, deviations: Array) -> Array:
         """Outermost slide positions (n,) of presses with deviations (k, n) [m].
@@ -254,8 +247,8 @@ class _DeadCentre(NamedTuple):
         Raises:
             PinpressError: some of these presses cannot be closed there.
         """
-        found = [outermost_positions(shapes, deviations, point) for point in self.points]
-        return np.asarray(np.max(found, axis=0) if self.points[0].upwards else np.min(found, axis=0))
+        positions = [outermost_positions(shapes, deviations, point) for point in self.points]
+        return np.asarray(np.max(positions, axis=0) if self.points[0].upwards else np.min(positions, axis=0))
 
 
 def dead_centre_gradients(press: Linkage, parts: Sequence[Dimension], motion: Motion | None = None) -> tuple[Array, Array]:
@@ -268,13 +261,12 @@ def dead_centre_gradients(press: Linkage, parts: Sequence[Dimension], motion: Mo
     """
     if motion is not None:
         shapes = _shapes(press, parts)
-        bottom, top = (_Local.of(shapes, motion, state).position_slopes for state in ends_of(press, motion))
-        return bottom, top
-    refuse_several_drivers(press)
-    points, shapes = turning_points(press), _shapes(press, parts)
-    places = [points.places[points.first_of_the_farthest(upwards)] for upwards in (False, True)]
-    bottom, top = (_Local.at(shapes, float(place)).position_slopes for place in places)
-    return bottom, top
+        bottom, top = (_Local.of(shapes, motion, state) for state in ends_of(press, motion))
+    else:
+        refuse_several_drivers(press)
+        points, shapes = turning_points(press), _shapes(press, parts)
+        bottom, top = (_Local.at(shapes, float(points.places[points.first_of_the_farthest(upwards)])) for upwards in (False, True))
+    return bottom.position_slopes, top.position_slopes
 
 
 def _shapes(press: Linkage, parts: Sequence[Dimension]) -> Shapes:
@@ -297,46 +289,35 @@ def _at_end(shapes: Shapes, motion: Motion, upwards: bool) -> _DeadCentre:
     state = ends_of(shapes.press, motion)[upwards]
     local = _Local.of(shapes, motion, state)
     turning_point = TurningPoint(Ending(local.start, np.zeros_like(local.position_slopes), "held"), upwards)
-    angle = float(np.ravel(motion.crank_angle[state])[0])
-    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), (turning_point,))
+    return _DeadCentre(local, float(np.ravel(motion.crank_angle[state])[0]), (turning_point,))
 
 
 def _outermost(shapes: Shapes, points: TurningPoints, parts: Sequence[Dimension], drawn: Array, upwards: bool) -> _DeadCentre:
     """A dead centre of the nominal press, with the other turning points that can be outermost in a press of the sample."""
     first = points.first_of_the_farthest(upwards)
     local = _Local.at(shapes, float(points.places[first]))
-    spread = REACH * np.maximum(np.abs(drawn).max(axis=1), [part.tolerance for part in parts])
+    spread = 3.0 * np.maximum(np.abs(drawn).max(axis=1), [part.tolerance for part in parts])  # three times, because of first order
     behind = (points.positions[first] - points.positions) * (1.0 if upwards else -1.0)
-    turning_points = [_turning(shapes, points, first, local, upwards)]
+    reaching = [_turning(points, first, local, upwards)]
     for k in (k for k in range(len(behind)) if k != first):
-        local_there = _Local.at(shapes, float(points.places[k]))
-        if behind[k] <= np.maximum(np.abs(local.position_slopes), np.abs(local_there.position_slopes)) @ spread:
-            turning_points.append(_turning(shapes, points, k, local_there, upwards))
-    angle = float(points.places[first])
-    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), tuple(turning_points))
+        other = _Local.at(shapes, float(points.places[k]))
+        if behind[k] <= np.maximum(np.abs(local.position_slopes), np.abs(other.position_slopes)) @ spread:
+            reaching.append(_turning(points, k, other, upwards))
+    return _DeadCentre(local, float(points.places[first]), tuple(reaching))
 
 
-def _turning(shapes: Shapes, points: TurningPoints, k: int, at: _Local, upwards: bool) -> TurningPoint:
+def _turning(points: TurningPoints, k: int, local: _Local, upwards: bool) -> TurningPoint:
     """A turning point of the nominal press."""
-    limits, travel = points.places[: points.limits], 2 * np.pi * points.turns
-    if len(limits):
-        travel = float(np.ptp(limits))
+    limits = points.places[: points.limits]
+    travel = float(np.ptp(limits)) if len(limits) else 2 * np.pi * points.turns
     speed = float(np.ptp(points.positions)) / travel
+    ways, kind, angle_slopes = (1, -1), "dead centre", np.zeros_like(local.rate_slopes)
     if k < points.limits:
-        ways: tuple[int, ...] = (1,) if points.places[k] < limits.max() else (-1,)
-        ending = Ending(at.start, np.zeros_like(at.rate_slopes), "held")
-    else:
-        ways = (1, -1)
-        straight = abs(at.second) > FLAT * speed
-        ending = Ending(at.start, -at.rate_slopes / at.second if straight else np.zeros_like(at.rate_slopes), "dead centre")
-    steps = math.ceil(STEPS * points.turns)
-    return TurningPoint(ending, upwards, ways, at.second, speed, travel / steps, steps)
-
-
-def _moving(shapes: Shapes, local: _Local) -> NDArray[np.bool_]:
-    """(k,) whether a dimension moves the slide in a state or next to it."""
-    least = UNMOVED * shapes.press.size
-    return (np.abs(local.position_slopes) > least) | (np.abs(local.rate_slopes) > least)
+        ways, kind = (1,) if points.places[k] < limits.max() else (-1,), "held"
+    elif abs(local.second) > 1e-6 * speed:  # a flatter path does not turn back at a place of first order
+        angle_slopes = -local.rate_slopes / local.second
+    steps = math.ceil(360 * points.turns)
+    return TurningPoint(Ending(local.start, angle_slopes, kind), upwards, ways, local.second, speed, travel / steps, steps)
 
 
 def refuse_several_drivers(press: Linkage) -> None:
@@ -348,22 +329,13 @@ def refuse_several_drivers(press: Linkage) -> None:
         )
 
 
-def _doubt_effects(parts: Sequence[Dimension], ends: Sequence[_DeadCentre]) -> None:
-    """Caution for dimensions that do not move the slide at any dead centre."""
-    for part, *moves in zip(parts, *(end.moves for end in ends), strict=True):
-        if not any(moves):
-            caution(f"dimension {part.name!r} does not move the slide at a dead centre: leave it out, or give another direction")
-
-
 # ----------------------------------------------------------------------------------------------------------- torque and speed at a height
 
 
 class _Travel(NamedTuple):
     """Torque or speed at a height above bottom dead centre, ``factor`` times z', the slide's travel per crank angle.
 
-    ``gradient``: (k,) slopes of the quantity by the dimensions; ``start``: (nv,) joint coordinates of the nominal press; ``angle_slopes``:
-        (k,)
-    slopes of the crank angle at this height.
+    ``gradient``: (k,) slopes of the quantity by the dimensions; ``ending``: this height, for bottom dead centres at 0.
     """
 
     quantity: str
@@ -372,8 +344,7 @@ class _Travel(NamedTuple):
     factor: float
     nominal: float
     gradient: Array
-    start: Array
-    angle_slopes: Array
+    ending: Ending
 
     @staticmethod
     def on_the_way_down(shapes: Shapes, bottom: _DeadCentre, unit: str, height: float, by: float, backwards: bool) -> _Travel:
@@ -387,8 +358,8 @@ class _Travel(NamedTuple):
         rate_slopes = local.rate_slopes + local.second * angle_slopes
         what = "torque" if unit == "N m" else "speed"
         factor = -by if unit == "N m" else -abs(by) * (-1.0 if backwards else 1.0)  # the slide goes down
-        quantity = f"{what} at {1e3 * height:g} mm"
-        return _Travel(quantity, unit, height, factor, factor * local.rate, factor * rate_slopes, local.start, angle_slopes)
+        ending = Ending(local.start, angle_slopes, "height")
+        return _Travel(f"{what} at {1e3 * height:g} mm", unit, height, factor, factor * local.rate, factor * rate_slopes, ending)
 
     def values(self, shapes: Shapes, deviations: Array, low: Array) -> Array:
         """The quantity (n,) of presses with deviations (k, n) and bottom dead centres ``low`` (n,) [m].
@@ -396,19 +367,18 @@ class _Travel(NamedTuple):
         Raises:
             PinpressError: some of these presses cannot be closed there.
         """
-        ending = Ending(self.start, self.angle_slopes, "height", low + self.height)
+        ending = self.ending._replace(target=low + self.height)
         return self.factor * sound(shapes, deviations, ending, f"{1e3 * self.height:g} mm above bottom dead centre").rate
 
 
 def _quantities_at_heights(
-    press: Linkage, forces: Mapping[float, float], speeds: Mapping[float, float]
+    press: Linkage, forces: Mapping[float, float], speeds: Mapping[float, float], backwards: bool
 ) -> Iterator[tuple[str, float, float, bool]]:
-    """Unit of each quantity, height, force or speed of the crank, and whether the crank turns backwards."""
+    """Unit of each quantity, height, force or speed of the crank, and whether the crank turns backwards; ``backwards``: under forces."""
     if (forces or speeds) and not press.driver_coordinates[0].turns:
         raise PinpressError(
             f"driver {press.driver!r} of {press.name} slides, but torque and speed at a height need a crank: leave them out"
         )
-    turned_back = _all_backwards(speeds)
     if speeds:
         doubt_speeds(press, np.array([*speeds.values()]))
     for what, unit, by_height in (("forces", "N", forces), ("speeds", "rad/s", speeds)):
@@ -417,15 +387,12 @@ def _quantities_at_heights(
             by = number(f"{what} at {above:g} m", value, unit)
             if not by:
                 raise PinpressError(f"{what} at {above:g} m is 0 {unit}: give another value, or leave it out")
-            if what == "forces":
+            if what == "speeds":
+                yield "m/s", above, by, by < 0.0
+            else:
                 weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
                 plausibility.forces(f"{what} at {above:g} m", abs(by), weight)
-            yield ("N m" if what == "forces" else "m/s"), above, by, by < 0.0 if what == "speeds" else turned_back
-
-
-def _all_backwards(speeds: Mapping[float, float]) -> bool:
-    """Whether all speeds of the crank are negative."""
-    return bool(speeds) and all(number(f"speeds at {height} m", value, "rad/s") < 0.0 for height, value in speeds.items())
+                yield "N m", above, by, backwards
 
 
 def _angle_at(press: Linkage, bottom: _DeadCentre, height: float, backwards: bool) -> float:
@@ -434,13 +401,12 @@ def _angle_at(press: Linkage, bottom: _DeadCentre, height: float, backwards: boo
     turn = 2 * np.pi * points.turns
     before = (points.places - bottom.angle) % turn if backwards else (bottom.angle - points.places) % turn
     way = float(before[(before > 1e-9) & (before < turn - 1e-9)].min())
-    along = np.linspace(0.0, -way if not backwards else way, GRID) + bottom.angle
-    target = bottom.nominal + height
-    highest = float(motion_through_change_points(press, along, 1.0).slide_position.max())
-    if not target < highest:
-        start = 1e3 * (highest - bottom.nominal)
+    along = np.linspace(0.0, way if backwards else -way, 181) + bottom.angle
+    position, target = motion_through_change_points(press, along, 1.0).slide_position, bottom.local.position + height
+    if not target < position.max():
+        stroke = 1e3 * float(position.max() - bottom.local.position)
         raise PinpressError(
-            f"a height of {1e3 * height:.6g} mm is not within the stroke of {start:.6g} mm of {press.name}: give a lower height above"
+            f"a height of {1e3 * height:.6g} mm is not within the stroke of {stroke:.6g} mm of {press.name}: give a lower height above"
             " bottom dead centre"
         )
 
@@ -448,6 +414,6 @@ def _angle_at(press: Linkage, bottom: _DeadCentre, height: float, backwards: boo
         motion = motion_through_change_points(press, angle, 1.0)
         return motion.slide_position - target, motion.slide_velocity
 
-    above = int(np.argmax(motion_through_change_points(press, along, 1.0).slide_position >= target))
+    above = int(np.argmax(position >= target))
     ends = np.sort(along[above - 1 : above + 1])
     return float(bracketed_roots(ahead, ends[:1], ends[1:], absolute=1e-14)[0])

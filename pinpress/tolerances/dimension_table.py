@@ -14,6 +14,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,6 @@ HEADS = ("dimension", "tolerance", "unit", "shape", "sd", "name", "cost", "small
 LENGTHS = {"mm": 1e3, "um": 1e6, "µm": 1e6, "m": 1.0}  # units per metre: 50 / 1e6 is exactly 5e-05, 50 * 1e-6 is not
 ANGLES = {"deg": 180 / math.pi, "rad": 1.0}
 WORDS = "write 'length E F', 'angle C D E', 'position A x', or 'position E x rocker' for a pin that is not in the frame"
-LARGEST_FILE = 1 << 20  # [bytes]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -123,7 +123,7 @@ def _yaml_rows(name: str) -> list[tuple[str, dict[str, str]]]:
 
     remedy = "give a list of entries, - {dimension: length E F, tolerance: 0.05}"
     try:
-        listed = yaml.load(files.read(name, LARGEST_FILE).decode("utf-8-sig"), Loader=yaml.BaseLoader)
+        listed = yaml.load(files.read(name, 1 << 20).decode("utf-8-sig"), Loader=yaml.BaseLoader)
     except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
         reason = files.reason(error) if isinstance(error, OSError) else "it is not YAML"
         raise PinpressError(f"{name} cannot be read ({reason}): {remedy}") from None
@@ -133,21 +133,15 @@ def _yaml_rows(name: str) -> list[tuple[str, dict[str, str]]]:
     for k, entry in enumerate(listed, 1):
         if not isinstance(entry, dict) or not all(isinstance(cell, str) for cell in (*entry, *entry.values())):
             raise PinpressError(f"{name}, entry {k} is not a mapping of texts and numbers: {remedy}")
-        _refuse_heads(f"{name}, entry {k}: key", list(entry))
+        for key in entry:
+            if key not in HEADS:
+                unknown = f"key {shown(key)} is unknown{suggestion(key, HEADS)}"
+                raise PinpressError(f"{name}, entry {k}: {unknown}; write some of {', '.join(HEADS)}")
+        for key in HEADS[:2]:
+            if key not in entry:
+                raise PinpressError(f"{name}, entry {k}: key {key!r} is missing: every entry needs a dimension and a tolerance")
         rows.append((f"entry {k}", {key: cell.strip() for key, cell in entry.items()}))
     return rows
-
-
-def _refuse_heads(place: str, heads: list[str]) -> None:
-    """Raise PinpressError for heads that are unknown, given twice or missing."""
-    for head in heads:
-        if head not in HEADS:
-            raise PinpressError(f"{place} {shown(head)} is unknown{suggestion(head, HEADS)}; write some of {', '.join(HEADS)}")
-        if heads.count(head) > 1:
-            raise PinpressError(f"{place} {head!r} is given twice: write it once")
-    for head in HEADS[:2]:
-        if head not in heads:
-            raise PinpressError(f"{place} {head!r} is missing: every entry needs a dimension and a tolerance")
 
 
 def _dimension(press: Linkage, row: Mapping[str, str]) -> tuple[Dimension, float]:
@@ -156,20 +150,17 @@ def _dimension(press: Linkage, row: Mapping[str, str]) -> tuple[Dimension, float
     units = ANGLES if kind == "angle" else LENGTHS
     unit = row.get("unit") or next(iter(units))
     if unit not in units:
-        raise PinpressError(
-            f"unit {unit!r} is not a unit of {'an angle' if units is ANGLES else 'a length'}: write one of {', '.join(units)}"
-        )
+        what = "an angle" if units is ANGLES else "a length"
+        raise PinpressError(f"unit {unit!r} is not a unit of {what}: write one of {', '.join(units)}")
     per = units[unit]
-    tolerance = _number(row, "tolerance") / per
-    shape, name = row.get("shape") or "normal", row.get("name") or None
-    sd = _number(row, "sd") / per if row.get("sd") else None
+    tolerance, sd = _number(row, "tolerance") / per, _number(row, "sd") / per if row.get("sd") else None
+    options: dict[str, Any] = {"name": row.get("name") or None, "shape": row.get("shape") or "normal", "sd": sd}
     if kind == "length" and len(names) == 2:
-        return link_length(press, names[0], names[1], tolerance, name=name, shape=shape, sd=sd), per
+        return link_length(press, *names, tolerance, **options), per
     if kind == "angle" and len(names) == 3:
-        return pin_angle(press, names[0], names[1], names[2], tolerance, name=name, shape=shape, sd=sd), per
+        return pin_angle(press, *names, tolerance, **options), per
     if kind == "position" and len(names) in (2, 3):
-        link = names[2] if len(names) == 3 else None
-        return pin_position(press, names[0], names[1], tolerance, link=link, name=name, shape=shape, sd=sd), per
+        return pin_position(press, names[0], names[1], tolerance, link=names[2] if len(names) == 3 else None, **options), per
     raise PinpressError(f"{shown(row['dimension'])} is not a dimension: {WORDS}")
 
 

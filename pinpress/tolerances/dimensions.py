@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,14 +23,6 @@ from ..derivatives.motion import Pivots, directed
 from ..linkage.linkage import Linkage
 
 SHAPES = ("normal", "uniform", "truncated")
-DEVIATIONS = 3.0  # standard deviations in a tolerance, if sd is not given
-LARGE = 0.1  # a larger tolerance, as a share of the lengths of its links, is probably a mistake
-STEEP = 0.1  # a larger tolerance of an angle is probably a mistake [rad]
-MOST_SAMPLES = 10**7
-LEAST_MEASURED = 2
-FLAT = 1e-12  # negative eigenvalue of a correlation matrix, per dimension, that counts as rounding error
-ONE_PLACE = 1e-9  # bearings of a link that are closer, as a share of the linkage's size, are on one pin
-IN_LINE = 1e-9  # two arms with a smaller sine of their angle are in one line
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -61,7 +52,7 @@ class Dimension(Frozen):
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
             raise PinpressError(f"name of a dimension is {shown(self.name)}: give a text, e.g. 'EF'")
-        if self.unit not in ("m", "rad"):
+        if not isinstance(self.unit, str) or self.unit not in ("m", "rad"):
             raise PinpressError(f"dimension {self.name!r}: unit is {shown(self.unit)}: give 'm' or 'rad'")
         set_field(self, "direction", self._checked_direction())
         set_field(self, "tolerance", self._size("tolerance", self.tolerance))
@@ -92,8 +83,7 @@ class Dimension(Frozen):
             return float(np.std(np.asarray(self.shape)))
         if self.shape == "uniform":
             return self.tolerance / math.sqrt(3.0)
-        sd: float = self.sd or self.tolerance / DEVIATIONS
-        return sd if _is_normal(self) else sd * _truncated_sd(self.tolerance / sd)
+        return self._sd if _is_normal(self) else self._sd * _truncated_sd(self.tolerance / self._sd)
 
     @property
     def mean(self) -> float:
@@ -106,14 +96,18 @@ class Dimension(Frozen):
             return generator.choice(np.asarray(self.shape), samples)
         if self.shape == "uniform":
             return generator.uniform(-self.tolerance, self.tolerance, samples)
-        sd = self.sd or self.tolerance / DEVIATIONS
         if self.shape == "normal":
-            return sd * generator.standard_normal(samples)
+            return self._sd * generator.standard_normal(samples)
         from scipy.special import ndtr, ndtri  # to save start-up time
 
-        end = float(ndtr(self.tolerance / sd))
-        cut = sd * ndtri(generator.uniform(1.0 - end, end, samples))
+        end = float(ndtr(self.tolerance / self._sd))
+        cut = self._sd * ndtri(generator.uniform(1.0 - end, end, samples))
         return np.asarray(np.clip(cut, -self.tolerance, self.tolerance))
+
+    @property
+    def _sd(self) -> float:
+        """Standard deviation of a normal dimension, or of a truncated one before truncation."""
+        return self.sd or self.tolerance / 3.0
 
     def _size(self, what: str, value: object) -> float:
         return number(f"{what} of dimension {self.name!r}", value, self.unit, positive=True)
@@ -126,7 +120,7 @@ class Dimension(Frozen):
             )
         checked = {}
         for key, values in self.direction.items():
-            if not (isinstance(key, tuple) and len(key) == 2 and all(isinstance(each, str) for each in key)):
+            if not (isinstance(key, tuple) and len(key) == 2 and all(isinstance(name, str) for name in key)):
                 raise PinpressError(f"{what}: {shown(key)} is not a pair of names: write (bearing, link)")
             checked[key] = suitable_numbers(f"{what}: {shown(key)}", values, "three finite numbers, in the link's own frame", (3,))
         if not any(vector.any() for vector in checked.values()):
@@ -136,7 +130,7 @@ class Dimension(Frozen):
     def _checked_sample(self) -> Array:
         what = f"measured deviations of dimension {self.name!r}"
         sample = numbers(what, self.shape, (None,), unit=self.unit)
-        if len(sample) < LEAST_MEASURED or not np.ptp(sample):
+        if len(sample) < 2 or not np.ptp(sample):
             raise PinpressError(f"{what} are {shown(sample.tolist())}: give at least two different deviations")
         largest = float(np.abs(sample).max())
         if largest > 100.0 * self.tolerance:
@@ -236,7 +230,7 @@ def pin_angle(
     if normal is None:
         normal = np.cross(first_arm, second_arm)
         size = np.linalg.norm(normal)
-        if not size > IN_LINE * np.linalg.norm(first_arm) * np.linalg.norm(second_arm):
+        if not size > 1e-9 * np.linalg.norm(first_arm) * np.linalg.norm(second_arm):  # the sine of the angle is rounding error
             raise PinpressError(
                 f"the arms {vertex}-{first} and {vertex}-{second} are in one line, so their angle has no plane: give a Dimension with the"
                 " direction in which a pin moves"
@@ -290,19 +284,19 @@ def pin_position(
         along = vector / np.abs(vector).max()  # squares of very large ones overflow
         along, called = along / np.linalg.norm(along), f"({', '.join(f'{part:g}' for part in vector)})"
     where = press.root if link is None else link
-    _refuse_unknown("bearing", bearing, press.bearings)
-    _refuse_unknown("link", where, press.links)
+    refuse_unknown("bearing", bearing, press.bearings)
+    refuse_unknown("link", where, press.links)
     directed(press, {(bearing, where): along})  # refuses links that the bearing is not on
-    called = f"{bearing} {called}" if link is None else f"{bearing} {called} in {link}"
-    body = _body(press, where)
-    return Dimension(called if name is None else name, _moved_pin(press, body, where, bearing, along), tolerance, shape, sd)
+    if name is None:
+        name = f"{bearing} {called}" if link is None else f"{bearing} {called} in {link}"
+    return Dimension(name, _moved_pin(press, press.frame_of(where).parentJoint, where, bearing, along), tolerance, shape, sd)
 
 
 def _common_body(press: Linkage, *pins: str) -> int:
     """The body that has all these pins."""
     bodies: list[set[int]] = []
     for pin in pins:
-        _refuse_unknown("bearing", pin, press.bearings)
+        refuse_unknown("bearing", pin, press.bearings)
         bodies.append(_ends(press, press.bearings.index(pin)))
         if not _is_pin(press, pin):
             raise PinpressError(f"{pin!r} is a guide, not a pin: move it by pin_position(press, {pin!r}, 'x', ...)")
@@ -310,14 +304,14 @@ def _common_body(press: Linkage, *pins: str) -> int:
         raise PinpressError(f"a pin is named twice in {', '.join(pins)}: name different pins")
     common = set.intersection(*bodies)
     if not common:
-        which = "; ".join(
-            f"{pin} joins {' and '.join(press.link_of(body) for body in sorted(ends))}" for pin, ends in zip(pins, bodies, strict=True)
-        )
+        named = [" and ".join(press.link_of(body) for body in sorted(ends)) for ends in bodies]
+        which = "; ".join(f"{pin} joins {links}" for pin, links in zip(pins, named, strict=True))
         raise PinpressError(f"no link has the pins {', '.join(pins)} ({which}): name pins of one link")
     return min(common)
 
 
-def _refuse_unknown(kind: str, name: object, known: Sequence[str]) -> None:
+def refuse_unknown(kind: str, name: object, known: Sequence[str]) -> None:
+    """Raise UnknownNameError if a name is not among the known names."""
     if not isinstance(name, str) or name not in known:
         raise UnknownNameError(kind, name, known)
 
@@ -330,19 +324,6 @@ def _ends(press: Linkage, bearing: int) -> set[int]:
     return {int(loop.joint1), int(loop.joint2)}
 
 
-def _body(press: Linkage, link: str) -> int:
-    import pinocchio as pin  # to save start-up time
-
-    return int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint)
-
-
-def _frame(press: Linkage, body: int) -> Any:
-    """Placement of the first link of a body in the body's frame."""
-    import pinocchio as pin  # to save start-up time
-
-    return press.model.frames[press.model.getFrameId(press.link_of(body), pin.BODY)].placement
-
-
 def _position(press: Linkage, body: int, bearing: str) -> Array:
     """Position (3,) of a bearing in the frame of the body's first link [m]."""
     place = press.bearings.index(bearing)
@@ -351,7 +332,7 @@ def _position(press: Linkage, body: int, bearing: str) -> Array:
     else:
         loop = press.loops[place - len(press.joints)]
         point = loop.point1 if loop.joint1 == body else loop.point2
-    return np.array(_frame(press, body).actInv(point))
+    return np.array(press.frame_of(press.link_of(body)).placement.actInv(point))
 
 
 def _moved_pin(press: Linkage, body: int, link: str, bearing: str, by: Array) -> dict[tuple[str, str], Array]:
@@ -361,8 +342,8 @@ def _moved_pin(press: Linkage, body: int, link: str, bearing: str, by: Array) ->
     """
     pin = _bearings_of_pin(press, body, bearing)
     if not body or press.joints[body - 1] not in pin:
-        return {(bearing_, link): by for bearing_ in pin}
-    return {(bearing_, link): -by for bearing_ in _bearings_on(press, body) if bearing_ not in pin}
+        return {(name, link): by for name in pin}
+    return {(name, link): -by for name in _bearings_on(press, body) if name not in pin}
 
 
 def _bearings_of_pin(press: Linkage, body: int, bearing: str) -> list[str]:
@@ -372,9 +353,9 @@ def _bearings_of_pin(press: Linkage, body: int, bearing: str) -> list[str]:
     """
     if not _is_pin(press, bearing) or _normal(press, body) is None:
         return [bearing]
-    place, near = _position(press, body, bearing), ONE_PLACE * press.size
-    others = (bearing_ for bearing_ in _bearings_on(press, body) if _is_pin(press, bearing_))
-    return [bearing_ for bearing_ in others if np.linalg.norm(_position(press, body, bearing_) - place) <= near]
+    place, near = _position(press, body, bearing), 1e-9 * press.size
+    others = (other for other in _bearings_on(press, body) if _is_pin(press, other))
+    return [other for other in others if np.linalg.norm(_position(press, body, other) - place) <= near]
 
 
 def _bearings_on(press: Linkage, body: int) -> list[str]:
@@ -400,7 +381,7 @@ def _arm(press: Linkage, body: int, first: str, second: str) -> Array:
 def _normal(press: Linkage, body: int) -> Array | None:
     """Normal (3,) of the plane of a planar press in the frame of a body's first link; None in space."""
     axes = press.engine().turning_axes(body)
-    return _frame(press, body).rotation.T @ axes[0] if len(axes) == 1 else None
+    return press.frame_of(press.link_of(body)).placement.rotation.T @ axes[0] if len(axes) == 1 else None
 
 
 def _join_names(*pins: str) -> str:
@@ -433,30 +414,23 @@ def check_dimensions(press: Linkage, parts: Sequence[Dimension]) -> tuple[Dimens
         raise PinpressError(f"dimensions are given twice: {twice}; give each once, or different names")
     for dimension in dimensions:
         directed(press, dimension.direction)
-        _doubt_size(press, dimension)
+        moved = max(float(np.linalg.norm(vector)) for vector in dimension.direction.values())
+        length, tolerance = min(_extent(press, link) for _, link in dimension.direction), dimension.tolerance
+        if dimension.unit == "rad" and tolerance > 0.1:
+            caution(f"dimension {dimension.name!r} has a tolerance of {tolerance:g} rad, more than 0.1 rad: give rad, not degrees")
+        elif dimension.unit == "m" and tolerance * moved > 0.1 * length:
+            caution(
+                f"dimension {dimension.name!r} has a tolerance of {tolerance:g} m, but the pins of its link are only {length:.3g} m apart."
+                f" Is it {tolerance:g} mm? Write {tolerance:g}e-3"
+            )
     return dimensions
-
-
-def _doubt_size(press: Linkage, part: Dimension) -> None:
-    """Caution for a tolerance that is probably a mistake."""
-    if part.unit == "rad":
-        if part.tolerance > STEEP:
-            caution(f"dimension {part.name!r} has a tolerance of {part.tolerance:g} rad, more than {STEEP:g} rad: give rad, not degrees")
-        return
-    moved = max(float(np.linalg.norm(vector)) for vector in part.direction.values())
-    length = min(_extent(press, link) for _, link in part.direction)
-    if part.tolerance * moved > LARGE * length:
-        caution(
-            f"dimension {part.name!r} has a tolerance of {part.tolerance:g} m, but the pins of its link are only {length:.3g} m apart. Is"
-            f" it {part.tolerance:g} mm? Write {part.tolerance:g}e-3"
-        )
 
 
 def _extent(press: Linkage, link: str) -> float:
     """Largest distance between two bearings of a link [m]; the size of the linkage if the link has only one bearing."""
-    body = _body(press, link)
+    body = press.frame_of(link).parentJoint
     points = [_position(press, body, name) for name in _bearings_on(press, body)]
-    return max((float(np.linalg.norm(point - point_)) for point in points for point_ in points), default=0.0) or press.size
+    return max((float(np.linalg.norm(first - second)) for first in points for second in points), default=0.0) or press.size
 
 
 def correlation_matrix(parts: Sequence[Dimension], correlation: Mapping[tuple[str, str], float] | None) -> Array:
@@ -477,7 +451,7 @@ def correlation_matrix(parts: Sequence[Dimension], correlation: Mapping[tuple[st
         if not (isinstance(pair, tuple) and len(pair) == 2) or pair[0] == pair[1]:
             raise PinpressError(f"correlation: {shown(pair)} is not a pair of names: write (dimension, dimension)")
         for name in pair:
-            _refuse_unknown("dimension", name, names)
+            refuse_unknown("dimension", name, names)
             if not _is_normal(parts[names.index(name)]):
                 raise PinpressError(
                     f"correlation: dimension {name!r} is not normal: give the part that it shares with {pair[1 - pair.index(name)]!r} as a"
@@ -490,7 +464,7 @@ def correlation_matrix(parts: Sequence[Dimension], correlation: Mapping[tuple[st
         result[place] = result[place[::-1]] = suitable_numbers(
             f"correlation of {pair[0]} and {pair[1]}", value, "a number from -1 to 1", suits=lambda found: abs(found) <= 1.0
         )
-    if correlation and np.linalg.eigvalsh(result)[0] < -FLAT * len(parts):
+    if correlation and np.linalg.eigvalsh(result)[0] < -1e-12 * len(parts):  # less is rounding error
         raise PinpressError(
             "correlation: the coefficients contradict each other (their matrix has a negative eigenvalue): make them smaller"
         )
@@ -510,14 +484,17 @@ def draw_deviations(parts: Sequence[Dimension], correlation: Array, samples: int
         samples: number of presses.
         seed: seed of the random numbers; the same seed gives the same presses.
     """
-    count = whole_number("samples", samples, 2, MOST_SAMPLES)
+    count = whole_number("samples", samples, 2, 10**7)
     generator = np.random.default_rng(whole_number("seed", seed, 0, 2**63 - 1))
     drawn = np.array([part.draw(generator, count) for part in parts])
     if not np.array_equal(correlation, np.eye(len(parts))):
-        values, vectors = np.linalg.eigh(correlation)
-        root = vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
         scale = np.array([part.standard_deviation for part in parts])[:, None]
         tied = np.abs(correlation).sum(axis=1) > 1.0
-        mixed = root[np.ix_(tied, tied)] @ (drawn[tied] / scale[tied])
-        drawn[tied] = scale[tied] * mixed
+        drawn[tied] = scale[tied] * (root_of(correlation)[np.ix_(tied, tied)] @ (drawn[tied] / scale[tied]))
     return drawn
+
+
+def root_of(correlation: Array) -> Array:
+    """The symmetric square root (k, k) of correlation coefficients (k, k), also if their matrix is singular."""
+    values, vectors = np.linalg.eigh(correlation)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)

@@ -38,7 +38,7 @@ from ..common.frozen import FrozenMapping
 from ..common.parameters import Checked, parameter
 from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
-from ..derivatives.motion import Displacements, directed
+from ..derivatives.motion import directed
 from ..kinematics.motion import Motion
 from ..kinematics.poses import bearing_points, poses
 from ..kinematics.servo_motion import servo_cycle
@@ -46,15 +46,10 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
 from .dimensions import Dimension, check_dimensions, correlation_matrix, draw_deviations
 from .scatter import Scatter, scatter
-from .sets_of_lengths.endings import Ending, shapes_of, sound
-from .sets_of_lengths.shapes import Shapes
-from .single_chains import SingleChain
+from .single_chains import ALONE, Chain
 from .virtual_work import unit_forces
 
-ROUNDING = 1e-12  # a smaller gradient, as a share of the largest one over the turn, counts as zero
 STATES = 120  # crank angles of a period
-SOFT = 1.0  # stiffness of points that are left out, so soft that all other points are rigid [N/m]
-ALONE = 1e-6  # largest force of a point that is left out, as a share of the force of the carrying point
 ONE_PLACE = 1e-9  # points that are closer, as a share of the linkage's size, are in one place
 
 
@@ -143,7 +138,7 @@ class SlideParallelism(OfPress, Tabular):
             PinpressError: there is no row, a row is not a `PermissibleSlope`, lengths are not two positive numbers, or a row has a
                 force but the slide has no stiffnesses.
         """
-        measured = suitable_numbers("lengths", lengths, "two positive lengths [m]", (2,), lambda shares: shares > 0)
+        measured = suitable_numbers("lengths", lengths, "two positive lengths [m]", (2,), lambda given: given > 0)
         if not isinstance(permissible, Mapping) or not permissible:
             raise PinpressError("permissible has no row: give {name: PermissibleSlope(...)}")
         shares = {}
@@ -165,20 +160,15 @@ class SlideParallelism(OfPress, Tabular):
         if self.turning_compliance is None:
             raise PinpressError(
                 f"permissible {name!r} has a force, but the slide has no stiffnesses to tilt by: give point_stiffness and guide_stiffness"
-                " to"
-                " parallelism, or the force 0"
+                " to parallelism, or the force 0"
             )
         return np.asarray(row.force * self.turning_compliance @ (np.asarray(row.place) - self.places.mean(axis=0)))
 
     @property
     def title(self) -> str:
         sd = " and ".join(f"{1e6 * slope.first_order_sd:.4g}" for slope in self.slopes)
-        return f"SlideParallelism of {self.press_name}: {len(self.points)} points up to {self._span:.4g} m apart, slopes of sd {sd} um/m"
-
-    @property
-    def _span(self) -> float:
-        """Largest distance of two points [m]."""
-        return float(max(np.linalg.norm(one - other) for one in self.places for other in self.places))
+        span = max(np.linalg.norm(first - second) for first in self.places for second in self.places)
+        return f"SlideParallelism of {self.press_name}: {len(self.points)} points up to {span:.4g} m apart, slopes of sd {sd} um/m"
 
     def columns(self) -> dict[str, Array]:
         """A row for each crank angle: standard deviations of both slopes."""
@@ -234,23 +224,21 @@ def parallelism(
     dimensions = _each_once(press, parts)
     places, directions = _places(press, motion, points)
     moved = [directed(press, part.direction) for part in dimensions]
-    chains = [_Chain.of(press, motion, points, point, [dimensions.index(part) for part in parts[point]], moved) for point in points]
-    slopes_of_heights = _Fit.of(places, stiffness, turning)
+    chains = [Chain.of(press, motion, points, point, [dimensions.index(part) for part in parts[point]], moved) for point in points]
+    fit = _Fit.of(places, stiffness, turning)
     heights = np.zeros((len(points), len(dimensions), len(angles) + 1))
     for by_dimension, chain in zip(heights, chains, strict=True):
-        by_dimension[chain.own] = chain.slopes
-    slopes = np.einsum("si,ikn->nsk", slopes_of_heights.slopes, heights)
+        by_dimension[chain.dimensions] = chain.slopes
+    slopes = np.einsum("si,ikn->nsk", fit.slopes, heights)
     tied = correlation_matrix(dimensions, correlation)
     sd, tolerances = (np.array([getattr(part, name) for part in dimensions]) for name in ("standard_deviation", "tolerance"))
     covariance = tied * np.outer(sd, sd)
-    at_bottom, bottom_heights = slopes[-1], heights[:, :, -1]
-    at_bottom = np.where(np.abs(at_bottom) > ROUNDING * np.abs(slopes).max(), at_bottom, 0.0)
-    left, forces = slopes_of_heights.misfit @ bottom_heights, slopes_of_heights.forces @ bottom_heights
+    at_bottom = np.where(np.abs(slopes[-1]) > 1e-12 * np.abs(slopes).max(), slopes[-1], 0.0)  # less is rounding error
 
     drawn = draw_deviations(dimensions, tied, samples, seed)
     corners = [sign * np.sign(gradient) * tolerances for gradient in at_bottom for sign in (-1.0, 1.0)]
     everything = np.column_stack([drawn, *corners])
-    exact = slopes_of_heights.slopes @ np.array([chain.heights(everything) for chain in chains])
+    exact = fit.slopes @ np.array([chain.heights(everything) for chain in chains])
 
     def _slope(k: int) -> Scatter:
         """The scatter of one slope at bottom dead centre."""
@@ -267,10 +255,10 @@ def parallelism(
         crank_angle=angles,
         slope_sd=np.sqrt(np.einsum("nsk,kl,nsl->ns", slopes[:-1], covariance, slopes[:-1])),
         slopes=(_slope(0), _slope(1)),
-        misfit_sd=_deviations(left, covariance),
-        point_force_sd=None if stiffness is None else _deviations(forces, covariance),
+        misfit_sd=_deviations(fit.misfit @ heights[:, :, -1], covariance),
+        point_force_sd=None if stiffness is None else _deviations(fit.forces @ heights[:, :, -1], covariance),
         guide_moment_sd=None if stiffness is None else turning * _deviations(at_bottom, covariance),
-        turning_compliance=None if stiffness is None else _turning_compliance(places, stiffness, turning),
+        turning_compliance=None if stiffness is None else fit.compliance,
         deviations=drawn,
     )
 
@@ -280,35 +268,34 @@ def _deviations(rows: Array, covariance: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(np.einsum("rk,kl,rl->r", rows, covariance, rows), 0.0)))
 
 
-def _turning_compliance(places: Array, stiffness: float, turning: float) -> Array:
-    """(2, 2) slopes of a slide on points (m, 2) by moments about their middle [1/(N m)]."""
-    arms = places - places.mean(axis=0)
-    return np.asarray(np.linalg.inv(stiffness * arms.T @ arms + turning * np.eye(2)))
-
-
 class _Fit(NamedTuple):
-    """How a slide follows the heights of its m points: slopes (2, m) [1/m], misfit from the plane without guides (m, m) [-], and forces
-    (m, m) on the points [N/m], per unit of the heights.
+    """How a slide follows the heights of its m points, by the least squares of the module.
+
+    Attributes:
+        slopes: (2, m) slopes per unit of the heights [1/m].
+        misfit: (m, m) distances of the points from their plane without guides, per unit of the heights [-].
+        forces: (m, m) forces on the points per unit of the heights [N/m]; zero without stiffness.
+        compliance: (2, 2) slopes by moments about the middle of the points [1/(N m)]; infinite without stiffness.
     """
 
     slopes: Array
     misfit: Array
     forces: Array
+    compliance: Array
 
     @staticmethod
     def of(places: Array, stiffness: float | None, turning: float) -> _Fit:
-        """The least squares of the module; ``turning`` is 0 without stiffness."""
+        """The fit of points at places (m, 2); ``turning`` is 0 without stiffness."""
         columns = np.column_stack([np.ones(len(places)), places - places.mean(axis=0)])  # about the middle, which keeps its height
-        free = np.linalg.pinv(columns, rcond=ONE_PLACE)
-        if stiffness is None:
-            fitted = free
-        else:
-            held = np.diag([0.0, turning, turning])
-            fitted = np.linalg.solve(stiffness * columns.T @ columns + held, stiffness * columns.T)
-        left = np.eye(len(places)) - columns @ fitted
-        spread = np.ptp(places, axis=0)
-        fitted[1:][spread <= ONE_PLACE * spread.max()] = 0.0  # points on a line do not resist a slope across the line
-        return _Fit(fitted[1:], np.eye(len(places)) - columns @ free, (stiffness or 0.0) * left)
+        free = fitted = np.linalg.pinv(columns, rcond=ONE_PLACE)
+        compliance = np.full((3, 3), np.inf)
+        if stiffness is not None:
+            compliance = np.linalg.inv(stiffness * columns.T @ columns + np.diag([0.0, turning, turning]))
+            fitted = stiffness * compliance @ columns.T
+        unit, spread = np.eye(len(places)), np.ptp(places, axis=0)
+        forces, slopes = (stiffness or 0.0) * (unit - columns @ fitted), fitted[1:].copy()
+        slopes[spread <= ONE_PLACE * spread.max()] = 0.0  # points on a line do not resist a slope across the line
+        return _Fit(slopes, unit - columns @ free, forces, compliance[1:, 1:])
 
 
 # ----------------------------------------------------------------------------------------------------------------------------- points
@@ -366,56 +353,10 @@ def _places(press: Linkage, motion: Motion, points: Sequence[str]) -> tuple[Arra
     origin = final_poses.points(press.slide_guide.joint + 1, press.tool.in_body)[0]
     everywhere = bearing_points(press, final_poses)[:, 0]
     places = np.array([directions @ (everywhere[press.bearings.index(point)] - origin) for point in points])
-    apart = min(np.linalg.norm(place - square) for k, place in enumerate(places) for square in places[:k])
+    apart = min(np.linalg.norm(place - other) for k, place in enumerate(places) for other in places[:k])
     if not apart > ONE_PLACE * press.size:
         raise PinpressError(
             f"two of the points {', '.join(points)} of {press.name} are above each other, so they do not determine a slope: the slide"
-            " must hang"
-            " on points side by side"
+            " must hang on points side by side"
         )
     return places, directions
-
-
-class _Chain(NamedTuple):
-    """The height of a point by the m dimensions of its chain: their indices ``own``, and slopes (m, n) of the height in the states of a
-    motion.
-
-    ``shapes`` is the chain alone (None without dimensions), and ``ending`` its crank at bottom dead centre.
-    """
-
-    own: list[int]
-    slopes: Array
-    shapes: Shapes | None
-    ending: Ending
-
-    @staticmethod
-    def of(press: Linkage, motion: Motion, points: Sequence[str], point: str, own: list[int], moved: Sequence[Displacements]) -> _Chain:
-        """The chain of a point with its dimensions ``own``; ``moved``: displacements of all dimensions. The motion ends at bottom dead
-        centre.
-
-        Raises:
-            PinpressError: the point alone does not hold the slide.
-        """
-        unit = unit_forces(press, motion, stiffness={other: SOFT for other in points if other != point})
-        others = max(float(np.abs(unit.force[other]).max()) for other in points if other != point)
-        if not others < ALONE * float(np.abs(unit.force[point]).max()):
-            raise PinpressError(
-                f"point {point!r} of {press.name} alone does not hold the slide, so it has no separate chain: parallelism needs a chain"
-                " for each"
-                " point"
-            )
-        alone = SingleChain.of(press, unit, point)
-        shapes = shapes_of(alone.press, [alone.displacements(moved[k]) for k in own]) if own else None
-        ending = Ending(motion.joint_position[-1][alone.joints], np.zeros(len(own)), "held")
-        return _Chain(own, np.array([unit.shift(moved[k]) for k in own]).reshape(len(own), len(motion.v)), shapes, ending)
-
-    def heights(self, deviations: Array) -> Array:
-        """Deviations (n,) of the point's height at bottom dead centre from the nominal press, for dimensions that deviate by (k, n) [m].
-
-        Raises:
-            PinpressError: some of these presses cannot be closed there.
-        """
-        if self.shapes is None:
-            return np.zeros(deviations.shape[1])
-        nominal = self.shapes.position(self.ending.start[:, None], np.zeros((len(self.own), 1)))
-        return sound(self.shapes, deviations[self.own], self.ending, "at bottom dead centre").position - nominal

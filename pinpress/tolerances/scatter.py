@@ -17,10 +17,7 @@ from ..common.tables import Column
 from .dimensions import Dimension
 
 COVERAGE = 0.9973  # share of the presses in a printed band: +/- 3 standard deviations of a normal quantity
-COVERAGES = (COVERAGE, 0.95, 0.5)
 LEAST_BEYOND = 5  # least number of presses outside each end of a band: with fewer its ends are random
-ROUNDING = 1e-9
-DECIDES = 0.8  # a text names the dimensions that together cause this share of the variance
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,7 +69,7 @@ class Scatter(Tabular):
         Raises:
             PinpressError: coverage is not between 0 and 1, or fewer than 5 presses of the sample are outside each end.
         """
-        share = float(suitable_numbers("coverage", coverage, "a number between 0 and 1", suits=lambda found: (found > 0) & (found < 1)))
+        share = float(suitable_numbers("coverage", coverage, "a number between 0 and 1", suits=lambda given: (given > 0) & (given < 1)))
         beyond = 0.5 * (1.0 - share) * len(self.deviation)
         if beyond < LEAST_BEYOND:
             needed = math.ceil(round(2 * LEAST_BEYOND / (1.0 - share), 6))
@@ -123,17 +120,16 @@ class Scatter(Tabular):
 
     @property
     def decided(self) -> str:
-        """A sentence on the dimensions that cause most of the variance, and on the effect of halving their tolerances."""
+        """A sentence on the dimensions that together cause 80 % of the variance, and on the effect of halving their tolerances."""
         if not self.first_order_sd:
             return "no dimension changes it to first order"
         order = np.argsort(-self.share, kind="stable")
-        count = 1 + int(np.argmax(np.cumsum(self.share[order]) >= DECIDES - ROUNDING))
-        first = [int(k) for k in order[:count]]
+        first = order[: 1 + int(np.argmax(np.cumsum(self.share[order]) >= 0.8 - 1e-9))].tolist()
         names = ", ".join(self.parts[k].name for k in first)
-        made = float(self.share[first].sum())
-        left = math.sqrt(max(1.0 - 0.75 * made, 0.0))  # half the tolerance is a quarter of the variance
-        verb = "makes" if count == 1 else "make"
-        return f"{names} {verb} {100 * made:.0f} % of the variance: half as wide, the standard deviation falls to {100 * left:.0f} %"
+        share = float(self.share[first].sum())
+        halved = math.sqrt(max(1.0 - 0.75 * share, 0.0))  # half the tolerance is a quarter of the variance
+        verb = "makes" if len(first) == 1 else "make"
+        return f"{names} {verb} {100 * share:.0f} % of the variance: half as wide, the standard deviation falls to {100 * halved:.0f} %"
 
 
 def scatter(
@@ -147,20 +143,18 @@ def scatter(
     corners: Array,
 ) -> Scatter:
     """A `Scatter` from values (n,) of a sample and values (2,) of both corners; ``correlation``: (k, k) coefficients."""
-    part = gradient * np.array([part_.standard_deviation for part_ in parts])
-    by_dimension = part * (correlation @ part)
+    alone = gradient * np.array([part.standard_deviation for part in parts])
+    by_dimension = alone * (correlation @ alone)
     variance = float(by_dimension.sum())
     share = by_dimension / variance if variance > 0.0 else np.zeros(len(parts))
-    worst = float(np.abs(gradient) @ np.array([part_.tolerance for part_ in parts]))
-    return Scatter(
-        quantity, unit, nominal, tuple(parts), gradient, share, math.sqrt(max(variance, 0.0)), worst, corners - nominal, values - nominal
-    )
+    worst, sd = float(np.abs(gradient) @ np.array([part.tolerance for part in parts])), math.sqrt(max(variance, 0.0))
+    return Scatter(quantity, unit, nominal, tuple(parts), gradient, share, sd, worst, corners - nominal, values - nominal)
 
 
 def widest_coverage(found: Scatter) -> float | None:
     """The share of presses for the printed band: 99.73 %, less for a small sample, None for a very small sample."""
     beyond = 0.5 * len(found.deviation)
-    return next((coverage for coverage in COVERAGES if (1.0 - coverage) * beyond >= LEAST_BEYOND), None)
+    return next((coverage for coverage in (COVERAGE, 0.95, 0.5) if (1.0 - coverage) * beyond >= LEAST_BEYOND), None)
 
 
 def scale_of(found: Scatter) -> ShownUnit:

@@ -15,13 +15,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import pinocchio as pin
 
 from ..common import plausibility
 from ..common.arguments import number, typed
-from ..common.errors import PinpressError, UnknownNameError, caution, shown
-from ..common.frozen import Frozen, FrozenMapping
-from ..common.parameters import parameter
+from ..common.errors import PinpressError, caution, shown
+from ..common.frozen import FrozenMapping
+from ..common.parameters import Checked, parameter, set_field
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..derivatives.motion import Displacements, nowhere
@@ -30,15 +29,14 @@ from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
 from .dead_centre_scatter import ends_of, refuse_several_drivers
+from .dimensions import refuse_unknown
 from .virtual_work import unit_forces
 
 STEEL = 12e-6  # linear expansion of structural steel up to 100 degrees Celsius, EN 1993-1-1:2005, 3.2.6 [1/K]
-HOTTEST = 100.0  # a larger rise of a temperature is probably a mistake [K]
-LARGEST_EXPANSION = 1e-4  # metals have 1e-5 to 3e-5 [1/K]
 
 
 @dataclass(frozen=True, eq=False)
-class Temperatures(Frozen):
+class Temperatures(Checked):
     """Temperature rises of the parts of a press since it was measured or set.
 
     Attributes:
@@ -58,23 +56,22 @@ class Temperatures(Frozen):
     def __post_init__(self) -> None:
         if not isinstance(self.rise, Mapping) or not self.rise:
             raise PinpressError(f"Temperatures: rise is {shown(self.rise)}: give a mapping, name of a link: rise [K], e.g. {{'rod': 10.0}}")
-        for name, value in self.rise.items():
-            kelvins = number(f"Temperatures: rise of {shown(name)}", value, "K")
-            if abs(kelvins) > HOTTEST:
+        rises = {name: number(f"Temperatures: rise of {shown(name)}", value, "K") for name, value in self.rise.items()}
+        for name, kelvins in rises.items():
+            if abs(kelvins) > 100.0:
                 caution(
                     f"Temperatures: rise of {shown(name)} is {kelvins:g} K, more than usual: give the rise since the press was set, not the"
                     " temperature of the link"
                 )
-        coefficients = self.expansion if isinstance(self.expansion, Mapping) else {"all links": self.expansion}
+        named = self.expansion if isinstance(self.expansion, Mapping) else {"all links": self.expansion}
+        coefficients = {name: number(f"Temperatures: expansion of {name}", value, "1/K") for name, value in named.items()}
         for name, value in coefficients.items():
-            if not 0.0 <= number(f"Temperatures: expansion of {name}", value, "1/K") <= LARGEST_EXPANSION:
+            if not 0.0 <= value <= 1e-4:
                 raise PinpressError(
-                    f"Temperatures: expansion of {name} is {value:g} 1/K: give 0 to {LARGEST_EXPANSION:g} 1/K; steel has 1.2e-5,"
-                    " aluminium 2.4e-5"
+                    f"Temperatures: expansion of {name} is {value:g} 1/K: give 0 to 0.0001 1/K; steel has 1.2e-5, aluminium 2.4e-5"
                 )
-        for name, place in (("table", self.table), ("face", self.face)):
-            if place is not None:
-                number(f"Temperatures: {name}", place, "m")
+        set_field(self, "rise", FrozenMapping(rises))
+        set_field(self, "expansion", FrozenMapping(coefficients) if named is self.expansion else coefficients["all links"])
         super().__post_init__()
 
     def of(self, link: str) -> float:
@@ -150,13 +147,14 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
     rises = _by_body(press, temperatures.rise)
     coefficients = _by_body(press, temperatures.expansion) if isinstance(temperatures.expansion, Mapping) else {}
     frame, slide = 0, press.slide_guide.joint + 1
-    if rises.get(frame) and temperatures.table is None:
-        raise PinpressError(f"{press.root!r} of {press.name} is warm: give the position of its table, Temperatures(..., table=...) [m]")
-    if rises.get(slide) and temperatures.face is None:
-        raise PinpressError(f"{press.slide!r} of {press.name} is warm: give the position of its face, Temperatures(..., face=...) [m]")
-    for name, place in (("table", temperatures.table), ("face", temperatures.face)):
+    for body, link, name, place in (
+        (frame, press.root, "table", temperatures.table),
+        (slide, press.slide, "face", temperatures.face),
+    ):
         if place is not None:
             plausibility.length(f"Temperatures: {name}", abs(float(place)), press.size)
+        elif rises.get(body):
+            raise PinpressError(f"{link!r} of {press.name} is warm: give the position of its {name}, Temperatures(..., {name}=...) [m]")
     if motion is None:
         refuse_several_drivers(press)
         turned = dead_centres(press)
@@ -165,25 +163,28 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
         x = motion.joint_position[list(ends_of(press, motion))].T.copy()
         ends = of_states(press, x, np.zeros_like(x), np.zeros_like(x), np.zeros(2), None)
     unit = unit_forces(press, ends)
-    displacements: dict[str, Array] = {}
+    names = {press.frame_of(link).parentJoint: link for link in reversed(list(temperatures.rise))}  # of welded links the first
+    per_kelvin: dict[str, Array] = {}
     for body in range(press.model.njoints):
-        if (body == frame and temperatures.table is None) or (body == slide and temperatures.face is None):
-            continue
         shift = unit.shift(_growth(press, body))
         if body == frame:
-            shift = shift - np.float64(temperatures.table)
+            if temperatures.table is None:
+                continue
+            shift = shift - temperatures.table
         elif body == slide:
-            place = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement.translation
+            if temperatures.face is None:
+                continue
             up = press.model.jointPlacements[slide].rotation.T @ press.slide_direction
-            shift = shift + float(place @ up) + np.float64(temperatures.face)
-        displacements[_name_of(press, body, temperatures)] = coefficients.get(body, temperatures.of("")) * shift
-    warm = {_name_of(press, body, temperatures): value for body, value in rises.items() if value}
+            shift = shift + float(press.frame_of(press.slide).placement.translation @ up) + temperatures.face
+        per_kelvin[names.get(body, press.link_of(body))] = coefficients.get(body, temperatures.of("")) * shift
+    warm = {names[body]: value for body, value in rises.items() if value}
+    bottom, top = ({name: value * float(per_kelvin[name][end]) for name, value in warm.items()} for end in (0, 1))
     return HeatShift(
-        _press=press,
-        rise=FrozenMapping(dict(temperatures.rise)),
-        bottom_by_link=FrozenMapping({name: value * float(displacements[name][0]) for name, value in warm.items()}),
-        top_by_link=FrozenMapping({name: value * float(displacements[name][1]) for name, value in warm.items()}),
-        bottom_per_kelvin=FrozenMapping({name: float(slopes[0]) for name, slopes in displacements.items()}),
+        press,
+        FrozenMapping(dict(temperatures.rise)),
+        FrozenMapping(bottom),
+        FrozenMapping(top),
+        FrozenMapping({name: float(slopes[0]) for name, slopes in per_kelvin.items()}),
     )
 
 
@@ -209,21 +210,11 @@ def _by_body(press: Linkage, by_link: Mapping[str, float]) -> dict[int, float]:
     """
     values: dict[int, float] = {}
     for name, value in by_link.items():
-        if name not in press.links:
-            raise UnknownNameError("link", name, press.links)
-        body = _body(press, name)
+        refuse_unknown("link", name, press.links)
+        body = press.frame_of(name).parentJoint
         if values.get(body, value) != value:
             raise PinpressError(
                 f"{shown(name)} of {press.name} is welded to a link with another value: give both links the same value, or name only one"
             )
         values[body] = value
     return values
-
-
-def _body(press: Linkage, link: str) -> int:
-    return int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint)
-
-
-def _name_of(press: Linkage, body: int, temperatures: Temperatures) -> str:
-    """The name under which a body has a rise, or the name of its first link."""
-    return next((name for name in temperatures.rise if _body(press, name) == body), press.link_of(body))

@@ -51,18 +51,16 @@ class UnitForces:
 
     def shift(self, moved: Displacements) -> Array:
         """(n,) shift of the slide by displacements of pivots in their links [m, or per unit of a direction]."""
-        press, motion_poses = self.press, poses(self.press, self.motion.joint_position)
-        total = np.zeros(len(self.motion.crank_angle))
-
-        def add(sign: float, name: str, joint: int, displacement: Array) -> None:
-            if displacement.any():
-                total[:] += sign * np.einsum("nk,nk->n", self.force[name], motion_poses.rotation[joint] @ displacement)
-
-        for name, parent, displacement in zip(press.joints, list(press.model.parents)[1:], moved.joints, strict=True):
-            add(-1.0, name, int(parent), displacement)
-        for loop, (first, two) in zip(press.loops, moved.ends, strict=True):
-            add(-1.0, loop.name, loop.joint1, first)
-            add(1.0, loop.name, loop.joint2, two)
+        press, total = self.press, np.zeros(len(self.motion.crank_angle))
+        rotation = poses(press, self.motion.joint_position).rotation
+        ends = [
+            (-1.0, name, parent, by) for name, parent, by in zip(press.joints, list(press.model.parents)[1:], moved.joints, strict=True)
+        ]
+        for loop, (first, second) in zip(press.loops, moved.ends, strict=True):
+            ends += [(-1.0, loop.name, loop.joint1, first), (1.0, loop.name, loop.joint2, second)]
+        for sign, name, body, by in ends:
+            if by.any():
+                total += sign * np.einsum("nk,nk->n", self.force[name], rotation[body] @ by)
         return total
 
 
@@ -82,23 +80,12 @@ def unit_forces(
     """
     if reactions is None:
         reactions = inverse_dynamics(press, motion, stiffness=stiffness)
-    size = max(
-        [1.0, *(float(np.abs(force).max()) for force in reactions.bearing_force.values())]
-    )  # a force of this size is not lost in rounding error
+    # A force of the size of the others is not lost in rounding error.
+    size = max(1.0, *(float(np.abs(force).max()) for force in reactions.bearing_force.values()))
     loaded = inverse_dynamics(press, motion, [*reactions.loads, force_on_slide(press, size)], stiffness=stiffness)
-    difference = {
-        name: (
-            in_plane(press, (loaded.bearing_force[name] - reactions.bearing_force[name]) / size),
-            (loaded.bearing_moment[name] - reactions.bearing_moment[name]) / size,
-        )
-        for name in press.bearings
-    }
-    return UnitForces(
-        press,
-        motion,
-        FrozenMapping({name: force for name, (force, _) in difference.items()}),
-        FrozenMapping({name: moment for name, (_, moment) in difference.items()}),
-    )
+    force = {name: in_plane(press, (loaded.bearing_force[name] - before) / size) for name, before in reactions.bearing_force.items()}
+    moment = {name: (loaded.bearing_moment[name] - before) / size for name, before in reactions.bearing_moment.items()}
+    return UnitForces(press, motion, FrozenMapping(force), FrozenMapping(moment))
 
 
 def in_plane(press: Linkage, force: Array) -> Array:

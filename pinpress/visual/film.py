@@ -1,6 +1,6 @@
 """Pictures, films and paper of a page, made in headless Chromium without a network.
 
-A page is laid out in a window whose longer side is always `LONGER_SIDE` CSS pixels, however many pixels a picture of it has: a larger
+A page is laid out in a window whose longer side is always 960 CSS pixels, however many pixels a picture of it has: a larger
 picture is a sharper one, not one with smaller writing.
 """
 
@@ -32,11 +32,7 @@ from ..common.files import path_of
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, CDPSession, Page
 
-NO_FFMPEG = "films need imageio-ffmpeg, which is not installed; pip install 'pinpress[video]'"
-SHORTEST_FILM = 4.0  # a shorter recording is slowed down [s]
 MOST_FRAMES = 36_000
-SMALLEST, LARGEST = 64, 4096  # sides of a picture [pixels]
-PNG, PDF = ".png", ".pdf"
 # The colours that players expect of a film. The file names them too, as some players go by that.
 BT709 = "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709"
 ENCODING = {  # options of ffmpeg by the file's suffix
@@ -44,19 +40,9 @@ ENCODING = {  # options of ffmpeg by the file's suffix
     ".gif": ("-vf", "split[frames][same];[same]palettegen[palette];[frames][palette]paletteuse=dither=none:diff_mode=rectangle"),
 }
 
-NOT_INSTALLED = "pictures, films and PDF files need Playwright, which is not installed; pip install 'pinpress[video]'"
-NO_CHROMIUM = (
-    "pictures, films and PDF files need Chromium or Chrome, and none is on the PATH; install it (Debian, Ubuntu: apt-get install chromium;"
-    " else https://www.chromium.org/getting-involved/download-chromium), or set the environment variable CHROMIUM to its program"
-)
-PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-DRAWN = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # drawn by the processor, the same everywhere
-# tiles that are drawn again in part differ a little from run to run
+# Chromium's processor draws, the same everywhere; tiles that are drawn again in part would differ a little from run to run.
+DRAWN = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")
 FLAGS = (*DRAWN, "--disable-partial-raster", "--disable-dev-shm-usage", "--hide-scrollbars")
-LONGER_SIDE = 960.0
-SCREEN = (1280, 960)  # of a page that is printed, which is laid out anew for paper
-PATIENCE = 120_000  # time limit of each action in a page [ms]
-UNPACKED = "typeof unpacked === 'object' ? unpacked : null"
 PLAYER = "[typeof duration, typeof seek, typeof setPlaying, typeof viewer].join() === 'number,function,function,object'"
 STILL = """() => {
     setPlaying(false);
@@ -66,8 +52,6 @@ STILL = """() => {
 }"""
 # Nobody sees the page after it is printed, so that it is not drawn for the screen again.
 PAPER = "time => { setPlaying(false); document.body.classList.remove('still'); removeEventListener('afterprint', toScreen); seek(time); }"
-DATES = re.compile(rb"/(?:Creation|Mod)Date \(D:[^)]*\)")  # which Chromium puts into a PDF
-SHOW = "time => { seek(time); viewer.render(); }"
 LOST = "Boolean(viewer.renderer) && viewer.renderer.getContext().isContextLost()"
 
 
@@ -91,7 +75,7 @@ def image(
             Playwright or Chromium is missing.
     """
     size, time = _size(size), number("time", time, "s")
-    with files.written(path, _suffix(path, (PNG,))) as part, opened(page, size) as screen:
+    with files.written(path, _suffix(path, [".png"])) as part, opened(page, size) as screen:
         picture = screen.picture(_within(time, screen.duration))
         with files.refused(path):
             part.write_bytes(picture)
@@ -114,7 +98,7 @@ def pdf(page: str | os.PathLike[str], path: str | os.PathLike[str], *, time: flo
             or Chromium is missing.
     """
     time = number("time", time, "s")
-    with files.written(path, _suffix(path, (PDF,))) as part, opened(page, SCREEN) as screen:
+    with files.written(path, _suffix(path, [".pdf"])) as part, opened(page, (1280, 960)) as screen:  # which is laid out anew for paper
         content = screen.printed(_within(time, screen.duration))
         with files.refused(path):
             part.write_bytes(content)
@@ -156,8 +140,15 @@ def film(
         raise PinpressError(f"slowdown is {slowdown:g}; give a positive number, e.g. 10 for a film ten times slower than the press")
     program = _ffmpeg()
     with files.written(path, _suffix(path, ENCODING)) as part, opened(page, size) as screen:
+        if not screen.duration > 0:
+            raise PinpressError("the recording is of one instant; there is nothing to film: take an image")
         slower = slow_enough(screen.duration) if slowdown is None else float(slowdown)
-        count = _frames(screen.duration * times, slower, rate)
+        frames = screen.duration * times * slower * rate  # the frame after the last would show the end of the recording, to half a frame
+        if not 0.5 < frames <= MOST_FRAMES:
+            raise PinpressError(
+                f"the film would have {frames:.3g} frames; choose slowdown, repeats and frames_per_second for 1 to {MOST_FRAMES}"
+            )
+        count = round(frames)
         with _encoder(program, part, rate) as encode:
             for k in range(count):
                 encode(screen.picture(k / (rate * slower) % screen.duration))
@@ -175,19 +166,7 @@ def _within(time: float, duration: float) -> float:
 def slow_enough(duration: float) -> float:
     """Factor by which a recording of a duration [s] is slowed down so that the eye can follow; the default of `film`."""
     steps = (step * 10.0**power for power in itertools.count() for step in (1, 2, 5))
-    return next(slowdown for slowdown in steps if slowdown * duration >= SHORTEST_FILM) if duration > 0 else 1.0
-
-
-def _frames(duration: float, slowdown: float, rate: int) -> int:
-    """Number of frames; the frame after the last would show the end of the recording, to half a frame."""
-    if not duration > 0:
-        raise PinpressError("the recording is of one instant; there is nothing to film: take an image")
-    frames = duration * slowdown * rate
-    if not 0.5 < frames <= MOST_FRAMES:
-        raise PinpressError(
-            f"the film would have {frames:.3g} frames; choose slowdown, repeats and frames_per_second for 1 to {MOST_FRAMES}"
-        )
-    return round(frames)
+    return next(slowdown for slowdown in steps if slowdown * duration >= 4.0) if duration > 0 else 1.0
 
 
 @contextmanager
@@ -229,7 +208,7 @@ def _ffmpeg() -> str:
     try:
         return str(import_module("imageio_ffmpeg").get_ffmpeg_exe())
     except ImportError:
-        raise PinpressError(NO_FFMPEG) from None
+        raise PinpressError("films need imageio-ffmpeg, which is not installed; pip install 'pinpress[video]'") from None
     except RuntimeError as error:
         raise PinpressError(f"imageio-ffmpeg has no ffmpeg: {error}; pip install --force-reinstall imageio-ffmpeg") from error
 
@@ -243,9 +222,9 @@ def _suffix(path: str | os.PathLike[str], possible: Collection[str]) -> str:
 
 def _size(size: object, step: int = 1) -> tuple[int, int]:
     sides = list(size) if isinstance(size, tuple | list) else []
-    if len(sides) != 2 or not all(is_whole_number(side) and SMALLEST <= side <= LARGEST and side % step == 0 for side in sides):
+    if len(sides) != 2 or not all(is_whole_number(side) and 64 <= side <= 4096 and side % step == 0 for side in sides):
         kind = "even" if step == 2 else "whole"
-        raise PinpressError(f"size is {shown(size)}: give width and height in pixels, two {kind} numbers from {SMALLEST} to {LARGEST}")
+        raise PinpressError(f"size is {shown(size)}: give width and height in pixels, two {kind} numbers from 64 to 4096")
     return int(sides[0]), int(sides[1])
 
 
@@ -276,9 +255,14 @@ def opened(page: str | os.PathLike[str], size: tuple[int, int]) -> Iterator[Scre
         PinpressError: there is no such file or it is no recording, Playwright or Chromium is missing, or the page fails, now or when a
             picture is taken.
     """
-    content, program = _content(page), _program()
+    try:
+        content = Path(page).read_text("utf-8")
+    except (OSError, ValueError) as error:  # ValueError: a null character in the path, or not UTF-8
+        reason = getattr(error, "strerror", None) or str(error)
+        raise PinpressError(f"cannot read {os.fspath(page)}: {reason}; give a page that pinpress.record or report wrote") from error
+    program = _program()
     if importlib.util.find_spec("playwright") is None:
-        raise PinpressError(NOT_INSTALLED)
+        raise PinpressError("pictures, films and PDF files need Playwright, which is not installed; pip install 'pinpress[video]'")
     # A thread of its own: Playwright's event loop cannot run inside another one, as a notebook has, and Ctrl-C must not interrupt it.
     with ThreadPoolExecutor(1) as thread:
         opening = ExitStack()
@@ -300,14 +284,14 @@ class _Tab:
         self._name, self._page, self._devtools, self._clip = name, page, devtools, clip
         self._problems: list[str] = []
         self._still = False  # shown without its controls
-        page.set_default_timeout(PATIENCE)
+        page.set_default_timeout(120_000)  # of each action [ms]
         page.on("console", lambda message: self._problems.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: self._problems.append(str(error)))
         page.on("crash", lambda _: self._problems.append("it crashed"))
 
     def load(self, content: str) -> None:
         self._do(self._page.set_content, content)  # not by its address: Chromium as a snap sees no temporary files
-        self._do(self._page.evaluate, UNPACKED)
+        self._do(self._page.evaluate, "typeof unpacked === 'object' ? unpacked : null")
         if not self._do(self._page.evaluate, PLAYER):
             raise PinpressError(f"{self._name} is no recording; give a page that pinpress.record or report wrote")
         self.duration = float(self._do(self._page.evaluate, "duration"))
@@ -316,7 +300,7 @@ class _Tab:
         if not self._still:
             self._do(self._page.evaluate, STILL)
             self._still = True
-        self._do(self._page.evaluate, SHOW, time)
+        self._do(self._page.evaluate, "time => { seek(time); viewer.render(); }", time)
         # Drawing takes nearly all of the time: JPEG is not faster, and reading the canvas alone, without its labels, is slower.
         shot = self._do(self._devtools.send, "Page.captureScreenshot", {"format": "png", "optimizeForSpeed": True, "clip": self._clip})
         if self._do(self._page.evaluate, LOST):  # the page itself does not report it
@@ -328,7 +312,8 @@ class _Tab:
         content = self._do(partial(self._page.pdf, format="A4", print_background=True, tagged=True, outline=True))
         if self._do(self._page.evaluate, LOST):
             raise PinpressError(f"{self._name} was not drawn: Chromium has lost its WebGL context; try again")
-        return DATES.sub(lambda date: b" " * len(date[0]), content)  # as long, since a PDF counts its bytes
+        # Chromium's dates give way to blanks: a PDF counts its bytes.
+        return re.sub(rb"/(?:Creation|Mod)Date \(D:[^)]*\)", lambda date: b" " * len(date[0]), content)
 
     def _do(self, action: Callable[..., Any], *arguments: Any) -> Any:
         from playwright.sync_api import Error  # optional, and slow to import
@@ -355,7 +340,7 @@ def _open(opening: ExitStack, page: str | os.PathLike[str], content: str, progra
     context = browser.new_context(no_viewport=True, reduced_motion="reduce", offline=True)
     tab = context.new_page()
     devtools = context.new_cdp_session(tab)
-    scale = max(size) / LONGER_SIDE
+    scale = max(size) / 960
     width, height = (side / scale for side in size)
     window = {"width": math.ceil(width - 1e-9), "height": math.ceil(height - 1e-9), "deviceScaleFactor": scale, "mobile": False}
     devtools.send("Emulation.setDeviceMetricsOverride", window)
@@ -371,25 +356,20 @@ def _close(browser: Browser) -> None:
         browser.close()
 
 
-def _content(page: str | os.PathLike[str]) -> str:
-    try:
-        return Path(page).read_text("utf-8")
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path, or not UTF-8
-        reason = getattr(error, "strerror", None) or str(error)
-        raise PinpressError(f"cannot read {os.fspath(page)}: {reason}; give a page that pinpress.record or report wrote") from error
-
-
 def _program() -> str:
-    named = os.environ.get("CHROMIUM")
-    if named:
-        found = shutil.which(named)
-        if found is None:
+    if named := os.environ.get("CHROMIUM"):
+        program = shutil.which(named)
+        if program is None:
             raise PinpressError(f"the environment variable CHROMIUM is {named}, which is no program; set it to Chromium's or Chrome's")
-        return found
-    found = next(filter(None, map(shutil.which, PROGRAMS)), None)
-    if found is None:
-        raise PinpressError(NO_CHROMIUM)
-    return found
+        return program
+    for name in ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"):
+        if program := shutil.which(name):
+            return program
+    raise PinpressError(
+        "pictures, films and PDF files need Chromium or Chrome, and none is on the PATH; install it (Debian, Ubuntu: apt-get install"
+        " chromium; else https://www.chromium.org/getting-involved/download-chromium), or set the environment variable CHROMIUM to its"
+        " program"
+    )
 
 
 def _line(message: str) -> str:

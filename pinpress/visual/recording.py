@@ -6,15 +6,13 @@ without a server or a network. World axes are in metres, with z up; a planar pre
 
 from __future__ import annotations
 
-import itertools
 import math
-import operator
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,13 +40,9 @@ from .shapes.stand_ins import ShaftFlywheel
 if TYPE_CHECKING:
     from ..simulation.elastic.run import ElasticRun
 
-PER_TURN = 360  # key frames a turn; between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
-FEWEST_PER_TURN = 36  # key frames a turn of a long motion; the pin leaves its circle by 0.4 %
-BACK = 1e-2  # share of the largest travel and speed by which joints may miss their first state, one step after the last
+FEWEST_PER_TURN = 36  # key frames a turn of a long motion; between keys 10 degrees apart a crank pin leaves its circle by 0.4 %
 FARTHEST = np.pi / 2  # largest angle between states, which are joined by straight lines [rad]
 MOST = 20_000  # key frames; they keep the page of a long run below 20 MB
-BEHIND = 0.01  # share of the linkage's size by which links must stand behind the frame to be seen from there
-TOGETHER = 1e-6  # share of the linkage's size: bearings that stay this close share a label
 
 
 @typed
@@ -170,16 +164,47 @@ def moving(
     press: Linkage, motion: Motion, frames: KeyFrames, at: Poses, reactions: Reactions | None, traces: Sequence[tuple[str, ArrayLike]]
 ) -> dict[str, Any]:
     """The part of `scene` that is drawn over the links: places, forces and paths; ``at``: poses of the bodies in the key frames."""
+    points = bearing_points(press, at)
+    where, places = _together(points, 1e-6 * press.size)
+    forces: dict[str, Any] = dict.fromkeys(("shaking", "process"))
+    peak = 0.0
+    if reactions is not None:
+        shaking, along = reactions.shaking_force[frames.states], reactions.process_force[frames.states, None]
+        largest = (np.linalg.norm(force[frames.states], axis=1).max() for force in reactions.bearing_force.values())
+        peak = float(max(*largest, np.linalg.norm(shaking, axis=1).max(), np.abs(along).max()))
+        forces["shaking"] = packed(shaking, "shaking_force")
+        if along.any():
+            place = at.points(press.slide_guide.joint + 1, press.tool.in_body)
+            forces["process"] = {
+                "place": _packed_path(place, "the place of the process force"),
+                "force": packed(along * press.slide_direction, "process_force"),
+            }
     return {
-        **_series(frames),
+        "time": _short(frames.time),  # s
+        "crank": _short(frames.shown),  # deg or mm
+        "height": None if frames.height is None else _short(frames.height),  # m
+        "above": "above BDC" if frames.above_bottom else "above lowest",
         "turn": frames.turn,
         "driver": _driver(motion),
         "period": None if motion.period_turns is None else 360 * motion.period_turns,  # deg
         "size": press.size,
-        **_bearings(press, at, frames, reactions),
-        **_shaking(reactions, frames),
-        "process": None if reactions is None else _process(press, at, frames, reactions),
-        **_traces(press, at, frames, traces),
+        "places": [_packed_path(points[first], "the place of a bearing") for first in places],
+        "bearings": [
+            {
+                "name": name,
+                "place": place,
+                "force": None
+                if reactions is None
+                else packed(reactions.bearing_force[name][frames.states], f"bearing_force[{shown(name)}]"),
+            }
+            for name, place in zip(press.bearings, where, strict=True)
+        ],
+        **forces,
+        "peak": peak,  # of all forces shown [N]
+        "traces": [
+            {"name": name, "link": link, "path": packed(at.points(joint, point), f"the path of {name}"), "keys": frames.turn}
+            for name, link, joint, point in traced(press, traces)
+        ],
     }
 
 
@@ -195,26 +220,30 @@ def shapes(press: Linkage, frames: KeyFrames, at: Poses, drawn: Sequence[ShownLi
     }
 
 
-def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trace]:
-    """The points whose paths are drawn: the slide's origin, if there is a slide, and the chosen ones.
+def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[tuple[str, str, int, Array]]:
+    """The points whose paths are drawn: the slide's origin, if there is a slide, and the chosen points.
 
     Args:
         press: the linkage.
         chosen: points, each the name of a link and x, y, z in its frame [m].
 
+    Returns:
+        The name of each path, its link, the joint in whose frame the point is fixed, and the point (3,) there [m].
+
     Raises:
         PinpressError: a link is unknown, or a point is not three finite numbers.
     """
-    found = []
+    points = []
     if press.slide is not None:
-        joint, origin = applied_loads.point_on_body(press, press.slide, (0, 0, 0), "slide", "origin")
-        found.append(Trace(press.slide, press.slide, joint, origin))
-    for link, point in _listed(chosen):
+        points.append((press.slide, press.slide, *applied_loads.point_on_body(press, press.slide, (0, 0, 0), "slide", "origin")))
+    if not isinstance(chosen, list | tuple) or not all(isinstance(trace, list | tuple) and len(trace) == 2 for trace in chosen):
+        raise PinpressError(f"traces is {shown(chosen)}: give a list of a link and a point in its frame, e.g. [('coupler', (0.6, 0, 0))]")
+    for link, point in chosen:
         what = f"trace of {shown(link)}"
-        joint, local = applied_loads.point_on_body(press, link, check_point(f"{what}: point", point), what, "point")
+        place = applied_loads.point_on_body(press, link, check_point(f"{what}: point", point), what, "point")
         words = ", ".join(f"{value:g}" for value in np.asarray(point, dtype=float))
-        found.append(Trace(f"{link} ({words})", link, joint, local))
-    return found
+        points.append((f"{link} ({words})", link, *place))
+    return points
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +270,7 @@ class KeyFrames:
 
 
 def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
-    """Choose key frames. A motion of one period is closed to a loop; a long one is thinned to `PER_TURN` a turn of the crank.
+    """Choose key frames. A motion of one period is closed to a loop; a long one is thinned to 360 frames a turn of the crank.
 
     Raises:
         PinpressError: the motion is of a linkage with other joints or lengths, has no times, states too far apart or more turns than a page
@@ -254,40 +283,37 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
     refuse_motion_of_another(press, motion)
     time = motion.time - motion.time[0]
     crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # of several drivers, the first
-    period, first = _period(press, motion), motion.driver_coordinates[0]  # there and back is the turn of a driver that slides
-    round_again = None if period is None else _closing_time(time, crank, period)
-    last = _time_back(press, motion, time) if round_again is None else round_again
-    order = np.arange(len(time))
+    period, first = _period(press, motion), motion.driver_coordinates[0]
+    steps, turned = np.abs(np.diff(crank)), abs(crank[-1] - crank[0])
+    order, last = np.arange(len(time)), None
+    if period is not None and len(time) > 2 and 1e-6 * steps.max() < period - turned <= 1.001 * steps.max():  # a period without its end
+        last, end = time[-1] * period / turned, crank[0] + np.sign(crank[-1] - crank[0]) * period
+    elif (last := _time_back(press, motion, time)) is not None:
+        end = crank[0] + (2 * np.pi * np.rint((crank[-1] - crank[0]) / (2 * np.pi)) if first.turns else 0.0)
     if last is not None:  # the first state once more, so that the loop has no jump
-        order, time = np.append(order, 0), np.append(time, last)
-        whole = 0.0 if not first.turns else 2 * np.pi * np.rint((crank[-1] - crank[0]) / (2 * np.pi))
-        crank = np.append(crank, crank[0] + (whole if round_again is None else np.sign(crank[-1] - crank[0]) * period))
-    turns = float(np.abs(np.diff(crank)).sum() / (2 * np.pi if first.turns else 2 * np.ptp(crank) or 1.0))
+        order, time, crank = np.append(order, 0), np.append(time, last), np.append(crank, end)
+        steps = np.abs(np.diff(crank))
+    turns = float(steps.sum() / (2 * np.pi if first.turns else 2 * np.ptp(crank) or 1.0))  # there and back is a turn of one that slides
     if turns * FEWEST_PER_TURN > MOST:
         raise PinpressError(
             f"{turns:.0f} turns are more than a recording holds ({MOST // FEWEST_PER_TURN}): record a shorter part of the motion"
         )
-    widest = float(np.abs(np.diff(crank)).max(initial=0.0))
-    if first.turns and widest > FARTHEST:
+    if first.turns and steps.max(initial=0.0) > FARTHEST:
         raise PinpressError(
-            f"the crank turns {np.degrees(widest):.0f} deg from one state to the next, too far to show what is between:"
+            f"the crank turns {np.degrees(steps.max()):.0f} deg from one state to the next, too far to show what is between:"
             f" give a state every {np.degrees(FARTHEST):.0f} deg at least"
         )
-    most = min(PER_TURN * max(1, np.ceil(turns - 1e-6)), MOST) + 1
+    most = min(360 * max(1, np.ceil(turns - 1e-6)), MOST) + 1
     kept = np.rint(np.linspace(0, len(order) - 1, int(min(len(order), most)))).astype(int)  # the first and the last among them
     order, crank = order[kept], crank[kept]
-    height, above_bottom = _height(press, motion)
+    height, above_bottom = None, False
+    if press.slide is not None:
+        bottom = turning_points(press)[0]
+        above_bottom = math.isfinite(bottom)
+        height = motion.slide_position[order] - (bottom if above_bottom else motion.slide_position.min())
     beyond = np.flatnonzero(np.abs(crank - crank[0]) >= (period or np.inf) * (1 - 1e-9))
     turn = int(beyond[0]) + 1 if len(beyond) else len(order)
-    return KeyFrames(order, time[kept], crank, first.scale * crank, None if height is None else height[order], above_bottom, turn)
-
-
-def _height(press: Linkage, motion: Motion) -> tuple[Array | None, bool]:
-    """(n,) heights of the slide [m], and whether they are above bottom dead centre; else they are above the lowest state."""
-    if press.slide is None:
-        return None, False
-    position, bottom = np.asarray(motion.slide_position), turning_points(press)[0]
-    return (position - bottom, True) if math.isfinite(bottom) else (position - position.min(), False)
+    return KeyFrames(order, time[kept], crank, first.scale * crank, height, above_bottom, turn)
 
 
 def _refuse_broken(motion: Motion, has_slide: bool) -> None:
@@ -321,13 +347,6 @@ def _driver(motion: Motion) -> dict[str, str]:
     return {"name": f"{part} from {zero}" if zero else part, "unit": "°" if coordinate.turns else " mm"}
 
 
-def _closing_time(time: Array, crank: Array, period: float) -> float | None:
-    """Time at which the first state comes again [s], if the motion is one period [rad] without its end point; else None."""
-    turned = abs(crank[-1] - crank[0])
-    gap, step = period - turned, np.max(np.abs(np.diff(crank)), initial=0.0)
-    return float(time[-1] * (1 + gap / turned)) if len(time) > 2 and 1e-6 * step < gap <= 1.001 * step else None
-
-
 def _time_back(press: Linkage, motion: Motion, time: Array) -> float | None:
     """Time at which the first state comes again [s], one step after the last, if all joints are back then, those that turn after whole
     turns; else None."""
@@ -339,7 +358,7 @@ def _time_back(press: Linkage, motion: Motion, time: Array) -> float | None:
     turning = np.array([axis.turns for axis in press.axes])
     short = np.where(turning, (short + np.pi) % (2 * np.pi) - np.pi, short)
     back = all(
-        np.all(np.abs(missed[kind]) <= BACK * np.max(size[kind], initial=0.0))
+        np.all(np.abs(missed[kind]) <= 0.01 * np.max(size[kind], initial=0.0))
         for missed, size in ((short, np.ptp(x, axis=0)), (slow, np.abs(v).max(axis=0)))
         for kind in (turning, ~turning)
     )
@@ -363,15 +382,6 @@ def _refuse_other_reactions(press: Linkage, motion: Motion, reactions: Reactions
         )
     if not is_same_press(its, press):
         raise PinpressError(f"the reactions are of {its.name}, another press than {press.name}: give those of the same one")
-
-
-def _series(frames: KeyFrames) -> dict[str, Any]:
-    return {
-        "time": _short(frames.time),  # s
-        "crank": _short(frames.shown),  # deg or mm
-        "height": None if frames.height is None else _short(frames.height),  # m
-        "above": "above BDC" if frames.above_bottom else "above lowest",
-    }
 
 
 def _short(values: Array) -> list[float]:
@@ -401,105 +411,24 @@ def _front(press: Linkage, at: Poses, drawn: Sequence[ShownLink]) -> list[float]
         frame = press.model.frames[body.frame]
         places = [at.points(frame.parentJoint, frame.placement.act(part.placement[:3, 3]))[0] for part in body.parts]
         heights[frame.parentJoint == 0] += [float(place @ normal) for place in places]
-    if all(heights.values()) and np.mean(heights[True]) > np.mean(heights[False]) + BEHIND * press.size and normal[2] < 0.5:
+    if all(heights.values()) and np.mean(heights[True]) > np.mean(heights[False]) + 0.01 * press.size and normal[2] < 0.5:
         normal = -normal
     return [float(value) for value in normal]
 
 
-def _bearings(press: Linkage, at: Poses, frames: KeyFrames, reactions: Reactions | None) -> dict[str, Any]:
-    """Places of bearings (k, 3), each once, and the bearings' names with their places and forces (k, 3)."""
-    points = bearing_points(press, at)
-    where, places = merged(points, TOGETHER * press.size)
-    return {
-        "places": [_packed_path(points[first], "the place of a bearing") for first in places],
-        "bearings": [
-            {
-                "name": name,
-                "place": place,
-                "force": None
-                if reactions is None
-                else packed(reactions.bearing_force[name][frames.states], f"bearing_force[{shown(name)}]"),
-            }
-            for name, place in zip(press.bearings, where, strict=True)
-        ],
-    }
-
-
-def merged(points: Array, near: float) -> tuple[list[int], list[int]]:
-    """The place of each bearing, and the first bearing of each place, from points (bearings, k, 3).
-
-    Only places that begin in the same cell of a grid as a bearing, or in a neighbouring one, can be its own.
-    """
+def _together(points: Array, near: float) -> tuple[list[int], list[int]]:
+    """The place of each bearing, and the first bearing of each place, from points (bearings, k, 3): bearings that stay as close as
+    ``near`` share a place."""
     where: list[int] = []
     places: list[int] = []
-    in_cell: dict[tuple[int, ...], list[int]] = {}
     for number, path in enumerate(points):
-        cell = tuple(math.floor(each / near) for each in path[0].tolist())
-        beside = (in_cell.get(tuple(map(operator.add, cell, step)), ()) for step in itertools.product((-1, 0, 1), repeat=3))
-        candidates = sorted(itertools.chain.from_iterable(beside))
-        found = next((i for i in candidates if np.abs(points[places[i]] - path).max() <= near), None)
-        if found is None:
-            found = len(places)
-            in_cell.setdefault(cell, []).append(found)
+        starts_near = np.flatnonzero(np.abs(points[places, 0] - path[0]).max(axis=1) <= near)
+        place = next((k for k in starts_near.tolist() if np.abs(points[places[k]] - path).max() <= near), len(places))
+        if place == len(places):
             places.append(number)
-        where.append(found)
+        where.append(place)
     return where, places
 
 
 def _packed_path(path: Array, what: str) -> str:
     return packed(path[:1] if np.ptp(path, axis=0).max() == 0.0 else path, what)  # one point where it rests
-
-
-def _shaking(reactions: Reactions | None, frames: KeyFrames) -> dict[str, Any]:
-    """The shaking force (k, 3), None without reactions, and the largest of all forces shown [N]."""
-    if reactions is None:
-        return {"shaking": None, "peak": 0.0}
-    force = reactions.shaking_force[frames.states]
-    all_forces = [force, *(values[frames.states] for values in reactions.bearing_force.values())]
-    all_forces.append(reactions.process_force[frames.states, None])
-    peak = max(float(np.linalg.norm(values, axis=1).max()) for values in all_forces)
-    return {"shaking": packed(force, "shaking_force"), "peak": peak}
-
-
-def _process(press: Linkage, at: Poses, frames: KeyFrames, reactions: Reactions) -> dict[str, str] | None:
-    """The process force on the slide (k, 3), and where it acts (k, 3); None without one."""
-    along = reactions.process_force[frames.states]
-    if not along.any():
-        return None
-    place = _packed_path(at.points(press.slide_guide.joint + 1, press.tool.in_body), "the place of the process force")
-    return {"place": place, "force": packed(along[:, None] * press.slide_direction, "process_force")}
-
-
-def _traces(press: Linkage, at: Poses, frames: KeyFrames, chosen: Sequence[tuple[str, ArrayLike]]) -> dict[str, Any]:
-    """Paths (k, 3) of the slide's origin, if there is a slide, and of the chosen points.
-
-    Raises:
-        PinpressError: a link is unknown, or a point is not three finite numbers.
-    """
-    paths = []
-    for trace in traced(press, chosen):
-        path = packed(at.points(trace.joint, trace.point), f"the path of {trace.name}")
-        paths.append({"name": trace.name, "link": trace.link, "path": path, "keys": frames.turn})
-    return {"traces": paths}
-
-
-class Trace(NamedTuple):
-    """A point whose path is drawn.
-
-    Attributes:
-        name: name of the path.
-        link: link on which the point is.
-        joint: joint in whose frame the point is fixed.
-        point: (3,) place in that frame [m].
-    """
-
-    name: str
-    link: str
-    joint: int
-    point: Array
-
-
-def _listed(chosen: object) -> list[tuple[str, ArrayLike]]:
-    if not isinstance(chosen, list | tuple) or not all(isinstance(trace, list | tuple) and len(trace) == 2 for trace in chosen):
-        raise PinpressError(f"traces is {shown(chosen)}: give a list of a link and a point in its frame, e.g. [('coupler', (0.6, 0, 0))]")
-    return list(chosen)

@@ -1,8 +1,11 @@
-"""Vibrations of a press on its springs, or of its frame on its mounts, as a recording: `record_modes`.
+"""Vibrations of a press on its springs, or on its mounts, as a recording: `record_modes`.
 
-The press swings in one of its natural vibrations while its crank goes slowly through a turn, so that one sees how the vibration changes.
-Mode follows mode in the time of the page, which repeats the one that is chosen. A flexible link is drawn as it is on the whole, with the
-line of its nodes between two bearings bent over it.
+The press swings in one of its natural vibrations. On its springs the crank goes slowly through a turn, so that one sees how the vibration
+changes. Mode follows mode in the time of the page, which repeats the mode that is chosen.
+
+On its springs a flexible link is drawn undeformed, with the line of its nodes between two bearings bent over it. On its mounts the links
+ride with the part of the frame that carries them, and the frame is drawn as lines: a rigid part from its centre of mass to everything that
+it stands on or carries, a part that bends by the lines of its model. A short line below each foot is its mount.
 """
 
 from __future__ import annotations
@@ -14,32 +17,45 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..common.arguments import expect, typed, whole_number
-from ..common.quantities import Array, ComplexArray
+from ..common.errors import PinpressError
+from ..common.quantities import RPM, Array, ComplexArray
 from ..elasticity.vibration import ElasticModes
 from ..engines.planar.model import to_world
+from ..foundation.frame_lines import frame_lines
 from ..foundation.mounted_press import VibrationModes
 from ..foundation.whirl_modes import WhirlDiagram
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
 from ..kinematics.poses import Poses, poses
-from ..linkage.linkage import Linkage
+from ..kinematics.servo_motion import servo_cycle
+from ..linkage.linkage import Linkage, is_same_press, told_apart
 from ..simulation.elastic.flexible_link import FlexibleBody
 from ..simulation.elastic.press.assembly import sprung_press
-from ..simulation.elastic.press.plane import PlaneGeometry
-from . import swinging_frame
-from .deflected import IN_SPACE, SEEN, displaced
+from .deflected import IN_SPACE, SEEN, displaced, rotation_matrices
 from .pages import meshcat, packed, page, write
 from .recording import KeyFrames, moving, shapes
 from .shapes.appearance import bodies
 
 RATE = 24  # key frames a second
 SWING = 24  # key frames of a vibration
-SWINGS = 20  # in a turn
-STANDING = 4  # where the crank stands
-PAUSE = 1.0  # between modes in the time of the page, which does not show it [s]
+STANDING = 4  # vibrations of a mode while the crank stands
 MOST = 24  # modes of a page
-TURNED = 0.25  # a turn counts as the displacement this far from the centre of mass, as a share of the linkage's size
-BESIDE = 0.02  # share of the distance of two bearings by which nodes lie beside the line that is drawn
+
+
+class Film(NamedTuple):
+    """A mode over its k key frames.
+
+    Attributes:
+        at: poses of the bodies.
+        lines: name and nodes (k, n, 3) of each line that bends [m].
+        frequency: (k,) [rad/s].
+        words: what the page says of it.
+    """
+
+    at: Poses
+    lines: list[tuple[str, Array]]
+    frequency: Array
+    words: str
 
 
 @typed
@@ -64,118 +80,135 @@ def record_modes(
     """
     most = whole_number("lowest", lowest, 1, MOST)
     if isinstance(modes, VibrationModes | WhirlDiagram):
-        film = swinging_frame.content(press, modes, most, (SWING, STANDING, RATE, PAUSE))
-        return write(path, page("recording.html", f"{press.name} on its mounts: vibrations", film, {"viewer": meshcat()}))
-    expect("modes", modes, ElasticModes, "natural_frequencies")
-    swinging_frame.refuse_modes_of_another(press, modes._press)
-    count = min(most, modes.natural_frequency.shape[1])
-    standing = len(modes.crank_angle) == 1
-    keys = SWING * (STANDING if standing else SWINGS) + 1
-    state = np.zeros(keys, dtype=int) if standing else (np.arange(keys) * len(modes.crank_angle) // (keys - 1)) % len(modes.crank_angle)
-    one = _swinging(press, modes, state)
-    whole, bends = _joined([one.mode(k) for k in range(count)])
+        other, title = modes.system.press, f"{press.name} on its mounts: vibrations"
+    else:
+        expect("modes", modes, ElasticModes, "natural_frequencies")
+        other, title = modes._press, f"{press.name}: vibrations"
+    if not is_same_press(other, press):
+        raise PinpressError(f"the modes are of {told_apart(other, press)}, and the press is {press.name}: give those of the same one")
+    motion, films = on_springs(press, modes, most) if isinstance(modes, ElasticModes) else _on_mounts(press, modes, most)
+    return write(path, page("recording.html", title, _content(press, motion, films), {"viewer": meshcat()}))
+
+
+def _content(press: Linkage, motion: Motion, films: list[Film]) -> dict[str, Any]:
+    """What the page shows: one film after another, each of the states of the motion, with a second between them that is not shown."""
+    keys = len(motion.crank_angle)
     length = (keys - 1) / RATE
-    start = np.arange(count) * (length + PAUSE)
+    start = np.arange(len(films)) * (length + 1.0)
     time = (start[:, None] + np.arange(keys) / RATE).ravel()
-    crank = np.tile(modes.crank_angle[state], count)
-    first = one.motion.driver_coordinates[0]
-    frames = KeyFrames(np.tile(np.arange(keys), count), time, crank, first.scale * crank, None, False, keys)
-    drawn = bodies(press, one.motion.joint_position)
-    content = moving(press, one.motion, frames, whole, None, ()) | shapes(press, frames, whole, drawn)
-    content |= {"traces": [], "modes": [_words(modes, k, start[k], length) for k in range(count)]}
-    content |= {"frequency": [float(f"{each:.6g}") for each in (modes.natural_frequency[state, :count].T / (2 * np.pi)).ravel()]}
-    content |= {"bends": [{"link": name, "nodes": packed(nodes, f"the line of {name}")} for name, nodes in bends.items()]}
-    return write(path, page("recording.html", f"{press.name}: vibrations", content, {"viewer": meshcat()}))
+    crank = np.tile(motion.crank_angle.reshape(keys, -1)[:, 0], len(films))
+    states = np.tile(np.arange(keys), len(films))
+    frames = KeyFrames(states, time, crank, motion.driver_coordinates[0].scale * crank, None, False, keys)
+    whole = Poses(*(np.concatenate([getattr(film.at, name) for film in films], axis=1) for name in ("rotation", "position")))
+    drawn = bodies(press, motion.joint_position)
+    return {
+        **moving(press, motion, frames, whole, None, ()),
+        **shapes(press, frames, whole, drawn),
+        "traces": [],
+        "modes": [
+            {"name": f"mode {k + 1}", "start": float(start[k]), "end": float(start[k] + length), "words": film.words}
+            for k, film in enumerate(films)
+        ],
+        "frequency": [each / (2 * np.pi) for film in films for each in film.frequency.tolist()],
+        "bends": [
+            {"link": name, "nodes": packed(np.concatenate([film.lines[k][1] for film in films]), f"the line of {name}")}
+            for k, (name, _) in enumerate(films[0].lines)
+        ],
+    }
 
 
-def _words(modes: ElasticModes, mode: int, start: float, length: float) -> dict[str, Any]:
+def on_springs(press: Linkage, modes: ElasticModes, most: int) -> tuple[Motion, list[Film]]:
+    """The motion of the crank, and films of the lowest modes, at most this number, at its states."""
+    angles = len(modes.crank_angle)
+    keys = SWING * (STANDING if angles == 1 else 20) + 1
+    state = np.arange(keys) * angles // (keys - 1) % angles
+    swing = np.sin(2 * np.pi * np.arange(keys) / SWING)
+    motion = motion_through_change_points(press, modes.crank_angle[state], 0.0)
+    rigid = poses(press, motion.joint_position)
+    geometry = None if modes.shapes.shape[-1] == IN_SPACE else sprung_press(press, modes.elastic).geometry
+    bending_links: list[tuple[FlexibleBody, slice]] = []  # with their coordinates among those of all; in space no links bend
+    if geometry is not None:
+        first, angles_of_links = geometry.rigid_size, geometry.rigid(motion)[0]
+        bending_links = [(link, slice(link.columns.start - first, link.columns.stop - first)) for link in geometry.flexible]
+    films = []
+    for number in range(min(most, modes.natural_frequency.shape[1])):
+        shape, bending = modes.shapes[:, number], modes._bending[:, number]
+        straight = 3 if geometry is None else 2
+        weighed = np.concatenate([shape[..., :straight], press.size * shape[..., straight:]], axis=2)
+        both = np.concatenate([weighed.reshape(len(shape), -1), bending], axis=1)
+        sign = np.cumprod(np.append(1.0, np.where((both[1:] * both[:-1]).sum(axis=1) < 0, -1.0, 1.0)))  # it goes on from angle to angle
+        # A link may do nothing but turn about its centre of mass: a turn counts as the displacement at a quarter of the press's size.
+        sizes = [np.abs(shape[..., :straight]), 0.25 * press.size * np.abs(shape[..., straight:])]
+        sizes += [np.abs(bending[:, own] @ link.shapes.T) for link, own in bending_links]
+        largest = max(float(size.max(initial=0.0)) for size in sizes)
+        factor = (SEEN * press.size / largest * swing * sign[state])[:, None]
+        moved = factor[:, :, None] * shape[state]
+        at = displaced(press, rigid, moved)
+        lines = []
+        for link, own in bending_links:
+            nodes = _line(link)
+            if len(nodes) < 3:
+                continue
+            assert geometry is not None
+            turn = np.exp(1j * (angles_of_links[:, 3 * link.body + 2] + moved[:, link.body, 2]))[:, None]
+            places = link.places[nodes] + (factor * bending[state][:, own]) @ link.shapes[nodes].T
+            centre = at.points(link.body + 1, press.model.inertias[link.body + 1].lever)
+            lines.append((link.name, centre[:, None, :] + to_world(geometry.plane, turn * places)))
+        films.append(Film(at, lines, modes.natural_frequency[state, number], _words(modes, number)))
+    return motion, films
+
+
+def _words(modes: ElasticModes, mode: int) -> str:
     state = modes.nearest_to_bottom
     yields, moves = modes.words(state, mode)
     hertz, ratio = modes.natural_frequency[:, mode] / (2 * np.pi), modes.damping_ratio[state, mode]
     span = f"{hertz[state]:.4g} Hz" if len(hertz) == 1 else f"{hertz.min():.4g} to {hertz.max():.4g} Hz"
-    words = f"{span}; at {np.degrees(modes.crank_angle[state]):.4g} deg damping ratio {ratio:.3g}, yields: {yields}; moves: {moves}"
-    return {"name": f"mode {mode + 1}", "start": float(start), "end": float(start + length), "words": words}
-
-
-class _ModeFilm(NamedTuple):
-    """One mode over the key frames: poses of the bodies, and the nodes (keys, k, 3) of the line of each flexible link."""
-
-    at: Poses
-    lines: dict[str, Array]
-
-
-class _Swinging(NamedTuple):
-    """A press at the key frames of a mode.
-
-    Attributes:
-        press: the linkage.
-        modes: its vibrations.
-        geometry: of the press on its springs; None in space, where no links bend.
-        state: (keys,) angles of the modes at the key frames.
-        motion: of the rigid press.
-        at: its poses.
-    """
-
-    press: Linkage
-    modes: ElasticModes
-    geometry: PlaneGeometry | None
-    state: Any
-    motion: Motion
-    at: Poses
-
-    def mode(self, number: int) -> _ModeFilm:
-        """A mode while it swings; its sign goes on from angle to angle."""
-        shape, bending = self.modes.shapes[:, number], self.modes._bending[:, number]
-        straight = 3 if shape.shape[-1] == IN_SPACE else 2
-        weighed = np.concatenate([shape[..., :straight], self.press.size * shape[..., straight:]], axis=2)
-        both = np.concatenate([weighed.reshape(len(shape), -1), bending], axis=1)
-        same = np.where((both[1:] * both[:-1]).sum(axis=1) < 0, -1.0, 1.0)
-        sign = np.cumprod(np.append(1.0, same))
-        bent = [np.abs(bending[:, _own(self.geometry, each)] @ each.shapes.T) for each in self.geometry.flexible] if self.geometry else []
-        # all that a link does that turns about its centre of mass
-        turned = TURNED * self.press.size * float(np.abs(shape[..., straight:]).max())
-        largest = max(float(np.abs(shape[..., :straight]).max()), turned, *(float(each.max(initial=0.0)) for each in bent))
-        swing = np.sin(2 * np.pi * np.arange(len(self.state)) / SWING)
-        factor = (SEEN * self.press.size / largest * swing * sign[self.state])[:, None]
-        moved = factor[:, :, None] * shape[self.state]
-        at = displaced(self.press, self.at, moved)
-        if self.geometry is None:
-            return _ModeFilm(at, {})
-        angles = self.geometry.rigid(self.motion)[0]
-        lines = {}
-        for link in self.geometry.flexible:
-            nodes = _line(link)
-            if len(nodes) < 3:
-                continue
-            turn = np.exp(1j * (angles[:, 3 * link.body + 2] + moved[:, link.body, 2]))[:, None]
-            places = link.places[nodes] + (factor * bending[self.state][:, _own(self.geometry, link)]) @ link.shapes[nodes].T
-            centre = at.points(link.body + 1, self.press.model.inertias[link.body + 1].lever)
-            lines[link.name] = centre[:, None, :] + to_world(self.geometry.plane, turn * places)
-        return _ModeFilm(at, lines)
-
-
-def _swinging(press: Linkage, modes: ElasticModes, state: Any) -> _Swinging:
-    geometry = None if modes.shapes.shape[-1] == IN_SPACE else sprung_press(press, modes.elastic).geometry
-    motion = motion_through_change_points(press, modes.crank_angle[state], 0.0)
-    return _Swinging(press, modes, geometry, state, motion, poses(press, motion.joint_position))
-
-
-def _joined(films: list[_ModeFilm]) -> tuple[Poses, dict[str, Array]]:
-    """One film after another."""
-    rotation, position = (np.concatenate([getattr(film.at, name) for film in films], axis=1) for name in ("rotation", "position"))
-    return Poses(rotation, position), {name: np.concatenate([film.lines[name] for film in films]) for name in films[0].lines}
-
-
-def _own(geometry: PlaneGeometry, link: FlexibleBody) -> slice:
-    """Coordinates of a flexible link's shapes among those of all flexible links."""
-    first = geometry.rigid_size
-    return slice(link.columns.start - first, link.columns.stop - first)
+    return f"{span}; at {np.degrees(modes.crank_angle[state]):.4g} deg damping ratio {ratio:.3g}, yields: {yields}; moves: {moves}"
 
 
 def _line(link: FlexibleBody) -> Any:
-    """Nodes on the line between the two bearings that are farthest from each other, from one to the other."""
+    """Nodes within 2 % of the line between the two bearings that are farthest from each other, from one to the other."""
     ends: ComplexArray = link.places[list(link.nodes)]
     one, two = np.unravel_index(np.abs(ends[:, None] - ends).argmax(), (len(ends), len(ends)))
     along = (link.places - ends[one]) / (ends[two] - ends[one])
-    on = np.flatnonzero((np.abs(along.imag) < BESIDE) & (along.real > -BESIDE) & (along.real < 1 + BESIDE))
+    on = np.flatnonzero((np.abs(along.imag) < 0.02) & (np.abs(along.real - 0.5) < 0.52))
     return on[np.argsort(along.real[on], kind="stable")]
+
+
+def _on_mounts(press: Linkage, modes: VibrationModes | WhirlDiagram, most: int) -> tuple[Motion, list[Film]]:
+    """The press at its zero, and films of the lowest modes, at most this number; those of a diagram at its highest speed."""
+    system, keys = modes.system, SWING * STANDING + 1
+    phase, zero = 2 * np.pi * np.arange(keys) / SWING, np.zeros((keys, len(press.drivers)))
+    several = len(press.drivers) > 1
+    motion = servo_cycle(press, zero, speed=zero) if several else motion_through_change_points(press, zero[:, 0], 0.0)
+    still, lines = poses(press, motion.joint_position), frame_lines(system)
+    size = max(press.size, float(np.ptp(np.vstack([line.places for line in lines]), axis=0).max()))
+    films = []
+    for shape, frequency, words in _modes(modes)[:most]:
+        largest = max(float(np.linalg.norm(np.abs(line.rows @ shape), axis=1).max()) for line in lines)  # displacement of a node
+        coordinates = SEEN * size / largest * np.real(shape * np.exp(1j * phase)[:, None])
+        carried = coordinates @ system.parts[system.carrier].T
+        turn, shift = rotation_matrices(carried[:, 3:]), carried[:, :3]
+        at = Poses(turn @ still.rotation, (turn @ still.position[..., None])[..., 0] + shift)
+        bent = [(line.name, line.places + np.einsum("kin,sn->ski", line.rows, coordinates)) for line in lines]
+        films.append(Film(at, bent, np.full(keys, frequency), words))
+    return motion, films
+
+
+def _modes(modes: VibrationModes | WhirlDiagram) -> list[tuple[ComplexArray, float, str]]:
+    """Shape (n,), whose real part times exp(i phase) is the displacement, frequency [rad/s] and words of each mode by rising frequency."""
+    if isinstance(modes, VibrationModes):
+        return [
+            (
+                np.asarray(-1j * modes.shapes[:, k], dtype=complex),
+                float(w),
+                f"{w / (2 * np.pi):.4g} Hz, resonance at {w / RPM:.4g} r/min, damping ratio {ratio:.3g}: {modes.motion[k]}",
+            )
+            for k, (w, ratio) in enumerate(zip(modes.natural_frequency, modes.damping_ratio, strict=True))
+        ]
+    whirling = []
+    for k in np.argsort(modes.frequency[-1]).tolist():
+        w, whirls = float(modes.frequency[-1, k]), f", whirls {modes.words(k)}" if modes.words(k) else ""
+        state = f"{w / (2 * np.pi):.4g} Hz at {modes.speed[-1] / RPM:.4g} r/min, damping ratio {modes.damping_ratio[-1, k]:.3g}"
+        whirling.append((modes.shapes[-1, k], w, f"{state}: {modes.motion(k)}{whirls}"))
+    return whirling

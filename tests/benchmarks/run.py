@@ -1,34 +1,35 @@
-"""All benchmarks by their names, and pictures of pages: `python tests/benchmarks/run.py` lists them, a name runs one.
+"""All benchmarks by their names: `python tests/benchmarks/run.py` lists them, a name runs one.
 
 python tests/benchmarks/run.py                      # lists the scripts
-python tests/benchmarks/run.py servo tolerances     # runs them; --quick: in a few seconds each, without a meaning of the times
+python tests/benchmarks/run.py servo savings        # runs them; --quick: in a few seconds each, without a meaning of the times
 
 A script is a module in accuracy or speed with a docstring, whose first line is listed, and a function `main(quick)`.
 """
 
 import argparse
 import ast
-import runpy
+import os
 import sys
+from importlib import import_module
 from pathlib import Path
 
-HERE = Path(__file__).parent
-FOLDERS = ("accuracy", "speed")
+HERE = Path(__file__).resolve().parent
 
 
-def scripts() -> dict[str, Path]:
-    """Names of the scripts and their files: modules with a docstring and a function `main`."""
-    files = {path.stem: path for folder in FOLDERS for path in sorted((HERE / folder).glob("*.py"))}
-    return {name: path for name, path in files.items() if _has_main(path)}
+def scripts() -> dict[str, str]:
+    """Names of the scripts and the first sentences of their docstrings: modules with a function `main`."""
+    listed = {}
+    for path in sorted([*HERE.glob("accuracy/*.py"), *HERE.glob("speed/*.py")]):
+        code = ast.parse(path.read_text(encoding="utf-8"))
+        if any(isinstance(node, ast.FunctionDef) and node.name == "main" for node in code.body):
+            listed[f"{path.parent.name}.{path.stem}"] = (ast.get_docstring(code) or "").split("\n\n")[0].replace("\n", " ")
+    return {name.partition(".")[2]: words for name, words in listed.items()}
 
 
-def _has_main(path: Path) -> bool:
-    return any(isinstance(node, ast.FunctionDef) and node.name == "main" for node in ast.parse(path.read_text(encoding="utf-8")).body)
-
-
-def first_line(path: Path) -> str:
-    """The first sentence of a script's docstring."""
-    return (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").split("\n\n")[0].replace("\n", " ")
+def run(name: str, quick: bool) -> None:
+    """Run a script; with `quick` in a few seconds, without a meaning of the times."""
+    folder = next(path.parent.name for path in HERE.glob(f"*/{name}.py"))
+    import_module(f"benchmarks.{folder}.{name}").main(quick)
 
 
 def main() -> None:
@@ -40,11 +41,12 @@ def main() -> None:
     known = scripts()
     if unknown := set(options.names) - set(known):
         parser.error(f"there is no benchmark {', '.join(sorted(unknown))}: the names are {', '.join(known)}")
+    os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"  # before NumPy is imported
+    sys.path[:0] = [str(HERE.parents[1]), str(HERE.parent)]
     for name in options.names:
-        sys.argv = [str(known[name])]
-        runpy.run_path(str(known[name]))["main"](options.quick)
+        run(name, options.quick)
     if not options.names:
-        print("\n".join(f"{name:22}{first_line(path)}" for name, path in known.items()))
+        print("\n".join(f"{name:22}{words}" for name, words in known.items()))
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ def test_a_sweep_of_a_file(study, capsys):
     assert (
         main(["sweep", f"{study}:area", "--axis", "a=0:3:4", "--axis", "b=1,2.5", "--axis", "kind=full,half", "--to", "runs.sqlite"]) == 0
     )
-    assert "area at 16 points, 6 of which failed; axes" in capsys.readouterr().out
+    assert "Sweep of area: 16 points, 6 of which failed" in capsys.readouterr().out
     frame = pp.sweeps.read("runs.sqlite").to_frame()
     assert frame["a"].tolist() == [0.0] * 4 + [1.0] * 4 + [2.0] * 4 + [3.0] * 4
     good = frame[frame["error"] == ""]

@@ -11,13 +11,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support import texts
 from support.exploring import examples
 from support.generators import frames
 from support.generators.random_linkages import four_bar
+from support.texts import load as load_text
 from support.texts import shipped
 
 import pinpress as pp
+from pinpress import drives, elasticity, foundation, loads, ratings, servo, tolerances
+from pinpress.balancing import classical
 from pinpress.cli.main import main
 from pinpress.common import plausibility
 
@@ -238,239 +240,224 @@ def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, hard, sli
 # Process loads
 
 
-IN_MM = {
-    "blanking": pp.loads.Blanking(1e5, 10.0, 5.0),
-    "blanking, thin": pp.loads.Blanking(1e5, 0.9, 0.4),
-    "table": pp.loads.ForceStroke([0.0, 10.0, 20.0], [0.0, 1e5, 2e5]),
-    "piling, datum": pp.loads.ConstantForce(1e5, 0.008, datum=-500.0),
-    "datum": pp.loads.DeepDrawing(1e5, 0.02, datum=-500.0),
-}
-
-
-@pytest.mark.parametrize("name", IN_MM)
-def test_heights_in_mm_are_warned_of(press, name):
-    said = f"{type(IN_MM[name]).__name__} acts from .* m above its datum, .*: give heights and datum in m"
-    for ask in (
-        lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=36), [IN_MM[name]]),
-        lambda: pp.simulate(press, 0.05, speed=7.0, flywheel=pp.drives.Flywheel(1e4), loads=[IN_MM[name]]),
-    ):
-        with pytest.warns(pp.PinpressWarning, match=said) as caught:
-            ask()
-        assert {warning.filename for warning in caught} == {__file__}
-
-
-HARDLY_MEANT = {
-    "a height in mm that acts everywhere": (
-        pp.loads.ConstantForce(3e6, 8.0),
-        "ConstantForce acts up to 8 m above its datum, and the slide's",
+# A load in inverse dynamics and in a run: press, load, words of the warning.
+ODD_LOADS = [
+    ("crank_slide", loads.Blanking(1e5, 10.0, 5.0), "Blanking acts from 5 to 10 m above its datum, nowhere on the slide's stroke"),
+    ("crank_slide", loads.Blanking(1e5, 0.9, 0.4), "Blanking acts from 0.4 to 0.9 m above its datum, nowhere"),
+    ("crank_slide", loads.ForceStroke([0.0, 10.0, 20.0], [0.0, 1e5, 2e5]), "ForceStroke acts from 0 to 20 m above its datum, far off"),
+    ("crank_slide", loads.ConstantForce(1e5, 0.008, datum=-500.0), "ConstantForce acts from -inf to 0.008 m above its datum, nowhere"),
+    ("crank_slide", loads.DeepDrawing(1e5, 0.02, datum=-500.0), "DeepDrawing acts from 0 to 0.02 m above its datum, nowhere"),
+    ("crank_slide", loads.PointForce("rod", (0.0, 0.0, 1e3), (200.0, 0.0, 0.0)), "load on 'rod': point is 200 m from its link's origin"),
+    ("crank_slide", loads.SpringDamper("frame", "slide", 1e4, point1=(0, 0, 600.0)), "spring between 'frame' and 'slide': point1 is 600 m"),
+    ("zxn2_3000b", loads.ConstantForce(3e6, 8.0), "ConstantForce acts up to 8 m above its datum, and the slide's"),
+    ("zxn2_3000b", loads.DeepDrawing(3000.0, 0.05), "its largest force is 3000 N, 4.3 % of the weight of the slide: if kN are meant"),
+    ("zxn2_3000b", loads.ForceStroke([0.0, 0.01], [0.0, 2000.0]), "ForceStroke: its largest force is 2000 N, 2.9 % of the weight"),
+    (
+        "zxn2_3000b",
+        loads.ImpactDamper([-3.0, 2.5], [1e6, 1e6]),
+        "ImpactDamper acts up to 2.5 m above its datum, and the slide's stroke ends",
     ),
-    "kN": (
-        pp.loads.DeepDrawing(3000.0, 0.05),
-        "DeepDrawing: its largest force is 3000 N, 4.3 % of the weight of the slide: if kN are meant",
-    ),
-    "kN, a table": (pp.loads.ForceStroke([0.0, 0.01], [0.0, 2000.0]), "ForceStroke: its largest force is 2000 N, 2.9 % of the weight"),
-    "a damper in mm": (
-        pp.loads.ImpactDamper([-3.0, 2.5], [1e6, 1e6]),
-        "ImpactDamper acts up to 2.5 m above its datum, and the slide's stroke ends at 0.301261 m",
-    ),
-    "a cushion that is never met": (
-        pp.loads.PneumaticCushion(0.25, 6e5, 0.06, -0.08),
-        "PneumaticCushion acts from -inf to -0.08 m above its datum, nowhere on the slide's stroke",
-    ),
-    "begins above the stroke": (
-        pp.loads.DeepDrawing(3e6, 0.5),
-        "DeepDrawing begins at 0.5 m above its datum, and the slide's stroke ends at 0.30",
-    ),
-}
+    ("zxn2_3000b", loads.PneumaticCushion(0.25, 6e5, 0.06, -0.08), "PneumaticCushion acts from -inf to -0.08 m above its datum, nowhere"),
+    ("zxn2_3000b", loads.DeepDrawing(3e6, 0.5), "DeepDrawing begins at 0.5 m above its datum, and the slide's stroke ends at 0.30"),
+]
 
 
-@pytest.mark.parametrize("name", HARDLY_MEANT)
-def test_loads_that_are_hardly_meant_are_warned_of(name):
-    load, said = HARDLY_MEANT[name]
-    six_bar = texts.shipped("zxn2_3000b")
-    for ask in (
-        lambda: pp.inverse_dynamics(six_bar, pp.cycle(six_bar, 7.0, points=36), [load]),
-        lambda: pp.simulate(six_bar, 1e-3, speed=7.0, flywheel=pp.drives.Flywheel(1e4), loads=[load]),
-    ):
-        with pytest.warns(pp.PinpressWarning, match=re.escape(said)) as caught:
-            ask()
-        assert len(caught) == 1
-
-
-@pytest.mark.parametrize(
-    ("load", "said"),
-    [
-        (pp.loads.PointForce("rod", (0.0, 0.0, 1e3), (200.0, 0.0, 0.0)), "load on 'rod': point is 200 m from its link's origin"),
-        (pp.loads.SpringDamper("frame", "slide", 1e4, point1=(0.0, 0.0, 600.0)), "spring between 'frame' and 'slide': point1 is 600 m"),
-    ],
-)
-def test_points_in_mm_are_warned_of(press, load, said):
-    for ask in (
+@pytest.mark.parametrize(("name", "load", "message"), ODD_LOADS, ids=[message for *_, message in ODD_LOADS])
+def test_loads_in_other_units_are_warned_of_once(name, load, message):
+    press = shipped(name)
+    for call in (
         lambda: pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=36), [load]),
-        lambda: pp.simulate(press, 1e-3, speed=7.0, flywheel=pp.drives.Flywheel(1e4), loads=[load]),
+        lambda: pp.simulate(press, 1e-3, speed=7.0, flywheel=drives.Flywheel(1e4), loads=[load]),
     ):
-        with pytest.warns(pp.PinpressWarning, match=said) as caught:
-            ask()
-        assert {warning.filename for warning in caught} == {__file__}
+        with pytest.warns(pp.PinpressWarning, match=re.escape(message)) as caught:
+            call()
+        assert [warning.filename for warning in caught] == [__file__]
 
 
-ODD_PARTS = {
-    "piston": (lambda: pp.loads.orifice_coefficient(160.0, 12.0), "orifice_coefficient: piston is 160 m: if mm are meant, write 160e-3"),
-    "rate": (
-        lambda: pp.loads.RateSensitiveBlanking(6e5, 0.004, 0.002, 0.05, reference_speed=1.0),
-        "reference_speed is 1 m/s: if mm/s are meant, write 1e-3",
-    ),
-    "minutes": (
-        lambda: pp.drives.InductionMotor(75e3, 1485 * pp.RPM, rated_rise=80.0, thermal_time=45.0),
-        "InductionMotor: thermal_time is 45 s: if minutes are meant, write 45 * 60",
-    ),
-    "minutes of a servo": (
-        lambda: pp.drives.ServoMotor([0.0, 1.0], [0.0, 1.0], 1e4, 1e2, 1e3, thermal_time=30.0),
-        "ServoMotor: thermal_time is 30 s: if minutes are meant, write 30 * 60",
-    ),
-    "crank": (
-        lambda: pp.balancing.classical.with_opposed_balancer(texts.shipped("jf75g_125_plain"), 29.7),
-        "with_opposed_balancer: crank_radius is 29.7 m, beside a linkage of 0.315 m: give it in m, 29.7e-3 if mm are meant",
-    ),
-    "shafts": (
-        lambda: pp.balancing.classical.with_balance_shafts(texts.shipped("jf75g_125_plain"), radius=0.15, shaft_distance=800.0),
-        "with_balance_shafts: shaft_distance is 800 m",
-    ),
-    "halves": (
-        lambda: pp.balancing.classical.mirrored(texts.shipped("jf75g_125_plain"), 500.0),
-        "mirrored: shaft_distance is 500 m",
-    ),
-    "friction": (
-        lambda: rubbing_guide(800.0 / 10),
-        "friction of 'slide_guide': its preload is 80 N: if kN are meant, write 80e3",
-    ),
-    "guide": (
-        lambda: guide_of((450.0, 300.0), (0.0, 0.0, 0.0)),
-        "GuideSurface 'left front x': point is 450 m from its link's origin, far off a linkage of 0.315 m",
-    ),
-    "power": (
-        lambda: pp.drives.InductionMotor(75, 1485 * pp.RPM, inertia=1.2),
-        "InductionMotor: its rated torque takes 387 s to turn its own rotor up to speed: give rated_power in W, and inertia in kg m2",
-    ),
-    "rotor": (
-        lambda: pp.drives.InverterMotor(482.0, 1485 * pp.RPM, 40.0, inertia=1.2e4),
-        "InverterMotor: its rated torque takes 3.87e+03 s to turn its own rotor up to speed: give rated_torque in N m, and inertia",
-    ),
-    "mains": (
-        lambda: pp.drives.InductionMotor(75e3, 1485 * pp.RPM, frequency=314.0),
-        "rated_speed is 1485 r/min, less than half of the synchronous speed, 9420 r/min at 314 Hz with 4 poles",
-    ),
-    "breakdown": (
-        lambda: pp.drives.InductionMotor(75e3, 1485 * pp.RPM, breakdown_ratio=250),
-        "InductionMotor: breakdown_ratio is 250: if per cent are meant, write 250e-2",
-    ),
-    "overload": (
-        lambda: pp.drives.InverterMotor(482.0, 1485 * pp.RPM, 40.0, overload=150),
-        "InverterMotor: overload is 150: if per cent are meant, write 150e-2",
-    ),
-    "losses": (
-        lambda: pp.drives.InductionMotor(75e3, 1485 * pp.RPM, constant_loss=1.5),
-        "InductionMotor: constant_loss is 1.5 W: if kW are meant, write 1.5e3",
-    ),
-    "temperature": (
-        lambda: pp.drives.InductionMotor(75e3, 1485 * pp.RPM, rated_rise=378.0),
-        "InductionMotor: rated_rise is 378 K: give by how much it becomes warmer",
-    ),
-    "engagement": (lambda: pp.drives.Brake(2e4, rise=150.0), "Brake: rise is 150 s: if ms are meant, write 150e-3"),
-    "stripping": (
-        lambda: pp.loads.Blanking(4e6, 0.008, 0.003, stripping=200.0),
-        "Blanking: stripping is 200 N, beside a force of 4e+06 N: if kN are meant, write 200e3",
-    ),
-    "die": (
-        lambda: pp.inverse_dynamics(texts.shipped("crank_slide"), turn(360), [pp.loads.ElasticDie(0.002, 1e3)]),
-        "ElasticDie: 0.002 m deep its force is 2 N, 0.2 % of the weight of the slide: give stiffness in N/m, 1e6 for 1 kN/mm",
-    ),
-    "power at the crank": (
-        lambda: driven(pp.drives.Geared(pp.drives.InductionMotor(3.0, 1400 * pp.RPM), 20.0)),
+MISTAKES = [
+    (lambda: loads.orifice_coefficient(160.0, 12.0), "orifice_coefficient: piston is 160 m: if mm are meant, write 160e-3"),
+    (lambda: loads.RateSensitiveBlanking(6e5, 0.004, 0.002, 0.05, reference_speed=1.0), "if mm/s are meant, write 1e-3"),
+    (lambda: drives.InductionMotor(75e3, 1485 * pp.RPM, rated_rise=80.0, thermal_time=45.0), "if minutes are meant, write 45 * 60"),
+    (lambda: drives.ServoMotor([0.0, 1.0], [0.0, 1.0], 1e4, 1e2, 1e3, thermal_time=30.0), "if minutes are meant, write 30 * 60"),
+    (lambda: classical.with_opposed_balancer(plain(), 29.7), "beside a linkage of 0.315 m: give it in m, 29.7e-3 if mm are meant"),
+    (lambda: classical.with_balance_shafts(plain(), radius=0.15, shaft_distance=800.0), "with_balance_shafts: shaft_distance is 800 m"),
+    (lambda: classical.mirrored(plain(), 500.0), "mirrored: shaft_distance is 500 m"),
+    (lambda: rubbing(slide_guide=loads.Friction(0.1, preload=80.0)), "its preload is 80 N: if kN are meant, write 80e3"),
+    (lambda: guide_of((450.0, 300.0), (0.0, 0.0, 0.0)), "point is 450 m from its link's origin, far off a linkage of 0.315 m"),
+    (lambda: drives.InductionMotor(75, 1485 * pp.RPM, inertia=1.2), "give rated_power in W, and inertia in kg m2"),
+    (lambda: drives.InverterMotor(482.0, 1485 * pp.RPM, 40.0, inertia=1.2e4), "give rated_torque in N m, and inertia"),
+    (lambda: drives.InductionMotor(75e3, 1485 * pp.RPM, frequency=314.0), "9420 r/min at 314 Hz with 4 poles"),
+    (lambda: drives.InductionMotor(75e3, 1485 * pp.RPM, breakdown_ratio=250), "if per cent are meant, write 250e-2"),
+    (lambda: drives.InverterMotor(482.0, 1485 * pp.RPM, 40.0, overload=150), "overload is 150: if per cent are meant, write 150e-2"),
+    (lambda: drives.InductionMotor(75e3, 1485 * pp.RPM, constant_loss=1.5), "constant_loss is 1.5 W: if kW are meant, write 1.5e3"),
+    (lambda: drives.InductionMotor(75e3, 1485 * pp.RPM, rated_rise=378.0), "rated_rise is 378 K: give by how much it becomes warmer"),
+    (lambda: drives.Brake(2e4, rise=150.0), "Brake: rise is 150 s: if ms are meant, write 150e-3"),
+    (lambda: loads.Blanking(4e6, 0.008, 0.003, stripping=200.0), "beside a force of 4e+06 N: if kN are meant, write 200e3"),
+    (lambda: loaded(loads.ElasticDie(0.002, 1e3), points=360), "0.2 % of the weight of the slide: give stiffness in N/m, 1e6 for 1 kN/mm"),
+    (
+        lambda: driven(drives.Geared(drives.InductionMotor(3.0, 1400 * pp.RPM), 20.0)),
         "the rated torque of InductionMotor is 0.4093 N m at the crank, 0.42 % of the 98.1 N m that hold the weight of the slide",
     ),
-    "no gears": (
-        lambda: driven(pp.drives.InductionMotor(3e3, 1400 * pp.RPM)),
+    (
+        lambda: driven(drives.InductionMotor(3e3, 1400 * pp.RPM)),
         "InductionMotor would turn the crank at 1500 r/min, at which the acceleration of the slide reaches 314 g: put gears between them",
     ),
-    "wheel": (
-        lambda: driven(None, flywheel=pp.drives.Flywheel(5e6)),
-        "Flywheel: inertia is 5e+06 kg m2, beside a linkage of 135 kg and 0.5 m: if kg mm2 are meant, write 5",
+    (lambda: driven(None, flywheel=drives.Flywheel(5e6)), "beside a linkage of 135 kg and 0.5 m: if kg mm2 are meant, write 5"),
+    (lambda: driven(None, brake=drives.Brake(0.4)), "0.41 % of the 98.1 N m that hold the weight of the slide"),
+    (lambda: driven(None, angle=90.0), "angle is 90 rad: if degrees are meant, write numpy.radians(angle)"),
+    (lambda: pp.servo_cycle(crank_slide(), np.arange(0.0, 181.0), speed=5.0), "if degrees are meant, write numpy.radians(angle)"),
+    (lambda: guide_of((0.45, 0.3), (50.0, 30.0, 0.0)), "offset is 50 m from its link's origin, far off a linkage of 0.315 m"),
+    (lambda: elasticity.compliance(plain(), springs(2e6), angle=[0.0]), "2.16e+04 N, deflects by 10.8 mm: give N/m"),
+    (
+        lambda: elasticity.natural_frequencies(plain(), elasticity.Elastic(springs(2e6)), angle=[0.0]),
+        "Stiffness: the largest of bearings is 2e+06 N/m",
     ),
-    "brake": (
-        lambda: driven(None, brake=pp.drives.Brake(0.4)),
-        "Brake is 0.4 N m at the crank, 0.41 % of the 98.1 N m that hold the weight of the slide",
+    (
+        lambda: elasticity.natural_frequencies(plain(), elasticity.Elastic(springs(2e9, 2e2)), angle=[0.0]),
+        "Stiffness: the largest of moments is 200 N m/rad, which the weight of the slide at the length of the linkage, 6.8e+03 N m, turns",
     ),
-    "degrees": (lambda: driven(None, angle=90.0), "angle is 90 rad: if degrees are meant, write numpy.radians(angle)"),
-    "degrees of a motion": (
-        lambda: pp.servo_cycle(texts.shipped("crank_slide"), np.arange(0.0, 181.0), speed=5.0),
-        "angle is up to 180 rad: if degrees are meant, write numpy.radians(angle)",
+    (
+        lambda: elasticity.natural_frequencies(plain(), elasticity.Elastic(springs(2e9, frame=4e9), crown_mass=12.0), angle=[0.0]),
+        "Elastic: crown_mass is 12 kg, beside 2330 kg of the links: if t are meant, write 12e3",
     ),
-    "offset": (
-        lambda: guide_of((0.45, 0.3), (50.0, 30.0, 0.0)),
-        "guide_contact: offset is 50 m from its link's origin, far off a linkage of 0.315 m",
+    (lambda: elasticity.snap_through(4e6, 3e6, 7e3), "which 4e+06 N deflect by 1.33e+03 mm: give N/m, 1e6 for 1 kN/mm"),
+    (lambda: elasticity.snap_through(4e6, 3e9, 7.0), "mass is 7 kg, which swings at 3.29e+03 Hz on 3e+09 N/m: if t are meant, write 7e3"),
+    (lambda: elasticity.permissible_breakthrough(4e5, 3e9, 7e3, break_time=2.0), "break_time is 2 s: if ms are meant, write 2e-3"),
+    (lambda: elasticity.snap_through(4e6, 3e9, 7e3, clearance=0.2), "clearance is 0.2 m: if mm are meant, write 0.2e-3"),
+    (lambda: elasticity.hertz_stiffness(80.05, 80.0), "hertz_stiffness: bearing_radius is 80.05 m: if mm are meant, write 80.05e-3"),
+    (lambda: elasticity.hertz_stiffness(0.08005, 0.08, modulus=207), "modulus is 207 Pa: if GPa are meant, write 207e9; if MPa, 207e6"),
+    (lambda: beam(area=20_000, second_moment=1e8), "give m2 and m4, 1e-6 for 1 mm2"),
+    (lambda: beam(area=1e-4, second_moment=0.02), "are those of no section of a link of 0.48 m"),
+    (lambda: beam(area=0.02, second_moment=1e-4, modulus=2.1e5), "modulus is 210000 Pa: if GPa are meant"),
+    (lambda: beam(area=0.02, second_moment=1e-4, damping_ratio=1.5), "damping_ratio is 1.5: give 0.015 if per cent are meant"),
+    (lambda: guide_of((0.45, 0.3), (0.0, 0.0, 0.0), length=600.0), "beside a linkage of 0.315 m: give it in m, 600e-3 if mm are meant"),
+    (lambda: tolerances.link_length(six_bar(), "E", "F", 5e-5, sd=5e-4), "dimension 'EF': sd is 0.0005 m, above its tolerance of 5e-05"),
+    (lambda: scattered(forces={0.006: 3e3}), "forces at 0.006 m: its largest force is 3000 N, 4.3 % of the weight"),
+    (lambda: scattered(speeds={0.006: 70}), "speed is 70 rad/s, 668.451 r/min, at which the acceleration of the slide"),
+    (lambda: tolerances.allocate(six_bar(), rods(), None, {"height": 20}), "give it in m, 20e-6 if um are meant"),
+    (lambda: tolerances.heat(six_bar(), tolerances.Temperatures({"frame": 10.0}, table=-1500.0)), "give it in m, 1500e-3 if mm are meant"),
+    (lambda: tolerances.budget(six_bar(), speeds=[70], clearance={"F": 5e-5}), "speed is 70 rad/s, 668.451 r/min"),
+    (lambda: tolerances.budget(six_bar(), speeds=[7.0], clearance={"F": 5e-5}, process=3000.0), "if kN are meant, write 3e+06"),
+    (lambda: tolerances.PermissibleSlope(0.02), "PermissibleSlope: constant is 0.02 m: if mm are meant, write 0.02e-3"),
+    (lambda: on_mounts(place=900.0), "mount 1: point is 900 m from its link's origin, far off a linkage of 0.315 m"),
+    (lambda: on_mounts(stiffness=5e4, wide=4.0), "give stiffness in N/m, 1e6 for 1 kN/mm, and mass in kg"),
+    (
+        lambda: on_mounts(inertia=(5.0, 4.0, 3.0)),
+        "frame: with a mass of 9000 kg and a moment of inertia of 5 kg m2 its radius of gyration is 0.0236 m, around a linkage of 0.315 m",
     ),
-}
+    (lambda: foundation.Mount((0, 0, 0), (1e6, 1e6, 1e6), loss_factor=8), "Mount: loss_factor is 8: if per cent are meant, write 8e-2"),
+    (lambda: foundation.RubberPad(0.2, 200, 0.05, 65), "RubberPad: width is 200 m: if mm are meant, write 200e-3"),
+    (lambda: ratings.rate(crank_slide(), 6.0, ratings.Capacities(40.0, torque=4e3)), "if kN are meant, write 40000"),
+    (lambda: ratings.rate(crank_slide(), 6.0, ratings.Capacities(250.0, torque=4e3)), "if kN are meant, write 250000"),
+    (
+        lambda: ratings.rate(crank_slide(), 6.0, ratings.Capacities(4e4, torque=4e3, motor_power=2.2)),
+        "motor_power by speed is 0.3667 N m at the crank, 0.37 % of the 98.1 N m that hold the weight of the slide",
+    ),
+    (
+        lambda: pp.sweeps.operating_points(crank_slide(), [6.0], forces=[3e6], unit_load=loads.Blanking(3e6, 0.008, 0.003)),
+        "Blanking: its largest force is 9e+12 N, 9.2e+09 times the weight of the slide: give it in N",
+    ),
+    (lambda: servo.ServoDrive(inertia=5e3, peak_torque=2e3, top_speed=260.0), "give peak_torque in N m, and inertia in kg m2"),
+    (
+        lambda: servo.CatalogueMotor("m", 5e3, [0.0, 260.0], [700.0, 400.0], [2e3, 1e3]),
+        "m: its rated torque takes 650 s to turn its own rotor up to speed",
+    ),
+    (
+        lambda: servo.best_motion(crank_slide(), servo.ServoDrive(0.1, 20.0), time=1000.0, points=60),
+        "time is 1000 s: if ms are meant, write 1000e-3; n strokes a minute take 60 / n",
+    ),
+    (lambda: servo.SlideSpeed(200.0), "SlideSpeed: speed is 200 m/s: if mm/s are meant, write 200e-3"),
+    (
+        lambda: loaded(loads.SpringDamper("frame", "slide", 5e4, free_length=400.0, point1=(0, 0, 0.5))),
+        "free_length is 400 m, beside a linkage of 0.5 m: give it in m, 400e-3 if mm are meant",
+    ),
+    (lambda: rubbing(O=loads.Friction(0.05, radius=30)), "its radius is 30 m, beside a linkage of 0.5 m: if mm are meant, write 30e-3"),
+    (lambda: rubbing(O=loads.Friction(5, radius=0.03)), "friction of 'O': its coefficient is 5: if per cent are meant, write 5e-2"),
+]
 
 
-def turn(points):
-    return pp.cycle(texts.shipped("crank_slide"), 7.0, points=points)
+def crank_slide():
+    return shipped("crank_slide")
+
+
+def plain():
+    return shipped("jf75g_125_plain")
+
+
+def six_bar():
+    return shipped("zxn2_3000b")
+
+
+def loaded(*acting, points=12, **more):
+    return pp.inverse_dynamics(crank_slide(), pp.cycle(crank_slide(), 7.0, points=points), acting, **more)
+
+
+def rubbing(**friction):
+    return loaded(friction=friction)
 
 
 def driven(drive, **more):
-    return pp.simulate(texts.shipped("crank_slide"), 1e-3, speed=7.0, drive=drive, points=2, **more)
-
-
-def rubbing_guide(preload):
-    press = texts.shipped("crank_slide")
-    friction = {"slide_guide": pp.loads.Friction(0.1, preload=preload)}
-    return pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12), friction=friction)
+    return pp.simulate(crank_slide(), 1e-3, speed=7.0, drive=drive, points=2, **more)
 
 
 def guide_of(facing_x, offset, length=0.6):
-    press = texts.shipped("jf75g_125_plain")
-    surfaces = pp.elasticity.eight_way_guide(facing_x=facing_x, facing_y=(0.4, 0.35), length=length, width=0.08, stiffness=2e9, preload=1e5)
-    reactions = pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12))
-    return pp.elasticity.guide_contact(press, reactions, surfaces, offset=offset)
+    surfaces = elasticity.eight_way_guide(facing_x=facing_x, facing_y=(0.4, 0.35), length=length, width=0.08, stiffness=2e9, preload=1e5)
+    return elasticity.guide_contact(plain(), pp.inverse_dynamics(plain(), pp.cycle(plain(), 7.0, points=12)), surfaces, offset=offset)
 
 
-@pytest.mark.parametrize("name", ODD_PARTS)
-def test_parts_in_other_units_are_warned_of(name):
-    make, said = ODD_PARTS[name]
-    with pytest.warns(pp.PinpressWarning, match=re.escape(said)) as caught:
-        make()
-    assert len(caught) == 1
-    assert caught[0].filename == __file__
+def springs(stiffness, turning=2e8, **more):
+    return elasticity.Stiffness(dict.fromkeys(plain().bearings, stiffness), moments={"slide_guide": turning}, **more)
 
 
-DEGREES = {
-    "one": [90.0],
-    "a turn": np.arange(0.0, 361.0),
-    "a turn without its end": np.arange(0.0, 360.0),
-    "in twos, without its end": np.arange(-90.0, 90.0, 2.0),
-    "tens": np.arange(10.0, 351.0, 10.0),
-    "three": [0.0, 45.0, 180.0],
-    "of a servo program": [0.0, 83.0, 157.0, 203.0, 360.0],
-}
-RADIANS = {
-    "one": [100.0],
-    "many turns": np.arange(0.0, 101.0),
-    "backwards": -np.arange(0.0, 605.0),
-    "from somewhere": np.arange(7.0, 67.0),
-    "far away": np.arange(0.0, 901.0),
-    "a table": 2 * np.arange(0.0, 40.0),
-}
+def beam(**section):
+    return elasticity.flexible_beam(six_bar(), "rod", ("E", "F"), **section)
 
 
-@pytest.mark.parametrize("name", DEGREES)
-def test_whole_degrees_are_doubted(name):
+def rods():
+    return [tolerances.link_length(six_bar(), *pins, 5e-5) for pins in (("E", "F"), ("D", "E"))]
+
+
+def scattered(**more):
+    return tolerances.bottom_dead_centre(six_bar(), rods(), samples=50, **more)
+
+
+def on_mounts(place=0.9, stiffness=3e8, wide=1.0, inertia=(5000.0, 4000.0, 3000.0)):
+    mounts = [foundation.Mount((x, y, -place), (stiffness,) * 3) for x in (-0.5 * wide, 0.5 * wide) for y in (-0.4 * wide, 0.6 * wide)]
+    return foundation.mounted(plain(), foundation.Frame(9000.0, (0.0, 0.1, 0.0), inertia), mounts)
+
+
+@pytest.mark.parametrize(("call", "message"), MISTAKES, ids=[message for _, message in MISTAKES])
+def test_numbers_in_other_units_are_warned_of(call, message):
+    """Where it is called. Other numbers of the call may be warned of too, and the call itself may fail."""
+    with pytest.warns(pp.PinpressWarning) as caught, suppress(pp.PinpressError):
+        call()
+    said = [str(warning.message) for warning in caught]
+    assert any(message in text for text in said), said
+    assert {warning.filename for warning in caught} == {__file__}
+
+
+# One angle; a turn, also without its end; steps of two, without the end; tens; few; a servo program.
+DEGREES = [
+    [90.0],
+    np.arange(0.0, 361.0),
+    np.arange(0.0, 360.0),
+    np.arange(-90.0, 90.0, 2.0),
+    np.arange(10.0, 351.0, 10.0),
+    [0.0, 45.0, 180.0],
+    [0.0, 83.0, 157.0, 203.0, 360.0],
+]
+RADIANS = [[100.0], np.arange(0.0, 101.0), -np.arange(0.0, 605.0), np.arange(7.0, 67.0), np.arange(0.0, 901.0), 2 * np.arange(0.0, 40.0)]
+
+
+@pytest.mark.parametrize("angles", DEGREES)
+def test_whole_degrees_are_doubted(angles):
     with pytest.warns(pp.PinpressWarning, match=re.escape("rad: if degrees are meant, write numpy.radians(angle)")):
-        pp.servo_cycle(texts.shipped("crank_slide"), DEGREES[name], speed=5.0, acceleration=0.0)
+        pp.servo_cycle(crank_slide(), angles, speed=5.0, acceleration=0.0)
 
 
-@pytest.mark.parametrize("name", RADIANS)
-def test_whole_radians_are_not_doubted(name):
-    pp.servo_cycle(texts.shipped("crank_slide"), RADIANS[name], speed=5.0, acceleration=0.0)
+@pytest.mark.parametrize("angles", RADIANS)
+def test_whole_radians_are_not_doubted(angles):
+    pp.servo_cycle(crank_slide(), angles, speed=5.0, acceleration=0.0)
 
 
 def test_degrees_of_several_drivers_are_doubted():
@@ -480,172 +467,11 @@ def test_degrees_of_several_drivers_are_doubted():
     plausibility.angles("angle", np.column_stack([going, going + 7.0]))
 
 
-ODD_NUMBERS = {
-    "springs": (
-        lambda: pp.elasticity.compliance(shipped("jf75g_125_plain"), springs(2e6), angle=[0.0]),
-        "Stiffness: the largest of bearings is 2e+06 N/m, which the weight of the slide, 2.16e+04 N, deflects by 10.8 mm: give N/m",
-    ),
-    "springs of a vibration": (
-        lambda: pp.elasticity.natural_frequencies(shipped("jf75g_125_plain"), pp.elasticity.Elastic(springs(2e6)), angle=[0.0]),
-        "Stiffness: the largest of bearings is 2e+06 N/m",
-    ),
-    "springs against turning": (
-        lambda: pp.elasticity.natural_frequencies(shipped("jf75g_125_plain"), pp.elasticity.Elastic(springs(2e9, 2e2)), angle=[0.0]),
-        "Stiffness: the largest of moments is 200 N m/rad, which the weight of the slide at the length of the linkage, 6.8e+03 N m, turns",
-    ),
-    "crown": (
-        lambda: pp.elasticity.natural_frequencies(
-            shipped("jf75g_125_plain"), pp.elasticity.Elastic(springs(2e9, frame=4e9), crown_mass=12.0), angle=[0.0]
-        ),
-        "Elastic: crown_mass is 12 kg, beside 2330 kg of the links: if t are meant, write 12e3",
-    ),
-    "stiffness of a break-through": (
-        lambda: pp.elasticity.snap_through(4e6, 3e6, 7e3),
-        "stiffness is 3e+06 N/m, which 4e+06 N deflect by 1.33e+03 mm: give N/m, 1e6 for 1 kN/mm",
-    ),
-    "mass of a break-through": (
-        lambda: pp.elasticity.snap_through(4e6, 3e9, 7.0),
-        "mass is 7 kg, which swings at 3.29e+03 Hz on 3e+09 N/m: if t are meant, write 7e3",
-    ),
-    "time of a break-through": (
-        lambda: pp.elasticity.permissible_breakthrough(4e5, 3e9, 7e3, break_time=2.0),
-        "break_time is 2 s: if ms are meant, write 2e-3",
-    ),
-    "clearances of a break-through": (
-        lambda: pp.elasticity.snap_through(4e6, 3e9, 7e3, clearance=0.2),
-        "clearance is 0.2 m: if mm are meant, write 0.2e-3",
-    ),
-    "radii": (
-        lambda: pp.elasticity.hertz_stiffness(80.05, 80.0),
-        "hertz_stiffness: bearing_radius is 80.05 m: if mm are meant, write 80.05e-3",
-    ),
-    "modulus": (
-        lambda: pp.elasticity.hertz_stiffness(0.08005, 0.08, modulus=207),
-        "modulus is 207 Pa: if GPa are meant, write 207e9; if MPa, 207e6",
-    ),
-    "section": (
-        lambda: beam(area=20_000, second_moment=1e8),
-        "beam 'rod': area 20000 m2 and second_moment 1e+08 m4 are those of no section of a link of 0.48 m: give m2 and m4, 1e-6 for 1 mm2",
-    ),
-    "section exchanged": (lambda: beam(area=1e-4, second_moment=0.02), "are those of no section of a link of 0.48 m"),
-    "modulus of a beam": (lambda: beam(area=0.02, second_moment=1e-4, modulus=2.1e5), "modulus is 210000 Pa: if GPa are meant"),
-    "damping of a beam": (
-        lambda: beam(area=0.02, second_moment=1e-4, damping_ratio=1.5),
-        "damping_ratio is 1.5: give 0.015 if per cent are meant",
-    ),
-    "gibs": (
-        lambda: guide_of((0.45, 0.3), (0.0, 0.0, 0.0), length=600.0),
-        "GuideSurface 'left front x': length is 600 m, beside a linkage of 0.315 m: give it in m, 600e-3 if mm are meant",
-    ),
-    "deviation": (
-        lambda: pp.tolerances.link_length(shipped("zxn2_3000b"), "E", "F", 5e-5, sd=5e-4),
-        "dimension 'EF': sd is 0.0005 m, above its tolerance of 5e-05",
-    ),
-    "force at a height": (lambda: scattered(forces={0.006: 3e3}), "forces at 0.006 m: its largest force is 3000 N, 4.3 % of the weight"),
-    "speed at a height": (
-        lambda: scattered(speeds={0.006: 70}),
-        "speed is 70 rad/s, 668.451 r/min, at which the acceleration of the slide",
-    ),
-    "target": (
-        lambda: pp.tolerances.allocate(shipped("zxn2_3000b"), rods(), None, {"height": 20}),
-        "target of height is 20 m, beside a linkage of 1.86 m: give it in m, 20e-6 if um are meant",
-    ),
-    "table": (
-        lambda: pp.tolerances.heat(shipped("zxn2_3000b"), pp.tolerances.Temperatures({"frame": 10.0}, table=-1500.0)),
-        "Temperatures: table is 1500 m, beside a linkage of 1.86488 m: give it in m, 1500e-3 if mm are meant",
-    ),
-    "speeds of a budget": (
-        lambda: pp.tolerances.budget(shipped("zxn2_3000b"), speeds=[70], clearance={"F": 5e-5}),
-        "speed is 70 rad/s, 668.451 r/min",
-    ),
-    "process of a budget": (
-        lambda: pp.tolerances.budget(shipped("zxn2_3000b"), speeds=[7.0], clearance={"F": 5e-5}, process=3000.0),
-        "process: its largest force is 3000 N, 4.3 % of the weight of the slide: if kN are meant, write 3e+06",
-    ),
-    "slope": (lambda: pp.tolerances.PermissibleSlope(0.02), "PermissibleSlope: constant is 0.02 m: if mm are meant, write 0.02e-3"),
-    "place of a mount": (lambda: on_mounts(place=900.0), "mount 1: point is 900 m from its link's origin, far off a linkage of 0.315 m"),
-    "mounts": (
-        lambda: on_mounts(stiffness=5e4, wide=4.0),
-        "mounts: the weight of 1.111e+05 N presses them in by 556 mm: give stiffness in N/m, 1e6 for 1 kN/mm, and mass in kg",
-    ),
-    "frame": (
-        lambda: on_mounts(inertia=(5.0, 4.0, 3.0)),
-        "frame: with a mass of 9000 kg and a moment of inertia of 5 kg m2 its radius of gyration is 0.0236 m, around a linkage of 0.315 m",
-    ),
-    "loss": (
-        lambda: pp.foundation.Mount((0, 0, 0), (1e6, 1e6, 1e6), loss_factor=8),
-        "Mount: loss_factor is 8: if per cent are meant, write 8e-2",
-    ),
-    "pad": (lambda: pp.foundation.RubberPad(0.2, 200, 0.05, 65), "RubberPad: width is 200 m: if mm are meant, write 200e-3"),
-    "nominal force": (
-        lambda: pp.ratings.rate(shipped("crank_slide"), 6.0, pp.ratings.Capacities(40.0, torque=4e3)),
-        "nominal_force: its largest force is 40 N, 4.1 % of the weight of the slide: if kN are meant, write 40000",
-    ),
-    "nominal force beside its weight": (
-        lambda: pp.ratings.rate(shipped("crank_slide"), 6.0, pp.ratings.Capacities(250.0, torque=4e3)),
-        "nominal_force: its largest force is 250 N, 25 % of the weight of the slide: if kN are meant, write 250000",
-    ),
-    "motor's power": (
-        lambda: pp.ratings.rate(shipped("crank_slide"), 6.0, pp.ratings.Capacities(4e4, torque=4e3, motor_power=2.2)),
-        "motor_power by speed is 0.3667 N m at the crank, 0.37 % of the 98.1 N m that hold the weight of the slide",
-    ),
-    "unit load": (
-        lambda: pp.sweeps.operating_points(shipped("crank_slide"), [6.0], forces=[3e6], unit_load=pp.loads.Blanking(3e6, 0.008, 0.003)),
-        "Blanking: its largest force is 9e+12 N, 9.2e+09 times the weight of the slide: give it in N",
-    ),
-    "servo": (
-        lambda: pp.servo.ServoDrive(inertia=5e3, peak_torque=2e3, top_speed=260.0),
-        "ServoDrive: its rated torque takes 650 s to turn its own rotor up to speed: give peak_torque in N m, and inertia in kg m2",
-    ),
-    "motor of a catalogue": (
-        lambda: pp.servo.CatalogueMotor("m", 5e3, [0.0, 260.0], [700.0, 400.0], [2e3, 1e3]),
-        "m: its rated torque takes 650 s to turn its own rotor up to speed",
-    ),
-    "time": (
-        lambda: pp.servo.best_motion(shipped("crank_slide"), pp.servo.ServoDrive(0.1, 20.0), time=1000.0, points=60),
-        "time is 1000 s: if ms are meant, write 1000e-3; n strokes a minute take 60 / n",
-    ),
-    "slide": (lambda: pp.servo.SlideSpeed(200.0), "SlideSpeed: speed is 200 m/s: if mm/s are meant, write 200e-3"),
-}
-
-
-def springs(stiffness, turning=2e8, **more):
-    bearings = dict.fromkeys(shipped("jf75g_125_plain").bearings, stiffness)
-    return pp.elasticity.Stiffness(bearings, moments={"slide_guide": turning}, **more)
-
-
-def beam(**section):
-    return pp.elasticity.flexible_beam(shipped("zxn2_3000b"), "rod", ("E", "F"), **section)
-
-
-def rods():
-    return [pp.tolerances.link_length(shipped("zxn2_3000b"), *pins, 5e-5) for pins in (("E", "F"), ("D", "E"))]
-
-
-def scattered(**more):
-    return pp.tolerances.bottom_dead_centre(shipped("zxn2_3000b"), rods(), samples=50, **more)
-
-
-def on_mounts(place=0.9, stiffness=3e8, wide=1.0, inertia=(5000.0, 4000.0, 3000.0)):
-    mounts = [pp.foundation.Mount((x, y, -place), (stiffness,) * 3) for x in (-0.5 * wide, 0.5 * wide) for y in (-0.4 * wide, 0.6 * wide)]
-    return pp.foundation.mounted(shipped("jf75g_125_plain"), pp.foundation.Frame(9000.0, (0.0, 0.1, 0.0), inertia), mounts)
-
-
-@pytest.mark.parametrize("name", ODD_NUMBERS)
-def test_numbers_in_other_units_are_warned_of(name):
-    """Each is told where it is; another of the same numbers may be told too, and what cannot be found with them."""
-    make, said = ODD_NUMBERS[name]
-    with pytest.warns(pp.PinpressWarning) as caught, suppress(pp.PinpressError):
-        make()
-    assert any(said in str(warning.message) for warning in caught), [str(warning.message) for warning in caught]
-    assert {warning.filename for warning in caught} == {__file__}
-
-
 @examples(10)
 @given(height=st.floats(1e-5, 0.1999), thin=st.floats(0.01, 0.99), datum=st.booleans())
 def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
     """Nor is a stop beneath the slide's way, or one that is always pressed upon."""
-    press = texts.shipped("crank_slide")
+    press = shipped("crank_slide")
     place = pp.dead_centres(press).bottom_position if datum else None
     given = [
         pp.loads.Blanking(1e3, height, thin * height, datum=place),
@@ -712,16 +538,9 @@ def test_a_crank_that_moves_no_slide_may_turn_fast(tmp_path):
     small = [('<origin xyz="0.100 0 0"/>', '<origin xyz="0.0004 0 0"/>'), ('<origin xyz="0 0 -0.500"/>', '<origin xyz="0 0 -0.4004"/>')]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        pp.cycle(texts.load(four_bar(1.0, 0.3, 0.9, 0.7, 0.5).urdf("O")), 999.0)
+        pp.cycle(load_text(four_bar(1.0, 0.3, 0.9, 0.7, 0.5).urdf("O")), 999.0)
         pp.cycle(load(tmp_path, *small), 999.0)
-        pp.servo_cycle(texts.shipped("crank_slide"), angle=[1.34, 1.341], speed=100.0)
-
-
-def test_a_free_length_in_mm(press):
-    motion = pp.cycle(press, speed=6.0, points=12)
-    spring = pp.loads.SpringDamper("frame", "slide", stiffness=5e4, free_length=400.0, point1=(0, 0, 0.5))
-    with pytest.warns(pp.PinpressWarning, match="free_length is 400 m, beside a linkage of 0.5 m: give it in m, 400e-3 if mm are meant"):
-        pp.inverse_dynamics(press, motion, loads=[spring])
+        pp.servo_cycle(shipped("crank_slide"), angle=[1.34, 1.341], speed=100.0)
 
 
 @examples(30)
@@ -738,20 +557,9 @@ def test_sensible_drives_are_never_warned_of(power, slip, poles, size, strokes, 
     top = 2 * TURN * 50.0 / poles
     rotor = size * 3e-9 * power**1.2 * poles**2 / 16 * 1e3 * (157.0 / top) ** 0.5
     motor = pp.drives.InductionMotor(power, (1 - slip) * top, poles=poles, inertia=rotor, constant_loss=0.01 * power, rated_rise=80.0)
-    press = texts.shipped("crank_slide")
+    press = shipped("crank_slide")
     ratio = top / (strokes * pp.RPM)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         wheel, brake = pp.drives.Flywheel(size * 50.0), pp.drives.Brake(size * 100.0, pp.drives.SwitchPoint(time=1e-3), rise=0.1)
         pp.simulate(press, 1e-3, speed=5.0, angle=angle, drive=pp.drives.Geared(motor, ratio), flywheel=wheel, brake=brake, points=2)
-
-
-def test_friction_in_mm_or_per_cent():
-    press = texts.shipped("crank_slide")
-    motion = pp.cycle(press, 60 * pp.RPM, points=4)
-    for rub, said in (
-        (pp.loads.Friction(0.05, radius=30), r"radius is 30 m, beside a linkage of [\d.]+ m: if mm are meant, write 30e-3"),
-        (pp.loads.Friction(5, radius=0.03), "coefficient is 5: if per cent are meant, write 5e-2"),
-    ):
-        with pytest.warns(pp.PinpressWarning, match=f"friction of 'O': its {said}"):
-            pp.inverse_dynamics(press, motion, friction={"O": rub})

@@ -3,7 +3,6 @@
 import dataclasses
 import itertools
 import math
-import pickle
 import subprocess
 import sys
 from typing import Any
@@ -158,14 +157,6 @@ def test_kinks_at_corners(steady):
         assert abs(slopes[1] - slopes[0]) > 1e-3 * max(map(abs, slopes)) or abs(left - right) > 1e-3 * max(abs(left), abs(right))
 
 
-def test_drives_compare_copy_and_pickle(drive):
-    for copy in (dataclasses.replace(drive), pickle.loads(pickle.dumps(drive))):
-        assert copy == drive
-        assert copy.torque(3.0, 0.2, 0.4, copy.state) == drive.torque(3.0, 0.2, 0.4, drive.state)
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        drive.inertia = 1.0
-
-
 def test_scipy_is_imported_only_by_a_servo():
     program = "import sys, pinpress.drives; assert not [m for m in sys.modules if m.split('.')[0] == 'scipy'], 'scipy'"
     subprocess.run([sys.executable, "-c", program], check=True)
@@ -181,13 +172,6 @@ def test_flywheel_and_prescribed_speed():
     with pytest.raises(ValueError, match="read-only"):
         several.inertia[0] = 1.0
     assert PrescribedSpeed(-7).speed == -7.0
-
-
-def test_a_parameter_does_not_change_with_the_array_it_came_from():
-    inertias = np.array([1.0, 2.0])
-    flywheel = Flywheel(inertias)
-    inertias[0] = 5.0
-    assert flywheel.inertia[0] == 1.0
 
 
 def test_constant_torque():
@@ -562,73 +546,58 @@ def test_numbers_that_make_no_sense(kind, field, sign):
             kind(**GOOD[kind] | {field: bad})
 
 
+REFUSALS = [
+    (Flywheel, {"speed": math.nan}, r"Flywheel: speed is nan; give a finite number \[rad/s\]$"),
+    (InductionMotor, {"rated_speed": 1500 * RPM}, r"the synchronous speed at 50 Hz with 4 poles 1500 r/min; give"),
+    (InductionMotor, {"rated_speed": 1485.0}, r".* 1500 r/min; give a rated_speed below it \[rad/s\]; if 1485 r/min .* 1485 \* pp\.RPM$"),
+    (InductionMotor, {"poles": 6}, r"rated_speed is 1485 r/min, .* 1000 r/min"),
+    *((InductionMotor, {"poles": bad}, "InductionMotor: poles.* give the number of poles: 2, 4") for bad in (0, -2, 3, 4.0, True, None)),
+    (InductionMotor, {"breakdown_ratio": 1.0}, r"breakdown_ratio is 1\.0; give breakdown by rated torque, above 1"),
+    (InductionMotor, {"rated_power": [1e3, 2e3], "inertia": [1, 2, 3]}, r"2, 3; give one value of each"),
+    (InverterMotor, {"rated_speed": 1501 * RPM}, r"InverterMotor: rated_speed is 1501 r/min, .* at 50 Hz .* below it \[rad/s\]$"),
+    (InverterMotor, {"poles": 5}, "InverterMotor: poles is 5; give"),
+    (InverterMotor, {"breakdown_ratio": 0.9}, r"InverterMotor: breakdown_ratio is 0\.9; give"),
+    *(
+        (InverterMotor, {"curve": bad}, "InverterMotor: curve.* give two or more pairs")
+        for bad in (
+            [],
+            [(50, 482)],
+            [50, 482],
+            [(1, 2, 3), (4, 5, 6)],
+            [(0, 482), (50, 482)],
+            [(1, -1), (50, 482)],
+            "fig. 1",
+            [(1, math.nan), (50, 1)],
+        )
+    ),
+    (InverterMotor, {"curve": [(50, 482), (5, 482)]}, r"frequencies of its curve are \[50\.0, 5\.0\]; give them rising"),
+    (InverterMotor, {"curve": [(45, 482), (60, 300)]}, r"frequency is 40\.0, off its curve, which spans 45 to 60 Hz; give"),
+    (SlipClutchMotor, {"regulation": 1.0}, r"regulation is 1\.0; give a share of the set speed below 1"),
+    (SlipClutchMotor, {"top_speed": 1470 * RPM}, r"top_speed is 1470 r/min, primary_speed 1470 r/min; give"),
+    (SlipClutchMotor, {"set_speed": 1330 * RPM}, r"set_speed is 1330 r/min, top_speed 1320 r/min; give a set_speed of at most"),
+    *(
+        (ServoMotor, {"times": bad}, r"ServoMotor: times.* give two or more finite numbers \[s\]")
+        for bad in (*NUMBERS, [1.0], [0.0, math.nan])
+    ),
+    *((ServoMotor, {"angles": bad}, r"ServoMotor: angles.* give two or more .* \[rad\]") for bad in (*NUMBERS, [1.0], [0.0, math.nan])),
+    (ServoMotor, {"angles": (0.0, 1.0, 2.0)}, "2 times and 3 angles; give an angle at each time"),
+    (ServoMotor, {"times": (0.0, 0.0)}, "times go from 0 to 0 s; give them rising"),
+    (ServoMotor, {"rated_torque": 0.0}, r"ServoMotor: rated_torque is 0\.0; give"),
+    *(
+        (Geared, {"drive": bad}, "Geared: drive.* give one with a torque")
+        for bad in (Flywheel(1.0), PrescribedSpeed(1.0), 5.0, InductionMotor)
+    ),
+    (Geared, {"efficiency": 1.01}, r"efficiency is 1\.01; give a share of at most 1"),
+    (
+        Geared,
+        {"drive": InductionMotor(1e3, 140.0, inertia=[1, 2]), "gear_inertia": [1, 2, 3]},
+        r"gear_inertia has shape \(3,\), .* \(2,\); give",
+    ),
+]
+
+
 @pytest.mark.filterwarnings("ignore:.*rad/s, .* r/min:pinpress.PinpressWarning")
-@pytest.mark.parametrize(
-    ("kind", "changed", "message"),
-    [
-        (Flywheel, {"speed": math.nan}, r"Flywheel: speed is nan; give a finite number \[rad/s\]$"),
-        (
-            InductionMotor,
-            {"rated_speed": 1500 * RPM},
-            r"rated_speed is 1500 r/min, the synchronous speed at 50 Hz with 4 poles 1500 r/min; give",
-        ),
-        (
-            InductionMotor,
-            {"rated_speed": 1485.0},
-            r"rated_speed is 14180\.7 r/min, .* 1500 r/min; give a rated_speed below it \[rad/s\]; if 1485 r/min .* 1485 \* pp\.RPM$",
-        ),
-        (InductionMotor, {"poles": 6}, r"rated_speed is 1485 r/min, .* 1000 r/min"),
-        *(
-            (InductionMotor, {"poles": bad}, "InductionMotor: poles.* give the number of poles: 2, 4")
-            for bad in (0, -2, 3, 4.0, True, None)
-        ),
-        (InductionMotor, {"breakdown_ratio": 1.0}, r"breakdown_ratio is 1\.0; give breakdown by rated torque, above 1"),
-        (
-            InductionMotor,
-            {"rated_power": [1e3, 2e3], "inertia": [1, 2, 3]},
-            r"rated_power and inertia are for different numbers of scenarios, 2, 3; give one value of each",
-        ),
-        (InverterMotor, {"rated_speed": 1501 * RPM}, r"InverterMotor: rated_speed is 1501 r/min, .* at 50 Hz .* below it \[rad/s\]$"),
-        (InverterMotor, {"poles": 5}, "InverterMotor: poles is 5; give"),
-        (InverterMotor, {"breakdown_ratio": 0.9}, r"InverterMotor: breakdown_ratio is 0\.9; give"),
-        *(
-            (InverterMotor, {"curve": bad}, "InverterMotor: curve.* give two or more pairs")
-            for bad in (
-                [],
-                [(50, 482)],
-                [50, 482],
-                [(1, 2, 3), (4, 5, 6)],
-                [(0, 482), (50, 482)],
-                [(1, -1), (50, 482)],
-                "fig. 1",
-                [(1, math.nan), (50, 1)],
-            )
-        ),
-        (InverterMotor, {"curve": [(50, 482), (5, 482)]}, r"frequencies of its curve are \[50\.0, 5\.0\]; give them rising"),
-        (InverterMotor, {"curve": [(45, 482), (60, 300)]}, r"frequency is 40\.0, off its curve, which spans 45 to 60 Hz; give"),
-        (SlipClutchMotor, {"regulation": 1.0}, r"regulation is 1\.0; give a share of the set speed below 1"),
-        (SlipClutchMotor, {"top_speed": 1470 * RPM}, r"top_speed is 1470 r/min, primary_speed 1470 r/min; give"),
-        (SlipClutchMotor, {"set_speed": 1330 * RPM}, r"set_speed is 1330 r/min, top_speed 1320 r/min; give a set_speed of at most"),
-        *(
-            (ServoMotor, {"times": bad}, r"ServoMotor: times.* give two or more finite numbers \[s\]")
-            for bad in (*NUMBERS, [1.0], [0.0, math.nan])
-        ),
-        *((ServoMotor, {"angles": bad}, r"ServoMotor: angles.* give two or more .* \[rad\]") for bad in (*NUMBERS, [1.0], [0.0, math.nan])),
-        (ServoMotor, {"angles": (0.0, 1.0, 2.0)}, "2 times and 3 angles; give an angle at each time"),
-        (ServoMotor, {"times": (0.0, 0.0)}, "times go from 0 to 0 s; give them rising"),
-        (ServoMotor, {"rated_torque": 0.0}, r"ServoMotor: rated_torque is 0\.0; give"),
-        *(
-            (Geared, {"drive": bad}, "Geared: drive.* give one with a torque")
-            for bad in (Flywheel(1.0), PrescribedSpeed(1.0), 5.0, InductionMotor)
-        ),
-        (Geared, {"efficiency": 1.01}, r"efficiency is 1\.01; give a share of at most 1"),
-        (
-            Geared,
-            {"drive": InductionMotor(1e3, 140.0, inertia=[1, 2]), "gear_inertia": [1, 2, 3]},
-            r"gear_inertia has shape \(3,\), .* \(2,\); give",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("kind", "changed", "message"), REFUSALS)
 def test_drives_that_make_no_sense_are_refused(kind, changed, message):
     with pytest.raises(pp.PinpressError, match=message):
         kind(**GOOD[kind] | changed)

@@ -64,17 +64,3 @@ def test_flywheel_under_an_even_torque():
     assert energy.inertia(energy.speed_drop(inertia)) == pytest.approx(inertia)
     for angle, at in ((energy.lowest_at, run.crank_speed.argmin()), (energy.highest_at, run.crank_speed.argmax())):
         assert np.cos(angle - run.crank_angle[at]) > np.cos(np.radians(2.0))
-
-
-def test_motions_without_a_driving_energy_are_refused():
-    press = texts.shipped("crank_slide")
-    time = np.linspace(0.0, 1.0, 101)
-    servo = pp.servo_cycle(press, 2 * np.pi * time - np.sin(2 * np.pi * time), time=time, period=1.0)
-    idle = pp.inverse_dynamics(press, servo)
-    with pytest.raises(pp.PinpressError, match="not one period of a crank at constant speed"):
-        pp.measures.driving_energy(idle)
-    energy = pp.measures.driving_energy(pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=36)))
-    with pytest.raises(pp.PinpressError, match="inertia"):
-        energy.speed_drop(0.0)
-    with pytest.raises(pp.PinpressError, match="speed_drop"):
-        energy.inertia(-0.1)

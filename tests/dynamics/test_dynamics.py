@@ -6,7 +6,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from support import texts
-from support.generators.random_linkages import four_bar
 
 import pinpress as pp
 
@@ -281,22 +280,6 @@ def test_a_motion_serves_another_press_of_the_same_lengths(zxn2, motion, engine)
     same(own, lent, 1e-12)
     assert np.abs(lent.power_residual).max() < 1e-13
     assert np.abs(own.driving_torque - pp.inverse_dynamics(zxn2, motion, engine=engine).driving_torque).max() > 100.0
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_a_motion_of_another_linkage_is_refused(zxn2, motion, tmp_path, engine):
-    """By its joints, and by lengths that do not fit."""
-    with pytest.raises(pp.PinpressError, match="other joints"):
-        pp.inverse_dynamics(texts.shipped("crank_slide"), motion, engine=engine)
-    file = tmp_path / "four_bar.urdf"
-    presses = []
-    for crank in (0.3, 0.301):
-        file.write_text(four_bar(1.0, crank, 0.9, 0.8, 1.0).urdf("O"), encoding="utf-8")
-        presses.append(pp.load(file))
-    turn = pp.cycle(presses[0], speed=3.0, points=12)
-    with pytest.raises(pp.AssemblyError, match="another one"):
-        pp.inverse_dynamics(presses[1], turn, engine=engine)
-    assert np.abs(pp.inverse_dynamics(presses[0], turn, engine=engine).power_residual).max() < 1e-13
 
 
 @pytest.mark.parametrize(

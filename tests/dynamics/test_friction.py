@@ -164,10 +164,14 @@ def by_hand(name):
     press = shipped(name)
     friction = random_friction(press, seed=len(name))
     moved = getattr(friction_script, name)(ANGLE, SERVO["speed"], SERVO["acceleration"])
-    coulomb = {bearing: each.coefficient * (each.radius or 1.0) for bearing, each in friction.items()}
-    viscous = {bearing: each.viscous for bearing, each in friction.items()}
     none = dict.fromkeys(friction, 0.0)
-    return press, friction, friction_script.solve(moved, LIFT, coulomb, viscous), friction_script.solve(moved, LIFT, none, none)
+    return press, friction, friction_script.solve(moved, LIFT, *arms(friction)), friction_script.solve(moved, LIFT, none, none)
+
+
+def arms(friction):
+    """Of every bearing mu r or, of a guide, mu; and its viscous friction."""
+    coulomb = {bearing: each.coefficient * (each.radius or 1.0) for bearing, each in friction.items()}
+    return coulomb, {bearing: each.viscous for bearing, each in friction.items()}
 
 
 @pytest.mark.one_in(3)
@@ -198,9 +202,7 @@ def test_preloaded_gibs_by_hand(name, preload, engine):
     press, friction, without, _ = by_hand(name)
     moved = getattr(friction_script, name)(ANGLE, SERVO["speed"], SERVO["acceleration"])
     friction = friction | {"slide_guide": replace(friction["slide_guide"], preload=preload)}
-    coulomb = {bearing: each.coefficient * (each.radius or 1.0) for bearing, each in friction.items()}
-    viscous = {bearing: each.viscous for bearing, each in friction.items()}
-    expected = friction_script.solve(moved, LIFT, coulomb, viscous, preload)
+    expected = friction_script.solve(moved, LIFT, *arms(friction), preload)
     loads = [pp.loads.PointForce("slide", np.outer(LIFT, UP))]
     result = pp.inverse_dynamics(press, pp.servo_cycle(press, **SERVO, engine=engine), loads, friction=friction, engine=engine)
     peak = np.abs(expected["torque"]).max()
@@ -368,18 +370,6 @@ def test_dead_centres_as_they_are_found(name, engine):
     assert np.abs(result.bearing_force["slide_guide"][:, 2]).max() <= 1e-12 * peak
 
 
-def test_at_standstill_nothing_rubs(engine):
-    """Speed zero throughout: the same forces as without friction."""
-    press = shipped("zxn2_3000b")
-    motion = pp.servo_cycle(press, angle=np.linspace(0, 6, 7), speed=0.0, acceleration=5.0, engine=engine)
-    bare, result = (pp.inverse_dynamics(press, motion, friction=each, engine=engine) for each in ({}, random_friction(press)))
-    peak = max(np.abs(force).max() for force in bare.bearing_force.values())
-    for bearing in press.bearings:
-        np.testing.assert_allclose(result.bearing_force[bearing], bare.bearing_force[bearing], rtol=0, atol=1e-14 * peak)
-        assert not result.friction_power[bearing].any()
-    np.testing.assert_allclose(result.driving_torque, bare.driving_torque, rtol=0, atol=1e-14 * peak)
-
-
 def carried_table():
     """A coupler on three parallel cranks, which only translates, pinned to a table on a cross slide: that pin never turns."""
     drawing, at = three_cranks(), 0.6 + 0.3j + 0.3 * np.exp(0.5j)
@@ -484,10 +474,9 @@ def test_many_states(name):
 
 
 def text_of(name):
-    through_space = {"bennett": bennett, "spatial": lambda: SPATIAL, "turntable": lambda: four_bar("revolute", table="table")}
-    redundant = {"rods": lambda: rods(3), "held_rods": lambda: rods(2, "revolute"), "three_cranks": lambda: three_cranks(0.2).urdf("O")}
-    geared = {"rack": lambda: wheels(("s1", "guide", 5.0, 0.01), ("rack", "s1", 0.1, 0.002))}
-    return (through_space | redundant | geared)[name]()
+    texts = {"bennett": bennett, "spatial": lambda: SPATIAL, "turntable": lambda: four_bar("revolute", table="table")}
+    texts |= {"rods": lambda: rods(3), "held_rods": lambda: rods(2, "revolute"), "three_cranks": lambda: three_cranks(0.2).urdf("O")}
+    return (texts | {"rack": lambda: wheels(("s1", "guide", 5.0, 0.01), ("rack", "s1", 0.1, 0.002))})[name]()
 
 
 @pytest.mark.one_in(9)
@@ -566,75 +555,20 @@ def test_random_linkages(spec):
 
 
 @pytest.mark.parametrize(
-    "friction", [{}, {"A": pp.loads.Friction()}, {"A": pp.loads.Friction(0.0, 0.06, 0.0), "slide_guide": pp.loads.Friction(0)}]
+    "friction", [{}, {"A": pp.loads.Friction()}, {"A": pp.loads.Friction(0.0, 0.06, 0.0), "slide_guide": pp.loads.Friction(0)}, None]
 )
-def test_no_friction_is_no_friction(friction, engine):
-    """The same bytes as without the argument."""
+def test_no_friction_and_standstill_are_without_friction(friction, engine):
+    """The same bytes as without the argument; at standstill (None) with friction everywhere."""
     press = shipped("zxn2_3000b")
     motion = pp.cycle(press, speed=7.0, points=24, engine=engine)
-    bare, result = pp.inverse_dynamics(press, motion, engine=engine), pp.inverse_dynamics(press, motion, friction=friction, engine=engine)
-    assert result.driving_torque.tobytes() == bare.driving_torque.tobytes()
+    if friction is None:
+        motion = pp.servo_cycle(press, angle=np.linspace(0, 6, 7), speed=0.0, acceleration=5.0, engine=engine)
+    bare = pp.inverse_dynamics(press, motion, engine=engine)
+    result = pp.inverse_dynamics(press, motion, friction=random_friction(press) if friction is None else friction, engine=engine)
+    tolerance = {"rtol": 0, "atol": 1e-14 * np.abs(bare.driving_torque).max() if friction is None else 0}
+    np.testing.assert_allclose(result.driving_torque, bare.driving_torque, **tolerance)
     for bearing in press.bearings:
-        assert result.bearing_force[bearing].tobytes() == bare.bearing_force[bearing].tobytes()
-        assert result.bearing_moment[bearing].tobytes() == bare.bearing_moment[bearing].tobytes()
+        np.testing.assert_allclose(result.bearing_force[bearing], bare.bearing_force[bearing], **tolerance)
+        np.testing.assert_allclose(result.bearing_moment[bearing], bare.bearing_moment[bearing], **tolerance)
         assert not result.friction_power[bearing].any()
     assert list(result.columns()) == list(bare.columns())
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ((-0.1, 0.06), "coefficient is -0.1"),
-        ((np.nan, 0.06), "coefficient is nan"),
-        ((np.inf, 0.06), "coefficient is inf"),
-        (("0.1", 0.06), "coefficient is '0.1'"),
-        ((None, 0.06), "coefficient is None"),
-        ((np.array([0.1, 0.2]), 0.06), r"coefficient has shape \(2,\)"),
-        ((0.1, -0.06), "radius is -0.06"),
-        ((0.1, np.nan), "radius is nan"),
-        ((0.1, 0.06, -3.0), "viscous is -3.0"),
-        ((0.0, None, np.inf), "viscous is inf"),
-        ((0.1, None, 0.0, -1e3), "preload is -1000"),
-    ],
-)
-def test_friction_with_numbers_that_make_no_sense_is_refused(values, message):
-    with pytest.raises(pp.PinpressError, match=f"^Friction: {message}"):
-        pp.loads.Friction(*values)
-
-
-@pytest.mark.parametrize(
-    ("friction", "message"),
-    [
-        ({"A": pp.loads.Friction(0.1)}, "'A': its radius is missing"),
-        ({"C": pp.loads.Friction(0.1)}, "'C': its radius is missing"),
-        ({"slide_guide": pp.loads.Friction(0.1, 0.06)}, "'slide_guide': a guide has no radius"),
-        ({"slide_guide": 0.1}, "'slide_guide' is 0.1: give a Friction"),
-        ({"A": pp.loads.Friction(0.1, 0.06), "B": None}, "'B' is None"),
-        ([pp.loads.Friction(0.1, 0.06)], "mapping"),
-    ],
-)
-def test_friction_that_makes_no_sense_is_refused(friction, message, engine):
-    press = shipped("zxn2_3000b")
-    with pytest.raises(pp.PinpressError, match=message):
-        pp.inverse_dynamics(press, pp.cycle(press, speed=7.0, points=3), friction=friction, engine=engine)
-
-
-def test_friction_of_an_unknown_bearing_is_refused(engine):
-    press = shipped("zxn2_3000b")
-    with pytest.raises(pp.UnknownNameError, match="no bearing 'guide', did you mean 'slide_guide'"):
-        pp.inverse_dynamics(press, pp.cycle(press, speed=7.0, points=3), friction={"guide": pp.loads.Friction(0.1)}, engine=engine)
-
-
-@pytest.mark.exhaustive
-def test_friction_of_a_fixed_loop_is_refused():
-    drawing = Drawing("welded")
-    drawing.joint("O", "frame", "crank", 0j)
-    drawing.joint("B", "crank", "near", 0.1j)
-    drawing.joint("D", "frame", "rocker", 1.0 + 0j)
-    drawing.joint("C", "rocker", "far", 1.0 + 0.5j)
-    drawing.loop("W", "near", "far", 0.5 + 0.4j)
-    for link in ("crank", "near", "far", "rocker"):
-        drawing.body(link, 1.0, 0.5 + 0.2j)
-    press = load(drawing.urdf("O").replace("spherical", "fixed"))
-    with pytest.raises(pp.PinpressError, match="'W': a fixed loop does not turn"):
-        pp.inverse_dynamics(press, pp.servo_cycle(press, angle=[0.1], speed=1.0), friction={"W": pp.loads.Friction(0.1, 0.05)})

@@ -46,10 +46,7 @@ class OfCallers:
             pp.drives.Geared(pp.drives.ConstantTorque(567.0), 20.7),
             "Geared(drive=ConstantTorque(value=567 N m), ratio=20.7, gear_inertia=0 kg m2, efficiency=1)",
         ),
-        (
-            pp.drives.Brake(4e4, closes=pp.drives.SwitchPoint(time=0.1)),
-            "Brake(torque=40 kN m, closes=SwitchPoint(time=0.1 s), rise=0 s)",
-        ),
+        (pp.drives.Brake(4e4, closes=pp.drives.SwitchPoint(time=0.1)), "Brake(torque=40 kN m, closes=SwitchPoint(time=0.1 s), rise=0 s)"),
         (pp.drives.SwitchPoint(angle=np.pi), "SwitchPoint(angle=180 deg)"),
         (OfCallers(), "my press tool"),
         ("what was sent in words", "what was sent in words"),

@@ -175,41 +175,6 @@ def test_a_slow_drop_is_not_followed_wave_by_wave(monkeypatch):
     )
 
 
-def test_tables(tmp_path):
-    found = snap_through(F, K, mass=M, damping_ratio=0.05, break_time=1e-3, clearance=1e-4)
-    assert "reverse load" in str(found)
-    found.to_csv(tmp_path / "b.csv")
-    assert (tmp_path / "b.csv").read_text().splitlines()[0].split(",") == list(found.to_frame().columns)
-    assert np.all(np.diff(found.time) > 0)
-    with pytest.raises(ValueError, match="read-only"):
-        found.time[0] = 1.0
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"force": 0.0}, "force is 0.0"),
-        ({"stiffness": -K}, "stiffness is"),
-        ({"mass": np.inf}, "mass is inf"),
-        ({"damping_ratio": 1.0}, "damping_ratio is 1"),
-        ({"damping_ratio": -0.1}, "damping_ratio is -0.1"),
-        ({"break_time": -1.0}, "break_time is -1"),
-        ({"clearance": np.nan}, "clearance is nan"),
-        ({"break_time": 100.0}, "more than 1000 periods"),
-    ],
-)
-def test_breakthroughs_that_make_no_sense_are_refused(arguments, message):
-    with pytest.raises(pp.PinpressError, match=message):
-        snap_through(**{"force": F, "stiffness": K, "mass": M} | arguments)
-
-
-def test_permissible_forces_that_make_no_sense_are_refused():
-    with pytest.raises(pp.PinpressError, match="reverse_force is 0"):
-        permissible_breakthrough(0.0, K, mass=M)
-    with pytest.raises(pp.PinpressError, match="of one length"):
-        permissible_breakthrough([1e5, 2e5], [K, K, K], mass=M)
-
-
 def test_what_only_rounding_could_tell():
     """The smallest numbers there are give what zero gives."""
     plain, tiny = snap_through(F, K, mass=M), snap_through(F, K, mass=M, damping_ratio=0.0, break_time=5e-324, clearance=5e-324)

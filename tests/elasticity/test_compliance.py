@@ -215,20 +215,6 @@ def test_sharing_is_looked_at_in_presses_that_are_not_planar():
         compliance(press, replace(even, bearings={"P4_left": 1e9, "P4_right": 2e9}), angle=[0.4])
 
 
-def test_an_arm_that_would_share_with_the_rods():
-    """Of the slide, between its guide and one of its two pins."""
-    press = texts.shipped("jf75g_125_symmetric")
-    even = {"P4_left": 1e9, "P4_right": 1e9}
-    with pytest.raises(pp.PinpressError, match="make both sides alike"):
-        compliance(press, Stiffness(even, rods=[Rod("slide", ("slide_guide", "P4_left"), 1e8)]), angle=ANGLES)
-
-
-def test_a_rod_between_bearings_that_meet():
-    """The crank-slider's guide is measured at the origin of its joint, which is the slide's pin."""
-    with pytest.raises(pp.PinpressError, match="rod 'slide slide_guide-W': its bearings meet"):
-        compliance(texts.shipped("crank_slide"), Stiffness(rods=[Rod("slide", ("slide_guide", "W"), 1e9)]), angle=ANGLES)
-
-
 def mass_of(press, stiffness, angles):
     held = hold(press, stiffness, pp.servo_cycle(press, speed=0.0, angle=angles))
     return _moving_mass(held) / np.sum(list(held.moved(held.unit).values()), axis=0) ** 2
@@ -252,42 +238,3 @@ def test_effective_mass_of_single_springs():
         energy = [pin.computeKineticEnergy(press.model, data, q, v) for q, v in zip(np.array(motion.q), np.array(motion.v), strict=True)]
         expected = 2 * np.array(energy) / motion.slide_velocity**2
         np.testing.assert_allclose(mass_of(press, Stiffness(shaft=1e7), angles), expected, rtol=1e-8)
-
-
-def test_tables(tmp_path):
-    found = compliance(texts.shipped("crank_slide"), Stiffness({"O": 2e9, "P": 1e9}), angle=ANGLES)
-    assert "666.67 kN/mm" in str(found)
-    found.to_csv(tmp_path / "c.csv")
-    header, *rows = (tmp_path / "c.csv").read_text().splitlines()
-    assert header == "crank_angle [rad],slide_position [m],height [m],compliance [m/N],O [m/N],P [m/N]"
-    assert [float(row.split(",")[3]) for row in rows] == list(found.compliance)
-    assert list(found.to_frame().columns) == header.split(",")
-    assert found.height[0] == pytest.approx(0.0, abs=1e-15)
-    with pytest.raises(ValueError, match="read-only"):
-        found.compliance[0] = 1.0
-
-
-@pytest.mark.parametrize(
-    ("stiffness", "message"),
-    [
-        (Stiffness(), "no part of crank_slide yields"),
-        (Stiffness({"Q": 1e9}), "no bearing 'Q'"),
-        (Stiffness({"O": -1e9}), "stiffness of bearing 'O' is -1000000000.0"),
-        (Stiffness({"O": True}), "stiffness of bearing 'O' is True"),
-        (Stiffness(moments={"P": 1e9}), "'P', which is no guide"),
-        (Stiffness(rods=1e9), "rods is 1000000000.0: give a list of Rod"),
-        (Stiffness(rods=[Rod("bar", ("P", "W"), 1e9)]), "no moving link 'bar'"),
-        (Stiffness(rods=[Rod("rod", ("P", "O"), 1e9)]), "bearing 'O' is not on that link; there are: P, W"),
-        (Stiffness(rods=[Rod("rod", ("P", "P"), 1e9)]), "names of two of its bearings"),
-        (Stiffness(rods=[Rod("rod", ("P", "W"), 1e9)] * 2), "several parts are named rod P-W"),
-        (Stiffness(rods=["rod"]), "give a list of Rod"),
-        (Stiffness({"O": 1e9}, shaft=0.0), "stiffness of the shaft is 0.0"),
-        (Stiffness({"O": 1e9}, frame=np.nan), "stiffness of the frame is nan"),
-        (Stiffness(shaft=1e9), "nothing of crank_slide yields at crank angle 0 deg"),
-        (Stiffness([("O", 1e9)]), "bearings is"),
-        ({"O": 1e9}, "stiffness is a dict"),
-    ],
-)
-def test_stiffnesses_that_make_no_sense_are_refused(stiffness, message):
-    with pytest.raises(pp.PinpressError, match=message.replace("(", r"\(")):
-        compliance(texts.shipped("crank_slide"), stiffness)

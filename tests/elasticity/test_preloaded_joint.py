@@ -126,27 +126,3 @@ def test_closed_in_elastic_motion_it_is_a_spring():
     linear, joined = run(4e8), run(PreloadedJoint(1e8, 3e8, 1e5), PreloadedJoint(5e7, 5e7, 1e5))
     assert joined.slide_position == pytest.approx(linear.slide_position, abs=1e-12)
     assert joined.stats.energy_error < 1e-10
-
-
-def test_joints_that_make_no_sense_are_refused():
-    press = shipped("jf75g_125_plain")
-    motion = pp.cycle(press, SPEED, points=12)
-    for changes, problem in (
-        ({"loaded": 0.0}, "PreloadedJoint: loaded is 0.0; give a positive number"),
-        ({"preload": -1e5}, "PreloadedJoint: preload is -1"),
-        ({"relieved": "stiff"}, "PreloadedJoint: relieved"),
-    ):
-        with pytest.raises(pp.PinpressError, match=problem.replace(";", "[;:]")):
-            PreloadedJoint(**({"loaded": 1e9, "relieved": 1e9, "preload": 1e5} | changes))
-    with pytest.warns(pp.PinpressWarning, match="preload is 250 N: if kN are meant, write 250e3"):
-        PreloadedJoint(1e9, 1e9, 250.0)
-    for stiffness, problem in (
-        (Stiffness(BEARINGS | {"O": TIE_RODS}), "stiffness of 'O' is a PreloadedJoint, which a guide has across its axis alone"),
-        (Stiffness(BEARINGS | {"slide_guide": TIE_RODS}), "both gibs of a guide are alike"),
-        (Stiffness(BEARINGS, {"slide_guide": TIE_RODS}), "stiffness of guide 'slide_guide' against turning"),  # type: ignore[dict-item]
-    ):
-        with pytest.raises(pp.PinpressError, match=problem):
-            slide_deflection(press, motion, stiffness)
-    low = Stiffness(BEARINGS, frame=PreloadedJoint(2e9, 6e9, 1e4))
-    with pytest.raises(pp.PinpressError, match=r"the joint of frame opens by 31\.416 rad/s: give it more preload"):
-        dead_centre_shift(press, low, speed=SPEED)

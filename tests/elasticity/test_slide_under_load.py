@@ -103,41 +103,6 @@ def test_weight_balanced_by_a_constant_force():
     assert balanced.by_squared_speed == pytest.approx(plain.by_squared_speed, rel=1e-9)
 
 
-def test_tables(tmp_path):
-    press = texts.shipped("jf75g_125")
-    shift = dead_centre_shift(press, stiffness_of(press), speed=np.array([150.0, 300.0]) * pp.RPM)
-    assert str(shift).splitlines()[-1].split()[:2] == ["300.00", "300"]  # r/min, strokes/min
-    shift.to_csv(tmp_path / "s.csv")
-    assert (tmp_path / "s.csv").read_text().splitlines()[0].split(",") == list(shift.to_frame().columns)
-    found = slide_deflection(press, pp.cycle(press, 30.0, points=8), stiffness_of(press))
-    assert "pressed down by at most" in str(found)
-    found.to_csv(tmp_path / "d.csv")
-    assert len((tmp_path / "d.csv").read_text().splitlines()) == 9
-    np.testing.assert_array_equal(found.to_frame()["deflection [m]"], found.deflection)
-    with pytest.raises(ValueError, match="read-only"):
-        found.deflection[0] = 0.0
-
-
-@pytest.mark.filterwarnings("ignore:Stiffness")
-def test_loads_and_speeds_that_a_deflection_cannot_have_are_refused():
-    press = texts.shipped("crank_slide")
-    stiffness = Stiffness({"W": 1e9})
-    for speed in ([np.nan], [], [[1.0]], "fast"):
-        with pytest.raises(pp.PinpressError, match="speed"):
-            dead_centre_shift(press, stiffness, speed=speed)
-    for load in (
-        pp.loads.ElasticDie(0.0, 1e9),
-        pp.loads.PointForce("slide", lambda motion: (0, 0, 1.0)),
-        pp.loads.SpringDamper("frame", "slide", 1.0, 2.0),
-    ):
-        with pytest.raises(pp.PinpressError, match="may depend on the speed"):
-            dead_centre_shift(press, stiffness, speed=1.0, loads=[load])
-    with pytest.raises(pp.PinpressError, match="too soft"):
-        dead_centre_shift(press, Stiffness(shaft=1e-3, bearings={"W": 1e9}), speed=50.0)
-    with pytest.raises(pp.PinpressError, match="motion is a Linkage"):
-        slide_deflection(press, press, stiffness)
-
-
 def test_two_motors_hold_as_gears_do() -> None:
     """The geared five-bar is computed in the plane, with one driver held; without its gears two drivers are held, in space."""
     ratio, speed = 0.5, 4.0

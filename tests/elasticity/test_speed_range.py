@@ -80,21 +80,6 @@ def test_strokes_are_found_from_those_beside_them(monkeypatch, loads):
         np.testing.assert_allclose(values, other.columns()[name], rtol=2e-5, atol=1e-8, err_msg=name)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"speeds": [3.0, 2.0]}, "rising"),
-        ({"speeds": [0.0]}, "positive"),
-        ({"speeds": []}, "rising"),
-        ({"speeds": [1.0], "orders": 0}, "orders"),
-    ],
-)
-def test_speeds_that_make_no_sense_are_refused(given, message):
-    press = shipped("jf75g_125_plain")
-    with pytest.raises(pp.PinpressError, match=message):
-        campbell(press, elastic(press), **given)
-
-
 def test_a_press_that_does_not_repeat_is_named_by_its_speed(monkeypatch):
     from pinpress.elasticity import speed_range
 

@@ -7,7 +7,7 @@ import pytest
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.elasticity import Clearance, Elastic, Rod, Stiffness, natural_frequencies
+from pinpress.elasticity import Elastic, Rod, Stiffness, natural_frequencies
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.elastic.press.assembly import sprung_press
 from pinpress.simulation.elastic.press.paths import load_path
@@ -113,19 +113,3 @@ def test_words_of_the_lowest_mode():
     assert modes.words(modes.nearest_to_bottom, 0)[1] == "slide 98 %"
     assert "86.81 Hz" in str(modes)
     assert "slide_guide turning" in str(modes)
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"angle": [[0.0]]}, "angle has shape"),
-        ({"angle": []}, "angle has shape"),
-        ({"flywheel": pp.drives.Flywheel([1.0, 2.0])}, "several inertias"),
-        ({"elastic": Elastic(Stiffness({"O": 1e9}))}, "lacks 'P'"),
-        ({"elastic": Elastic(Stiffness({"O": 1e9}), clearances={"P": Clearance(1e-4)})}, "leave the clearances out"),
-    ],
-)
-def test_states_and_stiffnesses_that_cannot_vibrate_are_refused(given, message):
-    press = shipped("crank_slide")
-    with pytest.raises(pp.PinpressError, match=message):
-        natural_frequencies(press, **{"elastic": Elastic(stiffness_of(press))} | given)

@@ -1,5 +1,6 @@
 """Every configuration belongs to the assembly that is drawn, however a motion is sampled, and where a linkage locks is said exactly."""
 
+import math
 import re
 
 import numpy as np
@@ -7,6 +8,7 @@ import pinocchio as pin
 import pytest
 from support import texts
 from support.generators.random_linkages import Drawing, Group, Spec, drawn, four_bar
+from support.generators.redundant_linkages import five_bar
 from support.generators.spatial_linkages import bennett
 
 import pinpress as pp
@@ -269,33 +271,11 @@ def test_links_that_turn_fast_are_followed(engine, seed, nodes):
     assert turned < 0.15
 
 
-FIVE_BAR = """<robot name="five_bar">
-  <link name="frame"/>
-  {links}
-  <joint name="A" type="continuous"><parent link="frame"/><child link="first"/><origin xyz="-0.3 0 0"/><axis xyz="0 -1 0"/></joint>
-  <joint name="E" type="continuous">
-    <parent link="frame"/><child link="second"/><origin xyz="0.3 0 0"/><axis xyz="0 -1 0"/>
-    <mimic joint="A" multiplier="{ratio}"/>
-  </joint>
-  <joint name="B" type="continuous"><parent link="first"/><child link="left"/><origin xyz="0.1 0 0"/><axis xyz="0 -1 0"/></joint>
-  <joint name="D" type="continuous"><parent link="second"/><child link="right"/><origin xyz="0.1 0 0"/><axis xyz="0 -1 0"/></joint>
-  <loop_joint name="C" type="spherical"><link1 link="left" xyz="0.3 0 0.4"/><link2 link="right" xyz="-0.3 0 0.4"/></loop_joint>
-  <transmission name="drive"><joint name="A"/></transmission>
-</robot>
-"""
-
-
-def five_bar(ratio):
-    inertial = '<inertial><origin xyz="0.05 0 0.1"/><mass value="3"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
-    links = "".join(f'<link name="{name}">{inertial}</link>' for name in ("first", "second", "left", "right"))
-    return texts.load(FIVE_BAR.format(links=links, ratio=ratio))
-
-
 @pytest.mark.one_in(2)
-@pytest.mark.parametrize(("ratio", "turns"), [("-1", 1), ("-0.5", 2), ("0.6", 5)])
+@pytest.mark.parametrize(("ratio", "turns"), [(-1.0, 1), (-0.5, 2), (0.6, 5)])
 def test_period_of_a_geared_linkage(ratio, turns):
     """Both cranks are back only after as many turns as their ratio says."""
-    press = five_bar(ratio)
+    press = texts.load(five_bar(ratio))
     assert press.branch.period == pytest.approx(2 * np.pi * turns, rel=1e-12)
     angles = np.linspace(0.0, 2 * np.pi * turns, 50)
     here, later = (predict(press.branch, angles + shift) for shift in (0.0, press.branch.period))
@@ -305,7 +285,7 @@ def test_period_of_a_geared_linkage(ratio, turns):
 
 @pytest.fixture(scope="module")
 def never_back():
-    return five_bar("1.4142135623730951")
+    return texts.load(five_bar(math.sqrt(2)))
 
 
 @pytest.mark.exhaustive

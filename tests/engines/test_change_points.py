@@ -19,7 +19,6 @@ from support.generators import random_linkages, redundant_linkages
 
 import pinpress as pp
 from pinpress.kinematics.cycle import motion_through_change_points
-from pinpress.linkage import assembly
 
 METHODS = ("reduced", "constraint")
 TEXT = (Path(__file__).parents[2] / "urdf" / "crank_slide.urdf").read_text(encoding="utf-8")
@@ -57,14 +56,6 @@ def test_rod_as_long_as_the_crank(equal, method, speed):
     total = energy(run.crank_angle, run.crank_speed, 50.0)
     np.testing.assert_allclose(total, total[0], rtol=1e-10)  # some hundred steps of 1e-11 each, at the most
     assert run.stats.energy_error < 1e-10
-
-
-def test_forces_between_and_beside_change_points():
-    """Forces of a motion that stays clear of both change points, and of one that comes within 1e-4 rad of one, balance."""
-    press, near = texts.load.__wrapped__(equal_rod()), math.pi / 2 - 1e-4
-    for angles in ([-1.5, 0.3, 1.5], [0.0, near]):
-        assert np.abs(pp.inverse_dynamics(press, pp.servo_cycle(press, angle=angles, speed=1.0)).power_residual).max() < 1e-8
-    assert len(press.branch_through_change_points.change_points) == 2
 
 
 @pytest.mark.exhaustive
@@ -192,15 +183,6 @@ def test_forces_at_a_change_point_are_refused(equal, side):
         pp.inverse_dynamics(equal, motion_through_change_points(equal, np.array([0.0, corner]), 8.0))
     result = pp.inverse_dynamics(equal, motion_through_change_points(equal, np.array([0.0, 0.99 * corner]), 8.0))
     assert np.isfinite(result.bearing_force["W"]).all()
-
-
-def test_a_linkage_that_locks_is_not_walked_again(monkeypatch):
-    """A four-bar whose crank cannot turn: at its locks few steps tell that no change point leads on."""
-    press = texts.load(random_linkages.four_bar(0.5, 0.45, 0.2, 0.4, 0.5, bounded=False).urdf("O"))
-    found = press.branch
-    assert all(found.locks)
-    monkeypatch.setattr(assembly, "walk_branch", lambda *given, **more: pytest.fail("walked again"))
-    assert press.branch_through_change_points is found
 
 
 def pushed_parallelogram():

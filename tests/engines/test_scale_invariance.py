@@ -3,7 +3,6 @@
 Units are powers of two, so that numbers keep their digits: what differs by more than rounding is an absolute size in a formula.
 """
 
-import dataclasses
 import re
 from dataclasses import fields, replace
 from functools import cache
@@ -15,11 +14,9 @@ from extremes.extreme_sizes import scaled
 from support.generators import large_linkages
 
 import pinpress as pp
-from pinpress.drives import electric, motors, slip_clutch, transmission
+from pinpress.common.parameters import declared
 from pinpress.dynamics import applied_loads
-from pinpress.engines.friction import REST, FrictionLaw
-from pinpress.engines.wrenches import AppliedForce
-from pinpress.loads import contacts, hydraulics, link, pneumatics, process, shearing
+from pinpress.engines.friction import REST
 
 pytestmark = pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is as large, dense or fast
 
@@ -41,154 +38,53 @@ class Units(NamedTuple):
 SI = Units()
 UNITS = [Units(length=2.0**-7), Units(mass=2.0**9), Units(time=2.0**-5), Units(2.0**5, 2.0**-6, 2.0**3)]
 
-FORCE, TORQUE, INERTIA, POWER, RATE = (1, 1, -2), (2, 1, -2), (2, 1, 0), (2, 1, -3), (0, 0, -1)
-PRESSURE = (-1, 1, -2)
+FORCE, TORQUE, POWER, RATE = (1, 1, -2), (2, 1, -2), (2, 1, -3), (0, 0, -1)
 LENGTH, TIME, PLAIN = (1, 0, 0), (0, 0, 1), (0, 0, 0)
-LOSSES = {"load_loss": POWER, "constant_loss": POWER, "rated_rise": PLAIN, "thermal_time": TIME}  # of every electric motor
+BASES = {"m": LENGTH, "kg": (0, 1, 0), "s": TIME, "N": FORCE, "Pa": (-1, 1, -2), "W": POWER, "Hz": RATE, "rad": PLAIN, "K": PLAIN}
 INSIDE = None  # an object with units of its own
-DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
-    link.PointForce: {"link": PLAIN, "force": FORCE, "point": LENGTH},
-    link.SpringDamper: {
-        "link1": PLAIN,
-        "link2": PLAIN,
-        "stiffness": (0, 1, -2),
-        "damping": (0, 1, -1),
-        "free_length": LENGTH,
-        "point1": LENGTH,
-        "point2": LENGTH,
-    },
-    pp.loads.Idle: {"datum": LENGTH},
-    pp.loads.ConstantForce: {"force": FORCE, "height": LENGTH, "datum": LENGTH},
-    pp.loads.Blanking: {"force": FORCE, "start": LENGTH, "end": LENGTH, "stripping": FORCE, "datum": LENGTH},
-    pp.loads.DeepDrawing: {"force": FORCE, "start": LENGTH, "end": LENGTH, "datum": LENGTH},
-    pp.loads.ForceStroke: {"heights": LENGTH, "forces": FORCE, "datum": LENGTH},
-    pp.loads.ElasticDie: {"height": LENGTH, "stiffness": (0, 1, -2), "damping": (0, 1, -1), "datum": LENGTH},
-    pp.loads.Impact: {
-        "height": LENGTH,
-        "stiffness": (0, 1, -2),  # of the exponent 1
-        "exponent": PLAIN,
-        "damping": (0, 1, -1),
-        "depth": LENGTH,
-        "datum": LENGTH,
-    },
-    pp.loads.TwoSidedStop: {
-        "lower": LENGTH,
-        "upper": LENGTH,
-        "stiffness": (0, 1, -2),
-        "exponent": PLAIN,
-        "damping": (0, 1, -1),
-        "depth": LENGTH,
-        "datum": LENGTH,
-    },
-    pp.loads.ImpactDamper: {"heights": LENGTH, "coefficients": (-1, 1, 0), "exponent": PLAIN, "datum": LENGTH},  # of the exponent 2
-    pp.loads.HydraulicCushion: {"force": FORCE, "height": LENGTH, "rise": LENGTH, "return_force": FORCE, "datum": LENGTH},
-    pp.loads.RateSensitiveBlanking: {
-        "force": FORCE,
-        "start": LENGTH,
-        "end": LENGTH,
-        "sensitivity": PLAIN,
-        "reference_speed": (1, 0, -1),
-        "peak": LENGTH,
-        "remaining": PLAIN,
-        "stripping": FORCE,
-        "datum": LENGTH,
-    },
-    pp.loads.BalanceCylinder: {
-        "bore": LENGTH,
-        "pressure": PRESSURE,
-        "volume": (3, 0, 0),
-        "rod": LENGTH,
-        "count": PLAIN,
-        "exponent": PLAIN,
-        "height": LENGTH,
-        "atmosphere": PRESSURE,
-        "datum": LENGTH,
-    },
-    pp.loads.PneumaticCushion: {
-        "bore": LENGTH,
-        "pressure": PRESSURE,
-        "volume": (3, 0, 0),
-        "height": LENGTH,
-        "rod": LENGTH,
-        "count": PLAIN,
-        "exponent": PLAIN,
-        "atmosphere": PRESSURE,
-        "datum": LENGTH,
-    },
+UNDECLARED: dict[type, dict[str, tuple[int, int, int] | None]] = {
+    pp.loads.PointForce: {"link": PLAIN},
+    pp.loads.SpringDamper: {"link1": PLAIN, "link2": PLAIN},
+    pp.loads.BalanceCylinder: {"count": PLAIN},
+    pp.loads.PneumaticCushion: {"count": PLAIN},
     pp.loads.TimeForce: {"force": FORCE, "edges": TIME},
-    link.Friction: {"coefficient": PLAIN, "radius": LENGTH, "viscous": (2, 1, -1), "preload": FORCE},
-    pp.drives.Flywheel: {"inertia": INERTIA, "speed": RATE},
-    pp.drives.Corner: {"speed": RATE, "jump": PLAIN},
-    pp.drives.PrescribedSpeed: {"speed": RATE},
-    pp.drives.ConstantTorque: {"value": TORQUE},
-    pp.drives.Geared: {"drive": INSIDE, "ratio": PLAIN, "gear_inertia": INERTIA, "efficiency": PLAIN},
-    pp.drives.InductionMotor: {
-        **LOSSES,
-        "rated_power": POWER,
-        "rated_speed": RATE,
-        "frequency": RATE,
-        "poles": PLAIN,
-        "breakdown_ratio": PLAIN,
-        "inertia": INERTIA,
-    },
-    pp.drives.InverterMotor: {
-        **LOSSES,
-        "rated_torque": TORQUE,
-        "rated_speed": RATE,
-        "frequency": RATE,
-        "rated_frequency": RATE,
-        "poles": PLAIN,
-        "overload": PLAIN,
-        "breakdown_ratio": PLAIN,
-        "curve": PLAIN,
-        "inertia": INERTIA,
-        "inverter_efficiency": PLAIN,
-        "feeds_back": PLAIN,
-    },
-    pp.drives.ServoMotor: {
-        "times": TIME,
-        "angles": PLAIN,
-        "stiffness": TORQUE,
-        "damping": (2, 1, -1),
-        "peak_torque": TORQUE,
-        "inertia": INERTIA,
-        "rated_torque": TORQUE,
-        "copper": (-2, -1, 1),
-        "iron": (2, 1, -1),
-        "constant_loss": POWER,
-        "regeneration": PLAIN,
-        "rated_rise": PLAIN,
-        "thermal_time": TIME,
-    },
-    pp.drives.SlipClutchMotor: {
-        **LOSSES,
-        "rated_torque": TORQUE,
-        "primary_speed": RATE,
-        "top_speed": RATE,
-        "set_speed": RATE,
-        "regulation": PLAIN,
-        "lag": TIME,
-        "inertia": INERTIA,
-        "amplification": TIME,
-        "integral_time": TIME,
-        "feedback": PLAIN,
-        "residual_current": PLAIN,
-        "excitation_power": POWER,
-    },
-    transmission.SwitchPoint: {"time": TIME, "angle": PLAIN},
-    transmission.Clutch: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
-    transmission.Brake: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
+    pp.loads.Friction: {"viscous": (2, 1, -1)},
+    pp.drives.Corner: {"jump": PLAIN},
+    pp.drives.Geared: {"drive": INSIDE},
+    pp.drives.InductionMotor: {"poles": PLAIN},
+    pp.drives.InverterMotor: {"poles": PLAIN, "curve": PLAIN, "feeds_back": PLAIN},
+    pp.drives.ServoMotor: {"times": TIME, "angles": PLAIN},
+    pp.drives.Clutch: {"closes": INSIDE, "opens": INSIDE},
+    pp.drives.Brake: {"closes": INSIDE, "opens": INSIDE},
 }
+"""Dimensions of fields that declare no unit."""
 
 
-def test_no_field_is_left_out():
-    """Of any load, drive, clutch or friction of the library."""
-    rooms = (process, contacts, hydraulics, pneumatics, shearing, motors, slip_clutch, transmission, link)
-    public = {cls for room in rooms for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
-    inner = {transmission.Coupling, electric.ElectricMotor, pp.loads.ForceInterval, AppliedForce, FrictionLaw}
-    assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
-    for cls, dimensions in DIMENSIONS.items():
-        assert [field.name for field in fields(cls)] == list(dimensions)
+def dimension(unit, exponent):
+    """Exponents of length, mass and time in a unit such as "N m s/rad" or "W/(N m)2"; ``exponent``: e of "N/m^e"."""
+    powers = np.zeros(3)
+    for part, sign in zip(unit.split("/"), (1, -1), strict=False):
+        bracket = re.fullmatch(r"\((.*)\)(\d)", part)
+        part, times = (bracket[1], int(bracket[2])) if bracket else (part, 1)
+        for base, power in re.findall(r"([A-Za-z]+)(\^e|\d*)", part):
+            powers += sign * times * (exponent if power == "^e" else int(power or 1)) * np.array(BASES[base])
+    return tuple(map(float, powers))
+
+
+def dimensions(thing):
+    """Name of each field of a load, drive or coupling -> its dimension."""
+    bare = UNDECLARED.get(type(thing), {})
+    units = {field.name: unit.unit for field in fields(thing) if (unit := declared(field))}
+    return {
+        field.name: dimension(units[field.name], getattr(thing, "exponent", 1)) if field.name in units else bare[field.name]
+        for field in fields(thing)
+    }
+
+
+def test_units_are_read():
+    assert dimension("N m s/rad", 1) == (2, 1, -1)
+    assert dimension("W/(N m)2", 1) == (-2, -1, 1)
+    assert dimension("N s^e/m^e", 2) == (-1, 1, 0)
 
 
 def grown(thing, units):
@@ -196,14 +92,14 @@ def grown(thing, units):
     if thing is None:
         return None
     changes = {}
-    for name, dimension in DIMENSIONS[type(thing)].items():
+    for name, powers in dimensions(thing).items():
         value = getattr(thing, name)
-        if dimension is INSIDE:
+        if powers is INSIDE:
             changes[name] = grown(value, units)
         elif callable(value):
             changes[name] = lambda time, law=value: units.of(*FORCE) * law(time / units.time)
-        elif dimension != PLAIN and value is not None:
-            changes[name] = (np.asarray(value, float) * units.of(*dimension)).tolist()
+        elif powers != PLAIN and value is not None:
+            changes[name] = (np.asarray(value, float) * units.of(*powers)).tolist()
     return replace(thing, **changes)
 
 
@@ -316,8 +212,8 @@ DRIVES = {
 SCENES: dict[str, dict[str, object]] = {
     **{name: {"drive": drive} for name, drive in DRIVES.items()},
     **{name: {"loads": [load]} for name, load in LOADS.items() if name != "in time"},
-    "clutch": {"drive": DRIVES["torque"], "clutch": transmission.Clutch(2e3, closes=transmission.SwitchPoint(time=0.05), rise=0.02)},
-    "brake": {"brake": transmission.Brake(2e3, closes=transmission.SwitchPoint(angle=3.6), rise=0.02)},
+    "clutch": {"drive": DRIVES["torque"], "clutch": pp.drives.Clutch(2e3, closes=pp.drives.SwitchPoint(time=0.05), rise=0.02)},
+    "brake": {"brake": pp.drives.Brake(2e3, closes=pp.drives.SwitchPoint(angle=3.6), rise=0.02)},
 }
 
 

@@ -97,18 +97,6 @@ def test_a_path_closed_at_once_is_the_path_walked(height, path):
     np.testing.assert_array_equal(found[list(press.driver_indices)].T, path)
 
 
-def test_a_path_of_legs_is_closed_at_once(legs, monkeypatch):
-    path = 0.3 * np.sin(np.linspace(0.1, 2.0, 9)[:, None]) * [any(word in name for word in ("roll", "yaw")) for name in legs.drivers]
-    expected = walked(legs, path)
-
-    def refuse(*_):
-        raise AssertionError("walked")
-
-    monkeypatch.setattr(assembly, "_walk_between", refuse)
-    found = assembly.follow_drivers(legs.engine(), legs.structure, legs.closed, path, "press")
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
-
-
 @pytest.mark.exhaustive
 def test_a_free_fall(legs):
     """The legs fall from rest: energy is kept, loops stay closed, and the joints' accelerations are those that need no torque."""

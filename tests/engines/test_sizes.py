@@ -1,4 +1,4 @@
-"""Linkages larger than a press: what is computed stays right. Times are printed by `tests/benchmarks/speed/sizes.py`."""
+"""Linkages larger than a press: what is computed stays right. Times are printed by `tests/benchmarks/run.py sizes`."""
 
 import dataclasses
 

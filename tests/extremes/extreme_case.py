@@ -1,4 +1,4 @@
-"""A case of the table of extremes: what pinpress does in a scene, how it is judged, and the same scene at ordinary numbers.
+"""A case of the table of extremes: what pinpress does in a scene, how it is judged.
 
 Every case has an expectation that owes nothing to what is judged: a closed form, a law of scaling or of conservation, or the other engine
 or method. "It did not crash" is none.
@@ -45,9 +45,8 @@ class Case:
     Attributes:
         group, name, expected: in words.
         ways: engines or methods, each judged by itself.
-        scene: way -> what pinpress makes of it. Only this is timed: linkages are loaded and followed round before.
+        scene: way -> what pinpress makes of it.
         judge: of what the scene gives, or of the `PinpressError` that it ends in where one is expected.
-        ordinary: way -> the same scene at ordinary numbers, for its run time; None where there is none.
         refused: whether an error may be right.
         long: whether it is left to the command; tests leave it out.
     """
@@ -58,7 +57,6 @@ class Case:
     scene: Callable[[str], Any]
     judge: Callable[[Any], Outcome]
     ways: tuple[str, ...] = ENGINES
-    ordinary: Callable[[str], Any] | None = None
     refused: bool = False
     long: bool = False
 

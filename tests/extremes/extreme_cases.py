@@ -6,13 +6,10 @@ python tests/extremes/extreme_cases.py GROUP      # those whose group has this w
 
 import math
 import sys
-import time
 import warnings
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from extremes import (
@@ -44,7 +41,6 @@ CASES: list[Case] = [
     for case in module.CASES
 ]
 PAGE = Path(__file__).resolve().parents[2] / "viz" / "extremes.md"
-SECONDS = 0.2  # of repeats, for a time that other work on the machine has not disturbed
 INTRODUCTION = """# Extremes
 
 `python tests/extremes/extreme_cases.py` runs every case, judges it and writes this page. `tests/extremes/test_extreme_cases.py` holds every
@@ -53,20 +49,8 @@ case to its bound.
 - *expected*: each case has an expectation of its own: a closed form, a law of scaling or conservation, or the other engine or method.
 - Errors are relative to the largest value of their kind (of runs: in rad, and of speeds relative to the speed). The number behind the
   stroke is the bound.
-- *cost*: the run time divided by that of the same scene at ordinary numbers, in the same run. The linkages are loaded and followed round
-  before.
 - Cases marked + are long, and only the command runs them. **not met** stands where an expectation is not met.
 """
-
-
-def seconds(work: Callable[[str], Any], way: str) -> float:
-    """The least time of a call, of as many as fill `SECONDS`, at least one."""
-    least, began = math.inf, time.perf_counter()
-    while (start := time.perf_counter()) - began < SECONDS or math.isinf(least):
-        with suppress(Exception):  # as expected, or the row says so
-            work(way)
-        least = min(least, time.perf_counter() - start)
-    return least
 
 
 def worked(case: Case, way: str) -> Outcome:
@@ -77,23 +61,20 @@ def worked(case: Case, way: str) -> Outcome:
         return Outcome(math.inf, 0.0, "foreign exception: " + short(error))
 
 
-def cells(case: Case, way: str) -> tuple[str, str]:
-    """What happens, and the cost."""
+def cell(case: Case, way: str) -> str:
+    """What happens."""
     outcome = worked(case, way)
     numbers = "" if math.isinf(outcome.error) else f"{outcome.error:.1e} / {outcome.bound:.0e}"
     said = ", ".join(filter(None, (numbers, outcome.what)))
-    timed = case.ordinary is not None and not case.long
-    cost = f"{seconds(case.scene, way) / seconds(case.ordinary, way):.2g}" if timed else ""
-    return said if outcome.met else f"**not met**: {said}", cost
+    return said if outcome.met else f"**not met**: {said}"
 
 
 def table(ways: Sequence[str], cases: Sequence[Case]) -> Iterator[str]:
     """Markdown, a row a case."""
-    heads = [head for way in ways for head in (way, "cost")]
-    yield f"| case | expected | {' | '.join(heads)} |"
-    yield "|" + "---|" * (2 + len(heads))
+    yield f"| case | expected | {' | '.join(ways)} |"
+    yield "|" + "---|" * (2 + len(ways))
     for case in cases:
-        found = [cell for way in ways for cell in cells(case, way)]
+        found = [cell(case, way) for way in ways]
         yield "| " + " | ".join(text.replace("|", "\\|") for text in (case.name + " +" * case.long, case.expected, *found)) + " |"
 
 

@@ -53,7 +53,6 @@ def nearly(power: int) -> Case:
         expected,
         lambda engine: spinning(near.press(), engine, beside(one_less)),
         judge,
-        ordinary=lambda engine: spinning(ORDINARY.press(), engine, beside(one_less)),
         refused=power > 12,
     )
 
@@ -65,7 +64,7 @@ def crossing(name: str, one_less: float, speed: float, duration: float, flywheel
     near = math.sqrt(2 * one_less)
     corners = [place + share * near for place in (QUARTER, 3 * QUARTER) for share in (-100, -10, -3, 0, 3, 10, 100)] if one_less else []
 
-    def scene(method: str, mechanism: CrankSlider = mechanism) -> pp.Run:
+    def scene(method: str) -> pp.Run:
         return pp.simulate(mechanism.press(), duration, speed=speed, flywheel=pp.drives.Flywheel(flywheel), method=method)
 
     told_apart = same or one_less > 5e-12
@@ -83,7 +82,6 @@ def crossing(name: str, one_less: float, speed: float, duration: float, flywheel
         scene,
         judge,
         METHODS,
-        lambda method: scene(method, ORDINARY),
         refused=not told_apart,
         long=long,
     )
@@ -100,7 +98,6 @@ def exactly(name: str, angles: dict[str, Any], expected: float) -> Case:
         f"SingularityError at {math.degrees(expected):.0f} deg (1e-5 rad)",
         lambda engine: pp.cycle(EXACT.press(), engine=engine, **angles),
         refusal(pp.SingularityError, [expected], 1e-5),
-        ordinary=lambda engine: pp.cycle(ORDINARY.press(), engine=engine, **angles),
         refused=True,
     )
 
@@ -115,7 +112,6 @@ def up_to_it(share: float) -> Case:
         lambda engine: spinning(EXACT.press(), engine, angles),
         # a rod longer by eps changes the slide's lever by eps / cos^2 q of itself, and the lever's slope by one cos q more
         EXACT.judge(ROUNDING + 10 * EPS / math.cos(share * QUARTER) ** 3),
-        ordinary=lambda engine: spinning(ORDINARY.press(), engine, angles),
     )
 
 
@@ -132,8 +128,8 @@ def through_locks() -> Case:
     """The crank swings between its locks, while the rod turns: driven there, the same press has none."""
     driven = "P"
 
-    def scene(method: str, press: CrankSlider = SHORT) -> pp.Run:
-        return pp.simulate(press.press(), 0.6, speed=30.0, method=method, points=61)
+    def scene(method: str) -> pp.Run:
+        return pp.simulate(SHORT.press(), 0.6, speed=30.0, method=method, points=61)
 
     def judge(found: Any) -> Outcome:
         press = SHORT.press()
@@ -149,17 +145,11 @@ def through_locks() -> Case:
         scene,
         judge,
         ("constraint",),
-        lambda method: scene(method, ORDINARY),
     )
 
 
 def four() -> pp.Linkage:
     return loaded(four_bar(*LOCKING).urdf("O"))
-
-
-def turning() -> pp.Linkage:
-    """A four-bar whose crank turns fully."""
-    return loaded(four_bar(1.0, 0.3, 0.8, 0.7, 0.9).urdf("O"))
 
 
 def stalls(found: Any) -> Outcome:
@@ -181,12 +171,11 @@ def whole_turn(name: str, linkage: Any, angles: list[float], given: dict[str, An
         "SingularityError at the lock (1e-6 rad)",
         lambda engine: (pp.servo_cycle if "angle" in given else pp.cycle)(linkage(), speed=7.0, engine=engine, **given),
         refusal(pp.SingularityError, angles, 1e-6),
-        ordinary=lambda engine: pp.cycle(turning(), 7.0, engine=engine, points=90),
         refused=True,
     )
 
 
-def run_into(name: str, linkage: Any, angle: float, speed: float, ordinary: Any) -> Case:
+def run_into(name: str, linkage: Any, angle: float, speed: float) -> Case:
     return Case(
         NONE,
         name,
@@ -194,7 +183,6 @@ def run_into(name: str, linkage: Any, angle: float, speed: float, ordinary: Any)
         lambda method: pp.simulate(linkage(), 2.0, speed=speed, flywheel=pp.drives.Flywheel(5.0), method=method),
         refusal(pp.SimulationError, [math.copysign(angle, speed)], 1e-3),
         ("reduced",),
-        lambda method: pp.simulate(ordinary(), 2.0, speed=speed, flywheel=pp.drives.Flywheel(5.0), method=method),
         refused=True,
     )
 
@@ -227,9 +215,9 @@ CASES = [
     whole_turn("a four-bar that locks, a turn", four, [LOCKS[0]], {"points": 90}),
     whole_turn("the same, backwards from 0 to 1.01 times the lock", four, [LOCKS[1]], {"angle": np.array([0.0, 1.01 * LOCKS[1]])}),
     whole_turn("crank longer than rod (0.1, 0.09 m)", SHORT.press, [math.asin(0.9)], {"points": 90}),
-    run_into("crank longer than rod, a run", SHORT.press, math.asin(0.9), 30.0, ORDINARY.press),
-    run_into("the same, backwards", SHORT.press, math.asin(0.9), -30.0, ORDINARY.press),
-    run_into("a four-bar that locks, a run", four, LOCKS[0], 3.0, turning),
+    run_into("crank longer than rod, a run", SHORT.press, math.asin(0.9), 30.0),
+    run_into("the same, backwards", SHORT.press, math.asin(0.9), -30.0),
+    run_into("a four-bar that locks, a run", four, LOCKS[0], 3.0),
     Case(
         NONE,
         "1 MN of blanking on 2 kJ: it stalls",
@@ -237,7 +225,6 @@ CASES = [
         lambda method: pp.simulate(ORDINARY.press(), 1.0, loads=[Blanking(1e6, 0.05, 0.02)], method=method, **BLANK),
         stalls,
         METHODS,
-        lambda method: pp.simulate(ORDINARY.press(), 1.0, loads=[Blanking(1e3, 0.05, 0.02)], method=method, **BLANK),
         refused=True,
     ),
     drawn_there("a parallelogram drawn in one line", lambda: four_bar(1.0, 0.3, 1.0, 0.3, 0.0).urdf("O")),

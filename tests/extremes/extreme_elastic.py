@@ -78,7 +78,6 @@ def _blanking(stiffness: float, ratio: float) -> Case:
         lambda way: blanking(stiffness, ratio),
         too_soft if soft else cuts,
         ways=("elastic",),
-        ordinary=None if soft else lambda way: blanking(*USUAL),
         refused=soft,
     )
 
@@ -91,7 +90,6 @@ def _idle(stiffness: float, ratio: float) -> Case:
         lambda way: idle(stiffness, ratio),
         lambda found: nears(stiffness)(found),
         ways=("elastic",),
-        ordinary=lambda way: idle(*USUAL),
     )
 
 

@@ -52,7 +52,6 @@ def redundant(name: str, press: Any, angles: Any, marked: dict[str, str]) -> Cas
         f"every body in balance, engines alike, open: {', '.join(f'{b} {axes}' for b, axes in marked.items())}",
         scene,
         judge,
-        ordinary=lambda engine: spinning(shipped("jf75g_125"), engine, angles),
     )
 
 
@@ -72,7 +71,6 @@ def summed(name: str, pairs: dict[str, tuple[str, ...]]) -> Case:
         "torque and sums of forces in the plane are those of jf75g_125",
         lambda engine: spinning(shipped(name), engine, ROUND),
         judge,
-        ordinary=lambda engine: spinning(shipped("jf75g_125"), engine, ROUND),
     )
 
 
@@ -111,7 +109,6 @@ def rotated(name: str, rpy: str) -> Case:
         "all forces rotated, torque the same",
         lambda engine: spinning(askew(name, rpy, turned_gravity(rpy)), engine, ROUND),
         judge,
-        ordinary=lambda engine: spinning(shipped(name), engine, ROUND),
     )
 
 
@@ -130,7 +127,6 @@ def leaning(name: str, rpy: str) -> Case:
         "engines alike, forces on the foundation by the rate of momentum",
         lambda engine: spinning(askew(name, rpy, down), engine, ROUND),
         judge,
-        ordinary=lambda engine: spinning(shipped(name), engine, ROUND),
     )
 
 
@@ -151,7 +147,6 @@ def rotated_run(name: str, rpy: str) -> Case:
         scene,
         judge,
         METHODS,
-        lambda method: scene(method, upright=True),
     )
 
 

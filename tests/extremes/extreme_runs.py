@@ -27,7 +27,6 @@ def far(turns: float) -> Case:
         "closed form, within four roundings of the angle",
         lambda engine: spinning(MECHANISM.press(), engine, angles),
         MECHANISM.judge(bound),
-        ordinary=lambda engine: spinning(MECHANISM.press(), engine, ROUND),
     )
 
 
@@ -35,7 +34,7 @@ def far_run(turns: float) -> Case:
     """A run that begins there."""
     begin = 2 * math.pi * turns + 1.0
 
-    def scene(method: str, begin: float = begin) -> pp.Run:
+    def scene(method: str) -> pp.Run:
         return pp.simulate(MECHANISM.press(), 0.5, speed=8.0, angle=begin, flywheel=pp.drives.Flywheel(FLYWHEEL), method=method)
 
     return Case(
@@ -45,7 +44,6 @@ def far_run(turns: float) -> Case:
         scene,
         MECHANISM.free_run(FLYWHEEL, CLOSE + 4 * float(np.spacing(abs(begin)))),
         METHODS,
-        lambda method: scene(method, 1.0),
     )
 
 
@@ -53,7 +51,7 @@ def many(turns: int, long: bool = False) -> Case:
     """Energy is lost or gained by no more than 1e-11 a turn by `constraint`, whose steps err by that, and 1e-9 at all by `reduced`, whose
     periods close; an error of the energy makes one of the angle, half of it by the way turned through."""
 
-    def scene(method: str, turns: int = turns) -> pp.Run:
+    def scene(method: str) -> pp.Run:
         return pp.simulate(
             MECHANISM.press(), counted(method, turns) * 0.314, speed=20.0, angle=1.0, flywheel=pp.drives.Flywheel(FLYWHEEL), method=method
         )
@@ -73,7 +71,6 @@ def many(turns: int, long: bool = False) -> Case:
         scene,
         judge,
         METHODS,
-        lambda method: scene(method, 10),
         long=long,
     )
 
@@ -90,7 +87,7 @@ STARTS = "Starts at dead centres: runs"
 def moving(name: str, angle: float, speed: float, flywheel: float, torque: float = 0.0) -> Case:
     duration = 0.6
 
-    def scene(method: str, angle: float = angle, speed: float = speed) -> pp.Run:
+    def scene(method: str) -> pp.Run:
         drive = pp.drives.ConstantTorque(torque) if torque else None
         return pp.simulate(
             MECHANISM.press(), duration, speed=speed, angle=angle, flywheel=pp.drives.Flywheel(flywheel), drive=drive, method=method
@@ -107,19 +104,18 @@ def moving(name: str, angle: float, speed: float, flywheel: float, torque: float
         scene,
         judge,
         METHODS,
-        lambda method: scene(method, 1.0, 8.0),
     )
 
 
 def resting(name: str, angle: float, judge: Callable[[pp.Run], Outcome], expected: str) -> Case:
-    def scene(method: str, angle: float = angle) -> pp.Run:
+    def scene(method: str) -> pp.Run:
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
             run = pp.simulate(MECHANISM.press(), 1.5, angle=angle, method=method)
         assert [warning.category for warning in said] == [pp.PinpressWarning] * (abs(angle - math.pi) < 0.1)  # at an unstable rest alone
         return run
 
-    return Case(STARTS, name, expected, scene, judge, METHODS, lambda method: scene(method, 1.0))
+    return Case(STARTS, name, expected, scene, judge, METHODS)
 
 
 def stays(run: pp.Run) -> Outcome:

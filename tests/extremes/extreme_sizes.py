@@ -31,10 +31,9 @@ def proportion(ratio: float) -> list[Case]:
         CLOSED + ", within its conditioning, 10 eps / (1 - lambda)" * (ratio > 0.99),
         lambda engine: spinning(mechanism.press(), engine, ROUND),
         mechanism.judge(bound),
-        ordinary=lambda engine: spinning(ORDINARY.press(), engine, ROUND),
     )
 
-    def free(method: str, mechanism: CrankSlider = mechanism) -> pp.Run:
+    def free(method: str) -> pp.Run:
         return pp.simulate(mechanism.press(), 0.8, speed=8.0, flywheel=pp.drives.Flywheel(50.0), method=method)
 
     corners = [place + share * math.sqrt(2 * (1 - ratio)) for place in (0.5 * math.pi, 1.5 * math.pi) for share in (-10, -3, 3, 10)]
@@ -46,7 +45,6 @@ def proportion(ratio: float) -> list[Case]:
         free,
         mechanism.free_run(50.0, at=at),
         METHODS,
-        lambda method: free(method, ORDINARY),
     )
     return [inverse, run]
 
@@ -78,13 +76,12 @@ def masses(name: str, mechanism: CrankSlider) -> list[Case]:
         CLOSED + ", forces beside the heaviest link's weight",
         lambda engine: spinning(mechanism.press(), engine, ROUND),
         mechanism.judge(ROUNDING, moved),
-        ordinary=lambda engine: spinning(ORDINARY.press(), engine, ROUND),
     )
     # from 20 degrees at a speed that carries it over the top, for what would be a turn
     rise = float(mechanism.potential(math.pi) - mechanism.potential(0.0))
     speed = max(8.0, math.sqrt(4 * abs(rise) / float(mechanism.inertia(0.35))))
 
-    def free(method: str, mechanism: CrankSlider = mechanism, speed: float = speed) -> pp.Run:
+    def free(method: str) -> pp.Run:
         return pp.simulate(mechanism.press(), 6.0 / speed, speed=speed, angle=0.35, method=method)
 
     run = Case(
@@ -94,7 +91,6 @@ def masses(name: str, mechanism: CrankSlider) -> list[Case]:
         free,
         mechanism.free_run(0.0, at=np.concatenate([c + np.array([-1e-2, -1e-4, 1e-4, 1e-2]) for c in (0.0, math.pi)]).tolist()),
         METHODS,
-        lambda method: free(method, ORDINARY, 20.0),
     )
     if not float(mechanism.inertia(math.pi)) > 1e-12:
         run = replace(
@@ -134,7 +130,6 @@ def quadratic(name: str, rate: float) -> Case:
         "w^2 times those without gravity at 1 rad/s, plus those at rest (1e-13)",
         lambda engine: spinning(shipped(name), engine, ROUND, w, 0.0),
         judge,
-        ordinary=lambda engine: spinning(shipped(name), engine, ROUND, 7.0, 0.0),
     )
 
 
@@ -143,7 +138,7 @@ def fast(rate: float) -> Case:
     w = rate * pp.RPM
     flywheel = max(1.0, 2e3 / w**2)
 
-    def free(method: str, w: float = w, flywheel: float = flywheel) -> pp.Run:
+    def free(method: str) -> pp.Run:
         return pp.simulate(ORDINARY.press(), 12.0 / w, speed=w, flywheel=pp.drives.Flywheel(flywheel), method=method)
 
     return Case(
@@ -153,7 +148,6 @@ def fast(rate: float) -> Case:
         free,
         ORDINARY.free_run(flywheel),
         METHODS,
-        lambda method: free(method, 8.0, 50.0),
     )
 
 
@@ -219,7 +213,6 @@ def same_but_larger(name: str, size: float, mass: int) -> list[Case]:
             "forces by mass x length, torque by mass x length^2 (1e-13)",
             scene,
             judge,
-            ordinary=lambda engine: scene(engine, 1.0),
         ),
         Case(
             "From micrometres to kilometres: runs",
@@ -228,7 +221,6 @@ def same_but_larger(name: str, size: float, mass: int) -> list[Case]:
             free,
             judge_run,
             METHODS,
-            lambda method: free(method, 1.0),
         ),
     ]
 
@@ -265,7 +257,7 @@ def between_dead_centres() -> Case:
     """Where only the slide has mass there is inertia but at dead centres; between them it falls freely."""
     mechanism = MASSES["no mass but the slide's"]
 
-    def free(method: str, mechanism: CrankSlider = mechanism) -> pp.Run:
+    def free(method: str) -> pp.Run:
         return pp.simulate(mechanism.press(), 0.1, speed=20.0, angle=0.5, method=method)
 
     return Case(
@@ -275,7 +267,6 @@ def between_dead_centres() -> Case:
         free,
         mechanism.free_run(0.0),
         METHODS,
-        lambda method: free(method, ORDINARY),
     )
 
 

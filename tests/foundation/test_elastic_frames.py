@@ -8,40 +8,17 @@ from scipy.io import mmwrite
 from scipy.linalg import eigh, expm
 from scipy.optimize import brentq
 from scipy.sparse import csr_matrix
-from support.generators.frames import harmonic_force, turns, weightless
+from support.generators.frames import FEET, PLACES, harmonic_force, members, of_beams, turns, weightless
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress import PinpressError, UnknownNameError, foundation
+from pinpress import PinpressError, foundation
 from pinpress.common.reading import matrices as matrices_of_models
 from pinpress.foundation import beams, elastic_frame
 from pinpress.foundation.frame_parts import rows_at
 from pinpress.foundation.response import displacement_amplitudes
 
-FEET = {f"foot {k}": (x, y, -1.3) for k, (x, y) in enumerate([(-0.55, -0.5), (-0.55, 0.6), (0.55, -0.5), (0.55, 0.6)])}
-PLACES = {"bed": (0, 0.05, -1), "left": (0, 0.6, -1), "right": (0, -0.5, -1), "crown": (0, 0.05, 0.5)}
-PLACES |= {"upper left": (0, 0.6, 0.5), "upper right": (0, -0.5, 0.5)} | FEET
 MOUNTS = [foundation.Mount(foot, (8e6, 8e6, 9e8), (2e4, 3e4, 4e5)) for foot in FEET.values()]
-
-
-def members(stiffer=1.0):
-    """A bed and a crown of boxes on two columns, and a leg to each foot."""
-    material = {"modulus": 2.1e11 * stiffer, "shear_modulus": 8.1e10 * stiffer}
-    box = {"width": 0.8, "height": 0.5, "wall": 0.04, "across": (1, 0, 0)} | material
-    found = [foundation.FrameBeam(*ends, **box) for ends in [("right", "bed"), ("bed", "left")]]
-    found += [foundation.FrameBeam(*ends, **box) for ends in [("upper right", "crown"), ("crown", "upper left")]]
-    column = {"width": 0.6, "height": 0.25, "wall": 0.05, "across": (1, 0, 0)} | material
-    found += [foundation.FrameBeam("left", "upper left", **column), foundation.FrameBeam("right", "upper right", **column)]
-    leg = {"width": 0.3, "height": 0.3, "across": (0, 1, 0)} | material
-    sides = ("right", "left", "right", "left")
-    return found + [foundation.FrameBeam(side, foot, **leg) for side, foot in zip(sides, FEET, strict=True)]
-
-
-@functools.cache
-def frame(stiffer=1.0, modes=20, elements=3, loss_factor=0.0, guided="crown"):
-    bearings = {} if guided == "crown" else {"slide_guide": guided}
-    more = {"elements": elements, "modes": modes, "loss_factor": loss_factor, "bearings": bearings}
-    return foundation.beam_frame(PLACES, members(stiffer), bed="bed", carrier="crown", **more)
 
 
 def full_model(monkeypatch, elements=3):
@@ -107,14 +84,6 @@ def test_a_beam_on_two_supports_sags(along, moment, shear):
     assert ((stretch / bent.natural_frequency) ** 2).sum() == pytest.approx(expected, rel=1e-9)
 
 
-def test_two_supports_on_a_line_do_not_hold_a_beam():
-    beam = [foundation.FrameBeam("a", "b", 0.4, 0.3, (1, 0, 0))]
-    places = {"a": (0, -1, 0), "b": (0, 1, 0)}
-    bent = foundation.beam_frame(places, beam, bed="a", carrier="b")
-    with pytest.raises(PinpressError, match="the mounts leave the frame free in turn about y"):
-        foundation.mounted(weightless(), bent, [foundation.Mount(place, (1e6, 1e6, 1e6)) for place in places.values()])
-
-
 def test_sections_of_boxes():
     """A solid square has 0.1406 a^4 against twisting, one twice as wide 0.229 b a^3 (Timoshenko, Theory of Elasticity, 109), either way
     round; a hollow one the moments of the outer box less those of the inner one."""
@@ -143,7 +112,7 @@ def test_reduced_frame_on_its_mounts_beside_the_full_model(monkeypatch):
     press = pp.load("crank_slide", gravity=(0, 0, 0)).with_inertias(list(weightless().model.inertias))
     off = []
     for modes in (0, 6, 30, 200):
-        found = foundation.modes(foundation.mounted(press, frame(modes=modes), MOUNTS)).natural_frequency[:12]
+        found = foundation.modes(foundation.mounted(press, of_beams(modes=modes), MOUNTS)).natural_frequency[:12]
         off.append(found / full[:12] - 1)
         assert (off[-1] > -1e-9).all()
     assert (off[0] >= off[1] - 1e-9).all()
@@ -160,7 +129,7 @@ def test_statics_of_forces_at_the_interfaces_are_exact(monkeypatch):
     force[6 * more["interfaces"]["crown"] + 2], force[6 * more["interfaces"]["bed"] + 2] = 1.0, -1.0
     expected = 1 / (force @ np.linalg.lstsq(stiffness, force, rcond=1e-12)[0])
     for modes in (0, 20):
-        assert frame(modes=modes).stiffness_between("crown", "bed") == pytest.approx(expected, rel=1e-7)
+        assert of_beams(modes=modes).stiffness_between("crown", "bed") == pytest.approx(expected, rel=1e-7)
 
 
 def lumped(mass, more):
@@ -187,7 +156,7 @@ def test_lumped_masses(monkeypatch):
     np.testing.assert_allclose(foundation.modes(system).natural_frequency[:12], full, rtol=1e-9)
     for kept in (0, 20):
         found = foundation.reduced_frame(at_nodes, stiffness, **more | {"modes": kept})
-        assert found.stiffness_between("crown", "bed") == pytest.approx(frame().stiffness_between("crown", "bed"), rel=1e-7)
+        assert found.stiffness_between("crown", "bed") == pytest.approx(of_beams().stiffness_between("crown", "bed"), rel=1e-7)
     bare = np.where(np.asarray(more["degrees"])[:, 1] > 2, 0.0, np.diag(at_nodes))
     with pytest.raises(PinpressError, match=r"interface '[\w ]+' along its coordinate turn about [xyz] moves no mass: give rotary inertia"):
         foundation.reduced_frame(np.diag(bare), stiffness, **more)
@@ -266,7 +235,7 @@ def test_a_frame_is_read_as_it_is_given(monkeypatch, tmp_path):
 def test_a_stiff_frame_is_the_rigid_one(guided):
     """1e10 times as stiff as steel: the results of a rigid frame of the same inertia, to 1e-9, wherever the guide is. In time it is 1e-7:
     there vibrations 1e8 times as fast as the step go through a matrix exponential, and the sudden start makes them ring."""
-    stiff, press = frame(stiffer=1e10, guided=guided), shipped("jf75g_125")
+    stiff, press = of_beams(stiffer=1e10, guided=guided), shipped("jf75g_125")
     centre = np.array([stiff.inertia[5, 1], stiff.inertia[3, 2], stiff.inertia[4, 0]]) / stiff.mass
     tensor = stiff.inertia[3:, 3:] - stiff.mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
     aside = {"attached": {"motor": foundation.Attachment(foundation.Frame(450, (0, 0.9, 0.9), (20, 10, 20)))}, "rotors": ROTORS}
@@ -298,7 +267,7 @@ ROTORS = [foundation.Rotor(136, (0, -1, 0))]
 
 @functools.cache
 def bent(loss_factor=0.02):
-    return foundation.mounted(shipped("jf75g_125"), frame(loss_factor=loss_factor, guided="upper left"), MOUNTS, rotors=ROTORS)
+    return foundation.mounted(shipped("jf75g_125"), of_beams(loss_factor=loss_factor, guided="upper left"), MOUNTS, rotors=ROTORS)
 
 
 def test_force_on_the_floor_is_what_momentum_leaves():
@@ -328,8 +297,8 @@ def test_displacement_by_a_force_is_reciprocal():
 def test_slide_and_bed_move_apart_as_the_stiffness_says():
     """Pressed apart slowly at crown and bed, the frame opens by force / stiffness, about 0.3 mm under 1250 kN."""
     press = weightless()
-    system = foundation.mounted(press, frame(), MOUNTS)
-    force, stiffness = 1.25e6, frame().stiffness_between("crown", "bed")
+    system = foundation.mounted(press, of_beams(), MOUNTS)
+    force, stiffness = 1.25e6, of_beams().stiffness_between("crown", "bed")
     pair = [harmonic_force(press, -force)]
     result = pp.inverse_dynamics(press, pp.cycle(press, 0.1, points=32), loads=pair)
     wrench = (
@@ -343,91 +312,3 @@ def test_slide_and_bed_move_apart_as_the_stiffness_says():
     on_bed = foundation.steady_response(system, result, points={"bed": PLACES["bed"], "named": "bed", "with": ("bed", PLACES["bed"])})
     for name in ("named", "with"):
         np.testing.assert_allclose(on_bed.displacement[name], on_bed.displacement["bed"], rtol=1e-9, atol=1e-15)
-
-
-# ---------------------------------------------------------------------------------------------------------------------------------- errors
-
-BEAM = {"width": 0.3, "height": 0.2, "across": (0, 0, 1)}
-TWO = {"a": (0, 0, 0), "b": (1, 0, 0)}
-
-
-def box(**more):
-    return foundation.FrameBeam("a", "b", **BEAM | more)
-
-
-def simple(places=TWO, beam=None, **more):
-    return foundation.beam_frame(places, [beam or box()], **{"bed": "a", "carrier": "b"} | more)
-
-
-def matrices(**more):
-    """Two bodies at one place, joined in all six directions."""
-    joined = np.kron([[1.0, -1.0], [-1.0, 1.0]], 1e6 * np.eye(6))
-    given = {"nodes": [(0, 0, 0), (0, 0, 0)], "degrees": [(k, i) for k in (0, 1) for i in range(6)], "interfaces": {"a": 0, "b": 1}}
-    return foundation.reduced_frame(**{"mass": np.eye(12), "stiffness": joined, "bed": "a", "carrier": "b"} | given | more)
-
-
-@pytest.mark.parametrize(
-    ("make", "error", "says"),
-    [
-        (lambda: box(width=-1.0), PinpressError, "width is -1.0"),
-        (lambda: box(wall=0.1), PinpressError, "fills the box"),
-        (lambda: box(across=(0, 0, 0)), PinpressError, "x, y, z of a direction"),
-        (lambda: foundation.FrameBeam(1, "b", **BEAM), PinpressError, "names of places"),
-        (lambda: simple(beam=box(across=(1, 0, 0))), PinpressError, "lies along it"),
-        (lambda: simple({"a": (0, 0, 0)}), PinpressError, "at least two"),
-        (lambda: simple({"a": (0, 0, 0), "b": (0, 0, 0)}), PinpressError, "are one"),
-        (lambda: simple({"a": (0, 0, 0), "b": (0, 1)}), PinpressError, "place 'b'"),
-        (lambda: simple(TWO | {"frame": (0, 1, 1)}), PinpressError, "another name"),
-        (lambda: simple(TWO | {"c": (0, 1, 1)}), PinpressError, "no beam reaches c"),
-        (lambda: simple(beam=foundation.FrameBeam("a", "d", **BEAM)), UnknownNameError, "no place 'd'"),
-        (lambda: simple(bed="c"), UnknownNameError, "no interface for bed 'c'"),
-        (lambda: simple(bearings={"O": "c"}), UnknownNameError, "no interface for O 'c'"),
-        (lambda: simple(elements=0), PinpressError, "elements is 0"),
-        (lambda: simple(modes=-1), PinpressError, "modes is -1"),
-        (lambda: simple(loss_factor=-0.1), PinpressError, "loss_factor is -0.1"),
-        (lambda: foundation.beam_frame(TWO, [], bed="a", carrier="b"), PinpressError, "at least one"),
-        (lambda: simple().stiffness_between("a", "c"), UnknownNameError, "no interface 'c'"),
-        (lambda: simple().stiffness_between("a", "b"), PinpressError, "would turn the frame"),
-        (lambda: simple().stiffness_between("a", "b", axis="up"), PinpressError, "axis is 'up'"),
-        (lambda: matrices(mass=np.eye(6)), PinpressError, "give both for the same rows"),
-        (lambda: matrices(stiffness=np.eye(12)), PinpressError, "resists when the frame moves as a whole"),
-        (lambda: matrices(stiffness=np.zeros((12, 12))), PinpressError, "more than six of its motions cost no energy"),
-        (lambda: matrices(mass=-np.eye(12)), PinpressError, "not positive semidefinite"),
-        (lambda: matrices(mass=np.diag([1.0] * 9 + [0.0] * 3)), PinpressError, "interface 'b' along .* moves no mass"),
-        (lambda: matrices(degrees=[(0, 0)] * 12), PinpressError, "row 1 of degrees is 0, 0, as another row is"),
-        (lambda: matrices(degrees=[(k, i) for k in (1, 2) for i in range(6)]), PinpressError, "row 6 of degrees is 2, 0: .* from 0 to 1"),
-        (lambda: matrices(interfaces={}), PinpressError, "give a mapping"),
-        (lambda: matrices(interfaces={"a": 0, "b": 0}), PinpressError, "name it once"),
-        (lambda: matrices(interfaces={"a": 0, "frame": 1}), PinpressError, "another name"),
-        (lambda: matrices(lines=[(0, 5)]), PinpressError, "lines join nodes"),
-        (lambda: matrices(lines=[(0, 0.5)]), PinpressError, "from 0 to 1"),
-        (
-            lambda: matrices(degrees=[(0, i) for i in range(6)] + [(1, 0)] + [(-1, -1)] * 5),
-            PinpressError,
-            "does not have all six degrees of freedom",
-        ),
-        (lambda: stand([foundation.Mount((0, 0, 9), (1e6,) * 3)]), PinpressError, "no interface of the frame is at"),
-        (lambda: stand(crown=foundation.Frame(1.0, (0, 0, 0), (1, 1, 1)), uprights=MOUNTS), PinpressError, "has no crown="),
-        (lambda: stand(attached={"bed": foundation.Attachment(foundation.Frame(1, (0, 0, 0), (1, 1, 1)))}), PinpressError, "a name other"),
-        (lambda: foundation.mounted(shipped("jf75g_125"), odd_bearing(), MOUNTS), UnknownNameError, "no bearing on the frame 'P2'"),
-        (lambda: respond({"p": (9, 9, 9)}), PinpressError, "no node of the frame is at"),
-        (lambda: respond({"p": "top"}), UnknownNameError, "no part of the frame 'top'"),
-        (lambda: foundation.isolate(shipped("jf75g_125"), frame(), MOUNTS, speeds=[1.0], transmitted=0.5), PinpressError, "frame is"),
-    ],
-)
-def test_what_makes_no_sense_is_named(make, error, says):
-    with pytest.raises(error, match=says):
-        make()
-
-
-def stand(mounts=MOUNTS, **more):
-    return foundation.mounted(shipped("jf75g_125"), frame(), mounts, **more)
-
-
-def odd_bearing():
-    return foundation.beam_frame(PLACES, members(), bed="bed", carrier="crown", bearings={"P2": "bed"}, elements=1)
-
-
-def respond(points):
-    press = shipped("jf75g_125")
-    return foundation.steady_response(bent(), pp.inverse_dynamics(press, pp.cycle(press, 20.0, points=60)), points=points)

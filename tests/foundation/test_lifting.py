@@ -12,7 +12,7 @@ from support.sampling import rest_exhaustive
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress import PinpressError, foundation
+from pinpress import foundation
 from pinpress.foundation.response import frame_wrench
 
 MASS, KZ, GRAVITY = 1000.0, 1e5, 9.81
@@ -230,24 +230,3 @@ def test_states_in_between_of_the_same_force_change_nothing():
     assert len(found[0].mount) >= 4
     np.testing.assert_allclose(found[1].start, found[0].start, atol=1e-10)
     np.testing.assert_allclose(found[1].end, found[0].end, atol=1e-10)
-
-
-@pytest.mark.parametrize(
-    ("call", "says"),
-    [
-        (lambda: foundation.lifting_response(one_mass(), shaken(1.0), points=CENTRE, strokes=0), "strokes is 0"),
-        (lambda: foundation.lifting_response(one_mass(), shaken(1.0, count=2), points=CENTRE, strokes=2), "strokes go with one period"),
-        (lambda: foundation.lifting_response(one_mass(), None, points=CENTRE), "reactions is a NoneType"),
-        (
-            lambda: foundation.lifting_response(
-                foundation.mounted(weightless(), CENTRED, [*on_four((1e6, 1e6, KZ)), foundation.Mount((0, 0, 0), (1e5, 1e5, 0))]),
-                shaken(1.0),
-                points={},
-            ),
-            "mount 5 has no stiffness along z",
-        ),
-    ],
-)
-def test_what_makes_no_sense_is_named(call, says):
-    with pytest.raises(PinpressError, match=says):
-        call()

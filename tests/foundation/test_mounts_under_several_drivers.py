@@ -6,7 +6,7 @@ from support.generators.frames import uneven
 from support.generators.period_presses import five_bar, of_two_motors
 
 import pinpress as pp
-from pinpress import PinpressError, UnknownNameError, foundation
+from pinpress import foundation
 
 SPEED, STATES = 12.0, 720
 PERIOD = 4 * np.pi / SPEED  # the right crank, half as fast, is back after two turns of the left one
@@ -72,35 +72,3 @@ def test_flywheels_of_two_motors_turn_the_frame_back(motors):
     with_wheels = foundation.time_response(system, reactions, points=POINTS, flywheel=wheels)
     without = foundation.time_response(system, reactions, points=POINTS)
     assert np.abs(with_wheels.floor_moment - without.floor_moment).max() > 0.1
-
-
-def test_what_several_drivers_do_not_have_is_refused(motors, geared):
-    system, reactions = motors
-    press, parts = system.press, uneven()
-    with pytest.raises(PinpressError, match="give motion=servo_cycle"):
-        foundation.mounted(press, *parts)
-    with pytest.raises(PinpressError, match="rotors spin with one crank"):
-        foundation.mounted(press, *parts, rotors=[foundation.Rotor(1.0, (0, -1, 0))], motion=reactions.motion)
-    with pytest.raises(PinpressError, match="say after which period="):
-        foundation.steady_response(system, reactions, points=POINTS)
-    with pytest.raises(PinpressError, match=r"period is 1 s, but the 720 states take"):
-        foundation.steady_response(system, reactions, points=POINTS, period=1.0)
-    with pytest.raises(PinpressError, match=r"give flywheel=\{'O'"):
-        foundation.steady_response(system, reactions, points=POINTS, period=PERIOD, flywheel=pp.drives.Flywheel(1.0))
-    with pytest.raises(UnknownNameError, match="driver"):
-        foundation.steady_response(system, reactions, points=POINTS, period=PERIOD, flywheel={"Q": pp.drives.Flywheel(1.0)})
-    with pytest.raises(PinpressError, match="mounts are sought over the speeds of one crank"):
-        foundation.isolate(press, *parts, speeds=[5.0, 10.0], transmitted=0.5)
-    with pytest.raises(PinpressError, match="one speed does not say"):
-        foundation.over_speeds(system, [5.0, 10.0], points=POINTS)
-    with pytest.raises(PinpressError):
-        foundation.mounted(geared[0].press, *parts, motion=reactions.motion)
-
-
-def test_rotors_that_change_their_speed_over_a_given_period_are_refused():
-    press = five_bar(0.5)
-    time = np.arange(STATES) / STATES
-    motion = pp.servo_cycle(press, 4 * np.pi * time + 0.5 * np.sin(2 * np.pi * time), time=time, period=1.0)
-    system = foundation.mounted(press, *uneven(), rotors=[foundation.Rotor(50.0, (0, -1, 0))], motion=motion)
-    with pytest.raises(PinpressError, match="the rotors change their speed"):
-        foundation.steady_response(system, pp.inverse_dynamics(press, motion), points=POINTS, period=1.0)

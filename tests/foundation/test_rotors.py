@@ -9,7 +9,7 @@ from support.generators.frames import WIDE, harmonic_force, on_four, turns, unev
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress import PinpressError, UnknownNameError, foundation
+from pinpress import foundation
 from pinpress.foundation.mounted_press import state_matrix
 from pinpress.foundation.whirl_modes import SAME_MODE
 
@@ -222,49 +222,3 @@ def test_a_rotor_that_speeds_up():
 
     exact = solve_ivp(rate, (0.0, 1.0), np.zeros(12), rtol=1e-9, atol=1e-14, max_step=1e-3).y[:6, -1]
     np.testing.assert_allclose(found.coordinates[-1], exact, atol=2e-6 * np.abs(found.coordinates).max())
-
-
-# -------------------------------------------------------------------------------------------------------------------------------- errors
-
-
-BODY = foundation.Frame(100.0, (0, 0, 0), (1, 1, 1))
-
-
-@pytest.mark.parametrize(
-    ("make", "error", "says"),
-    [
-        (lambda: foundation.Rotor(-1.0, (0, 1, 0)), PinpressError, "inertia is -1.0"),
-        (lambda: foundation.Rotor(1.0, (0, 0, 0)), PinpressError, "x, y, z of a direction"),
-        (lambda: foundation.Rotor(1.0, (0, 1)), PinpressError, "axis"),
-        (lambda: foundation.Rotor(1.0, (0, 1, 0), on=3), PinpressError, "on is 3"),
-        (lambda: foundation.Attachment("motor"), PinpressError, "body is 'motor'"),
-        (lambda: foundation.Attachment(BODY, springs=[1]), PinpressError, "springs is"),
-        (lambda: foundation.Attachment(BODY, on=1), PinpressError, "on is 1"),
-        (lambda: stand(attached={"frame": foundation.Attachment(BODY)}), PinpressError, "a name other than frame"),
-        (lambda: stand(attached={"motor": BODY}), PinpressError, "give an Attachment"),
-        (lambda: stand(attached={"motor": foundation.Attachment(BODY, on="crown")}), UnknownNameError, "no part of the frame 'crown'"),
-        (lambda: stand(rotors=[foundation.Rotor(1.0, (0, 1, 0), on="crown")]), UnknownNameError, "no part of the frame 'crown'"),
-        (lambda: stand(rotors=[1.0]), PinpressError, "give a list of Rotor"),
-        (lambda: foundation.whirl(stand(), [1.0]), PinpressError, "nothing spins"),
-        (lambda: foundation.whirl(spinning(), [2.0, 1.0]), PinpressError, "speeds is"),
-        (lambda: foundation.whirl(spinning(), [0.0]), PinpressError, "speeds is"),
-        (lambda: foundation.whirl(spinning(), [1.0]).critical_speeds(0), PinpressError, "order is 0"),
-        (lambda: respond(spinning(), pp.drives.Flywheel(1.0)), PinpressError, "leave out flywheel="),
-    ],
-)
-def test_what_makes_no_sense_is_named(make, error, says):
-    with pytest.raises(error, match=says):
-        make()
-
-
-def stand(**more):
-    return foundation.mounted(shipped("crank_slide"), *uneven(), **more)
-
-
-def spinning():
-    return stand(rotors=[foundation.Rotor(10.0, (0, 1, 0))])
-
-
-def respond(system, flywheel):
-    reactions = pp.inverse_dynamics(system.press, pp.cycle(system.press, 10.0, points=60))
-    return foundation.steady_response(system, reactions, points={}, flywheel=flywheel)

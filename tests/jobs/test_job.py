@@ -89,7 +89,7 @@ def parts() -> list[tuple[str, Part]]:
     return [(name, part) for name, part in found if ".csv" not in part.example]
 
 
-@pytest.mark.parametrize("name, part", parts(), ids=[name for name, _ in parts()])
+@pytest.mark.parametrize(("name", "part"), parts(), ids=[name for name, _ in parts()])
 def test_examples_make_their_parts(name: str, part: Part, tmp_path: Path) -> None:
     """The example of each part is read, and the part has the numbers that stand there, in SI units."""
     around = Around(drivers={"A": shipped("zxn2_3000b").driver_coordinates[0]})

@@ -162,23 +162,18 @@ def test_kinematics_equal_the_reference(name, engine):
 
 
 @pytest.mark.parametrize("name", PRESSES)
-def test_slide_in_closed_form(name, engine):
-    motion = pp.servo_cycle(load(name), **SERVO, engine=engine)
+def test_slide_and_counterweight_in_closed_form(name, engine):
+    press = load(name)
+    motion = pp.servo_cycle(press, **SERVO, engine=engine)
     slide = paths(MAIN, motion.crank_angle)[2]
     near(motion.slide_position, slide.value.imag, 1e-12)
     near(motion.slide_velocity, slide.velocity(motion).imag, 1e-12)
     near(motion.slide_acceleration, slide.acceleration(motion).imag, 1e-12)
-
-
-@pytest.mark.parametrize("name", COUNTERWEIGHTED)
-def test_counterweight_in_closed_form(name, engine):
-    press = load(name)
-    motion = pp.servo_cycle(press, **SERVO, engine=engine)
-    guide = press.joints.index("counterweight_guide")
-    counterweight = paths(AUXILIARY, motion.crank_angle)[2]
-    near(0.6297 + motion.joint_position[:, guide], counterweight.value.imag, 1e-12)
-    near(motion.v[:, guide], counterweight.velocity(motion).imag, 1e-12)
-    near(motion.a[:, guide], counterweight.acceleration(motion).imag, 1e-12)
+    if name in COUNTERWEIGHTED:
+        guide, counterweight = press.joints.index("counterweight_guide"), paths(AUXILIARY, motion.crank_angle)[2]
+        near(0.6297 + motion.joint_position[:, guide], counterweight.value.imag, 1e-12)
+        near(motion.v[:, guide], counterweight.velocity(motion).imag, 1e-12)
+        near(motion.a[:, guide], counterweight.acceleration(motion).imag, 1e-12)
 
 
 @pytest.mark.one_in(5)
@@ -187,12 +182,6 @@ def test_counterweight_in_closed_form(name, engine):
 def test_torque_is_that_of_the_reduced_equation(name, motion, engine):
     result = solved(load(name), engine, motion)
     near(result.driving_torque, driving_torque(PARTS[name], result.motion), 1e-12)
-
-
-@pytest.mark.one_in(3)
-@pytest.mark.parametrize("name", PRESSES)
-def test_power_balance(name, engine):
-    assert np.abs(solved(load(name), engine).power_residual).max() < 1e-13
 
 
 @pytest.mark.parametrize(("name", "redundant"), list(zip(PRESSES, (0, 0, 2, 1), strict=True)))
@@ -242,7 +231,7 @@ def extremes(press, speed, engine, curve):
 @pytest.mark.one_in(9)
 @pytest.mark.parametrize("rpm", ["300", "400"])
 @pytest.mark.parametrize("name", SHAKING)
-def test_extremes_of_the_shaking_force_equal_the_reference(name, rpm, engine):
+def test_extremes_of_the_shaking_force_and_moment_equal_the_reference(name, rpm, engine):
     """Each to 1e-10 of itself, though the opposed press' vertical range is 119 N of forces of 34 kN that balance each other."""
     speed, weight = float(rpm) * pp.RPM, FLYWHEEL * G
 
@@ -260,16 +249,8 @@ def test_extremes_of_the_shaking_force_equal_the_reference(name, rpm, engine):
         "Fz_min": left,
         "Fz_range": right - left,
     }
-    expected = {key: value for key, value in SHAKING[name][rpm].items() if key != "M_range"}
-    assert found == pytest.approx(expected, rel=1e-10, abs=0)
-
-
-@pytest.mark.one_in(5)
-@pytest.mark.parametrize("rpm", ["300", "400"])
-@pytest.mark.parametrize("name", SHAKING)
-def test_range_of_the_shaking_moment_equals_the_reference(name, rpm, engine):
-    most, least = extremes(load(name, 0), float(rpm) * pp.RPM, engine, lambda result: result.shaking_moment[:, 1])
-    assert most - least == pytest.approx(SHAKING[name][rpm]["M_range"], rel=1e-10)
+    most, least = extremes(load(name, 0), speed, engine, lambda result: result.shaking_moment[:, 1])
+    assert found | {"M_range": most - least} == pytest.approx(SHAKING[name][rpm], rel=1e-10, abs=0)
 
 
 @pytest.mark.parametrize("name", SHAKING)
@@ -296,18 +277,14 @@ def mirrored(vectors):
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_symmetric_press_neither_shakes_sideways_nor_tilts(motion, engine):
-    """Lateral force and moment about y, gravity included, of the vertical force. 1e-12: rounding; the opposed press has 1e-3 and more."""
+    """Lateral force and moment about y, gravity included, of the vertical force. 1e-12: rounding; the opposed press has 1e-3 and more. Both
+    shake alike upright."""
     symmetric, opposed = (solved(load(name), engine, motion) for name in ("jf75g_125_symmetric", "jf75g_125"))
+    near(symmetric.shaking_force[:, 2], opposed.shaking_force[:, 2], 1e-12)
     peak = np.abs(symmetric.shaking_force[:, 2]).max()
     for result, most, least in ((symmetric, 1e-12, 0.0), (opposed, np.inf, 1e-3)):
         for values in (result.shaking_force[:, 0], result.shaking_moment[:, 1]):
             assert least * peak <= np.abs(values).max() <= most * peak
-
-
-@pytest.mark.exhaustive
-def test_symmetric_press_shakes_upright_as_the_opposed_one(engine):
-    symmetric, opposed = (solved(load(name), engine).shaking_force[:, 2] for name in ("jf75g_125_symmetric", "jf75g_125"))
-    near(symmetric, opposed, 1e-12)
 
 
 @pytest.mark.one_in(3)
@@ -413,25 +390,14 @@ def test_two_points_together_carry_what_one_does(two_point, load_case):
 
 @pytest.mark.one_in(5)
 def test_two_points_share_by_stiffness(two_point, stiffness, load_case):
-    """Along the rods as their stiffnesses, equally where none is given."""
-    expected = shared(two_point.motion, FRONT[stiffness], LOADS[load_case][0])
-    for bearing, force in expected.items():
-        near(two_point.bearing_force[bearing], force, 1e-12)
-
-
-@pytest.mark.one_in(5)
-def test_moment_at_the_shaft_of_two_points(two_point, stiffness, load_case):
-    """The shaft holds the crank against the rods, about x and z."""
-    expected = shared(two_point.motion, FRONT[stiffness], LOADS[load_case][0])
-    on_crank = moment_about_the_middle("P2", expected)
-    near(two_point.bearing_moment["O"][:, [0, 2]], on_crank[:, [0, 2]], 1e-12, peak=B * expected["P2_front"])
-
-
-@pytest.mark.one_in(5)
-def test_moment_at_the_guide_of_two_points(two_point, stiffness, load_case):
-    """The guide holds the slide against the rods and a load beside the middle plane."""
+    """Along the rods as their stiffnesses, equally where none is given. The shaft holds the crank against the rods about x and z, the guide
+    holds the slide against the rods and a load beside the middle plane."""
     force, y = LOADS[load_case]
     expected = shared(two_point.motion, FRONT[stiffness], force)
+    for bearing, each in expected.items():
+        near(two_point.bearing_force[bearing], each, 1e-12)
+    on_crank = moment_about_the_middle("P2", expected)
+    near(two_point.bearing_moment["O"][:, [0, 2]], on_crank[:, [0, 2]], 1e-12, peak=B * expected["P2_front"])
     on_slide = moment_about_the_middle("P4", expected) + np.cross([0.0, y, -0.5], force * UPRIGHT)
     near(two_point.bearing_moment["slide_guide"], -on_slide, 1e-12, peak=B * expected["P4_front"])
 

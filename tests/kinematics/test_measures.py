@@ -1,8 +1,6 @@
 """Measures of a slide's motion against closed forms, searches by brute force, and difference quotients."""
 
-import dataclasses
 import functools
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -124,34 +122,6 @@ def test_the_stroke_of_a_press_is_that_between_its_dead_centres(name):
     assert type(measures.stroke(motion)) is float
 
 
-def test_the_press_of_chen_2002():
-    """Printed: a ratio of times of 1.5 and a stroke of 400 mm; its rounded lengths give a little less. Speed ratio and evenness of a
-    stretch of 120 mm as an independent search over the paper's formulas found them."""
-    motion = pp.cycle(texts.shipped("thin_wall"), speed=SPEED)
-    swing = np.arcsin(0.108 / 0.350)
-    np.testing.assert_allclose(measures.quick_return_ratio(motion), (np.pi + 2 * swing) / (np.pi - 2 * swing), rtol=1e-12)
-    np.testing.assert_allclose(measures.stroke(motion), 2 * 0.648 * 0.108 / 0.350, rtol=1e-12)
-    assert round(measures.speed_ratio(motion), 8) == 1.44069493
-    assert round(100 * measures.speed_variation(motion, 0.120), 2) == 3.69
-
-
-def test_the_objective_of_chen_2002_falls_with_the_coupler_to_a_limit():
-    """Stroke and ratio of times fix the mean speed, so f = v_max / v_mean only asks for the longest coupler: it has no optimum of its own.
-
-    Of an endless coupler the ram moves like the bar's tip along x, whose peak, with the bar upright, has f = (pi + 2 d) / (2 (1 + sin d))
-    for a swing of the bar by d to either side.
-    """
-    d = np.radians(18.0)
-    family = functools.partial(guide_bar, crank=0.35 * np.sin(d), guide=0.648 * (1 + np.cos(d)) / 2)
-    couplers = np.array([0.08, 0.1, 0.15, 0.22, 0.5, 1.0, 5.0, 100.0])
-    ratios = np.array([measures.speed_ratio(of(family(coupler=length))) for length in couplers])
-    limit = (np.pi + 2 * d) / (2 * (1 + np.sin(d)))
-    assert round(limit, 8) == 1.43997794
-    assert np.all(np.diff(ratios) < 0)
-    assert 0 < ratios[-1] - limit < 1e-8  # it falls with the square of the length
-    np.testing.assert_allclose(ratios[-2] - limit, (ratios[-3] - limit) / 25, rtol=0.05)
-
-
 # Between the states
 
 
@@ -210,15 +180,10 @@ WINDOWS = {
 
 
 @pytest.mark.parametrize("kind", WINDOWS)
-def test_every_kind_of_evenest_window_is_found(kind):
+def test_every_kind_of_evenest_window_is_found_and_differentiated(kind):
+    """By the complex step, by the first hump, against central differences: 1e-8, of their step squared."""
     coefficients, share = WINDOWS[kind]
     assert_least(humps(coefficients), share)
-
-
-@pytest.mark.parametrize("kind", WINDOWS)
-def test_the_complex_step_differentiates_every_kind_of_window(kind):
-    """By the first hump, against central differences: 1e-8, of their step squared."""
-    coefficients, share = WINDOWS[kind]
     length, step = share * measures.stroke(of(humped(humps(coefficients)))), 1e-30
 
     def speed_variation(change):
@@ -330,10 +295,9 @@ def test_derivatives_by_the_crank_speed():
 
 
 def test_a_real_motion_and_a_complex_one_have_the_same_measures():
-    real, complex_ = of(crank_slide()), of(crank_slide(rod=ROD + 0j))
+    real, plain = of(crank_slide()), of(crank_slide(rod=ROD + 0j))
     for name, measure in ALL.items():
-        assert type(measure(real)) is float
-        assert measure(complex_) == measure(real), name
+        assert (type(measure(real)), measure(plain)) == (float, measure(real)), name
 
 
 # Angles between links
@@ -409,53 +373,6 @@ def test_bearing_positions_are_where_pinocchio_has_them():
         at["Q"]
 
 
-# What is refused
-
-
-@pytest.mark.parametrize("name", [name for name in ALL if "return" not in name])
-def test_what_is_no_turn_at_constant_speed_is_refused(name):
-    press = texts.shipped("crank_slide")
-    servo = pp.servo_cycle(press, angle=np.linspace(0, 1, 50), speed=1.0)
-    slowing = dataclasses.replace(pp.cycle(press, speed=1.0), crank_speed=np.linspace(1, 2, 360))
-    for motion, words in ((servo, "not one turn"), (slowing, "constant speed"), (3, "no Motion")):
-        with pytest.raises(pp.PinpressError, match=words):
-            ALL[name](motion)
-
-
-def test_a_slide_that_stands_still_has_no_dead_centres():
-    text = Path(texts.shipped("crank_slide").file).read_text()
-    text = text.replace('<origin xyz="0.100 0 0"/><axis', '<origin xyz="1e-16 0 0"/><axis').replace(
-        'xyz="0 0 -0.500"/>', 'xyz="0 0 -0.400"/>'
-    )
-    with pytest.raises(pp.PinpressError, match="it has no dead centres"):
-        pp.dead_centres(texts.load(text))
-
-
-def test_a_slide_that_is_missing_or_never_turns_back_is_refused():
-    angle = 2 * np.pi / 90 * np.arange(90)
-    still = of(lambda q: (np.ones_like(q), np.zeros_like(q), np.zeros_like(q)), points=90)
-    with pytest.raises(pp.PinpressError, match="does not turn back"):
-        measures.stroke(still)
-    press = dataclasses.replace(texts.shipped("crank_slide"), slide=None)
-    with pytest.raises(pp.PinpressError, match="no slide"):
-        measures.stroke(pp.cycle(press, speed=1.0))
-    broken = dataclasses.replace(of(scotch_yoke(), points=90), slide_velocity=np.where(angle > 1, np.nan, 1.0))
-    with pytest.raises(pp.PinpressError, match="not finite"):
-        measures.stroke(broken)
-
-
-def test_too_few_states_and_turns_that_do_not_close_are_refused():
-    with pytest.raises(pp.PinpressError, match="9 states do not resolve the slide's position"):
-        measures.stroke(of(crank_slide(), points=9))
-    halved = of(lambda q: (-np.cos(q / 2), np.sin(q / 2) / 2, np.cos(q / 2) / 4))  # repeats itself after two turns
-    with pytest.raises(pp.PinpressError, match="elsewhere after it"):
-        measures.stroke(halved)
-    motion = of(scotch_yoke(), points=12)
-    pins = four_bar(crank=0.5, coupler=1.0, rocker=1.0)(motion.crank_angle)
-    with pytest.raises(pp.PinpressError, match="12 states do not resolve the pressure angle"):
-        measures.pressure_angle(motion, pins[1], pins[0], (1, 0, 0))
-
-
 @pytest.mark.parametrize("after", [0.5, 2.0, 4.0])
 def test_dwell_up_to_a_hump_between_states(after):
     """The slide has two bottoms with a low hump between them: it leaves the deeper one where the hump begins to rise above the tolerance,
@@ -494,14 +411,6 @@ def test_equal_strokes_are_measured_and_others_have_no_one_working_stroke():
         measures.speed_ratio(differing)
 
 
-@pytest.mark.parametrize("value", [0.0, -0.01, 0.2, 1.0, float("nan"), float("inf"), True, "a", None])
-def test_distances_outside_the_stroke_are_refused(value):
-    motion = of(scotch_yoke(0.05))
-    for name, measure in {"length": measures.speed_variation, "height": measures.speed_at, "tolerance": measures.dwell_angle}.items():
-        with pytest.raises(pp.PinpressError, match=f"{name} is .*: give a distance between 0 and the stroke of 0.1 m"):
-            measure(motion, value)
-
-
 @pytest.mark.exhaustive
 def test_distances_next_to_the_limits_are_measured_or_refused():
     """Never a number that is not finite or outside its range, and no crash."""
@@ -514,16 +423,3 @@ def test_distances_next_to_the_limits_are_measured_or_refused():
             except pp.PinpressError:
                 continue
             assert least <= value <= most
-
-
-def test_pins_that_cannot_be_are_refused():
-    motion = of(scotch_yoke(), points=90)
-    here, there = np.zeros((90, 3)), np.ones((90, 3))
-    with pytest.raises(pp.PinpressError, match="one place"):
-        measures.pressure_angle(motion, here, here, (0, 0, 1))
-    with pytest.raises(pp.PinpressError, match=r"driven has shape \(3, 90\)"):
-        measures.pressure_angle(motion, here.T, there, (0, 0, 1))
-    with pytest.raises(pp.PinpressError, match="axis"):
-        measures.pressure_angle(motion, here, there, (0, 0, 0))
-    with pytest.raises(pp.PinpressError, match="other joints"):
-        measures.bearing_positions(texts.shipped("thin_wall"), pp.cycle(texts.shipped("crank_slide"), speed=1.0))

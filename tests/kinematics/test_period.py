@@ -11,7 +11,13 @@ from support.generators.period_presses import TURNS
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
+from pinpress.dynamics.extremes import extremes
+from pinpress.elasticity import Stiffness, compliance, dead_centre_shift
 from pinpress.kinematics import measures
+from pinpress.loads import ConstantForce
+from pinpress.loads.process import datum
+from pinpress.ratings import Capacities, rate, speed_limit
+from pinpress.simulation.driven_press import _process_force
 
 SPEED = 31.0
 FINE = 3600  # states of a turn
@@ -78,15 +84,12 @@ def test_a_cycle_is_one_period(press, name, way):
     np.testing.assert_allclose(motion.time, np.arange(states) * np.pi / 180 / SPEED, atol=1e-12)
     few = pp.cycle(press, way * SPEED, points=50)
     np.testing.assert_allclose(few.crank_angle, way * np.arange(50) * 2 * np.pi * TURNS[name] / 50, atol=1e-12)
+    whole = 360.0 * TURNS[name]
+    shown = pp.servo_cycle(press, speed=SPEED, angle=np.radians([10.0, whole - 10.0, whole + 10.0, -10.0, 3 * whole + 20.0])).shown_position
+    np.testing.assert_allclose(shown, [10.0, whole - 10.0, 10.0, whole - 10.0, 20.0], atol=1e-9)
     back = [pp.servo_cycle(press, speed=SPEED, angle=[1.0 + 2 * np.pi * turn]).slide_position[0] for turn in range(TURNS[name] + 1)]
     assert abs(back[-1] - back[0]) < 1e-13
     assert np.abs(np.array(back[1:-1]) - back[0]).min() > 1e-3
-
-
-def test_shown_position_are_those_of_the_period(press, name):
-    whole = 360.0 * TURNS[name]
-    motion = pp.servo_cycle(press, speed=SPEED, angle=np.radians([10.0, whole - 10.0, whole + 10.0, -10.0, 3 * whole + 20.0]))
-    np.testing.assert_allclose(motion.shown_position, [10.0, whole - 10.0, 10.0, whole - 10.0, 20.0], atol=1e-9)
 
 
 def test_dead_centres(press):
@@ -98,17 +101,18 @@ def test_dead_centres(press):
         assert abs(there.slide_velocity[0]) < 1e-12
         assert 0.0 <= angle < 2 * np.pi * period_turns(press)
     assert abs(found.top_position - peak(positions)) < PARABOLA
-    assert abs(found.bottom_position + peak(-positions)) < PARABOLA
+    lowest, load = -peak(-positions), ConstantForce(1e5, 0.1)
+    assert abs(found.bottom_position - lowest) < PARABOLA
+    assert abs(datum(load, press) - lowest) < PARABOLA  # heights of process loads, in simulations too, are above it
+    assert _process_force(press, load).datum == datum(load, press)
 
 
-def test_dead_centres_of_the_press_that_is_geared_down(driven):
+def test_of_equal_dead_centres_the_first(driven):
+    """The two halves of this linkage are one; what is geared to it comes back after two turns, the slide after one. And of a press that is
+    geared down they are those of the press alone."""
     found, alone = pp.dead_centres(driven), pp.dead_centres(texts.shipped("crank_slide"))
     np.testing.assert_allclose([found.top_angle, found.bottom_angle], [3 * np.pi, 0.0], atol=1e-12)
     np.testing.assert_allclose([found.top_position, found.bottom_position], [alone.top_position, alone.bottom_position], atol=1e-15)
-
-
-def test_of_equal_dead_centres_the_first():
-    """The two halves of this linkage are one; what is geared to it comes back after two turns, the slide after one."""
     shaft = '<link name="cam"><inertial><origin xyz="0.1 0 0"/><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
     joint = '</inertial></link><joint name="G" type="continuous"><parent link="frame"/><child link="cam"/><origin xyz="0.6 0 0"/>'
     text = texts.shipped("crank_slide").text.decode()
@@ -124,22 +128,10 @@ def test_of_equal_dead_centres_the_first():
     np.testing.assert_allclose(twice.slide_position[360:], twice.slide_position[:360], atol=1e-14)
 
 
-def test_bottom_dead_centre_of_loads(press):
-    """Heights of process loads, in simulations too, are above the lowest point of all turns."""
-    from pinpress.loads.process import ConstantForce, datum
-    from pinpress.simulation.driven_press import _process_force
-
-    lowest = -peak(-everywhere(press).motion.slide_position)
-    assert abs(datum(ConstantForce(1e5, 0.1), press) - lowest) < PARABOLA
-    assert _process_force(press, ConstantForce(1e5, 0.1)).datum == datum(ConstantForce(1e5, 0.1), press)
-
-
 # What is read off the states
 
 
 def test_extremes_and_peaks(press):
-    from pinpress.dynamics.extremes import extremes
-
     whole = 360.0 * period_turns(press)
     some = {one.quantity: one for one in extremes(pp.inverse_dynamics(press, pp.cycle(press, SPEED)))}
     truth = {one.quantity: one for one in extremes(everywhere(press))}
@@ -182,9 +174,8 @@ def test_harmonics(press, name):
     phases = found.orders[:, None, None] * truth.motion.crank_angle[None, ::50, None] + found.phase[:, None, :]
     force = np.sum(found.amplitude[:, None, :] * np.cos(phases), axis=0)
     assert np.abs(force - truth.shaking_force[::50]).max() < 1e-9 * np.abs(truth.shaking_force).max()
-    assert (
-        pp.measures.harmonics(pp.servo_cycle(press, speed=SPEED, angle=np.linspace(0.0, 2 * np.pi, 90)), np.zeros((90, 3))) is None
-    )  # one turn of several
+    one_turn = pp.servo_cycle(press, speed=SPEED, angle=np.linspace(0.0, 2 * np.pi, 90))
+    assert pp.measures.harmonics(one_turn, np.zeros((90, 3))) is None
 
 
 # Measures
@@ -265,9 +256,6 @@ def largest(press, item, speed=SPEED):
 @pytest.mark.parametrize("item", ["torque", "slide acceleration", "bearing O", "bearing guide"])
 def test_speed_limit(name, press, item):
     """The capacity is what the item comes to at some speed, in whatever turn: that speed is found."""
-    from pinpress.ratings.permissible_force import Capacities
-    from pinpress.ratings.speed_limits import speed_limit
-
     if press.name == "crank_slide":
         item = item.replace("guide", "slide_guide")
     amount = largest(press, item)
@@ -288,9 +276,6 @@ def test_speed_limit(name, press, item):
 @pytest.mark.exhaustive
 def test_ratings_of_a_press_that_is_geared_down(driven):
     """Its motor turns three times as fast as the crank, with a third of the torque."""
-    from pinpress.ratings.permissible_force import Capacities
-    from pinpress.ratings.rating import rate
-
     alone = texts.shipped("crank_slide")
     given = {"bearings": {"W": 2e5}, "flywheel_inertia": 8.0, "speed_drop": 0.1, "motor_power": 2e3}
     slow, fast = Capacities(1e5, torque=6e3, **given), Capacities(1e5, torque=2e3, **given | {"flywheel_inertia": 8.0 / 9})
@@ -312,10 +297,6 @@ def test_ratings_of_a_press_that_is_geared_down(driven):
 
 def test_ratings_of_a_stroke_over_two_turns():
     """Forces all the way down against inverse dynamics: what is permitted there just reaches a capacity."""
-    from pinpress.loads.process import ConstantForce
-    from pinpress.ratings.permissible_force import Capacities
-    from pinpress.ratings.rating import rate
-
     press = period_presses.repeating("half")
     found = rate(press, SPEED, Capacities(1e6, torque=800.0, bearings={"S": 5e5}), at_speed=True, points=21)
     ends = pp.dead_centres(press)
@@ -330,9 +311,6 @@ def test_ratings_of_a_stroke_over_two_turns():
 
 def test_an_overload_in_any_turn_is_refused():
     """Of a slow press, on the return stroke in the second turn: more than ever else."""
-    from pinpress.ratings.permissible_force import Capacities
-    from pinpress.ratings.rating import rate
-
     press, slow = period_presses.repeating("half"), 3.0
     result = everywhere(press, slow)
     sizes = np.linalg.norm(result.bearing_force["O"], axis=1)
@@ -362,10 +340,6 @@ def test_operating_points(press):
 
 
 def test_elasticity(press):
-    from pinpress.elasticity.slide_under_load import dead_centre_shift
-    from pinpress.elasticity.springs import Stiffness
-    from pinpress.elasticity.unit_load import compliance
-
     rods = ("A", "B", "C", "S") if press.name == "geared_five_bar" else ("P", "W")
     stiffness = Stiffness(dict.fromkeys(rods, 1e8), shaft=1e6)
     found = compliance(press, stiffness)

@@ -629,30 +629,6 @@ def test_heights_that_are_rounded_tell_little_near_a_dead_centre():
         pp.servo_cycle(press, height=np.round(above, 5), flank="down", time=time, period=1.0)
 
 
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({"height": np.linspace(0.1, 0.25, 9)}, r"height is 0.25 m in state 8, which the slide does not reach: .* the stroke of 0.2 m"),
-        ({"height": np.linspace(0.1, -0.001, 9)}, "height is -0.001 m in state 8, which the slide does not reach"),
-        ({"flank": "left"}, "flank is 'left': give \"down\""),
-        ({"flank": ["down"] * 3}, "one of both for each of the 9 states"),
-        ({"flank": None}, "flank is None"),
-        ({"height": np.ones((9, 2))}, r"height has shape \(9, 2\)"),
-        ({"height": ["high"] * 9}, "height is not"),
-    ],
-)
-def test_heights_that_are_no_motion(given, said):
-    with pytest.raises(pp.PinpressError, match=said):
-        pp.servo_cycle(
-            texts.shipped("crank_slide"), **({"height": np.linspace(0.1, 0.15, 9), "flank": "down", "time": np.arange(9.0)} | given)
-        )
-
-
-def test_heights_of_several_drivers_or_without_a_slide():
-    with pytest.raises(pp.PinpressError, match="has 2 drivers"):
-        pp.servo_cycle(two_cranks(), height=np.ones(9), flank="down", time=np.arange(9.0))
-
-
 @examples(20)
 @given(name=st.sampled_from(SLIDES), parts=st.lists(st.floats(0.0, 1.0), min_size=6, max_size=30), down=st.booleans())
 def test_any_heights_are_found_again(name, parts, down):
@@ -674,9 +650,3 @@ def test_two_drivers_over_a_period():
     slope = np.stack([-0.3 * once**2 * np.sin(once * time), -0.8 * once**2 * np.cos(2 * once * time)], axis=1)
     np.testing.assert_allclose(moved.crank_speed, speed, rtol=0, atol=1e-12)
     np.testing.assert_allclose(moved.crank_acceleration, slope, rtol=0, atol=1e-10)
-
-
-@pytest.mark.parametrize("shape", [(5, 3), (5,), (5, 1), (0, 2), (5, 2, 1), ()])
-def test_angles_of_two_drivers_have_two_columns(shape):
-    with pytest.raises(pp.PinpressError, match=re.escape(f"angle has shape {shape}: give (n, 2), the angles of all drivers [rad]")):
-        pp.servo_cycle(two_cranks(), np.zeros(shape), speed=0.0, acceleration=0.0)

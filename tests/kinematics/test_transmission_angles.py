@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from support import texts
-from support.generators.spatial_linkages import bennett
 from support.presses.sliding_presses import ARM, BELL, RETRACTED, G
 
 import pinpress as pp
@@ -77,9 +76,6 @@ def test_of_a_cylinder() -> None:
     assert dyad.crank_angle == pytest.approx(length[angle.argmin()] - RETRACTED, abs=1e-5)
 
 
-def test_what_has_none() -> None:
-    """A loop that only adds constraint is no dyad; a spatial linkage has none."""
+def test_a_loop_that_only_adds_constraint_is_no_dyad() -> None:
     two_point = pp.measures.least_transmission_angles(texts.shipped("jf75g_125_two_point"))
     assert [dyad.bearing for dyad in two_point] == ["P4_front", "P5"]
-    with pytest.raises(pp.PinpressError, match="planar linkages with one driver"):
-        pp.measures.least_transmission_angles(texts.load(bennett()))

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from support import texts
-from support.generators.malformed_linkages import GEAR, TRANSMISSION, changed
+from support.generators.malformed_linkages import GEAR, changed
 from support.generators.spatial_linkages import bennett
 
 import pinpress as pp
@@ -77,12 +77,3 @@ def test_written_and_read(tmp_path) -> None:
     assert read.model.upperPositionLimit[rocker] == pytest.approx(press.model.upperPositionLimit[rocker] - moved, abs=1e-15)
     placed = [each.model.jointPlacements[each.model.getJointId("D")].rotation for each in (press, drawn)]
     np.testing.assert_allclose(pin.log3(placed[0].T @ placed[1]), [0, -moved, 0], atol=1e-14)
-
-
-@pytest.mark.parametrize(("angle", "says"), [(np.nan, "finite"), (1e9, "angle"), ("top", "angle")])
-def test_what_is_refused(angle, says: str) -> None:
-    with pytest.raises(pp.PinpressError, match=says):
-        texts.shipped("crank_slide").drawn_at(angle)
-    several = changed((GEAR, ""), (TRANSMISSION, TRANSMISSION + '<transmission><joint name="G"/></transmission>'))
-    with pytest.raises(pp.PinpressError, match="one driver that turns"):
-        texts.load(several).drawn_at(1.0)

@@ -324,10 +324,7 @@ def test_joint_equalities_of_an_mjcf_are_gear_pairs_about_the_drawn_pose(tmp_pat
 
 
 MJCF_REFUSED = {
-    "a polynomial": (
-        '<joint joint1="B" joint2="A" polycoef="0 1 2 0 0"/>',
-        "joint_0.>: joints that follow .* by a polynomial",
-    ),
+    "a polynomial": ('<joint joint1="B" joint2="A" polycoef="0 1 2 0 0"/>', "joint_0.>: joints that follow .* by a polynomial"),
     "a joint held beside": ('<joint joint1="B" polycoef="0.5 0 0 0 0"/>', "holds a joint beside the drawn pose"),
     "no ratio": ('<joint name="g" joint1="B" joint2="A" polycoef="0 0 0 0 0"/>', '<joint name="g">: polycoef has no linear term'),
     "what MuJoCo refuses": ('<connect body1="nobody" anchor="0 0 0"/>', "MuJoCo cannot read it: .*nobody"),

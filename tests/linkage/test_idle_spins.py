@@ -105,7 +105,7 @@ def test_forces_of_a_slender_rod_do_not_depend_on_how_its_spin_is_held(tmp_path)
 @pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_runs_of_a_rod_between_balls(tmp_path, method):
     ball, universal = (loaded(tmp_path, name, axes) for name, axes in (("ball", BALL), ("universal", UNIVERSAL)))
-    runs = [pp.simulate(press, 0.3, speed=6.0, method=method, points=7) for press in (ball, universal)]
+    runs = [pp.simulate(press, 0.1, speed=6.0, method=method, points=7) for press in (ball, universal)]
     np.testing.assert_allclose(runs[0].crank_angle, runs[1].crank_angle, rtol=0, atol=1e-8)
     pp.inverse_dynamics(ball, runs[0])
 

@@ -67,14 +67,6 @@ def test_the_corpus_is_of_linkages_that_load_but_for_the_fault(file):
     assert pp.load(file).mobility == 1
 
 
-def test_directory(tmp_path):
-    with pytest.raises(pp.UrdfError, match="directory"):
-        pp.load(tmp_path)
-    (found,) = pp.check(tmp_path).findings
-    assert (found.severity, found.element, found.line, found.remedy) == ("error", None, None, "give the path of a URDF file")
-    assert "directory" in found.problem
-
-
 @pytest.mark.parametrize("tag", ["robot", "link", "joint"])
 def test_names_that_turn_the_line_round_are_refused(tag, tmp_path):
     text = texts.shipped("crank_slide").text.decode()

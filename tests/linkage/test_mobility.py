@@ -41,10 +41,7 @@ def test_every_equation_belongs_to_one_loop_or_gear_pair(text):
         (changed(('name="P" type="continuous"', 'name="P" type="fixed"')), f"{STAYS}: held by loop 'W'"),
         (changed(("<!-- guide -->", '<mimic joint="O" multiplier="0.1"/>')), f"{STAYS}: gear pair of joint 'guide' contradicts the others"),
         (changed(("<!-- P -->", '<mimic joint="O" multiplier="-1"/>')), f"{STAYS}: gear pair of joint 'P' contradicts the others"),
-        (
-            changed(("<!-- guide -->", SECOND_GEAR)),
-            f"{STAYS}: gear pair of joint 'G' or gear pair of joint 'guide' contradicts the others",
-        ),
+        (changed(("<!-- guide -->", SECOND_GEAR)), f"{STAYS}: gear pair of joint 'G' or gear pair of joint 'guide' contradicts the others"),
         (
             pinned("revolute", 'link="crank"', 'link="wheel" xyz="-0.5 0 0"', AXIS),
             f"{STAYS}: loop 'V' or gear pair of joint 'G' contradicts the others",

@@ -123,25 +123,6 @@ def test_loop_types(file, kind, written, axis):
     assert (loop.type, loop.axis) == (kind, axis)
 
 
-@pytest.mark.parametrize(
-    ("name", "loops", "driver"),
-    [("crank_slide", ["W"], "O"), ("zxn2_3000b", ["C", "F"], "A"), ("zxn2_3000b_balanced", ["C", "F"], "A")],
-)
-def test_shipped_files(name, loops, driver):
-    press = read(SHIPPED / f"{name}.urdf").description
-    assert press.name == name
-    assert press.root == "frame"
-    assert [loop.name for loop in press.loops] == loops
-    assert press.drivers == (driver,)
-
-
-def test_missing_file_and_directory(tmp_path):
-    for path, problem in ((tmp_path / "none.urdf", "No such file"), (tmp_path, "directory"), ("a\0b", "null")):
-        with pytest.raises(UrdfError, match=problem) as caught:
-            read(path)
-        assert (caught.value.file, caught.value.element, caught.value.line) == (str(path), None, None)
-
-
 def test_axis_remedy_is_accepted(file):
     error = first_problem(file, edited(('xyz="0 -1 0"', 'xyz="3e300 -4e300 0"')))
     assert 'xyz="0.6' in error.remedy
@@ -188,11 +169,6 @@ def test_passes_and_pinocchio_reads_it_without_a_word(file, text, capfd):
     assert all(model.existFrame(link, pinocchio.FrameType.BODY) for link in document.description.links)
     assert set(model.names) - {"universe"} == {joint.name for joint in document.description.joints if joint.type != "fixed"}
     assert capfd.readouterr().err == ""
-
-
-def test_escaped_names_are_text(file):
-    file.write_text(VALID.replace('"crank"', '"&lt;script&gt;"'))
-    assert read(file).description.links[1] == "<script>"
 
 
 @pytest.mark.parametrize(

@@ -181,28 +181,6 @@ def test_two_sided_stop_stops_an_elastic_press_on_both_sides():
     assert run.load_work[-1] == pytest.approx(taken, abs=0.01 * np.abs(np.cumsum(forces * run.slide_velocity)).max() * run.time[1])
 
 
-@pytest.mark.parametrize(
-    ("make", "problem"),
-    [
-        (lambda: Impact(0.01, K, 0.9), "Impact: exponent is 0.9; give 1 .a spring. to 10"),
-        (lambda: Impact(0.01, K, 11.0), "exponent is 11"),
-        (lambda: Impact(0.01, K, 1.5, C), "Impact: depth is missing; give the depth"),
-        (lambda: Impact(0.01, K, 1.5, C, 0.0), "Impact: depth is 0.0; give a finite number that is positive"),
-        (lambda: Impact(0.01, 0.0), "Impact: stiffness is 0.0"),
-        (lambda: Impact(0.01, [K, K], 1.5, [C, C, C], D), "stiffness and damping are for different numbers of scenarios"),
-        (lambda: TwoSidedStop(0.02, 0.01, K), "TwoSidedStop: upper is 0.01, not above lower, 0.02"),
-        (lambda: TwoSidedStop(0.02, 0.03, K, damping=C), "TwoSidedStop: depth is missing"),
-        (lambda: pp.loads.pick_up_force(0.0, 0.3, 1e8), "mass is 0"),
-        (lambda: pp.loads.pick_up_force(1.0, 0.3, -1e8), "stiffness is -1"),
-        (lambda: pp.loads.pick_up_force(1.0, np.nan, 1e8), "speed is nan"),
-        (lambda: pp.loads.pick_up_force(1.0, 0.3, 1e8, preload=-1.0), "preload is -1 N: give a force that is not negative"),
-    ],
-)
-def test_contacts_that_make_no_sense_are_refused(make, problem):
-    with pytest.raises(pp.PinpressError, match=problem):
-        make()
-
-
 def test_scenarios_are_runs_one_by_one():
     press = shipped("jf75g_125")
     stiffness, damping = np.array([1e9, 3e9]), np.array([1e5, 4e5])

@@ -91,23 +91,3 @@ def test_scenarios_are_runs_one_by_one():
         many = pp.simulate_batch(press, 0.3, loads=[make(sizes)], **given)
         for k, size in enumerate(sizes.tolist()):
             assert many[k].crank_angle == pytest.approx(pp.simulate(press, 0.3, loads=[make(size)], **given).crank_angle, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("make", "problem"),
-    [
-        (lambda: ImpactDamper([0.0], [1e4]), "1 heights and 1 coefficients; give two or more"),
-        (lambda: ImpactDamper([0.0, 0.1], [1e4]), "2 heights and 1 coefficients"),
-        (lambda: ImpactDamper([0.0, 0.1, 0.1], [1e4, 1e4, 1e4]), "heights neither rises nor falls"),
-        (lambda: ImpactDamper([0.0, 0.1], [1e4, -1e4]), "coefficients is .* not negative"),
-        (lambda: ImpactDamper([0.0, 0.1], [1e4, 1e4], 0.5), "exponent is 0.5; give 1"),
-        (lambda: HydraulicCushion(-1.0, 0.01), "HydraulicCushion: force is -1.0"),
-        (lambda: HydraulicCushion(1.0, 0.01, 1e-320), "HydraulicCushion: rise is"),
-        (lambda: orifice_coefficient(0.01, 0.02), "orifice is 0.02 m, not smaller than the piston, 0.01 m"),
-        (lambda: orifice_coefficient(0.02, 0.01, discharge=1.2), "discharge is 1.2"),
-        (lambda: orifice_coefficient(0.02, -0.01), "orifice is -0.01"),
-    ],
-)
-def test_hydraulics_that_make_no_sense_are_refused(make, problem):
-    with pytest.raises(pp.PinpressError, match=problem):
-        make()

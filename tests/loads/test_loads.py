@@ -6,13 +6,12 @@ integrals of the laws by hand. Torques and works are compared to 1e-11 of their 
 """
 
 import math
-import pickle
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
-from support.generators.random_linkages import Drawing, four_bar, momentum_balance
+from support.generators.random_linkages import Drawing, momentum_balance
 from support.texts import load, shipped
 
 import pinpress as pp
@@ -463,15 +462,6 @@ def test_piling_of_the_thesis_as_a_function_of_time(engine):
     assert constant.bearing_force["P4"][:, 2] - idle.bearing_force["P4"][:, 2] == pytest.approx(-1250.0, abs=1e-7)
 
 
-@pytest.mark.parametrize("count", [2, 12, 24])
-def test_numbers_that_are_as_many_as_the_states_are_no_force_in_time(count):
-    """A function that does not look at the time has as many values for any states."""
-    press = shipped("crank_slide")
-    motion = pp.cycle(press, 7.0, points=24)
-    with pytest.raises(pp.PinpressError, match="TimeForce: force"):
-        pp.inverse_dynamics(press, motion, [TimeForce(lambda time: 1e3 * np.arange(1.0, count + 1))])
-
-
 def test_edges_are_sorted():
     assert TimeForce(piling, [0.3, 0.1, 0.2, 0.1]).edges == (0.1, 0.2, 0.3)
     assert TimeForce(piling).edges == ()
@@ -502,14 +492,6 @@ def test_linkage_that_locks_needs_a_datum():
     close(loaded - idle, -force * motion.slide_velocity, 1e-12)
 
 
-def test_linkage_without_slide():
-    press = load(four_bar(1.0, 0.3, 0.9, 0.8, 1.0).urdf("O"))
-    motion = pp.cycle(press, 1.0, points=4)
-    for given in (BLANKING, DeepDrawing(1.0, 1.0, datum=0.0), TimeForce(piling)):
-        with pytest.raises(pp.PinpressError, match="four_bar has no slide"):
-            pp.inverse_dynamics(press, motion, [given])
-
-
 class Cushion:
     """A load of the caller's own: constant over 2 mm, both ways."""
 
@@ -535,126 +517,6 @@ def test_load_of_the_callers_own():
     ):
         with pytest.raises(pp.PinpressError, match=problem):
             pp.inverse_dynamics(press, motion, [Cushion(force)])
-
-
-@pytest.mark.parametrize("name", LOADS)
-def test_loads_can_be_sent_to_another_process(name):
-    intervals = pickle.loads(pickle.dumps(LOADS[name].intervals(True)))
-    copied = pickle.loads(pickle.dumps(LOADS[name]))
-    for one, other, original in zip(intervals, copied.intervals(True), LOADS[name].intervals(True), strict=True):
-        assert one.force(0.005, -0.1) == other.force(0.005, -0.1) == original.force(0.005, -0.1)
-        assert (one.upper, one.lower, one.one_sided) == (original.upper, original.lower, original.one_sided)
-
-
-# --------------------------------------------------------------------------------------------------------------------------- bad input
-
-
-NAN, INF = math.nan, math.inf
-
-
-@pytest.mark.parametrize(
-    ("make", "problem"),
-    [
-        (partial(ConstantForce, -1.0, 0.001), "ConstantForce: force is -1.0; give a finite number that is not negative"),
-        (partial(ConstantForce, NAN, 0.001), "ConstantForce: force is nan; give a finite number"),
-        (partial(ConstantForce, 1.0, -0.001), "ConstantForce: height is -0.001; give the height above bottom dead centre"),
-        (partial(ConstantForce, 1.0, INF), "ConstantForce: height is inf"),
-        (partial(ConstantForce, 1.0, [0.1, 0.2]), r"ConstantForce: height has shape \(2,\); give a finite number"),
-        (partial(ConstantForce, 1.0, None), "ConstantForce: height is None"),
-        (partial(ConstantForce, [], 0.1), r"ConstantForce: force has shape \(0,\)"),
-        (partial(ConstantForce, [[1.0]], 0.1), r"ConstantForce: force has shape \(1, 1\)"),
-        (partial(ConstantForce, True, 0.1), "ConstantForce: force is True"),
-        (partial(Idle, datum="top"), "Idle: datum is 'top'; give a finite number"),
-        (partial(Idle, datum=NAN), "Idle: datum is nan"),
-        (partial(Blanking, "1 MN", 0.01, 0.005), "Blanking: force is '1 MN'; give a finite number"),
-        (partial(Blanking, [1.0, -1.0], 0.01, 0.005), "Blanking: force is"),
-        (partial(Blanking, 1.0, 0.005, 0.01), "Blanking: start is 0.005, not above end, 0.01"),
-        (partial(Blanking, 1.0, 0.005, 0.005), "Blanking: start is 0.005, not above end, 0.005"),
-        (partial(Blanking, 1.0, 5e-324, 0.0), "Blanking: start is"),
-        (partial(Blanking, 1.0, NAN, 0.0), "Blanking: start is nan"),
-        (partial(Blanking, 1.0, 0.01, [0.005]), r"Blanking: end has shape \(1,\)"),
-        (partial(Blanking, 1.0, 0.01, 0.005, -1.0), "Blanking: stripping is -1.0"),
-        (
-            partial(Blanking, [1.0, 2.0], 0.01, 0.005, [1.0, 2.0, 3.0]),
-            "Blanking: force and stripping are for different numbers of scenarios",
-        ),
-        (partial(DeepDrawing, -1.0, 0.01), "DeepDrawing: force is -1.0"),
-        (partial(DeepDrawing, 1.0, 0.0), "DeepDrawing: start is 0, not above end, 0"),
-        (partial(DeepDrawing, 1.0, 1e308, -1e308), "DeepDrawing: start is"),
-        (partial(DeepDrawing, 1.0, 0.01, datum=[1.0, 2.0]), r"DeepDrawing: datum has shape \(2,\)"),
-        (partial(ForceStroke, [0.1], [1.0]), r"ForceStroke: heights has shape \(1,\)"),
-        (partial(ForceStroke, 0.1, 1.0), r"ForceStroke: heights has shape \(\)"),
-        (partial(ForceStroke, [0.1, 0.2], [1.0, 2.0, 3.0]), r"ForceStroke: forces has shape \(3,\); give one force for each of the 2"),
-        (partial(ForceStroke, [0.1, 0.2], 1.0), r"ForceStroke: forces has shape \(\)"),
-        (partial(ForceStroke, [0.1, 0.2, 0.2], [1.0, 2.0, 3.0]), "ForceStroke: heights neither rises nor falls throughout"),
-        (partial(ForceStroke, [0.1, 0.3, 0.2], [1.0, 2.0, 3.0]), "ForceStroke: heights neither rises nor falls throughout"),
-        (partial(ForceStroke, [0.2, 0.3, 0.1], [1.0, 2.0, 3.0]), "ForceStroke: heights neither rises nor falls throughout"),
-        (partial(ForceStroke, [0.1, NAN], [1.0, 2.0]), "ForceStroke: heights is"),
-        (partial(ForceStroke, [0.1, 0.2], [1.0, INF]), "ForceStroke: forces is"),
-        (partial(ForceStroke, [0.1, "x"], [1.0, 2.0]), "ForceStroke: heights is .*; give finite numbers"),
-        (partial(ForceStroke, [[0.1, 0.2], [0.3]], [1.0, 2.0]), "ForceStroke: heights is .*; give finite numbers"),
-        (partial(ForceStroke, [0.0, 1e-300], [0.0, 1e300]), "ForceStroke: heights are too close together"),
-        (partial(ForceStroke, [0.0, 1e-300, 1.0], [0.0, 1e300, 0.0]), "ForceStroke: heights are too close together"),
-        (partial(ElasticDie, 0.01, 0.0), "ElasticDie: stiffness is 0.0; give a finite number that is positive"),
-        (partial(ElasticDie, 0.01, [1.0, 0.0]), "ElasticDie: stiffness is"),
-        (partial(ElasticDie, 0.01, -1.0), "ElasticDie: stiffness is -1.0"),
-        (partial(ElasticDie, 0.01, 1.0, -1.0), "ElasticDie: damping is -1.0"),
-        (partial(ElasticDie, 0.01, [1.0, 2.0], [1.0]), "ElasticDie: stiffness and damping are for different numbers of scenarios"),
-        (partial(ElasticDie, NAN, 1.0), "ElasticDie: height is nan"),
-        (partial(TimeForce, 5.0), "TimeForce: force is 5.0; give a function of time"),
-        (partial(TimeForce, piling, [NAN]), "TimeForce: edges is"),
-        (partial(TimeForce, piling, 0.1), r"TimeForce: edges has shape \(\)"),
-        (partial(TimeForce, piling, "now"), "TimeForce: edges is 'now'"),
-        (partial(step, 0.0, 1.0, 0.0, 1.0, 1.0), "step: x1 is 1, not above x0, 1"),
-        (partial(step, 0.0, 1.0, 0.0, 0.5, 1.0), "step: x1 is 0.5, not above x0, 1"),
-        (partial(step, NAN, 0.0, 0.0, 0.5, 1.0), "step: x is not finite"),
-        (partial(step, [0.0, NAN, 1.0], 0.0, 0.0, 0.5, 1.0), "step: x is not finite"),
-        (partial(step, 0.0, 0.0, INF, 0.5, 1.0), "step: h0 is inf: give one finite number"),
-        (partial(step, 0.0, 0.0, 0.0, 5e-324, 1.0), "step: x0 and x1 are too near"),
-        (partial(step, "x", 0.0, 0.0, 0.5, 1.0), "step: x is not a number or an array of numbers, but text"),
-        (partial(step, 0.0, 0.0, [0.0, 1.0], 0.5, 1.0), "step: h0 is .*: give one finite number"),
-    ],
-)
-def test_loads_that_make_no_sense_are_refused(make, problem):
-    with pytest.raises(pp.PinpressError, match=problem):
-        make()
-
-
-@pytest.mark.parametrize("name", SCENARIOS)
-@pytest.mark.parametrize("count", [1, 6])
-def test_scenarios_are_refused_by_inverse_dynamics(name, count):
-    """As many as the motion has states too: they are no force over the motion."""
-    press = shipped("jf75g_125")
-    motion = pp.cycle(press, SPEED, points=6)
-    with pytest.raises(pp.PinpressError, match=rf"{type(SCENARIOS[name](1.0)).__name__}: its force has shape \({count},\), for scenarios"):
-        pp.inverse_dynamics(press, motion, [SCENARIOS[name](np.ones(count))])
-
-
-def test_loads_that_a_motion_cannot_have_are_refused():
-    press = shipped("jf75g_125")
-    motion, standing = pp.cycle(press, SPEED, points=6), pp.servo_cycle(press, speed=[1.0, -1.0], angle=[0.0, 1.0], acceleration=0.0)
-    with pytest.raises(pp.PinpressError, match="no motion in time"):
-        pp.inverse_dynamics(press, standing, [TimeForce(piling)])
-    with pytest.raises(pp.PinpressError, match=r"TimeForce: force has shape \(3,\); give \(1,\)"):
-        pp.inverse_dynamics(press, motion, [TimeForce(lambda time: np.ones(3))])
-    with pytest.raises(pp.PinpressError, match="TimeForce: force at time 0 s is nan; give finite numbers"):
-        pp.inverse_dynamics(press, motion, [TimeForce(lambda time: NAN + 0.0 * time)])
-    with pytest.raises(pp.PinpressError, match="TimeForce: force is 'strong'; give finite numbers"):
-        pp.inverse_dynamics(press, motion, [TimeForce(lambda time: "strong")])
-    with pytest.raises(pp.PinpressError, match="give a PointForce, a SpringDamper, a process load"):
-        pp.inverse_dynamics(press, motion, [ConstantForce])
-    with pytest.raises(pp.PinpressError, match=r"loads is one Blanking: give a list, loads=\[...\]"):
-        pp.inverse_dynamics(press, motion, BLANKING)
-    with pytest.raises(pp.PinpressError, match="not finite"):
-        pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=64), 2 * [DeepDrawing(1e308, 0.03)])
-
-
-@pytest.mark.parametrize("name", LOADS)
-def test_loads_are_frozen(name):
-    with pytest.raises(AttributeError):
-        LOADS[name].datum = 1.0
-    assert isinstance(LOADS[name], pp.loads.ProcessLoad)
-    assert not isinstance(TimeForce(piling), pp.loads.ProcessLoad)
 
 
 def test_magnitudes_are_copied_and_read_only():

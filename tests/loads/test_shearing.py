@@ -111,22 +111,3 @@ def test_a_pause_before_break_through_lowers_the_shock():
         weight = 2200 * 9.81
         assert 0.4 * left < run.reverse_force < left + weight
     assert reverse[0.02] < 0.8 * reverse[1.0]
-
-
-@pytest.mark.parametrize(
-    ("changes", "problem"),
-    [
-        ({"start": 0.02}, "start, peak and end are 0.02, 0.03 and 0.02; give heights .m. that fall"),
-        ({"peak": 0.05}, "start, peak and end are"),
-        ({"peak": 0.01}, "start, peak and end are"),
-        ({"sensitivity": 1.0}, "sensitivity is 1; steels have 0.01 to 0.06"),
-        ({"sensitivity": -0.1}, "sensitivity is -0.1; give a finite number that is not negative"),
-        ({"reference_speed": 0.0}, "reference_speed is 0.0"),
-        ({"remaining": 1.1}, "remaining is 1.1; give the share"),
-        ({"peak": None}, "remaining is 0.4, but the force does not fall: give peak"),
-        ({"force": [1.0, 2.0], "stripping": [1.0, 2.0, 3.0]}, "different numbers of scenarios"),
-    ],
-)
-def test_blanking_that_makes_no_sense_is_refused(changes, problem):
-    with pytest.raises(pp.PinpressError, match=problem):
-        replace(BLANK, **changes)

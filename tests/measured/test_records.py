@@ -8,6 +8,7 @@ import pytest
 from scipy.io import savemat
 
 import pinpress as pp
+from pinpress.common.outlets.described import charts_of
 from pinpress.measured import MeasuredRun, record
 
 SHORT = Path(__file__).with_name("short.csv")
@@ -207,3 +208,19 @@ def test_parts_and_currents():
     assert run.strokes == pytest.approx((ANGLE[-1] - ANGLE[0]) / (2 * np.pi))
     with pytest.raises(pp.PinpressError, match="give only one of them"):
         MeasuredRun(TIME, ANGLE, TORQUE, TORQUE)
+
+
+def test_pages_plots_and_texts_show_the_signals_of_a_record():
+    run = MeasuredRun(TIME, ANGLE, TORQUE, shaking_force={"x": TORQUE, "z": 2 * TORQUE}, added_mass={"slide": 200.0})
+    (section,) = run.described()
+    charts = charts_of([section])
+    assert list(charts) == ["torque", "shaking force", "angle"]
+    assert [curve.name for curve in charts["shaking force"].curves] == ["shaking force x", "shaking force z"]
+    np.testing.assert_array_equal(charts["torque"].curves[0].y, TORQUE)
+    figures = {figure.name: figure.value for figure in section.figures}
+    speeds = 7.0 + 0.8 * np.cos(2 * TIME)
+    assert figures["highest speed"] == pytest.approx(speeds.max(), rel=1e-3)
+    assert figures["lowest speed"] == pytest.approx(speeds.min(), rel=1e-3)
+    assert figures["mass added to slide"] == 200.0
+    (row,) = [line.split() for line in str(run).splitlines() if "torque [N m]" in line]
+    assert [float(cell) for cell in row[3:]] == pytest.approx([TORQUE.min(), TORQUE.max()], abs=0.005)

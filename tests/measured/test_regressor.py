@@ -102,11 +102,7 @@ def test_columns_are_those_of_pinocchios_regressors(name):
         moving = v @ pin.computeJointTorqueRegressor(model, data, q, v, a)
         resting = v @ pin.computeJointTorqueRegressor(model, data, q, 0 * v, 0 * v)
         for ours, ten in ((found.inertia[k], energy), (found.slope[k] / 2, moving - resting), (found.weight[k], resting)):
-            parts, start = [], 0
-            for body, basis in enumerate(equations.bases):
-                parts.append(ten[10 * body : 10 * body + 10] @ basis)
-                start += basis.shape[1]
-            theirs = np.concatenate(parts)
+            theirs = np.concatenate([part @ basis for part, basis in zip(ten.reshape(-1, 10), equations.bases, strict=True)])
             np.testing.assert_allclose(ours, theirs, atol=1e-11 * np.abs(theirs).max())
 
 

@@ -100,9 +100,5 @@ def test_the_torque_at_a_height_is_that_of_the_way_down(tmp_path):
     assert "(clockwise)" in str(back)
 
 
-def test_other_senses_are_refused(tmp_path):
-    with pytest.raises(pp.PinTableError, match=r"'cw' is not a sense of rotation.*; write clockwise or counter-clockwise"):
-        built(KNEE, tmp_path, "cw")
+def test_counter_clockwise_is_what_a_table_means_without_a_sense(tmp_path):
     assert built(KNEE, tmp_path, "counter-clockwise").joints == built(KNEE, tmp_path).joints
-    with pytest.raises(pp.PinTableError, match=r"-V has a sign.*; write V; .* turns: clockwise, or .* a negative speed"):
-        built(KNEE.replace("drive: V", "drive: -V"), tmp_path)

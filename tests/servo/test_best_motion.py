@@ -380,7 +380,8 @@ def proved(task, points):
     usual = servo.evaluate(press, drive, loads, time=constant, angle=angle, speed=FULL / time, acceleration=0.0)
     assert best.gap > -1e-8
     assert best.gap < 1e-7 or any("is not convex" in note or "above its limit between nodes" in note for note in best.notes)
-    assert best.gap < 0.5 or any("proved by the faster turn" in note for note in best.notes)
+    wide = "proved by the faster turn", "pass their mean speed in one segment and may be faster in all others"
+    assert best.gap < 0.5 or any(words in note for words in wide for note in best.notes)
     assert best.motion.duration == pytest.approx(time, rel=1e-3)
     assert best.value <= usual.heat * (1.0 + 1e-3)
     assert any("the heat with states between nodes" in note for note in best.notes) == (abs(best.deviation) > 1e-3)
@@ -391,6 +392,18 @@ def proved(task, points):
 @pytest.mark.parametrize("seed", range(150))
 def test_random_tasks_are_proved(seed):
     proved(random_task(seed), 360)
+
+
+def test_the_bound_of_a_faster_turn_is_not_above_a_turn_that_takes_its_time():
+    """The best turn in any time is only 0.3 % faster here, so that the bound is as close to the value as rounding lets it."""
+    drive, limits = servo.ServoDrive(2754.37, peak_torque=650017), [servo.SlideSpeed(0.486984, (0.030126, 0.0)), servo.CrankSpeed(4.85794)]
+    proved((texts.shipped("zxn2_3000b"), drive, [pp.loads.DeepDrawing(2343153, 0.13686)], 2.58678, limits), 360)
+
+
+def test_a_heavy_rotor_has_a_wide_gap_that_a_note_explains():
+    """It hardly feels the load, so that a turn that is faster except near its mean speed needs half of the heat."""
+    drive, load = servo.ServoDrive(10.8964, peak_torque=146.168), pp.loads.DeepDrawing(1100, 0.01)
+    proved((texts.shipped("crank_slide"), drive, [load], 2.2846, []), 360)
 
 
 def test_more_time_and_wider_limits_are_no_worse():

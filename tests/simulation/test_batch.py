@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support import texts
 from support.exploring import examples
+from support.generators import small_linkages
 from support.oracles import crank_slide_equation as equation
 from support.time_limit import LIMIT, within
 
@@ -196,12 +197,13 @@ def test_tables_of_force(press, size):
 @pytest.mark.parametrize(
     "change",
     [
+        {},
         {"speed": [31.0]},
         {"flywheel": pp.drives.Flywheel(np.array([136.0]))},
         {"drive": pp.drives.ConstantTorque(np.array([567.0]))},
         {"loads": [pp.loads.Blanking(np.array([1.25e6]), 0.010, 0.005)]},
     ],
-    ids=["speed", "flywheel", "drive", "load"],
+    ids=["none", "speed", "flywheel", "drive", "load"],
 )
 def test_one_scenario_is_still_an_array(press, change):
     runs = pp.simulate_batch(press, 0.5, **blanked(press) | change)
@@ -478,22 +480,14 @@ def test_a_scenario_keeps_its_own_values(press):
     np.testing.assert_array_equal(power, [1e4, 3e4])
 
 
-def test_arrays_are_read_only_and_times_are_even(three):
+def test_states_of_a_batch(three):
+    """Even times, starts as given, read-only arrays; its runs one after the other."""
     np.testing.assert_allclose(three.time, np.linspace(0, 0.5, 41), rtol=1e-15)
     np.testing.assert_allclose(three.crank_angle[0], 0.0, atol=1e-13)
     np.testing.assert_allclose(three.crank_speed[0], [25.0, 30.0, -35.0], rtol=1e-11)
-    assert three.wall_time > 0
     for name in ("time", "crank_angle", "crank_speed", "drive_work", "load_work"):
-        with pytest.raises(ValueError, match="read-only"):
-            getattr(three, name)[0] = 1.0
-
-
-def test_what_it_is_called(three):
-    assert len(three) == 3
+        assert not getattr(three, name).flags.writeable
     assert repr(three) == "<RunBatch of jf75g_125: 3 scenarios, 41 states each, 0.5 s>"
-
-
-def test_scenarios_one_after_the_other(three):
     assert [float(run.crank_speed[0]) for run in three] == pytest.approx([25.0, 30.0, -35.0], rel=1e-11)
 
 
@@ -504,17 +498,8 @@ def test_no_such_scenario(three, k):
 
 
 @pytest.fixture
-def disc(tmp_path):
-    """A disc of 3 kg m2 that turns about its centre of mass."""
-    file = tmp_path / "disc.urdf"
-    file.write_text(
-        """<robot name="disc"><link name="frame"/><link name="disc"><inertial><mass value="40"/>
-        <inertia ixx="2" ixy="0" ixz="0" iyy="3" iyz="0" izz="2"/></inertial></link>
-        <joint name="O" type="continuous"><parent link="frame"/><child link="disc"/><axis xyz="0 -1 0"/></joint>
-        <transmission name="drive"><joint name="O"/></transmission></robot>""",
-        encoding="utf-8",
-    )
-    return pp.load(file)
+def disc():
+    return small_linkages.disc()
 
 
 def test_a_press_without_a_slide(disc):
@@ -554,23 +539,9 @@ BAD = {
     ),
     "angles": ({"speed": 30.0, "angle": [0.0, 1.0]}, "angle is an array"),
     "one angle in an array": ({"angle": np.array([0.0])}, "angle is an array"),
-    "angle": ({"angle": math.nan}, "angle is nan"),
     "far": ({"angle": 1e12}, "turns away"),
-    "NaN": ({"speed": [30.0, math.nan]}, "speed is"),
-    "infinite": ({"speed": [30.0, math.inf]}, "speed is"),
     "a table": ({"speed": [[30.0, 31.0]]}, "speed is"),
-    "words": ({"speed": ["fast", "slow"]}, "speed is"),
-    "numbers in words": ({"speed": ["30", "31"]}, "speed is"),
-    "truth": ({"speed": [True, False]}, "speed is"),
-    "none": ({"speed": []}, "speed is"),
-    "ragged": ({"speed": [[1.0], [1.0, 2.0]]}, "speed is"),
-    "duration": ({"duration": -1.0}, "duration is"),
-    "points": ({"points": 1}, "points is 1"),
     "tolerance": ({"tolerance": 1e-30}, "tolerance is"),
-    "drive": ({"drive": 567.0}, "drive is 567"),
-    "flywheel": ({"flywheel": 136.0}, "flywheel is a float"),
-    "no loads": ({"loads": None}, "loads"),
-    "a number of loads": ({"loads": 3}, "loads"),
     "one load": ({"loads": BLANK}, "give a list"),
     "a prescribed speed": ({"drive": pp.drives.PrescribedSpeed(30.0)}, "prescribes"),
     "loads at a prescribed speed": (
@@ -588,22 +559,6 @@ def test_arguments_that_make_no_sense_are_refused(press, name):
     good = {"press": press, "duration": 0.1, "speed": [30.0, 31.0], "flywheel": WHEEL}
     with within(LIMIT), pytest.raises(pp.PinpressError, match=message):
         pp.simulate_batch(**good | change)
-
-
-@pytest.mark.parametrize(
-    ("make", "named"),
-    [
-        *((lambda wrong=wrong: pp.loads.ConstantForce(np.array([1.0, wrong]), 0.01), "force") for wrong in (math.nan, -1.0)),
-        *((lambda wrong=wrong: pp.drives.InductionMotor(np.array([1.0, wrong]), 150.0), "rated_power") for wrong in (math.nan, -1.0)),
-        (lambda: pp.drives.Flywheel(np.array([1.0, math.nan])), "inertia"),
-        (lambda: pp.drives.parameter("kg m2", "huge", scenarios=True, axes=0), "sign is 'huge'; give one of finite"),
-        (lambda: pp.drives.parameter("kg m2", "positive", scenarios=True, axes=-1), "axes is -1"),
-        (lambda: pp.drives.parameter("kg m2", "positive", scenarios=True, axes=True), "axes is True"),
-    ],
-)
-def test_bad_values_are_refused_where_a_part_is_made(make, named):
-    with pytest.raises(pp.PinpressError, match=named):
-        make()
 
 
 def test_no_inertia_in_one(press):
@@ -635,15 +590,13 @@ def test_arrays_that_are_no_scenarios(press):
 
 
 @dataclasses.dataclass(frozen=True)
-class Curve:
+class Curve(pp.drives.SpeedTorqueDrive):
     """A caller's own drive: torque over the crank's speed, straight between points."""
 
     speeds: np.ndarray
     torques: np.ndarray
     inertia: float = 0.0
-    state: tuple = ()
-    timed: bool = False
-    rated_torque: float | None = None
+    rated_torque = None
 
     @property
     def corners(self):
@@ -651,14 +604,6 @@ class Curve:
 
     def torque(self, speed, angle=0.0, time=0.0, state=()):
         return np.interp(speed, self.speeds, self.torques)
-
-    motor_torque = torque
-
-    def rates(self, speed, angle=0.0, time=0.0, state=()):
-        return ()
-
-    def motor_speed(self, speed):
-        return speed
 
 
 @dataclasses.dataclass(frozen=True)
@@ -668,9 +613,7 @@ class Burst(Curve):
     def torque(self, speed, angle=0.0, time=0.0, state=()):
         if np.any(speed > 62.0):
             raise ValueError("the rotor bursts")
-        return np.interp(speed, self.speeds, self.torques)
-
-    motor_torque = torque
+        return super().torque(speed)
 
 
 def test_a_law_that_raises_is_told_with_where(press):
@@ -709,9 +652,7 @@ class Scaled(Curve):
     inertia: float = dataclasses.field(default=0.0, metadata=pp.drives.parameter("kg m2", "not negative", scenarios=True))
 
     def torque(self, speed, angle=0.0, time=0.0, state=()):
-        return np.interp(speed, self.speeds, self.torques) * (1.0 + 0.01 * self.inertia)
-
-    motor_torque = torque
+        return super().torque(speed) * (1.0 + 0.01 * self.inertia)
 
 
 POINTS = np.array([0.0, 10.0, 20.0, 28.0, 31.0, 40.0])
@@ -753,12 +694,6 @@ def test_several_scenarios_are_asked_for_in_words(press, what):
     change, message = SEVERAL[what]
     with pytest.raises(pp.PinpressError, match=f"{message}, and simulate takes one: .* simulate_batch"):
         pp.simulate(press, 0.1, **blanked(press) | change)
-
-
-def test_a_batch_without_arrays_is_one_scenario(press):
-    runs = pp.simulate_batch(press, 0.3, **blanked(press), points=31)
-    assert len(runs) == 1
-    same(runs, 0, pp.simulate(press, 0.3, points=31, **blanked(press)))
 
 
 @pytest.mark.parametrize("count", [2, 3])

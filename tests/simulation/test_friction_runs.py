@@ -13,7 +13,6 @@ import pinpress as pp
 from pinpress.drives import Brake, Clutch, ConstantTorque, Flywheel, Geared, InductionMotor, PrescribedSpeed, SwitchPoint
 from pinpress.loads.link import Friction, PointForce, SpringDamper
 from pinpress.loads.process import DeepDrawing, ElasticDie
-from pinpress.simulation.driven_press import driven_press
 
 MOTOR, RATIO = InductionMotor(rated_power=75e3, rated_speed=1485 * pp.RPM, inertia=1.2), 20.7
 GEARED, FLYWHEEL = Geared(MOTOR, ratio=RATIO), Flywheel(inertia=6000.0)
@@ -239,14 +238,6 @@ def test_scenarios_are_runs():
         np.testing.assert_allclose(batch.crank_angle[:, k], run.crank_angle, rtol=0, atol=1e-9)
         assert batch.lost[k] == pytest.approx(run.lost[-1], rel=1e-9)
     assert batch.energy_error.max() < 1e-9
-
-
-def test_bearings_turn_back_at_places_where_panels_end():
-    """The guide at the dead centres, the rod's pin where the rod turns back: the crank is then square to the guide."""
-    press = shipped("crank_slide")
-    driven = driven_press(press, None, None, [], None, None, rubbing(press))
-    every = np.unique(np.round(np.degrees(np.concatenate(driven.switch_angles)), 6) % 360)
-    np.testing.assert_allclose(every, [0.0, 90.0, 180.0, 270.0])
 
 
 @pytest.mark.filterwarnings("ignore:friction of.*its (coefficient|radius) is")  # so large on purpose

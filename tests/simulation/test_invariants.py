@@ -16,7 +16,6 @@ from pinpress.simulation.over_angle import collocation, refinement
 from pinpress.simulation.over_angle.forces import Forces
 from pinpress.simulation.over_angle.mesh import build_mesh, mesh_borders
 from pinpress.simulation.over_time.time_solver import TimeSegment
-from pinpress.simulation.reduced_model import reduced_model_of
 from pinpress.simulation.run import BETWEEN
 
 RPM = np.pi / 30
@@ -140,18 +139,6 @@ def test_a_start_from_rest_ends_where_inverse_dynamics_leads(press, wheel, degre
     holds_as_a_run(run, 50 * np.pi / 20.7 * 1.001)
 
 
-def test_a_batch_is_its_runs(press):
-    """From rest and in slow motion, where a scenario may have to be run alone, and when it is asked again."""
-    wheels, speeds = np.array([1500.0, 1575.0, 1650.0, 2500.0, 4500.0, 3000.0]), np.array([0.0, 0.0, 0.05, -0.05, 2.0, 0.4])
-    asked = {"angle": np.radians(130), "drive": MOTOR, "speed": speeds, "flywheel": pp.drives.Flywheel(wheels)}
-    batch, again = pp.simulate_batch(press, 0.5, **asked), pp.simulate_batch(press, 0.5, **asked)
-    for name in ("crank_angle", "crank_speed", "drive_work"):
-        np.testing.assert_array_equal(getattr(batch, name), getattr(again, name))
-    for k in range(len(wheels)):
-        np.testing.assert_allclose(batch.crank_angle[:, k], batch[k].crank_angle, rtol=0, atol=1e-8)
-        np.testing.assert_allclose(batch.crank_speed[:, k], batch[k].crank_speed, rtol=0, atol=1e-7)
-
-
 def test_a_call_repeated_is_equal_in_every_bit(press):
     asked = {"angle": 1.0, "drive": MOTOR, "flywheel": pp.drives.Flywheel(1500.0)}
     first = pp.simulate(press, 0.5, **asked)
@@ -212,41 +199,3 @@ def test_at_rest_the_torque_needed_lies_within_what_holds(name):
                 assert max(rising, falling) <= system.holding(rising, falling)
                 assert system.rates(mode, time, y)[1] == 0.0
     assert rests
-
-
-def drawn(random, presses):
-    """A press, a duration, and what acts on it: a start mostly from rest, a motor of a size that suits the press or does not."""
-    press = presses[random.integers(len(presses))]
-    model = reduced_model_of(press)
-    ratio = float(random.uniform(5, 40))
-    rated, poles = [(945.0, 6), (1430.0, 4), (1485.0, 4)][random.integers(3)]
-    wheel = float(model.middles[0].max() * np.exp(random.uniform(np.log(0.1), np.log(100))))
-    torque = model.potential_range * float(np.exp(random.uniform(np.log(0.2), np.log(30))))
-    motor = pp.drives.InductionMotor(torque / ratio * rated * RPM, rated * RPM, poles=poles, inertia=wheel / ratio**2 * 0.1)
-    idle = 100 * np.pi * 2 / poles / ratio
-    asked = {
-        "angle": float(random.uniform(-7, 7)),
-        "speed": idle * float(random.choice([0.0, 0.0, 0.0, 1e-4, 0.02, 0.5])) * random.normal(),
-        "drive": pp.drives.Geared(motor, float(ratio * random.choice([1, 1, -1]))),
-        "flywheel": pp.drives.Flywheel(wheel),
-    }
-    return press, float(random.uniform(0.05, 1.0)) * 2 * np.pi / idle, asked
-
-
-PRESSES = ("zxn2_3000b", "crank_slide", "eccentric_blocks", "jf75g_125", "pirica_double_knuckle")
-
-
-@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # of motors that are too weak, or turn the other way
-@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(1, 51))])
-def test_the_default_method_ends_where_the_implicit_one_does(seed):
-    """Ten random starts each. Of them only starts beside an unstable rest, which a run says, may lead astray."""
-    random, presses = np.random.default_rng(seed), [texts.shipped(name) for name in PRESSES]
-    for _ in range(10):
-        press, duration, asked = drawn(random, presses)
-        run = pp.simulate(press, duration, points=500, **asked)
-        other = pp.simulate(press, duration, points=2, method="implicit", tolerance=1e-9, **asked)
-        loose = 1e-6 * max(1.0, run.stats.sensitivity or 0.0)
-        scale = max(1.0, float(np.abs(run.crank_speed).max()))
-        assert abs(run.crank_angle[-1] - other.crank_angle[-1]) < loose, (press.name, duration, asked)
-        assert abs(run.crank_speed[-1] - other.crank_speed[-1]) < loose * scale, (press.name, duration, asked)
-        holds_as_a_run(run)

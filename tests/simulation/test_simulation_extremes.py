@@ -10,7 +10,6 @@ wrong before it by tens. `CLOSE` therefore where nothing is unstable; where some
 
 import math
 import re
-import signal
 from contextlib import nullcontext
 from functools import cache
 from pathlib import Path
@@ -21,40 +20,17 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from support import texts
-from support.generators import random_linkages
 from support.oracles.textbook_crank_slide import BOTTOM, GRAVITY, R, acceleration, height, inertia, lever, potential, slope
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceInterval
+from pinpress.loads.process import Blanking, ConstantForce, ElasticDie, ForceInterval
 
 METHODS = ("reduced", "constraint")
 CLOSE = 1e-7  # rad; of speeds times the speed
-SECONDS = 40  # of this process, which other processes do not use up; no test here takes a fifth of that
 TEXT = (Path(__file__).parents[2] / "urdf" / "crank_slide.urdf").read_text(encoding="utf-8")
 
-pytestmark = pytest.mark.exhaustive
-
-
-class Endless(BaseException):
-    """No Exception: nothing on the way may catch it."""
-
-
-@pytest.fixture(autouse=True)
-def limited():
-    """A test that does not end fails."""
-    if not hasattr(signal, "setitimer"):
-        yield
-        return
-
-    def end(*_):
-        raise Endless(f"no end after {SECONDS} s")
-
-    before = signal.signal(signal.SIGVTALRM, end)
-    signal.setitimer(signal.ITIMER_VIRTUAL, SECONDS)
-    yield
-    signal.setitimer(signal.ITIMER_VIRTUAL, 0)
-    signal.signal(signal.SIGVTALRM, before)
+pytestmark = [pytest.mark.exhaustive, pytest.mark.usefixtures("time_limit")]
 
 
 @pytest.fixture(params=METHODS)
@@ -243,23 +219,6 @@ def test_over_top_dead_centre_or_not(press, method, share):
     assert abs(abs(result.crank_speed[-1]) - expected) < 1e-7 * expected + 1e-5
 
 
-@pytest.mark.parametrize("turns", [0, 1, -1])
-def test_at_rest_at_bottom_dead_centre(press, method, turns):
-    result = run(press, 2.0, angle=2 * math.pi * turns, method=method, sound=math.inf)  # of no energy all errors are much
-    assert np.abs(result.crank_angle - 2 * math.pi * turns).max() < 1e-9
-
-
-@pytest.mark.parametrize("off", [0.0, 1e-12, -1e-12, 1e-9, -1e-6])
-def test_at_rest_at_top_dead_centre(press, method, off):
-    """It stays, or comes down with the energy of the fall: the rounding of pi decides."""
-    with beside_the_top():
-        result = run(press, 1.5, angle=math.pi + off, method=method)
-    fallen = potential(math.pi) - potential(result.crank_angle)
-    assert np.abs(0.5 * inertia(result.crank_angle) * result.crank_speed**2 - fallen).max() < 1e-8 * (potential(math.pi) - potential(0.0))
-    if abs(off) >= 1e-9:
-        assert (result.crank_angle[40] - math.pi) * off > 0
-
-
 @cache
 def tiny_torque_near_the_top(off):
     """Nothing but 1e-3 N m and the slope of the weights turn the crank on; errors grow to the first bottom dead centre as exp(26 t)."""
@@ -284,22 +243,10 @@ def test_a_tiny_speed(press, method, speed):
     same(run(press, 1.0, angle=2.0, speed=speed, method=method), reference(1.0, angle=2.0, speed=speed))
 
 
-@pytest.mark.parametrize("size", [1e-2, 1e-3, 1e-4, 1e-5])
-def test_small_swings(press, method, size):
-    """About bottom dead centre: the sine of the linear equation, but for the square of the size (the inertia doubles within 0.05 rad)."""
-    stiffness = (slope(potential, 1e-4) - slope(potential, -1e-4)) / 2e-4
-    frequency = math.sqrt(stiffness / inertia(0.0))
-    times = np.linspace(0.0, 1.0, 61)
-    result = run(press, 1.0, speed=size * frequency, points=61, method=method, sound=math.inf)  # 600 J beside 1e-9 J: rounding
-    assert np.abs(result.crank_angle - size * np.sin(frequency * times)).max() < size * (100 * size**2 + 1e-5)
-
-
 # ------------------------------------------------------------------------------------------------------------- loads and their edges
 
 
-@pytest.mark.parametrize(
-    ("place", "speed"), [(0.05, 3.0), (0.05, -3.0), (0.05, 0.5), (0.05, -0.5), (0.035, 3.0), (0.035, -0.5), (0.02, -3.0), (0.02, 0.5)]
-)
+@pytest.mark.parametrize(("place", "speed"), [(0.05, 3.0), (0.05, -0.5), (0.035, 3.0), (0.02, -3.0), (0.02, 0.5)])
 def test_a_start_on_an_edge_and_inside(press, method, place, speed):
     """Of a pile, with an elastic die of the same force at the lower edge in its place."""
     angle = at_height(place)
@@ -351,29 +298,13 @@ def test_a_pulse_of_no_width(press, method, width, speed):
 
 
 @pytest.mark.filterwarnings("ignore:.*largest force is:pinpress.PinpressWarning")  # extremes
-@pytest.mark.parametrize("width", [1e-9, 1e-6])
-def test_a_pile_of_no_height(press, method, width):
-    """About bottom dead centre it takes nothing on the whole; of 1e9 N the edges lie 1e-13 m off, as far as the table knows heights."""
-    result = run(press, 0.7, **BOTH_WAYS, loads=[ConstantForce(1.0 / width, width)], method=method)
-    assert abs(result.load_work[-1]) < 5e-13 / width + 1e-9
-
-
-@pytest.mark.filterwarnings("ignore:.*largest force is:pinpress.PinpressWarning")  # extremes
 def test_a_load_thinner_than_can_be_resolved(press, method):
     """It must not be lost."""
     with pytest.raises(pp.PinpressError, match="Blanking"):
         run(press, 0.7, **BOTH_WAYS, loads=[Blanking(1e12, 0.05, 0.05 - 1e-12)], method=method)
 
 
-def test_loads_one_upon_the_other(press, method):
-    several = [Blanking(2e3, 0.05, 0.02), Blanking(2e3, 0.05, 0.02), Blanking(1e3, 0.05, 0.02)]
-    same(
-        run(press, 1.2, **BOTH_WAYS, loads=several, method=method),
-        end(run(press, 1.2, **BOTH_WAYS, loads=[Blanking(5e3, 0.05, 0.02)], method=method)),
-    )
-
-
-@pytest.mark.parametrize("beside", [1e-12, 1e-8, 1e-7])
+@pytest.mark.parametrize("beside", [0.0, 1e-12, 1e-7])
 def test_edges_close_together(press, method, beside):
     """2500 N act 2e-7 m longer, 3e-4 J of 2500 J more: nothing else changes."""
     several = [Blanking(2.5e3, 0.05, 0.02), Blanking(2.5e3, 0.05 + beside, 0.02 - beside)]
@@ -382,26 +313,25 @@ def test_edges_close_together(press, method, beside):
 
 
 @pytest.mark.filterwarnings("ignore:.*largest force is:pinpress.PinpressWarning")  # extremes
-@pytest.mark.parametrize("force", [1e-6, 1e3, 1e6, 1e9])
-@pytest.mark.parametrize("speed", [10.0, -10.0])
+@pytest.mark.parametrize(("force", "speed"), [(1e-6, 10.0), (1e3, -10.0), (1e9, -10.0)])
 def test_a_pile_of_any_force(press, method, force, speed):
     """1 GN throws the slide back within 15 us and 3 um; the reference knows the edge to 1e-16 m, and with it these times to 1e-9 s."""
     result = run(press, 1.2, **(BOTH_WAYS | {"speed": speed}), loads=[ConstantForce(force, 0.05)], method=method)
     same(result, reference(1.2, speed, 2.0, 50.0, law=pile(force), edge=0.05), 5e-7)
 
 
-DIES = [(1e3, 0.0), (1e9, 0.0), (1e11, 0.0), (1e5, 1e4), (1e7, 1e3), (1e9, 1e6), (1e3, 1e6), (1e9, 1e7), (1e11, 1e4)]
+DIES = [(1e5, 1e4), (1e3, 1e6), (1e9, 1e7), (1e11, 1e4)]  # without a damper: `extremes.extreme_loads`
 
 
 @pytest.mark.parametrize(("stiffness", "damping"), DIES)
 def test_a_die_of_any_stiffness(press, method, stiffness, damping):
-    """Also one that is so much damped that the slide creeps, and one that throws it back (1e9 without damping)."""
+    """Also one that is so much damped that the slide creeps."""
     result = run(press, 0.6, **BOTH_WAYS, loads=[ElasticDie(0.02, stiffness, damping)], method=method)
     expected = reference(0.6, 10.0, 2.0, 50.0, law=die(0.02, stiffness, damping), edge=0.02, loses_contact=damping > 0)
     same(result, expected, 5e-7)
 
 
-@pytest.mark.parametrize("stiffness", [1e5, 1e9, 1e11])
+@pytest.mark.parametrize("stiffness", [1e5, 1e11])
 @pytest.mark.parametrize("damped", [False, True])
 def test_bouncing(press, method, stiffness, damped):
     """Without flywheel on a die at a quarter of the stroke, several times: each bounce multiplies errors by about four."""
@@ -418,7 +348,7 @@ def test_a_die_met_at_bottom_dead_centre(press, method, edge, stiffness):
     same(result, reference(1.2, 10.0, 2.0, 50.0))
 
 
-@pytest.mark.parametrize("stiffness", [1e3, 1e5, 1e7])
+@pytest.mark.parametrize("stiffness", [1e3, 1e7])
 def test_a_die_preloaded_at_the_start(press, method, stiffness):
     options = {"speed": -1.0, "angle": 0.1, "flywheel": pp.drives.Flywheel(50.0)}
     result = run(press, 0.8, **options, loads=[ElasticDie(0.02, stiffness, 1e3)], method=method)
@@ -448,7 +378,7 @@ def test_stripping_that_pulls_the_crank_back(press, method):
 ON_SLOPE = slope(potential, 1.0)  # torque of the weights at 1 rad
 
 
-@pytest.mark.parametrize("share", [0.99, 1.01, 2.0, 1e6])
+@pytest.mark.parametrize("share", [0.99, 1.01, 1e6])
 def test_a_brake_on_a_slope(press, method, share):
     """It holds what is below its torque; below the weights' it slips, until they have become less and its work has stopped the crank."""
     result = run(press, 1.0, angle=1.0, brake=pp.drives.Brake(share * ON_SLOPE), method=method, sound=1e-6 if share < 1 else math.inf)
@@ -555,12 +485,6 @@ def test_a_brake_that_holds_a_load(method):
     assert result.crank_speed[-1] == 0.0
 
 
-@pytest.mark.parametrize("options", [{}, {"flywheel": pp.drives.Flywheel(0.0)}, {"drive": pp.drives.ConstantTorque(10.0)}])
-def test_a_clutch_without_flywheel(press, method, options):
-    with pytest.raises(pp.PinpressError, match="flywheel"):
-        pp.simulate(press, 1.0, clutch=pp.drives.Clutch(100.0), method=method, **options)
-
-
 # --------------------------------------------------------------------------------------------------------------- linkages: locks, scales
 
 
@@ -599,37 +523,6 @@ def test_against_the_lock_over_time(speed, options):
     assert error.crank_angle == pytest.approx(expected.crank_angle, abs=1e-6)
 
 
-def test_within_the_locks(method):
-    """It swings as long as it does not reach them."""
-    press = texts.load(rod_of(0.09))
-    first = run(press, 1.0, angle=0.3, method=method)
-    assert np.abs(first.crank_angle).max() < 0.3 + 1e-9
-
-
-@pytest.mark.parametrize("speed", [3.0, -3.0])
-def test_a_four_bar_that_does_not_turn(speed):
-    press = texts.load(random_linkages.four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O"))
-    refused("lock", press, 2.0, speed=speed, flywheel=pp.drives.Flywheel(10.0))
-
-
-@pytest.mark.parametrize("size", [1e-3, 100.0])
-def test_presses_of_all_sizes(press, method, size):
-    """Lengths by a factor, masses by its cube: times are as its square root, all angles the same. (At 1 km the inertias are refused.)"""
-
-    def scaled(match):
-        power = {"x": 1, "m": 3, "i": 5, "l": 1, "u": 1}[match.group(1)[0]]
-        return f'{match.group(1)}="' + " ".join(repr(float(number) * size**power) for number in match.group(2).split()) + '"'
-
-    text = re.sub(r'(?<!axis )\b(xyz|mass value|i[xyz]{2}|lower|upper)="([^"]*)"', scaled, TEXT)
-    options = {"angle": 2.0, "method": method, "points": 100}
-    mine = [Blanking(5e3 * size**3, 0.05 * size, 0.02 * size, 1e3 * size**3), ElasticDie(0.01 * size, 1e6 * size**2, 1e3 * size**2.5)]
-    one = [Blanking(5e3, 0.05, 0.02, 1e3), ElasticDie(0.01, 1e6, 1e3)]
-    pace = math.sqrt(size)
-    result = run(texts.load(text), pace, speed=10.0 / pace, flywheel=pp.drives.Flywheel(50.0 * size**5), loads=mine, **options)
-    expected = run(press, 1.0, speed=10.0, flywheel=pp.drives.Flywheel(50.0), loads=one, **options)
-    assert np.abs(result.crank_angle - expected.crank_angle).max() < CLOSE
-
-
 @pytest.mark.parametrize("ratio", [0.5, -1.5, 0.7071])
 def test_a_period_of_several_turns(method, ratio):
     """A geared shaft with its mass off centre; with the last ratio nothing comes again for thousands of turns, and there is no table."""
@@ -660,14 +553,14 @@ def test_a_period_of_several_turns(method, ratio):
 
 
 @pytest.mark.filterwarnings("ignore:speed is:pinpress.PinpressWarning")  # it is meant
-@pytest.mark.parametrize("rpm", [1e-9, 1e-3, 1e3, -1e5])
+@pytest.mark.parametrize("rpm", [1e-9, -1e5])
 def test_speeds_of_all_sizes(press, method, rpm):
     duration = min(1.0, 100 / abs(rpm))
     result = run(press, duration, speed=rpm * pp.RPM, angle=2.0, method=method)
     same(result, reference(duration, rpm * pp.RPM, 2.0), 3e-7)
 
 
-@pytest.mark.parametrize("duration", [1e-300, 1e-15, 1e-12, 1e-9, 1e-6])
+@pytest.mark.parametrize("duration", [1e-300, 1e-12, 1e-6])
 def test_durations_of_no_length(press, method, duration):
     """By then nothing has happened but turning."""
     for options in (
@@ -693,65 +586,11 @@ def test_ends_at_edges_and_dead_centres(press, method):
             assert abs(run(press, float(duration), **options).crank_angle[-1] - angle) < 1e-6  # at is known to 1e-7 s
 
 
-@pytest.mark.parametrize("points", [2, 3, 5001])
-def test_points(press, method, points):
-    result = run(press, 0.3, speed=10.0, method=method, points=points)
-    assert len(result.time) == points
-    same(result, reference(0.3, 10.0))
-
-
 def test_a_step_longer_than_the_run(press, method):
     """One step of the classical method, which errs by h^5 of what happens in 20 ms."""
     result = run(press, 1e-3, speed=10.0, angle=2.0, step=1e9, method=method)
     assert result.stats.steps == 1
     same(result, reference(1e-3, 10.0, 2.0))
-
-
-NUMBERS = [True, "1", "abc", None, [1.0, 2.0], np.array([[1.0]]), math.nan, math.inf, 1j, object(), {}]
-NAMES_OF_NUMBERS = ("duration", "speed", "angle", "step", "tolerance", "points")
-SAID = {("speed", list): "scenarios"}
-NO_NUMBERS = [
-    pytest.param(method, name, value, SAID.get((name, type(value)), name), id=f"{method}-{name}-{str(value)[:12]}")
-    for method in METHODS
-    for name in NAMES_OF_NUMBERS
-    for value in NUMBERS
-    if not (value is None and name in ("step", "points", "tolerance"))  # as by default
-    and not (isinstance(value, list) and name == "speed" and method == "reduced")  # scenarios
-]
-
-
-OUT_OF_ALL_REASON: dict[str, list[Any]] = {
-    "duration": [0.0, -1.0, 1e308],
-    "speed": [1e99],
-    "tolerance": [0.0, 1e-20, 1e5],
-    "step": [1e-9, -1.0],
-    "points": [1, 10**12, 2.0],
-}
-THINGS: list[Any] = [
-    True,
-    1.0,
-    "1",
-    object(),
-    pp.drives.Flywheel,
-    [1.0],
-    [None],
-    np.array([1.0]),
-    ForceInterval(1.0, 0.0, lambda h, v: 0.0),
-]
-NAMES_OF_THINGS = ("drive", "flywheel", "loads", "method", "clutch", "brake", "press", "progress")
-OTHER_THINGS = [
-    pytest.param(method, name, value, None, id=f"{method}-{name}-{str(value)[:12]}")
-    for method in METHODS
-    for name, values in [*OUT_OF_ALL_REASON.items(), *dict.fromkeys(NAMES_OF_THINGS, THINGS).items()]
-    for value in values
-    if not (name == "progress" and callable(value))  # a function, as far as one can see
-]
-
-
-@pytest.mark.parametrize(("method", "name", "value", "named"), NO_NUMBERS + OTHER_THINGS)
-def test_arguments_of_another_kind_or_out_of_all_reason_are_refused(press, method, name, value, named):
-    with pytest.raises(pp.PinpressError, match=named):
-        pp.simulate(**({"press": press, "duration": 0.1, "speed": 1.0, "method": method} | {name: value}))
 
 
 # -------------------------------------------------------------------------------------------------------------- loads and drives of users
@@ -827,23 +666,14 @@ def test_broken_loads_are_refused_by_name(press, method, name):
         pp.simulate(press, 1.0, **BOTH_WAYS, loads=[load], method=method)
 
 
-class Drive:
-    inertia, state, timed, rated_torque = 0.0, (), False, None
+class Drive(pp.drives.SpeedTorqueDrive):
+    inertia, rated_torque, state, timed, corners = 0.0, None, (), False, ()
 
     def __init__(self, law, corners=(), **members):
-        self.law, self.corners = law, corners
-        self.__dict__.update(members)
+        self.__dict__.update(law=law, corners=corners, **members)
 
     def torque(self, speed, angle=0.0, time=0.0, state=()):
         return self.law(speed)
-
-    motor_torque = torque
-
-    def rates(self, speed, angle=0.0, time=0.0, state=()):
-        return ()
-
-    def motor_speed(self, speed):
-        return speed
 
 
 def jump(below, above, at=6.0):
@@ -951,63 +781,13 @@ def test_broken_drives_are_refused(press, method, drive, speed):
         pp.simulate(press, 1.0, speed=speed, drive=drive, method=method, **AT_5)
 
 
-# ---------------------------------------------------------------------------------------------------------------------- at random
-
-SIZES = {"crank_slide": (0.2, 1.4), "zxn2_3000b": (0.3, 900.0), "jf75g_125": (0.03, 0.4)}  # stroke [m], scale of the inertia [kg m2]
-
-
-def scene(seed):
-    """A press, and arguments of `pinpress.simulate`."""
-    rng = np.random.default_rng(seed)
-    name = str(rng.choice(list(SIZES)))
-    stroke, own = SIZES[name]
-    wheel, speed = own * 10 ** rng.uniform(-0.5, 1.5), float(rng.choice([-1, 1]) * 10 ** rng.uniform(0.0, 1.3))
-    force = wheel * speed**2 / stroke * 10 ** rng.uniform(-2, 0.5)
-    low, high = sorted(rng.uniform(0.02, 1.0, 2) * stroke)
-    every = (
-        Blanking(force, high, low, 0.1 * force),
-        ConstantForce(force, low),
-        DeepDrawing(force, high, low),
-        ElasticDie(low, 3 * force / stroke),
-        pp.loads.ForceStroke([low, 0.5 * (low + high), high], [force, 0.5 * force, 0.0]),
-    )
-    torque = wheel * speed**2 / 20
-    motors = (
-        None,
-        pp.drives.ConstantTorque(torque * float(rng.choice([-1, 1]))),
-        pp.drives.Geared(pp.drives.InductionMotor(5 * torque, 1440 * pp.RPM), 150 / speed, efficiency=0.9),
-        pp.drives.Geared(pp.drives.InverterMotor(abs(torque * speed) / 150, 1440 * pp.RPM, 50.0), 150 / speed),
-    )
-    chosen = [every[k] for k in rng.choice(len(every), rng.integers(0, 3), replace=False)]
-    brake = (
-        pp.drives.Brake(torque, pp.drives.SwitchPoint(time=float(rng.uniform(0, 1 / abs(speed)))), rise=0.05 / abs(speed))
-        if rng.random() < 0.3
-        else None
-    )
-    flywheel = pp.drives.Flywheel(wheel, speed=speed * float(rng.uniform(-0.5, 2)))
-    clutch = pp.drives.Clutch(20 * torque) if rng.random() < 0.3 else None
-    start = {"speed": speed, "angle": float(rng.uniform(-4, 8)), "flywheel": flywheel, "drive": motors[rng.integers(len(motors))]}
-    return name, dict(duration=8 / abs(speed), loads=chosen, brake=brake, clutch=clutch, **start)
-
-
-@pytest.mark.filterwarnings("ignore:.*(largest force is|rated torque of):pinpress.PinpressWarning")  # extremes
-@pytest.mark.parametrize("seed", range(8))
-def test_both_methods_agree(seed):
-    """On the motion, or on the error, its time and its place."""
-    name, arguments = scene(seed)
-    first, second = (outcome(shipped(name), method=method, **arguments) for method in METHODS)
-    assert first.keys() == second.keys()
-    for what, value in first.items():
-        assert abs(value - second[what]) < 1e-6 * max(1.0, abs(value)), what
-
-
-def outcome(press, **arguments):
-    """The end of a run, or of the error that it ends in."""
-    try:
-        result = run(press, **arguments)
-    except pp.SimulationError as error:
-        return {"stopped at": error.time * abs(arguments["speed"]), "stopped there": error.crank_angle}
-    return dict(zip(("angle", "speed"), end(result), strict=True))
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("duration", 0.0), ("duration", 1e308), ("speed", 1e99), ("tolerance", 1e-20), ("tolerance", 1e5), ("step", 1e-9), ("points", 10**12)],
+)
+def test_arguments_out_of_all_reason_are_refused(press, method, name, value):
+    with pytest.raises(pp.PinpressError, match=f"{name}|makes more than 200000 turns"):
+        pp.simulate(**({"press": press, "duration": 0.1, "speed": 1.0, "method": method} | {name: value}))
 
 
 def test_the_equation_of_these_tests(press):

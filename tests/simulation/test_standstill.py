@@ -45,21 +45,13 @@ class Guide:
         return (ForceInterval(math.inf, -math.inf, lambda h, v: (FRICTION if downwards else -FRICTION) + 0.0 * h),)
 
 
-class Rocking:
+class Rocking(pp.drives.SpeedTorqueDrive):
     """A torque in time about the one that balances the weights."""
 
-    inertia, rated_torque, corners, state, timed = 0.0, None, (), (), True
+    inertia, rated_torque, timed = 0.0, None, True
 
     def torque(self, speed, angle=0.0, time=0.0, state=()):
         return slope(potential, ANGLE) + 120.0 * math.sin(4.0 * time)
-
-    motor_torque = torque
-
-    def rates(self, speed, angle=0.0, time=0.0, state=()):
-        return ()
-
-    def motor_speed(self, speed):
-        return speed
 
 
 def reference(times):

@@ -110,19 +110,11 @@ def test_at_rest_on_the_top(press):
 
 
 def test_dry_friction_holds_it_on_the_top(press):
-    class Friction:
-        inertia, rated_torque, corners, state, timed = 0.0, None, (0.0,), (), False
+    class Friction(pp.drives.SpeedTorqueDrive):
+        inertia, rated_torque, corners = 0.0, None, (0.0,)
 
         def torque(self, speed, angle=0.0, time=0.0, state=()):
             return -50.0 * np.sign(speed)
-
-        motor_torque = torque
-
-        def rates(self, speed, angle=0.0, time=0.0, state=()):
-            return ()
-
-        def motor_speed(self, speed):
-            return speed
 
     run, said = heard(press, 1.0, angle=math.pi, drive=Friction())
     assert np.ptp(run.crank_angle) == 0.0

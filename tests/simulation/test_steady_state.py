@@ -15,8 +15,11 @@ from scipy.integrate import simpson, solve_ivp
 from scipy.optimize import brentq
 from support import texts
 from support.generators.random_linkages import four_bar
+from support.generators.small_linkages import disc, two_discs
 from support.oracles import crank_slide_equation as equation
+from support.oracles.crank_slide_by_scipy import angle_of
 from support.oracles.crank_slide_equation import Window
+from support.oracles.textbook_crank_slide import acceleration, height, lever
 from support.sampling import rest_exhaustive
 from support.time_limit import LIMIT, within
 
@@ -227,44 +230,45 @@ def test_power_balances_in_a_long_run(long_run, strokes):
     np.testing.assert_allclose(gained, balance, rtol=0, atol=1e-9 * ENERGY)
 
 
-@pytest.mark.exhaustive
-def test_a_long_run_ends_in_it_to_the_tolerance(press, steady):
-    """Where the speed passes a corner of the drive's torque a little beside where it did the stroke before."""
-    run = pp.simulate(press, 8.0, speed=SPEED, drive=slip_clutch(), flywheel=WHEEL, loads=[BLANK])
+TEXTBOOK_MOTOR = pp.drives.Geared(pp.drives.InductionMotor(7.5e3, 1440 * RPM, inertia=0.02), 20.0)
+THIN = pp.loads.Blanking(2e5, 0.05, 0.04)
+LASTING = {
+    "corner of a torque": ("jf75g_125", SPEED, slip_clutch(), J0, BLANK, 8.0, 2e-10),
+    "lag": ("jf75g_125", 30.0, slip_clutch(0.05), J0, BLANK, 2.5, 1e-9),  # a stroke is four time constants: it settles in 2 s
+    "lag, backwards": ("jf75g_125", -SPEED, slip_clutch(0.05, -3.0), J0, BLANK, 5.0, 1e-8),
+    "lag, stripping": ("jf75g_125", SPEED, slip_clutch(0.05), J0, pp.loads.Blanking(1.25e6, 0.010, 0.005, stripping=1.5e5), 5.0, 1e-8),
+    "lag, die": ("jf75g_125", SPEED, slip_clutch(0.05), J0, pp.loads.ElasticDie(0.003, 2e8, 1e5), 10.0, 1e-8),
+    **{name: ("jf75g_125", SPEED, CASES[name]().drive, J0, BLANK, 9.0, 1e-8) for name in ("induction", "lossy_induction", "inverter")},
+    "no flywheel": ("jf75g_125", SPEED, induction(), 0.0, pp.loads.Blanking(2e5, 0.010, 0.005), 5.0, 1e-8),
+    "no flywheel, slip clutch": ("jf75g_125", SPEED, slip_clutch(), 0.0, pp.loads.Blanking(2e5, 0.010, 0.005), 5.0, 1e-8),
+    "quick return": ("thin_wall", 72 * RPM, induction(7.5e4, 20.0, 0.6), 500.0, THIN, 10.0, 1e-8),
+    "quick return, backwards": ("thin_wall", -7.5, induction(7.5e3, -20.0, 0.0), 500.0, THIN, 16.0, 1e-8),
+    "textbook": ("crank_slide", 72 * RPM, TEXTBOOK_MOTOR, 50.0, pp.loads.Blanking(2e4, 0.05, 0.02), 10.0, 1e-8),
+}
+
+
+@pytest.mark.one_in(7)
+@pytest.mark.parametrize("name", LASTING)
+def test_the_last_stroke_of_a_long_run_is_that_of_the_steady_state(name):
+    """Of stiff motors, which settle by a factor of 2 and more each stroke, of lags, both ways round, and with little inertia."""
+    press, speed, drive, inertia, load, duration, bound = LASTING[name]
+    press, parts = (
+        texts.shipped(press, gravity=(0, 0, -9.80665)),
+        {"drive": drive, "flywheel": pp.drives.Flywheel(inertia), "loads": [load]},
+    )
+    run, found = pp.simulate(press, duration, speed=0.95 * speed, **parts), pp.steady_state(press, speed, **parts)
+    comes_back(found)
     last = pp.measures.stroke_duties(run)[-1]
-    assert last.duration == pytest.approx(steady.time[-1], rel=2e-10)
-    assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(steady.crank_speed[0], rel=2e-10)
-
-
-@pytest.mark.exhaustive
-def test_a_long_run_with_a_lag(press):
-    """A stroke is four time constants: the press settles in 2 s."""
-    run = pp.simulate(press, 2.5, speed=30.0, drive=slip_clutch(0.05), flywheel=WHEEL, loads=[BLANK])
-    found = pp.steady_state(press, 30.0, drive=slip_clutch(0.05), flywheel=WHEEL, loads=[BLANK])
-    last = pp.measures.stroke_duties(run)[-1]
-    assert last.duration == pytest.approx(found.time[-1], rel=1e-9)
-    assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-9)
-
-
-@pytest.mark.parametrize("name", ["induction", "lossy_induction", "inverter"])
-@pytest.mark.exhaustive
-def test_a_run_of_stiff_motors(press, name):
-    """Forty strokes are enough: their speed settles by a factor of 2 and more each."""
-    drive = CASES[name]().drive
-    run = pp.simulate(press, 9.0, speed=29.0, drive=drive, flywheel=WHEEL, loads=[BLANK])
-    found = pp.steady_state(press, SPEED, drive=drive, flywheel=WHEEL, loads=[BLANK])
-    last = pp.measures.stroke_duties(run)[-1]
-    assert last.duration == pytest.approx(found.time[-1], rel=1e-8)
-    assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=1e-8)
+    assert last.duration == pytest.approx(found.time[-1], rel=bound)
+    assert float(run.trajectory.at(np.array([last.start])).speed[0, 0]) == pytest.approx(found.crank_speed[0], rel=bound)
 
 
 # ------------------------------------------------------------------------------------------------------------------- other presses
 
-TEXTBOOK_MOTOR = pp.drives.Geared(pp.drives.InductionMotor(7.5e3, 1440 * RPM, inertia=0.02), 20.0)
 PRESSES = {
     "zxn2_3000b": (70 * RPM, induction(7.5e4, 20.0, 0.6), 2000.0, pp.loads.DeepDrawing(1e6, 0.05), 2 / math.pi * 1e6 * 0.05),
     "zxn2_3000b_balanced": (70 * RPM, induction(7.5e4, 20.0, 0.6), 2000.0, pp.loads.DeepDrawing(1e6, 0.05), 2 / math.pi * 1e6 * 0.05),
-    "thin_wall": (70 * RPM, induction(7.5e3, 20.0, 0.0), 500.0, pp.loads.Blanking(2e5, 0.05, 0.04), 2 / math.pi * 2e5 * 0.01),
+    "thin_wall": (70 * RPM, induction(7.5e3, 20.0, 0.0), 500.0, THIN, 2 / math.pi * 2e5 * 0.01),
     "jf75g_125_symmetric": (SPEED, induction(), J0, BLANK, WORK),
     "jf75g_125_two_point": (SPEED, induction(), J0, BLANK, WORK),
     "crank_slide": (75 * RPM, TEXTBOOK_MOTOR, 50.0, pp.loads.Blanking(2e4, 0.05, 0.02), 2 / math.pi * 2e4 * 0.03),
@@ -302,7 +306,7 @@ def test_a_spring_that_is_damped(textbook):
 # ------------------------------------------------------------------------------------------------------- symmetries of the solution
 
 
-@pytest.mark.parametrize("angle", [1.0, 5.9, -2.0, 40.0])
+@pytest.mark.parametrize("angle", [5.9, -40.0])
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.exhaustive
 def test_the_start_does_not_matter(press, name, angle):
@@ -319,7 +323,7 @@ def test_the_start_does_not_matter(press, name, angle):
     assert here.crank_speed[0] == pytest.approx(float(there.trajectory.at(np.array([passed])).speed[0, 0]), rel=1e-10)
 
 
-@pytest.mark.parametrize("guess", [0.4, 0.8, 1.0, 1.3, 3.0])
+@pytest.mark.parametrize("guess", [0.4, 1.3, 3.0])
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.exhaustive
 def test_the_guess_does_not_matter(press, name, guess):
@@ -338,22 +342,6 @@ def test_backwards(press, lag):
     np.testing.assert_allclose(other.crank_speed, -one.crank_speed, rtol=1e-9)
     np.testing.assert_allclose(other.drive_torque, -one.drive_torque, rtol=0, atol=1e-6)  # steep: 1000 N m s/rad
     np.testing.assert_allclose(other.drive_work, one.drive_work, rtol=0, atol=1e-8 * ENERGY)
-
-
-@pytest.mark.exhaustive
-def test_backwards_is_another_orbit_of_a_press_with_quick_return():
-    """The thin-wall press is not its own mirror image; each way the period is that of a long run."""
-    speed, drive, inertia, load, _ = PRESSES["thin_wall"]
-    periods = []
-    for way in (1, -1):
-        turned = pp.drives.Geared(drive.drive, way * 20.0)
-        linkage = texts.shipped("thin_wall")
-        run = pp.steady_state(linkage, way * speed, drive=turned, flywheel=pp.drives.Flywheel(inertia), loads=[load])
-        comes_back(run)
-        long = pp.simulate(linkage, 16.0, speed=way * 7.5, drive=turned, flywheel=pp.drives.Flywheel(inertia), loads=[load])
-        assert pp.measures.stroke_duties(long)[-1].duration == pytest.approx(run.time[-1], rel=1e-8)
-        periods.append(float(run.time[-1]))
-    assert abs(periods[1] / periods[0] - 1) > 1e-7
 
 
 def test_a_coarser_tolerance_is_kept(textbook):
@@ -397,50 +385,17 @@ def loads_of(run, k):
 
 
 @dataclasses.dataclass(frozen=True)
-class Own:
+class Own(pp.drives.SpeedTorqueDrive):
     """A drive of one's own: a - b w - c w |w|."""
 
     a: float
     b: float
     c: float = 0.0
-    inertia: float = 0.0
-    state: tuple = ()
-    timed: bool = False
-    rated_torque: None = None
-    corners: tuple = ()
+    inertia = 0.0
+    rated_torque = None
 
     def torque(self, speed, angle=0.0, time=0.0, state=()):
         return self.a - self.b * speed - self.c * speed * abs(speed)
-
-    def rates(self, speed, angle=0.0, time=0.0, state=()):
-        return ()
-
-    def motor_speed(self, speed):
-        return speed
-
-    def motor_torque(self, speed, angle=0.0, time=0.0, state=()):
-        return self.torque(speed)
-
-
-DISC = """<robot name="disc">
-  <link name="frame"/>
-  <link name="disc">
-    <inertial><origin xyz="{x} 0 0"/><mass value="40"/><inertia ixx="2" ixy="0" ixz="0" iyy="3" iyz="0" izz="2"/></inertial>
-  </link>
-  <joint name="O" type="continuous"><parent link="frame"/><child link="disc"/><origin xyz="0.1 0 0.4"/><axis xyz="0 -1 0"/></joint>
-  <transmission name="drive"><joint name="O"/></transmission>
-</robot>
-"""
-
-
-@pytest.fixture
-def disc(tmp_path):
-    def load(eccentricity):
-        file = tmp_path / "disc.urdf"
-        file.write_text(DISC.format(x=eccentricity), encoding="utf-8")
-        return pp.load(file, gravity=(0, 0, -9.81))
-
-    return load
 
 
 class Wavering(Own):
@@ -451,23 +406,23 @@ class Wavering(Own):
 
 
 @pytest.mark.parametrize("way", [1, -1])
-def test_a_disc_does_not_stay_at_a_speed_that_it_leaves(disc, way):
-    drive, press = Wavering(0.2, 0.0), disc(0.0)
+def test_a_disc_does_not_stay_at_a_speed_that_it_leaves(way):
+    drive, press = Wavering(0.2, 0.0), disc()
     for speed in (30.0, 30.4):
         run = pp.steady_state(press, way * speed, drive=drive if way > 0 else pp.drives.Geared(drive, -1.0))
         assert min(abs(abs(run.crank_speed[0]) - stays) for stays in (30.5, 32.5)) < 1e-8
 
 
-def test_constant_inertia_and_a_linear_drive(disc):
+def test_constant_inertia_and_a_linear_drive():
     """w = a / b, and nothing else."""
-    run = pp.steady_state(disc(0.0), 10.0, drive=Own(60.0, 5.0), flywheel=pp.drives.Flywheel(4.0))
+    run = pp.steady_state(disc(), 10.0, drive=Own(60.0, 5.0), flywheel=pp.drives.Flywheel(4.0))
     np.testing.assert_allclose(run.crank_speed, 12.0, rtol=1e-11)
     assert run.time[-1] == pytest.approx(2 * math.pi / 12, rel=1e-11)
     assert abs(run.drive_work[-1]) < 1e-8
 
 
 @pytest.mark.parametrize("angle", [0.0, 2.0])
-def test_an_eccentric_disc_and_a_quadratic_drive(disc, angle):
+def test_an_eccentric_disc_and_a_quadratic_drive(angle):
     """With the torque a - c w^2 the energy W = I w^2 / 2 obeys W' = a - k W - m g e cos q, k = 2 c / I, exactly:
     W = a / k - m g e (k cos q + sin q) / (1 + k^2)."""
     e, a, c = 0.12, 400.0, 1.5
@@ -479,30 +434,10 @@ def test_an_eccentric_disc_and_a_quadratic_drive(disc, angle):
     assert np.ptp(run.crank_speed) > 0.5
 
 
-# the textbook crank-slider, its bodies as its file has them: crank, rod, slide
-
-
-def crank_slide(q):
-    """I, I', V', height above bottom dead centre and its derivative: kinetic energy of plain bodies."""
-    r, rod, g = 0.1, 0.4, 9.80665
-    s, c = math.sin(q), math.cos(q)
-    b = math.asin(r / rod * s)  # the rod off the upright
-    b1 = r * c / (rod * math.cos(b))
-    b2 = (-r * s + rod * math.sin(b) * b1 * b1) / (rod * math.cos(b))
-    z1, z2 = r * s + rod * math.sin(b) * b1, r * c + rod * (math.cos(b) * b1 * b1 + math.sin(b) * b2)
-    # middle of the rod: half of the crank pin's place and half of the wrist pin's
-    x1, x2 = 0.5 * r * c, -0.5 * r * s
-    y1, y2 = 0.5 * (r * s + z1), 0.5 * (r * c + z2)
-    inertia = 0.1 + 20 * 0.03**2 + 15 * (x1 * x1 + y1 * y1) + 0.2 * b1 * b1 + 100 * z1 * z1
-    slope = 2 * (15 * (x1 * x2 + y1 * y2) + 0.2 * b1 * b2 + 100 * z1 * z2)
-    weight = g * (20 * 0.03 * s + 15 * y1 + 100 * z1)
-    return inertia, slope, weight, r * (1 - c) + rod * (1 - math.cos(b)), z1
-
-
-def test_a_period_map_of_ones_own(textbook):
+def test_a_period_map_of_ones_own():
     """A root of what a turn makes of the speed, over the crank angle, from edge to edge of the load by SciPy."""
     a, b, wheel, force = 900.0, 90.0, 20.0, 8e3
-    edge = [2 * math.pi - brentq(lambda q, h=h: crank_slide(q)[3] - h, 0.0, math.pi, xtol=1e-15) for h in (0.05, 0.02)]
+    edge = [2 * math.pi - angle_of(h) for h in (0.05, 0.02)]
     legs = [(0.0, edge[0], 0.0), (edge[0], edge[1], force), (edge[1], 2 * math.pi, 0.0)]
 
     def turn(speed):
@@ -510,10 +445,9 @@ def test_a_period_map_of_ones_own(textbook):
         for low, high, pushed in legs:
 
             def rates(q, y, pushed=pushed):
-                inertia, slope, weight, height, lever = crank_slide(q)
-                push = pushed * math.sin(math.pi / 2 * (0.05 - height) / 0.03)
                 drive, w = a - b * y[0], y[0]
-                change = (drive - 0.5 * slope * w * w - weight + push * lever) / ((inertia + wheel) * w)
+                push = pushed * math.sin(math.pi / 2 * (0.05 - height(q, math)) / 0.03)
+                change = acceleration(q, w, drive + push * lever(q, math), wheel) / w
                 return [change, 1 / w, drive, drive * drive / w]
 
             y = solve_ivp(rates, (low, high), y, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
@@ -521,7 +455,8 @@ def test_a_period_map_of_ones_own(textbook):
 
     speed = brentq(lambda w: turn(w)[0] - w, 8.0, 12.0, xtol=1e-13, rtol=1e-14)
     _, period, work, squared = turn(speed)
-    run = pp.steady_state(textbook, 10.0, drive=Own(a, b), flywheel=pp.drives.Flywheel(wheel), loads=[pp.loads.Blanking(force, 0.05, 0.02)])
+    loads = [pp.loads.Blanking(force, 0.05, 0.02)]
+    run = pp.steady_state(texts.shipped("crank_slide"), 10.0, drive=Own(a, b), flywheel=pp.drives.Flywheel(wheel), loads=loads)
     comes_back(run, 2 / math.pi * force * 0.03)
     assert run.crank_speed[0] == pytest.approx(speed, rel=1e-10)
     assert run.time[-1] == pytest.approx(period, rel=1e-10)
@@ -561,23 +496,17 @@ BAD = {
     "no speed": ({"speed": 0.0}, "speed is 0"),
     "speed NaN": ({"speed": math.nan}, "speed is nan"),
     "speeds": ({"speed": [7.0, 8.0]}, "speed is"),
-    "text": ({"speed": "fast"}, "speed is 'fast'"),
-    "angle": ({"angle": math.inf}, "angle is inf"),
     "angles": ({"angle": [0.0, 1.0]}, "angle is"),
-    "points": ({"points": 1}, "points is 1"),
-    "no tolerance": ({"tolerance": 0.0}, "tolerance is 0"),
     "no drive": ({"drive": None}, "needs a motor"),
     "prescribed": ({"drive": pp.drives.PrescribedSpeed(7.0)}, "needs a motor"),
-    "a number for a drive": ({"drive": 567.0}, "drive is 567"),
-    "a number for a flywheel": ({"flywheel": 50.0}, "flywheel is a float"),
     "one load": ({"loads": BLANK}, "give a list"),
+    "tolerance": ({"tolerance": 1e-30}, "tolerance"),
+    "a program in time": ({"drive": pp.drives.ServoMotor([0, 1.0], [0, 6.0], 1e5, 1e3, 1e4)}, "time"),
     "a force in time": ({"loads": [pp.loads.TimeForce(lambda t: 0 * t)]}, "time"),
-    "no linkage": ({"press": None}, "Linkage"),
     "negative inertia": ({"flywheel": pp.drives.Flywheel(-1e3)}, "inertia"),
     "flywheels": ({"flywheel": pp.drives.Flywheel(np.array([50.0, 60.0]))}, "inertia"),
     "drives": ({"drive": induction(np.array([7.5e3, 8e3]), 20.0)}, "rated_power"),
     "loads": ({"loads": [pp.loads.Blanking(np.array([1e3, 2e3]), 0.05, 0.02)]}, "force"),
-    "no list": ({"loads": 3}, "loads"),
 }
 
 
@@ -589,29 +518,14 @@ def test_arguments_that_make_no_sense_are_refused(textbook, name):
         pp.steady_state(**good | change)
 
 
-def test_a_crank_that_only_swings(tmp_path):
-    """A double rocker."""
-    file = tmp_path / "rocker.urdf"
-    file.write_text(four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O"), encoding="utf-8")
-    with pytest.raises(pp.PinpressError, match="does not turn fully"):
-        pp.steady_state(pp.load(file), 3.0, drive=Own(10.0, 1.0), flywheel=pp.drives.Flywheel(1.0))
-
-
-def test_several_drivers_have_none(tmp_path):
-    press = pp.load(two_discs(tmp_path))
-    assert len(press.drivers) == 2
-    with pytest.raises(pp.PinpressError, match="a press with one"):
-        pp.steady_state(press, 3.0, drive=Own(10.0, 1.0), flywheel=pp.drives.Flywheel(1.0))
-
-
-def two_discs(tmp_path):
-    """Each turned by a driver of its own."""
-    text = DISC.format(x=0.0)
-    first = text[text.index('  <link name="disc">') : text.index("</robot>")]
-    second = first.replace('"disc"', '"other"').replace('"O"', '"P"').replace('"drive"', '"second"')
-    file = tmp_path / "two.urdf"
-    file.write_text(text.replace("</robot>", second + "</robot>"), encoding="utf-8")
-    return file
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [(lambda: texts.load(four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O")), "does not turn fully"), (two_discs, "a press with one")],
+    ids=["double rocker", "two drivers"],
+)
+def test_presses_without_a_steady_state(make, message):
+    with pytest.raises(pp.PinpressError, match=message):
+        pp.steady_state(make(), 3.0, drive=Own(10.0, 1.0), flywheel=pp.drives.Flywheel(1.0))
 
 
 # ------------------------------------------------------------------------------------------------------------------ duty and strokes
@@ -763,63 +677,11 @@ def test_duty_of_no_part_is_refused(press):
             pp.measures.duty_cycle(run, *part)
 
 
-def test_duty_of_several_drivers(tmp_path):
-    press = pp.load(two_discs(tmp_path))
-    run = pp.simulate(press, 0.5, speed=np.array([3.0, 4.0]), method="constraint")
+def test_duty_of_several_drivers():
+    run = pp.simulate(two_discs(), 0.5, speed=np.array([3.0, 4.0]), method="constraint")
     for function in (pp.measures.duty_cycle, pp.measures.stroke_duties):
         with pytest.raises(pp.PinpressError, match="a press with one"):
             function(run)
-
-
-# ------------------------------------------------------------------------------------------------- where a search may lose its way
-
-
-@pytest.mark.one_in(3)
-@pytest.mark.parametrize(
-    ("name", "drive", "flywheel", "load", "period"),
-    [
-        ("thin_wall", induction(7.5e4, 20.0, 0.6), 500.0, pp.loads.Blanking(2e5, 0.05, 0.04), 0.800379548),
-        ("jf75g_125", induction(), None, pp.loads.Blanking(2e5, 0.010, 0.005), 0.200502386),
-        ("jf75g_125", slip_clutch(), None, pp.loads.Blanking(2e5, 0.010, 0.005), 0.168282186),
-        ("crank_slide", induction(7.5e3, 20.0, 0.02), 50.0, pp.loads.Blanking(2e4, 0.05, 0.02), None),
-    ],
-)
-def test_stiff_motors_and_little_inertia(name, drive, flywheel, load, period):
-    """Periods are those of the last strokes of runs of 20 s, to their nine digits."""
-    press = texts.shipped(name, gravity=(0, 0, -9.80665))
-    found = pp.steady_state(
-        press, SPEED if name == "jf75g_125" else 72 * RPM, drive=drive, flywheel=flywheel and pp.drives.Flywheel(flywheel), loads=[load]
-    )
-    comes_back(found)
-    assert period is None or found.time[-1] == pytest.approx(period, rel=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("way", "load", "period"),
-    [
-        (-1, BLANK, 0.205494058),
-        (1, pp.loads.Blanking(1.25e6, 0.010, 0.005, stripping=1.5e5), 0.206186989),
-        (1, pp.loads.ElasticDie(0.003, 2e8, 1e5), 0.200901097),
-    ],
-)
-@pytest.mark.exhaustive
-def test_a_lag_from_further_off(press, way, load, period):
-    """Periods of the last strokes of runs of 20 s and 40 s."""
-    found = pp.steady_state(press, way * SPEED, drive=slip_clutch(0.05, way * 3.0), flywheel=WHEEL, loads=[load])
-    comes_back(found)
-    assert found.time[-1] == pytest.approx(period, rel=1e-8)
-
-
-@pytest.mark.parametrize("tolerance", [1e-30, 1e5])
-def test_tolerances_out_of_range(textbook, tolerance):
-    with within(LIMIT), pytest.raises(pp.PinpressError, match="tolerance"):
-        pp.steady_state(textbook, 7.8, drive=TEXTBOOK_MOTOR, flywheel=pp.drives.Flywheel(50.0), tolerance=tolerance)
-
-
-def test_a_program_in_time_has_none(textbook):
-    with within(LIMIT), pytest.raises(pp.PinpressError, match="time") as raised:
-        pp.steady_state(textbook, 7.8, drive=pp.drives.ServoMotor([0, 1.0], [0, 6.0], 1e5, 1e3, 1e4), flywheel=pp.drives.Flywheel(50.0))
-    assert not isinstance(raised.value, pp.SimulationError)
 
 
 def test_strokes_of_a_run_that_turns_back(press):
@@ -833,10 +695,3 @@ def test_strokes_of_a_run_that_turns_back(press):
         start, end = run.trajectory.at(np.array([one.start, one.start + one.duration])).position[0]
         assert abs(abs(end - start) - 2 * math.pi) < 1e-8
     assert all(b.start >= a.start + a.duration - 1e-12 for a, b in itertools.pairwise(strokes))
-
-
-@pytest.mark.parametrize("function", [pp.measures.duty_cycle, pp.measures.stroke_duties])
-@pytest.mark.parametrize("what", [None, 3.0])
-def test_duty_of_no_run(function, what):
-    with pytest.raises(pp.PinpressError):
-        function(what)

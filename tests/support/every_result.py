@@ -45,6 +45,18 @@ ACCURACY = pp.accuracy.WorkPrecision(
     Records(pp.accuracy.Measurement, [MEASUREMENT]),
     (),
 )
+PIN_TABLE = {
+    "units": "mm",
+    "parameters": {"r": 100},
+    "frame": "O",
+    "pins": {"O": [0, 0], "P": {"from": "O", "length": "r", "angle": -90}, "W": {"P": 400, "x": 0, "side": "down"}},
+    "links": {
+        "crank": {"pins": "O P", "mass": 20},
+        "rod": {"pins": "P W", "mass": 15},
+        "slide": {"pins": "W", "guide": "up", "mass": 90},
+    },
+    "drive": "O",
+}
 TRIALS = []  # seen by the synthesis
 
 
@@ -212,15 +224,13 @@ def balance():
 @cache
 def synthesis():
     limits = {"stroke": (long_stroke, None, 0.3)}
-    return pp.synthesis.synthesise(
-        press(), {"radius": (0.05, 0.1, 0.2)}, minimise=shortest, subject_to=limits, geometry=crank, speed=SPEED, points=24
-    )
+    return pp.synthesis.synthesise(press(), minimise=shortest, subject_to=limits, **CRANK_LENGTH)
 
 
 @cache
 def held():
     """A synthesis that a bound holds."""
-    return pp.synthesis.synthesise(press(), {"radius": (0.05, 0.1, 0.2)}, minimise=long_stroke, geometry=crank, speed=SPEED, points=24)
+    return pp.synthesis.synthesise(press(), minimise=long_stroke, **CRANK_LENGTH)
 
 
 def checked():
@@ -239,6 +249,9 @@ def long_stroke(trial):
 
 def crank(radius):
     return {("P", "crank"): (radius, 0, 0)}
+
+
+CRANK_LENGTH = {"variables": {"radius": (0.05, 0.1, 0.2)}, "geometry": crank, "speed": SPEED, "points": 24}
 
 
 @cache
@@ -299,202 +312,156 @@ def identifiable():
     return pp.measured.identifiability(press(), [measured_run()], friction=("crank",))
 
 
-@cache
-def made():
-    """One of each."""
-    found = [
-        *(
-            press(),
-            motion(),
-            reactions(),
-            run(),
-            elastic_run(),
-            impacts(),
-            run_over_joints(),
-            runs(),
-            sweep(),
-            *sweep().failed,
-            run().stats,
-        ),
-        *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), *pp.measures.least_transmission_angles(press()), *checked()),
-        *(pp.measures.phases(motion(), 0.05)[0], pp.measures.transmission_angle_curves(press(), motion())),
-        motor_energy(),
-        *(
-            balance(),
-            *balance().changes,
-            *balance().active,
-            *balance().counterweights,
-            trade_off(),
-            pp.synthesis.trade_off(
-                press(), {"radius": (0.05, 0.1, 0.2)}, first=shortest, second=long_stroke, geometry=crank, speed=SPEED, points=24, designs=2
-            ),
-            compared_conditions(),
-            synthesis(),
-            synthesis().table()[0],
-            *held().active,
-        ),
-        *TRIALS[:1],
-        *(
-            X,
-            pp.balancing.Peak("shaking_force"),
-            pp.balancing.Rms("driving_torque"),
-            pp.balancing.AddedMass(),
-            pp.balancing.CounterweightRegion("crank", radius=0.2),
-        ),
-        *(
-            pp.balancing.OperatingCondition(motion()),
-            pp.loads.Friction(0.1, 0.02),
-            pp.loads.SpringDamper("frame", "slide", 1e4),
-            pp.loads.PointForce("slide", (0.0, 0.0, 1.0)),
-        ),
-        *(
-            STIFFNESS,
-            pp.elasticity.Elastic(STIFFNESS, crown_mass=2000.0),
-            pp.elasticity.Clearance(1e-4),
-            pp.elasticity.flexible_beam(press(), "rod", ("P", "W"), area=0.01, second_moment=1e-5, elements=3),
-            *STIFFNESS.rods,
-            pp.elasticity.compliance(press(), STIFFNESS, angle=[0.1, 0.5]),
-            pp.elasticity.slide_deflection(press(), motion(), STIFFNESS),
-        ),
-        *(
-            pp.elasticity.dead_centre_shift(press(), STIFFNESS, speed=[1.0, SPEED]),
-            pp.elasticity.snap_through(1e6, 6e8, mass=2600.0),
-        ),
-        *(
-            pp.elasticity.natural_frequencies(press(), on_springs(), angle=[0.1, 0.5], flywheel=pp.drives.Flywheel(2.0)),
-            pp.elasticity.over_speeds(press(), on_springs(), speeds=[6.0, SPEED]),
-            guided(),
-            guided().surfaces[0],
-            guided().opened[0],
-            campbell(),
-            campbell().resonances[0],
-        ),
-        *(
-            CAPACITIES,
-            pp.ratings.rate(press(), SPEED, CAPACITIES, points=9),
-            pp.ratings.speed_limit(press(), CAPACITIES),
-            pp.ratings.rate_motion(press(), pp.cycle(press(), 1.0, points=9), pp.ratings.Capacities(1e5, drivers={"O": 5e4})),
-            pp.ratings.Gibs(0.3, 0.1),
-        ),
-        pp.ratings.eccentric_load(
-            press(), pp.servo_cycle(press(), speed=0.0, angle=[0.1]), force=1e5, offset=(0.02, 0.0, 0.0), gibs=pp.ratings.Gibs(0.3, 0.1)
-        ),
-        *(
-            pp.sweeps.operating_points(press(), [5.0, SPEED], forces=[0.0, 1e3], unit_load=DEEP, points=8, angles=True),
-            pp.measures.driving_energy(reactions()),
-            pp.measures.harmonics(motion(), motion().v),
-        ),
-        *(force_sensor(), measured_force()),
-        pp.measured.plan(press(), pp.measured.measuring_motions(press(), [SPEED], count=4), noise=20.0),
-        *(vibrations(), vibrations().spectra(), vibrations().order_spectra(3), hit_modes()),
-        *(pp.measured.Accelerometer((0.5, 0.2, 1.0), "z"), pp.measured.fit_mounts(hammer_hits.standing(), hit_modes())),
-        *(measured_run(), identified(), identified().parameters[0]),
-        *(identifiable(), identifiable().parameters[0]),
-        pp.derivatives.acceleration_derivatives(press(), motion()),
-        *(pp.measures.extremes(reactions())[0], *pp.derivatives.motion_derivatives(press(), motion(), [{("P", "crank"): (1, 0, 0)}])),
-        *(
-            pp.drives.Flywheel(2.0),
-            pp.drives.ConstantTorque(3.0),
-            pp.drives.SwitchPoint(time=0.1),
-            pp.drives.Corner(10.0, jump=True),
-            pp.drives.Brake(10.0, pp.drives.SwitchPoint(time=0.1)),
-            pp.drives.Clutch(10.0),
-            pp.drives.DirectCurrentLink(0.05, 450.0, 560.0, 750.0),
-        ),
-        *(pp.drives.InductionMotor(11e3, 150.0), pp.drives.InverterMotor(70.0, 150.0, 30.0, curve=[(10.0, 70.0), (50.0, 60.0)])),
-        *(pp.drives.ServoMotor([0.0, 1.0], [0.0, 7.0], 1e3, 1e2, 500.0), pp.drives.SlipClutchMotor(70.0, 160.0, 150.0, 100.0)),
-        *(pp.drives.PrescribedSpeed(7.0), pp.drives.Geared(pp.drives.ConstantTorque(3.0), 4.0)),
-        *(pp.tolerances.link_length(press(), "P", "W", 5e-5), scattered(), scattered().height, allocated(), dimension_table()),
+def descriptions():
+    """One of each public class of what callers describe, with numbers that differ from the defaults."""
+    losses = {"load_loss": 800.0, "constant_loss": 200.0, "rated_rise": 80.0, "thermal_time": 1800.0}
+    switches = {"closes": pp.drives.SwitchPoint(time=1.0), "opens": pp.drives.SwitchPoint(time=2.0)}
+    cylinder = {"rod": 0.03, "count": 2, "exponent": 1.4, "datum": 0.0}
+    measured = {"quantity": "bearing_force", "axis": "x", "bearing": "O"}
+    return [
+        pp.loads.Friction(0.1, 0.02, viscous=0.1),
+        pp.loads.SpringDamper("frame", "slide", 1e4, damping=10.0, free_length=0.3, point1=(0.0, 0.0, 1.0)),
+        pp.loads.PointForce("slide", (0.0, 0.0, 1.0)),
+        DEEP,
+        pp.loads.ForceStroke([0.0, 0.1], [1e3, 2e3]),
+        pp.loads.TimeForce(even, edges=[0.1]),
+        pp.loads.Idle(0.0),
+        pp.loads.ConstantForce(1e5, 0.02, datum=0.0),
+        pp.loads.Blanking(1e5, 0.02, 0.01, stripping=1e3),
+        pp.loads.RateSensitiveBlanking(1e5, 0.02, 0.01, 0.05, 1e-3, peak=0.015, stripping=1e3),
+        pp.loads.ElasticDie(0.01, 1e7, damping=10.0),
+        pp.loads.Impact(0.01, 1e7, damping=1e3, depth=1e-3),
+        pp.loads.TwoSidedStop(0.01, 0.02, 1e7, damping=10.0, depth=1e-3),
+        pp.loads.ImpactDamper([0.0, 0.01], [1e5, 1e5], exponent=2.0),
+        pp.loads.HydraulicCushion(1e4, 0.01, rise=1e-3, return_force=1e3),
+        pp.loads.BalanceCylinder(0.1, 6e5, 0.02, height=0.0, **cylinder),
+        pp.loads.PneumaticCushion(0.1, 6e5, 0.02, 0.01, **cylinder),
+        pp.drives.Flywheel(2.0, speed=SPEED),
+        pp.drives.ConstantTorque(3.0),
+        pp.drives.SwitchPoint(time=0.1),
+        pp.drives.Corner(10.0, jump=True),
+        pp.drives.Brake(100.0, **switches, rise=0.1),
+        pp.drives.Clutch(100.0, **switches, rise=0.1),
+        pp.drives.DirectCurrentLink(0.05, 450.0, 560.0, 750.0, mains_power=3e4),
+        pp.drives.InductionMotor(11e3, 150.0, frequency=50.0, poles=4, inertia=0.1, **losses),
+        pp.drives.InverterMotor(70.0, 150.0, 30.0, curve=[(10.0, 70.0), (50.0, 60.0)], inertia=0.1, feeds_back=True, **losses),
+        pp.drives.ServoMotor([0.0, 1.0], [0.0, 7.0], 1e3, 1e2, 500.0, inertia=0.1, copper=0.01, regeneration=0.5),
+        pp.drives.SlipClutchMotor(70.0, 160.0, 150.0, 100.0, feedback=0.9, residual_current=0.1, excitation_power=100.0, **losses),
+        pp.drives.PrescribedSpeed(7.0),
+        pp.drives.Geared(pp.drives.ConstantTorque(3.0), 4.0, gear_inertia=0.1, efficiency=0.9),
+        X,
+        pp.balancing.Peak(**measured),
+        pp.balancing.Rms(**measured),
+        pp.balancing.AddedMass(),
+        pp.balancing.CounterweightRegion("crank", mass=(0.0, 10.0), radius=0.2, gyration=0.1),
+        pp.balancing.Counterweight("crank", 1.0, position=(0.1, 0.0, 0.0), inertia=0.1),
+        pp.balancing.OperatingCondition(motion(), press=press(), name="one"),
+        STIFFNESS,
+        *STIFFNESS.rods,
+        pp.elasticity.Elastic(STIFFNESS, crown_mass=2000.0, dampers={"O": 1e4}),
+        pp.elasticity.Clearance(1e-4, law="hertz", restitution=0.7, hertz_stiffness=1e10),
+        pp.elasticity.PreloadedJoint(1e9, 3e9, 1e5),
+        pp.elasticity.GuideSurface("right", (0.2, 0.0, 0.0), (1.0, 0.0, 0.0), 0.5, 0.1, 1e9, preload=2e4),
+        pp.elasticity.FlexibleLink(**flexible_rod()),
+        CAPACITIES,
+        pp.ratings.Gibs(0.3, 0.1, normal=(1.0, 0.0, 0.0), middle=0.1),
+        pp.tolerances.link_length(press(), "P", "W", 5e-5),
         pp.tolerances.GuideClearance(2e-5, 0.2),
         pp.tolerances.PermissibleSlope(2e-5, 6e-5, 1e5, (0.1, 0.0)),
         WARM,
-        pp.tolerances.heat(press(), WARM),
-        pp.tolerances.budget(press(), speeds=[SPEED], stiffness=STIFFNESS, process=1e4),
-        *pp.tolerances.budget(press(), speeds=[SPEED], clearance={"W": 1e-5}).conditions,
-        pp.tolerances.parallelism(texts.shipped("jf75g_125_two_point"), two_points(), samples=50),
-        *(
-            pp.tolerances.play(press(), motion(), {"W": 5e-5}),
-            pp.tolerances.play_over_speeds(press(), {"W": 5e-5}, speed=[SPEED, 12.0]),
-            *pp.tolerances.play(press(), pp.cycle(press(), 15.0, points=24), {"W": 5e-5}).reversals[:1],
+        SERVO,
+        MOTOR,
+        pp.servo.Turn(),
+        pp.servo.Stop(0.1),
+        pp.servo.Pendulum(0.05, dwell=0.1),
+        pp.servo.Pulse((0.02, 0.01, 0.0), back=0.005, dwell=0.1),
+        pp.servo.SlideSpeed(1.0, (0.1, 0.0)),
+        pp.servo.CrankSpeed(20.0, (0.05, 0.0)),
+        pp.servo.RmsTorque(50.0),
+        pp.servo.SlideAcceleration(50.0, (0.05, 0.0)),
+        pp.servo.CrankAcceleration(500.0),
+        pp.servo.BearingForce("W", 1e5),
+        pp.servo.FeedWindow(0.1, 0.2),
+        pp.servo.TorqueRate(1e5),
+        pp.measured.Accelerometer((0.5, 0.2, 1.0), "z", gain=9.81),
+        measured_run(),
+        FRAME,
+        *MOUNTS[:1],
+        BEAM,
+        ROTOR,
+        foundation.Attachment(FRAME, springs=MOUNTS),
+        foundation.RubberPad(0.1, 0.1, 0.01, hardness=50, loss_factor=0.1),
+    ]
+
+
+def flexible_rod():
+    """Two points on a spring that does not bend: what describes them."""
+    stiffness = np.kron([[1, -1], [-1, 1]], np.diag([1e9, 0.0]))
+    matrices = {"mass": np.eye(4), "stiffness": stiffness, "nodes": [[0.0, 0.0], [0.5, 0.0]], "degrees": [[0, 0], [0, 1], [1, 0], [1, 1]]}
+    return matrices | {"link": "rod", "bearings": {"P": 0, "W": 1}, "modes": 2, "damping_ratio": 0.01}
+
+
+@cache
+def made():
+    """One of each: descriptions and results."""
+    budget = pp.tolerances.budget(press(), speeds=[SPEED], stiffness=STIFFNESS, process=1e4)
+    loose = pp.tolerances.budget(press(), speeds=[SPEED], clearance={"W": 1e-5})
+    opposed = pp.inverse_dynamics(two_cranks(), pp.cycle(two_cranks(), SPEED, points=24))
+    return [
+        *descriptions(),
+        *(press(), motion(), reactions(), run(), run().stats, elastic_run(), impacts(), run_over_joints(), runs()),
+        *(sweep(), *sweep().failed),
+        *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), *pp.measures.least_transmission_angles(press()), *checked()),
+        *(pp.measures.phases(motion(), 0.05)[0], pp.measures.transmission_angle_curves(press(), motion()), motor_energy()),
+        *(pp.measures.driving_energy(reactions()), pp.measures.harmonics(motion(), motion().v), pp.measures.extremes(reactions())[0]),
+        *(balance(), *balance().changes, *balance().active, *balance().counterweights, trade_off(), compared_conditions()),
+        pp.synthesis.trade_off(press(), first=shortest, second=long_stroke, designs=2, **CRANK_LENGTH),
+        *(synthesis(), synthesis().table()[0], *held().active, *TRIALS[:1]),
+        pp.elasticity.flexible_beam(press(), "rod", ("P", "W"), area=0.01, second_moment=1e-5, elements=3),
+        pp.elasticity.compliance(press(), STIFFNESS, angle=[0.1, 0.5]),
+        pp.elasticity.slide_deflection(press(), motion(), STIFFNESS),
+        pp.elasticity.dead_centre_shift(press(), STIFFNESS, speed=[1.0, SPEED]),
+        pp.elasticity.snap_through(1e6, 6e8, mass=2600.0),
+        pp.elasticity.natural_frequencies(press(), on_springs(), angle=[0.1, 0.5], flywheel=pp.drives.Flywheel(2.0)),
+        pp.elasticity.over_speeds(press(), on_springs(), speeds=[6.0, SPEED]),
+        *(guided(), guided().surfaces[0], guided().opened[0], campbell(), campbell().resonances[0]),
+        *(pp.ratings.rate(press(), SPEED, CAPACITIES, points=9), pp.ratings.speed_limit(press(), CAPACITIES)),
+        pp.ratings.rate_motion(press(), pp.cycle(press(), 1.0, points=9), pp.ratings.Capacities(1e5, drivers={"O": 5e4})),
+        pp.ratings.eccentric_load(
+            press(), pp.servo_cycle(press(), speed=0.0, angle=[0.1]), force=1e5, offset=(0.02, 0.0, 0.0), gibs=pp.ratings.Gibs(0.3, 0.1)
         ),
+        pp.sweeps.operating_points(press(), [5.0, SPEED], forces=[0.0, 1e3], unit_load=DEEP, points=8, angles=True),
         *(
-            SERVO,
-            pp.servo.Turn(),
-            pp.servo.Stop(0.1),
-            pp.servo.Pendulum(0.05),
-            pp.servo.Pulse((0.02, 0.0)),
-            best_motion(),
-            *best_motion().limits[:1],
-            pp.servo.SlideSpeed(1.0, (0.1, 0.0)),
-            pp.servo.CrankSpeed(20.0),
-            pp.servo.RmsTorque(50.0),
-            pp.servo.SlideAcceleration(50.0),
-            pp.servo.CrankAcceleration(500.0),
-            pp.servo.BearingForce("W", 1e5),
-            pp.servo.FeedWindow(0.1, 0.2),
-            pp.servo.TorqueRate(1e5),
-            pp.servo.trade_off(press(), SERVO, times=[1.0], path=pp.servo.Stop(), points=24)[0],
-            served(),
-            pp.servo.vdi_law("3-4-5"),
-            pp.servo.capacitor(served()),
-            MOTOR,
-            pp.servo.motor_use(MOTOR, served()),
-            pp.servo.compare_motions({"even": served()}),
-            *pp.servo.compare_motions({"even": served()}).rows,
-            pp.servo.controller_table(served(), step=0.05),
-            motor_choice(),
-            *motor_choice().tried,
+            force_sensor(),
+            measured_force(),
+            pp.measured.plan(press(), pp.measured.measuring_motions(press(), [SPEED], count=4), noise=20.0),
         ),
-        *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
+        *(vibrations(), vibrations().spectra(), vibrations().order_spectra(3), hit_modes()),
+        pp.measured.fit_mounts(hammer_hits.standing(), hit_modes()),
+        *(identified(), identified().parameters[0], identifiable(), identifiable().parameters[0]),
+        pp.derivatives.acceleration_derivatives(press(), motion()),
+        *pp.derivatives.motion_derivatives(press(), motion(), [{("P", "crank"): (1, 0, 0)}]),
+        *(scattered(), scattered().height, allocated(), dimension_table(), pp.tolerances.heat(press(), WARM)),
+        *(budget, *loose.conditions, pp.tolerances.parallelism(texts.shipped("jf75g_125_two_point"), two_points(), samples=50)),
+        *(pp.tolerances.play(press(), motion(), {"W": 5e-5}), pp.tolerances.play_over_speeds(press(), {"W": 5e-5}, speed=[SPEED, 12.0])),
+        *pp.tolerances.play(press(), pp.cycle(press(), 15.0, points=24), {"W": 5e-5}).reversals[:1],
+        *(best_motion(), *best_motion().limits[:1], served(), pp.servo.vdi_law("3-4-5"), pp.servo.capacitor(served())),
+        pp.servo.trade_off(press(), SERVO, times=[1.0], path=pp.servo.Stop(), points=24)[0],
+        *(pp.servo.motor_use(MOTOR, served()), pp.servo.compare_motions({"even": served()})),
+        *(*pp.servo.compare_motions({"even": served()}).rows, pp.servo.controller_table(served(), step=0.05)),
+        *(motor_choice(), *motor_choice().tried),
+        *(mounted(), response(), foundation.modes(mounted()), hammered()),
         foundation.beam_frame({"a": (0, 0, 0), "b": (0, 1, 0)}, [BEAM], bed="a", carrier="b", elements=1),
-        *(
-            hammered(),
-            BEAM,
-            foundation.Attachment(FRAME),
-            ROTOR,
-            foundation.whirl(foundation.mounted(press(), FRAME, MOUNTS, rotors=[ROTOR]), [5.0, SPEED]),
-        ),
+        foundation.whirl(foundation.mounted(press(), FRAME, MOUNTS, rotors=[ROTOR]), [5.0, SPEED]),
         foundation.over_speeds(mounted(), [5.0, SPEED], points={"head": (0.0, 0.0, 1.0)}),
         foundation.isolate(press(), FRAME, MOUNTS, speeds=[40.0, 50.0], transmitted=0.5),
-        *(DEEP, pp.loads.ForceStroke([0.0, 0.1], [1e3, 2e3]), pp.loads.TimeForce(even, edges=[0.1]), *DEEP.intervals(True)),
-        *(
-            pp.loads.Idle(),
-            pp.loads.ConstantForce(1e5, 0.02),
-            pp.loads.Blanking(1e5, 0.02, 0.01),
-            pp.loads.ElasticDie(0.01, 1e7),
-            pp.elasticity.PreloadedJoint(1e9, 3e9, 1e5),
-            pp.loads.Impact(0.01, 1e7, damping=1e3, depth=1e-3),
-            pp.loads.TwoSidedStop(0.01, 0.02, 1e7),
-            pp.loads.ImpactDamper([0.0, 0.01], [1e5, 1e5]),
-            pp.loads.HydraulicCushion(1e4, 0.01),
-            pp.loads.RateSensitiveBlanking(1e5, 0.02, 0.01, 0.05, 1e-3),
-            pp.loads.BalanceCylinder(0.1, 6e5, 0.02),
-            pp.loads.PneumaticCushion(0.1, 6e5, 0.02, 0.01),
-            ACCURACY,
-            *ACCURACY.groups.values(),
-            MEASUREMENT,
-        ),
-        pp.pin_table.draft(
-            units="mm",
-            frame="O",
-            pins={"O": [0, 0], "P": {"from": "O", "length": 100, "angle": -90}, "W": {"P": 400, "x": 0, "side": "down"}},
-            links={
-                "crank": {"pins": "O P", "mass": 20},
-                "rod": {"pins": "P W", "mass": 15},
-                "slide": {"pins": "W", "guide": "up", "mass": 90},
-            },
-            drive="O",
-        ),
-        *(
-            classical.as_crank_slider(press()),
-            classical.unbalance(press(), "crank"),
-            classical.static_balance([2.0], [[0.1, 0.0, 0.0]]),
-        ),
-        *classical.compare_harmonics(reactions(), pp.inverse_dynamics(two_cranks(), pp.cycle(two_cranks(), SPEED, points=24)), orders=2)[
-            :1
-        ],
+        *DEEP.intervals(True),
+        *(ACCURACY, *ACCURACY.groups.values(), MEASUREMENT),
+        pp.pin_table.draft(**PIN_TABLE),
+        *(classical.as_crank_slider(press()), classical.unbalance(press(), "crank")),
+        classical.static_balance([2.0], [[0.1, 0.0, 0.0]]),
+        *classical.compare_harmonics(reactions(), opposed, orders=2)[:1],
     ]
-    return found
 
 
 def rooms():

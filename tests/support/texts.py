@@ -13,11 +13,16 @@ FILES = process_folder("pinpress-linkages-")
 
 
 @cache
-def load(text, gravity=(0.0, 0.0, -9.81), **options):
+def load(text, gravity=(0.0, 0.0, -9.81), name="linkage.urdf", **options):
     """The linkage of a text, by way of a file of its own. It is read-only, so that tests can share it and what it has found out."""
-    file = Path(tempfile.mkdtemp(dir=FILES)) / "linkage.urdf"
-    file.write_text(text, encoding="utf-8")
-    return pp.load(file, gravity=gravity, **options)
+    return pp.load(file(text, name), gravity=gravity, **options)
+
+
+def file(text, name="linkage.urdf"):
+    """A file of its own with this text."""
+    path = Path(tempfile.mkdtemp(dir=FILES)) / name
+    path.write_text(text, encoding="utf-8")
+    return path
 
 
 @cache

@@ -1,7 +1,6 @@
 """Experiments: levels and Latin hypercubes, their margins, reproducibility and refusals, and a sweep filled by them."""
 
 import itertools
-from typing import Any
 
 import numpy as np
 import pytest
@@ -73,44 +72,3 @@ def test_a_sweep_is_filled():
     table = pp.sweeps.sweep(lambda a, b: {"sum": a + b}, points, paired=True)
     assert table.column("a").tolist() == list(points["a"])
     assert table.column("sum").tolist() == pytest.approx(np.add(points["a"], points["b"]))
-
-
-@pytest.mark.parametrize(
-    ("ranges", "message"),
-    [
-        ({}, "ranges is"),
-        ([("a", (0, 1))], "ranges"),
-        ({"": (0, 1)}, "not a name of an argument; give texts"),
-        ({3: (0, 1)}, "3 is not a name"),
-        ({"a": 5.0}, r"'a' is 5\.0; give its lowest and highest value"),
-        ({"a": (0, 1, 2)}, "give its lowest and highest value"),
-        ({"a": (1.0, 1.0)}, "from 1 to 1; give the lower end first"),
-        ({"a": (2.0, 1.0)}, "give the lower end first"),
-        ({"a": (0.0, np.inf)}, "range of 'a' is inf"),
-        ({"a": ("0", 1.0)}, "range of 'a' is '0'"),
-    ],
-)
-def test_ranges_that_make_no_sense(ranges, message):
-    for call in (lambda: pp.sweeps.latin_hypercube(ranges, 5), lambda: pp.sweeps.full_factorial(ranges, 3)):
-        with pytest.raises(pp.PinpressError, match=message):
-            call()
-
-
-def test_numbers_that_make_no_sense():
-    ranges = {"a": (0.0, 1.0), "b": (0.0, 1.0)}
-    bad: Any
-    for bad in (0, -3, 2.5, "5", 10**9):
-        with pytest.raises(pp.PinpressError, match="count"):
-            pp.sweeps.latin_hypercube(ranges, bad)
-    for bad in (-1, 0.5, "x"):
-        with pytest.raises(pp.PinpressError, match="seed"):
-            pp.sweeps.latin_hypercube(ranges, 5, seed=bad)
-    for bad in (1, 0, 1.5, "3", {"a": 1, "b": 2}):
-        with pytest.raises(pp.PinpressError, match="levels"):
-            pp.sweeps.full_factorial(ranges, bad)
-    with pytest.raises(pp.PinpressError, match="levels: 'b' is missing"):
-        pp.sweeps.full_factorial(ranges, {"a": 3})
-    with pytest.raises(pp.UnknownNameError, match="'c'"):
-        pp.sweeps.full_factorial(ranges, {"a": 3, "b": 3, "c": 3})
-    with pytest.raises(pp.PinpressError, match="100000000 combinations; give fewer than 10000000, or a latin_hypercube"):
-        pp.sweeps.full_factorial(ranges, 10**4)

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support import texts
 from support.exploring import examples
-from support.generators.small_linkages import two_cranks
 
 import pinpress as pp
 from pinpress.sweeps.operating_map import Affine, largest, operating_points
@@ -130,47 +129,6 @@ def test_largest_is_that_of_all_states(seed, components, states, shape, rank, le
     rounding = 1e-14 * (np.abs(a).max() * 2 + np.abs(c).max() + np.abs(d).max() * 2)
     np.testing.assert_allclose(found, every.max(axis=2), rtol=0, atol=rounding)
     np.testing.assert_allclose(np.take_along_axis(every, state[..., None], axis=2)[..., 0], found, rtol=0, atol=rounding)
-
-
-def depends_on_speed(motion):
-    return np.outer(motion.slide_velocity, (0.0, 0.0, -1.0))
-
-
-@pytest.mark.filterwarnings("ignore:.*rad/s, .* r/min:pinpress.PinpressWarning")
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"press": 3}, "press is a int"),
-        ({"speeds": [1.0, 0.0]}, "only positive or only negative"),
-        ({"speeds": [1.0, -1.0]}, "only positive or only negative"),
-        ({"speeds": []}, "speeds must be"),
-        ({"speeds": "fast"}, "speeds is not a number or an array of numbers, but text: 'fast'"),
-        ({"forces": [np.nan]}, "forces is not finite at point 0"),
-        ({"forces": [[1.0]]}, "forces must be"),
-        ({"unit_load": ()}, "which is missing"),
-        ({"unit_load": SPRING}, "no amplitude"),
-        ({"unit_load": pp.loads.TimeForce(lambda time: 1.0)}, "depends on time"),
-        ({"unit_load": pp.loads.PointForce("slide", depends_on_speed)}, "is not affine in the square of the speed"),
-        ({"unit_load": pp.loads.ElasticDie(0.02, 1.0, damping=0.1)}, "is not affine in the square of the speed"),
-        ({"unit_load": pp.loads.ElasticDie(0.02, 1.0), "forces": [-1e8, 1e8]}, "not proportional to its amplitude"),
-        ({"unit_load": 5}, "load 5 is no load"),
-        ({"loads": [pp.loads.SpringDamper("frame", "slide", damping=1e4, point1=(0, 0, 0.5))]}, "is not affine in the square of the speed"),
-        ({"loads": SPRING}, "give a list"),
-        ({"bearings": ["Z"]}, "no bearing 'Z'"),
-        ({"points": 1}, "points"),
-        ({"angles": 1}, "angles is 1"),
-        ({"speeds": [1e160]}, "too "),
-    ],
-)
-def test_refused(arguments, words):
-    given = {"press": SIX_BAR, "speeds": [1.0, 5.0], "forces": [0.0, 1e6], "unit_load": unit_loads(1.0), **arguments}
-    with pytest.raises(pp.PinpressError, match=words):
-        operating_points(**given)
-
-
-def test_several_drivers_are_refused():
-    with pytest.raises(pp.PinpressError, match="geared has 2 drivers: operating points need a press with one driver"):
-        operating_points(two_cranks(), [7.0])
 
 
 def test_an_elastic_die_pushes_in_proportion():

@@ -13,7 +13,7 @@ from support.full_disk import full_disk
 from support.sweep_points import dies_at_once, hypotenuse, product, told
 
 import pinpress as pp
-from pinpress.sweeps import execution, sweeping
+from pinpress.sweeps import execution
 from pinpress.sweeps.sweeping import sweep
 
 pyarrow = pytest.importorskip("pyarrow")
@@ -151,28 +151,6 @@ def test_points_that_fail_are_found_by_halving():
 
 
 @pytest.mark.parametrize(
-    ("returned", "words"),
-    [
-        (3.0, "returned 3.0; return a mapping of names to a value for each point"),
-        ({}, "return a mapping"),
-        ({"x": 1.0}, "returned 1.0 under 'x'; return one value for each of the 2 points"),
-        ({"x": np.ones(3)}, r"shape \(3,\) under 'x'"),
-        ({"x": np.ones((2, 2))}, r"shape \(2, 2\)"),
-        ({"x": "ab"}, "return one value for each"),
-        ({"x": [1.0, "a"]}, "numbers and words under 'x'; return values of one kind"),
-        ({"k": np.ones(2)}, "the name of an axis"),
-        ({"point": np.ones(2)}, "name them by a word other than"),
-        ({"\ud800": np.ones(2)}, "name them by a word other than"),
-        ({"x": np.ones(2), "error": "bad"}, "under 'error'; return for each of the 2 points"),
-        ({"error": [None, "bad"]}, "only errors, but some points have no error"),
-    ],
-)
-def test_what_makes_no_table_ends_the_sweep(returned, words):
-    with pytest.raises(pp.PinpressError, match=words):
-        sweep(lambda k: returned, {"k": [1, 2]}, at_once=True)
-
-
-@pytest.mark.parametrize(
     ("column", "words"),
     [
         (np.array([1.0, np.inf]), "inf, which is not finite"),
@@ -224,21 +202,6 @@ def test_names_may_come_in_any_order(file):
     assert found.column("y").tolist() == [-k for k in range(8)]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"grid": {"a": [1, "x"], "b": [1]}}, "labels of axis 'a' are of several kinds"),
-        ({"at_once": 0}, "at_once is 0"),
-        ({"at_once": "all"}, "at_once is 'all': give True, False, or the number of points"),
-        ({"to": "runs"}, r"write 'runs\.sqlite'"),
-        ({"grid": {"a": [1]}}, "missing a required argument: 'b'"),
-    ],
-)
-def test_bad_arguments(arguments, words):
-    with pytest.raises(pp.PinpressError, match=words):
-        sweep(**{"function": products, "grid": GRID, "at_once": True, **arguments})
-
-
 def test_a_disk_that_fills_up(file):
     numbers = {"k": range(400)}
     with full_disk(20_000), pytest.raises(pp.PinpressError, match=f"cannot write {file}"):
@@ -269,10 +232,8 @@ def test_an_executor_that_is_gone(file):
         sweep(lambda a, b: {}, GRID, at_once=True, executor=other)
 
 
-def test_other_programs_read_what_is_exported(file, monkeypatch):
-    """In pieces, the first of which has no good point."""
+def test_other_programs_read_what_is_exported(file):
     pandas, duckdb = pytest.importorskip("pandas"), pytest.importorskip("duckdb")
-    monkeypatch.setattr(sweeping, "PIECE", 7)
 
     def late(k):
         return told(k) if k > 7 else pytest.fail("too early")
@@ -286,7 +247,6 @@ def test_other_programs_read_what_is_exported(file, monkeypatch):
     assert by_duckdb == [(20, 9, rows["whole"].sum(), 11)]
     schema = pyarrow.parquet.read_schema(target)
     assert [str(kind) for kind in schema.types] == ["int64", "double", "string", "bool", "double", "string"]
-    assert pyarrow.parquet.read_metadata(target).num_row_groups == 3
 
 
 @pytest.mark.exhaustive

@@ -1,6 +1,7 @@
 """Heat moves the dead centres as links that are longer do, and a press that is warm throughout grows in proportion."""
 
 import numpy as np
+import pint
 import pytest
 from support import texts
 from support.generators.spatial_crank_slide import SPATIAL
@@ -83,3 +84,11 @@ def test_the_face_of_a_slide_that_is_welded_to_its_carriage_is_measured_from_the
     assert press.slide == "ram"
     found = tolerances.heat(press, tolerances.Temperatures({"ram": 10.0}, 1e-5, face=-0.1))
     assert found.bottom_shift == pytest.approx(-1e-4 * 0.3)
+
+
+def test_quantities_with_units_are_taken():
+    unit = pint.UnitRegistry()
+    warm = tolerances.Temperatures({"frame": 10.0 * unit.kelvin}, 1e-5 / unit.kelvin, -2000.0 * unit.mm)
+    assert (warm.rise["frame"], warm.expansion, warm.table) == pytest.approx((10.0, 1e-5, -2.0))
+    guide = tolerances.GuideClearance(0.5 * unit.mm, 250.0 * unit.mm)
+    assert (guide.across, guide.length) == pytest.approx((5e-4, 0.25))

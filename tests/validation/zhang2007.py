@@ -95,7 +95,7 @@ PARTS = (
         "5.4: searches at random, on a grid, step by step, and the proved optimum",
         BEYOND,
         tuple(searches_rows()),
-        "Between m5 = 0 and 150 kg and m6 = 900 and 1200 kg; times by `python tests/benchmarks/speed/searches.py`.",
+        "Between m5 = 0 and 150 kg and m6 = 900 and 1200 kg; times by `python tests/benchmarks/run.py searches`.",
     ),
     Part(
         "(5-10) to (5-14): objective of balancing",

@@ -23,7 +23,6 @@ from support.in_browser import data_in, pixels, seek, visible, wait
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
-from pinpress.visual.recording import merged
 
 SPEED = 70 * pp.RPM
 SMALL, MIDDLE = (400, 300), (480, 400)  # windows that are drawn fast; the press is 315 pixels high in the larger one
@@ -96,21 +95,6 @@ def test_loads_are_given_where_the_mechanics_puts_them(name: str, tmp_path: Path
     assert page["peak"] == pytest.approx(max(np.linalg.norm(force, axis=1).max() for force in forces), rel=1e-6)
     for packed, force in zip([*(bearing["force"] for bearing in page["bearings"]), page["shaking"]], forces, strict=True):
         assert_allclose(floats(packed), [*force, force[0]], atol=1e-6 * page["peak"])
-
-
-def test_bearings_that_stay_together_share_a_place() -> None:
-    """As where every bearing is compared with the first of every place: corners of cells, and paths that begin or end together."""
-    rng = np.random.default_rng(0)
-    starts, near = rng.integers(-3, 4, (300, 1, 3)) * 0.4, 1.0
-    points = starts + np.where(rng.random((300, 4, 1)) < 0.2, rng.integers(-1, 2, (300, 4, 3)), 0.0)
-    where, places = merged(points, near)
-    firsts: list[int] = []
-    for number, path in enumerate(points):
-        own = next((place for place, first in enumerate(firsts) if np.abs(points[first] - path).max() <= near), len(firsts))
-        firsts += [number] if own == len(firsts) else []
-        assert where[number] == own
-    assert places == firsts
-    assert 20 < len(places) < 200
 
 
 def floats(packed: str) -> Any:

@@ -19,9 +19,10 @@ from support.in_browser import data_in
 import pinpress as pp
 from pinpress.cli.main import main
 from pinpress.cli.words import part_specs
+from pinpress.common.outlets import described
 from pinpress.common.quantities import quantity
 from pinpress.dynamics.extremes import at_peaks
-from pinpress.visual.reports.blocks import Line, covered
+from pinpress.visual.reports.drawn import Line, covered, section
 
 SPEED = 70 * pp.RPM
 LOAD = pp.loads.Blanking(1e6, 0.006, 0.002)
@@ -173,7 +174,8 @@ def test_extremes_in_the_units_of_the_charts(written: Path, press: Any, loaded: 
 
 def test_curves_that_lie_on_each_other_are_told_apart() -> None:
     x = np.linspace(0, 1, 50)
-    lines = [Line("a", np.sin(6 * x)), Line("b", np.cos(6 * x)), Line("c", np.sin(6 * x) + 1e-3), Line("d", np.sin(6 * x)), Line("e", x, x)]
+    looks = {"a": np.sin(6 * x), "b": np.cos(6 * x), "c": np.sin(6 * x) + 1e-3, "d": np.sin(6 * x), "e": x}
+    lines = [Line(name, "line", y, x if name == "e" else None) for name, y in looks.items()]
     assert covered(lines) == {2: 0, 3: 0}
 
 
@@ -259,6 +261,36 @@ def test_balance(press: Any, balanced: Any, tmp_path: Path) -> None:
     (change,) = [row for row in chart(section, "Criteria")["rows"] if "force, z" in row[0]]
     assert chart(section, "Criteria")["heads"][3] == "change [%]"
     assert float(change[3].replace("\u2212", "-")) == pytest.approx(100 * balanced.changes[0].change, rel=1e-4)
+
+
+def test_a_map_has_the_numbers_at_their_places(loaded: Any, tmp_path: Path) -> None:
+    """Of a grid, of words that stand for places, and of rays, whose numbers the page repeats between their places."""
+    crank = texts.shipped("crank_slide")
+    speeds, forces = np.array([14.0, 7.0, 10.0]), np.array([0.0, 2e4])
+    points = pp.sweeps.operating_points(crank, speeds, forces=forces, unit_load=pp.loads.ConstantForce(1.0, 0.02))
+    amplitude = np.arange(1.0, 13.0).reshape(3, 4, 1)
+    orders = pp.measured.OrderSpectra(("Ax",), np.array([10.0, 15.0, 20.0]), np.array([0.5, 1.0, 1.5, 2.0]), amplitude, 2)
+    page = pp.report(crank, pp.cycle(crank, 7.0, points=24), tmp_path / "out.html", results=[points, orders])
+    maps = {block["title"]: block for section in sections(page).values() for block in section["blocks"] if block["kind"] == "map"}
+    torque = next(found for title, found in maps.items() if title.lower() == "largest driving torque")
+    assert (torque["across"], torque["up"], torque["unit"]) == ("force [kN]", "speed [r/min]", "N m")
+    assert torque["x"] == pytest.approx(1e-3 * forces)
+    assert torque["y"] == pytest.approx(np.sort(speeds) / pp.RPM)
+    assert_allclose(np.array(torque["values"]), points.grid("largest_driving_torque")[[1, 2, 0]], rtol=1e-12)
+    rays = maps["Ax"]
+    assert (rays["across"], rays["up"], rays["unit"]) == ("crank speed [r/min]", "frequency [Hz]", "m/s²")
+    assert_allclose(rays["x"], orders.speed / pp.RPM)
+    grid = np.array(rays["values"], dtype=float)
+    for ray, speed in enumerate(orders.speed):
+        for order, value in zip(orders.order, amplitude[ray, :, 0], strict=True):
+            assert grid[np.abs(2 * np.pi * np.array(rays["y"]) - order * speed).argmin(), ray] == value
+        assert np.isnan(grid[2 * np.pi * np.array(rays["y"]) > 2.001 * speed, ray]).all()
+    theirs, ours = (described.Along("", "frequency", np.array(values)) for values in ([30.0, 40.0, 50.0], [31.0, 39.0]))
+    mac = np.array([[1.0, 0.25, np.nan], [0.0, 0.5, 0.75]])
+    agreement = described.Map("mac", "Agreement", "number", theirs, ours, mac, written=True)
+    (written,) = section(described.Section("", blocks=[agreement]), loaded)["blocks"]
+    assert (written["x"], written["y"], written["unit"], written["written"]) == (["4.775", "6.366", "7.958"], ["4.934", "6.207"], "", True)
+    assert written["values"] == [[1.0, 0.25, None], [0.0, 0.5, 0.75]]
 
 
 def results_of(press: Any) -> list[Any]:
@@ -713,8 +745,8 @@ def test_all_charts_of_a_press_that_turns_backwards_run_from_0_down(tmp_path: Pa
     data = data_in(page)["report"]
     assert data["period"] == -360.0
     seen = []
-    for section in data["sections"]:
-        for block in section["blocks"]:
+    for part in data["sections"]:
+        for block in part["blocks"]:
             if block["kind"] == "lines" and block["follows"] == "position":
                 for x, _ in curves(block).values():
                     seen.append(block["title"])

@@ -16,7 +16,7 @@ import pinpress as pp
 from pinpress.elasticity import Elastic, ElasticModes, Stiffness, flexible_beam, natural_frequencies
 from pinpress.pin_table.templates import template
 from pinpress.visual.deflected import SEEN
-from pinpress.visual.swinging import _swinging
+from pinpress.visual.swinging import on_springs
 
 
 def modes_of(angle: Any) -> ElasticModes:
@@ -93,7 +93,7 @@ def test_modes_in_space(tmp_path: Path) -> None:
     data = data_in(pp.record_modes(press, modes, tmp_path / "modes.html", lowest=2))
     keys = len(data["crank"]) // 2
     np.testing.assert_allclose(np.array(data["frequency"]).reshape(2, keys)[:, 0], modes.natural_frequency[0, :2] / (2 * np.pi), rtol=1e-5)
-    one, two = (_swinging(press, modes, np.zeros(keys, dtype=int)).mode(k) for k in range(2))
+    _, (one, two) = on_springs(press, modes, 2)
     for film, shape in ((one.at, modes.shapes[0, 0]), (two.at, modes.shapes[0, 1])):
         lever = [press.model.inertias[body + 1].lever for body in range(press.model.nv)]
         moved = [film.points(body + 1, lever[body]) - film.points(body + 1, lever[body])[0] for body in range(press.model.nv)]

@@ -13,7 +13,7 @@ minimises Gauss's constraint (a - a_free)' M (a - a_free) (Gauss 1829). This way
 that are redundant in closed states only, and bodies without mass on joints that others move.
 
 Pinocchio's `constraintDynamics` solves the problem with multipliers (the proximal iterations of Carpentier, Budhiraja and Mansard, Proximal
-and sparse resolution of constrained dynamic equations, 2021), in less time, as `tests/benchmarks/speed/constraint_dynamics.py` prints.
+and sparse resolution of constrained dynamic equations, 2021), in less time, as `tests/benchmarks/run.py constraint_dynamics` prints.
 It is tried first where every joint moves a mass. The pivots are checked each time, and where one is near zero that should not be, or digits
 would be lost, the general way decides.
 

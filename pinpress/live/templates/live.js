@@ -1,16 +1,8 @@
 // ---- the window: what a recording shows, of a press that is changed while it moves. Numbers come from the server, by a socket ----
-let pictures = 0;  // that have come, for those who count them
 const socket = new WebSocket(new URL("socket", location.href).href.replace(/^http/, "ws"));
 let values = [...data.values], waiting = false, wanted = null, touched = null;  // waiting: for an answer; touched: the row changed last
 const rows = [], charts = [];
 const scale = { m: [[1, "m"], [1e-3, "mm"], [1e-6, "µm"]], N: [[1e6, "MN"], [1e3, "kN"], [1, "N"]], "N m": [[1e6, "MN m"], [1e3, "kN m"], [1, "N m"]] };
-
-function make(tag, parent, properties = {}) {
-  const made = document.createElement(tag);
-  Object.assign(made, properties);
-  parent.append(made);
-  return made;
-}
 
 // ---- links: their poses are set here instead of by an animation, as they change with each picture ----
 let linkPoses = data.poses.map(floats);
@@ -58,17 +50,13 @@ function renewAll() {  // bearings may be others
   overlay.clear();
   element("labels").replaceChildren();
   for (const list of [arrows, labels, places]) list.length = 0;
-  if (typeof leaders !== "undefined") leaders.replaceChildren();
+  leaders.replaceChildren();
   places.push(...data.places.map(floats));
   addForces();
   renewPaths();
   addLabels();
   element("legend").replaceChildren();
-  for (const { name, colour } of data.legend) {
-    const row = make("li", element("legend"));
-    make("i", row).style.background = colour;
-    row.append(name);
-  }
+  addLegend();
 }
 
 function renewPaths() {
@@ -337,7 +325,6 @@ socket.addEventListener("open", () => { socket.send(JSON.stringify({ type: "read
 socket.addEventListener("message", event => {
   const message = JSON.parse(event.data);
   if (message.type === "picture" || message.type === "opened") {
-    pictures += 1;
     waiting = false;
     element("broken").hidden = true;
     if (message.type === "opened" && !(Math.abs(Math.log(message.size / data.size)) < 0.7)) { location.reload(); return; }

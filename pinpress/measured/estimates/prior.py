@@ -1,11 +1,12 @@
-"""What is looked for, and what is known of it before: masses, centres of mass and inertias about them, each within a share of itself.
+"""The unknowns of a press and what is known of them before the records: masses, centres of mass, inertias, losses, the encoder's zero.
 
-Beside them are losses, of which nothing is known, and the reading of the encoder where the press is as drawn, which is off by some degrees.
-What was weighed or gauged, the mass of the slide on a crane or of all links together, is one more equation each.
+The uncertain numbers of a link are its mass, its centre of mass (within a share of the radius of gyration) and its tensor about the centre
+of mass. The equations are linear in mass, first moments and inertias about the joint, which are products of these numbers. So the changes
+of the parameters by one deviation of each number are taken at the present estimate. Then a prior of a fifth never means a body that cannot
+exist.
 
-A link's uncertain numbers are its mass, its centre of mass (within a share of the radius of gyration) and its tensor about that. The
-equations are linear in mass, first moments and inertia about the joint, which are products of these: their changes by one deviation of each
-are taken at the present estimate. So a prior of a fifth never means a body that cannot be.
+Nothing is known of the losses. The encoder's zero, which is its reading in the drawn pose, is known within some degrees. A weighed or
+gauged value, such as the mass of the slide or of all links together, is one more equation.
 """
 
 from __future__ import annotations
@@ -23,96 +24,83 @@ from ...common.quantities import Array
 from ...linkage.linkage import Linkage
 from ..regressor import TENSOR, InertialEquations, Parameter, inertial_equations, loss_parameters
 
-USUAL = 0.2  # share by which masses may be off where nothing is said
-WIDEST = 10.0
+USUAL = 0.2  # relative deviation of masses and inertias if the prior does not give another
 ZERO = "encoder zero"
-ZERO_DEVIATION = 0.1  # of the encoder's reading where the press is as drawn, where nothing is said [rad]
+ZERO_DEVIATION = 0.1  # deviation of the encoder's zero if it is not given [rad]
 TOTAL = "total mass"
 NOTHING: Mapping[str, tuple[float, float]] = FrozenMapping({})
 
 
 class Losses(NamedTuple):
-    """Which losses are looked for; see `identify`."""
+    """The losses that are identified; see `identify`."""
 
     friction: tuple[str, ...]
     cylinder: bool
     radii: Mapping[str, float] | None
 
 
-class BodyPrior(NamedTuple):
-    """A body as described.
-
-    Attributes:
-        described: (k,) mass, centre of mass, and inertia about it: of a planar press in its plane (4), else in space (10).
-        deviation: (k,) standard deviations of these; 0 of what is fixed.
-    """
-
-    described: Array
-    deviation: Array
-
-    def at(self, change: Array) -> tuple[Array, Array]:
-        """(k,) mass, first moments and inertias about the joint, and (k, k) their changes by one deviation of each number, where these
-        are so many deviations (k,) off."""
-        return (_plane_body if len(change) == 4 else _space_body)(self.described + self.deviation * change, self.deviation)
-
-
 class Unknowns(NamedTuple):
-    """What is looked for, in the order of columns, k unknowns.
+    """The k unknowns of a press, in the order of columns: masses and inertias, losses, encoder zero.
 
     Attributes:
-        equations: of masses and inertias.
-        parameters: of these, then losses, then the encoder's zero.
-        inertial: how many are masses and inertias.
-        bodies: what is known of them.
-        others: (k - inertial,) standard deviations before of the rest; infinite where nothing is known.
-        weighed: (rows, k) of what was weighed or gauged, each by its standard deviation.
-        weights: (rows,) what was found so, by its standard deviation.
+        equations: equations of masses and inertias.
+        parameters: the unknowns.
+        inertial: number of masses and inertias.
+        described: (inertial,) mass, centre of mass and inertia about it of each body, as described.
+        scatter: (k,) standard deviations before the records: first of these numbers, then of the other unknowns. It is 0 for fixed numbers
+            and infinite if nothing is known.
+        weighed: (rows, k) equations of weighed and gauged values, each divided by its standard deviation.
+        weights: (rows,) these values, each divided by its standard deviation.
     """
 
     equations: InertialEquations
     parameters: tuple[Parameter, ...]
     inertial: int
-    bodies: tuple[BodyPrior, ...]
-    others: Array
+    described: Array
+    scatter: Array
     weighed: Array
     weights: Array
 
     def at(self, change: Array) -> tuple[Array, Array]:
-        """(inertial,) masses and inertias, and (inertial, inertial) their changes by deviations, at a change in deviations (inertial,)."""
-        values, spread, start = np.zeros(self.inertial), np.zeros((self.inertial, self.inertial)), 0
-        for body in self.bodies:
-            own = slice(start, start + len(body.described))
-            values[own], spread[own, own] = body.at(change[own])
-            start = own.stop
+        """Masses and inertias (inertial,), and their changes (inertial, inertial) by one deviation of each described number.
+
+        Args:
+            change: (inertial,) changes of the described numbers in deviations.
+        """
+        values, spread = np.zeros(self.inertial), np.zeros((self.inertial, self.inertial))
+        scatter = self.scatter[: self.inertial]
+        for place in self.equations.places:
+            values[place], slopes = about_joint((self.described + scatter * change)[place])
+            spread[place, place] = slopes * scatter[place]
         return values, spread
 
     @property
     def deviation(self) -> Array:
-        """(k,) standard deviations before the records; 0 of what is fixed, infinite where nothing is known."""
-        return np.append(np.sqrt((self.at(np.zeros(self.inertial))[1] ** 2).sum(axis=1)), self.others)
+        """(k,) standard deviations of the unknowns before the records; 0 for fixed ones, infinite if nothing is known."""
+        masses = self.at(np.zeros(self.inertial))[1]
+        return np.append(np.sqrt((masses**2).sum(axis=1)), self.scatter[self.inertial :])
 
     @property
     def zero(self) -> int:
         """Place of the encoder's zero."""
         return self.place(ZERO)
 
-    @property
-    def cylinder(self) -> tuple[int, int] | None:
-        """Places of force and stiffness of the balance cylinder; None where there is none."""
-        names = [each.name for each in self.parameters]
-        return (self.place("cylinder force"), self.place("cylinder stiffness")) if "cylinder force" in names else None
-
-    def about_zero(self, angle: float) -> Unknowns:
-        """The same where the encoder's zero is about another angle [rad]."""
-        own = self.parameters[self.zero]._replace(value=angle)
-        return self._replace(parameters=tuple(own if each.name == ZERO else each for each in self.parameters))
-
     def place(self, name: str) -> int:
         """Place of the unknown of this name."""
         return [each.name for each in self.parameters].index(name)
 
+    @property
+    def cylinder(self) -> tuple[int, int] | None:
+        """Places of force and stiffness of the balance cylinder; None without a cylinder."""
+        names = [each.name for each in self.parameters]
+        return (self.place("cylinder force"), self.place("cylinder stiffness")) if "cylinder force" in names else None
+
+    def about_zero(self, angle: float) -> Unknowns:
+        """The same unknowns with the encoder's zero about another angle [rad]."""
+        return self._replace(parameters=tuple(each._replace(value=angle) if each.name == ZERO else each for each in self.parameters))
+
     def scaled(self, sizes: Array) -> Array:
-        """(k, k) changes of the unknowns, as described, by numbers about one; ``sizes``: (k - inertial,) those of the rest."""
+        """(k, k) changes of the unknowns, as described, by scaled unknowns; ``sizes``: (k - inertial,) sizes of the others."""
         spread = np.diag(np.append(np.zeros(self.inertial), sizes))
         spread[: self.inertial, : self.inertial] = self.at(np.zeros(self.inertial))[1]
         return spread
@@ -121,45 +109,41 @@ class Unknowns(NamedTuple):
 def unknowns_of(
     press: Linkage, prior: float | Mapping[str, float], losses: Losses, known: Mapping[str, tuple[float, float]] = NOTHING
 ) -> Unknowns:
-    """The unknowns of a press with their prior; ``known``: value and standard deviation of what was weighed or gauged, by its name.
+    """The unknowns of a press with their prior; ``known``: name -> weighed or gauged value and its standard deviation.
 
     Raises:
-        PinpressError: several drivers, or a prior that makes no sense.
-        UnknownNameError: a prior of a link that does not exist, or something known of a parameter that is not looked for.
+        PinpressError: the press has several drivers, or a prior makes no sense.
+        UnknownNameError: the press has no link or unknown of this name.
     """
     equations = inertial_equations(press)
     lost = loss_parameters(losses.friction, losses.cylinder, losses.radii is not None)
-    more = (*lost, Parameter(ZERO, "rad", 0.0, 0.0))
+    parameters = (*equations.parameters, *lost, Parameter(ZERO, "rad", 0.0, 0.0))
     names = [each.name for each in equations.parameters]
     shares = np.full(len(names), USUAL)
     if isinstance(prior, Mapping):
         for name, share in prior.items():
-            there = [k for k, full in enumerate(names) if name == full or full.startswith(f"{name} ")]
-            if not there:
+            places = [k for k, full in enumerate(names) if name == full or full.startswith(f"{name} ")]
+            if not places:
                 raise UnknownNameError("link or parameter", name, [*press.links, *names])
-            shares[there] = number(f"prior of {name}", share, positive=True)
+            shares[places] = number(f"prior of {name}", share, positive=True)
     else:
         shares[:] = number("prior", prior, positive=True)
-    if shares.max() > WIDEST:
+    if shares.max() > 10:
         raise PinpressError(f"prior is {shares.max():g}: give a share, such as 0.2 for masses that may be off by a fifth")
-    bodies, start = [], 0
-    for body, basis in enumerate(equations.bases, 1):
-        own = shares[start : start + basis.shape[1]]
-        bodies.append(_described(press.model.inertias[body], basis, own))
-        start += basis.shape[1]
-    parameters = (*equations.parameters, *more)
-    others = np.append(np.full(len(lost), np.inf), ZERO_DEVIATION)
-    found = Unknowns(equations, parameters, len(names), tuple(bodies), others, *_weighed(parameters, known))
-    for name, row in zip(known, found.weighed, strict=True):
-        if not (found.deviation[row != 0] > 0).any():
+    bodies = [_body(inertia, basis) for inertia, basis in zip(press.model.inertias.tolist()[1:], equations.bases, strict=True)]
+    described = np.concatenate([values for values, _ in bodies])
+    scatter = np.concatenate([shares * np.concatenate([sizes for _, sizes in bodies]), np.full(len(lost), np.inf), [ZERO_DEVIATION]])
+    unknowns = Unknowns(equations, parameters, len(names), described, scatter, *_weighed(parameters, known))
+    for name, row in zip(known, unknowns.weighed, strict=True):
+        if not (unknowns.deviation[row != 0] > 0).any():
             raise PinpressError(
                 f"{name} is given in known, but the description of {press.name} has 0 for it, and 0 stays: describe it first"
             )
-    return found
+    return unknowns
 
 
 def _weighed(parameters: tuple[Parameter, ...], known: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
-    """(rows, unknowns) and (rows,) of what is known of unknowns, each by its standard deviation."""
+    """Equations (rows, unknowns) and values (rows,) of weighed and gauged unknowns, each divided by its standard deviation."""
     names = [each.name for each in parameters]
     rows, values = np.zeros((len(known), len(names))), np.zeros(len(known))
     for k, (name, given) in enumerate(known.items()):
@@ -174,35 +158,39 @@ def _weighed(parameters: tuple[Parameter, ...], known: Mapping[str, tuple[float,
     return rows, values
 
 
-def _described(inertia: object, basis: Array, shares: Array) -> BodyPrior:
-    """A body with relative deviations of mass, centre of mass and tensor."""
+def _body(inertia: object, basis: Array) -> tuple[Array, Array]:
+    """Mass, centre of mass and inertia about it (k,), and the sizes (k,) to which their relative deviations refer."""
     mass, lever, central = float(inertia.mass), inertia.lever, inertia.inertia  # type: ignore[attr-defined]
     if basis.shape[1] == 10:
         arm = math.sqrt(np.trace(central) / 2 / mass) if mass > 0 else 0.0
         sizes = np.sqrt(np.maximum(np.diag(central), 0.0))
         across = _six(np.outer(sizes, sizes) * (0.5 + 0.5 * np.eye(3)))
-        return BodyPrior(np.array([mass, *lever, *_six(central)]), shares * np.array([mass, arm, arm, arm, *across]))
+        return np.array([mass, *lever, *_six(central)]), np.array([mass, arm, arm, arm, *across])
     first, second = basis[1:4, 1], basis[1:4, 2]
     normal = np.cross(first, second)
     turning = max(float(normal @ central @ normal), 0.0)
     arm = math.sqrt(turning / mass) if mass > 0 else 0.0
-    return BodyPrior(np.array([mass, first @ lever, second @ lever, turning]), shares * np.array([mass, arm, arm, turning]))
+    return np.array([mass, first @ lever, second @ lever, turning]), np.array([mass, arm, arm, turning])
 
 
-def _plane_body(own: Array, deviation: Array) -> tuple[Array, Array]:
-    mass, x, y, turning = own
-    rates = np.array([[1.0, 0, 0, 0], [x, mass, 0, 0], [y, 0, mass, 0], [x * x + y * y, 2 * mass * x, 2 * mass * y, 1.0]])
-    return np.array([mass, mass * x, mass * y, turning + mass * (x * x + y * y)]), rates * deviation
+def about_joint(own: Array) -> tuple[Array, Array]:
+    """Mass, first moments and inertias of a body about its joint (k,), and their slopes (k, k).
+
+    Args:
+        own: (k,) mass, centre of mass, and inertia about it: four numbers in the plane, ten in space.
+    """
+    axes = np.eye(2 if len(own) == 4 else 3)
+    mass, lever, end = own[0], own[1 : 1 + len(axes)], 1 + len(axes)
+    square, slopes = _of_points(lever, lever), np.eye(len(own))
+    slopes[1:end, 0], slopes[end:, 0] = lever, square
+    slopes[1:end, 1:end] = mass * axes
+    slopes[end:, 1:end] = np.stack([2 * mass * _of_points(lever, axis) for axis in axes], axis=1)
+    return np.concatenate([[mass], mass * lever, own[end:] + mass * square]), slopes
 
 
-def _space_body(own: Array, deviation: Array) -> tuple[Array, Array]:
-    mass, lever, rates, axes = own[0], own[1:4], np.eye(10), np.eye(3)
-    square = _six(lever @ lever * axes - np.outer(lever, lever))
-    rates[1:4, 0], rates[4:, 0] = lever, square
-    for k in range(3):
-        rates[1 + k, 1 + k] = mass
-        rates[4:, 1 + k] = mass * _six(2 * lever[k] * axes - np.outer(axes[k], lever) - np.outer(lever, axes[k]))
-    return np.array([mass, *(mass * lever), *(own[4:] + mass * square)]), rates * deviation
+def _of_points(a: Array, b: Array) -> Array:
+    """Inertia of a unit mass at a if a = b, and the bilinear form that belongs to it: one number in the plane, six in space."""
+    return np.array([a @ b]) if len(a) == 2 else _six(a @ b * np.eye(3) - 0.5 * (np.outer(a, b) + np.outer(b, a)))
 
 
 def _six(tensor: Array) -> Array:

@@ -1,10 +1,11 @@
-"""The rows of a run by all unknowns, linear about present estimates: masses, losses, forces in bearings, the encoder's zero.
+"""The rows of a run by all unknowns, linear about present estimates: masses, losses, forces in bearings, encoder zero.
 
-The equations (`weak_form`) hold at the crank's angle, which is the encoder's reading less its zero z. By z they change as
+The equations (`weak_form`) hold at the crank's angle, which is the encoder's reading minus its zero z. With all other unknowns at their
+last estimates, the rows change with z as
 
-    d rows / dz = (rows at zero z + h, less rows at zero z - h) / (2 h)
+    d rows / dz = (rows at zero z + h  -  rows at zero z - h) / (2 h).
 
-with all other unknowns as found last, which is Gauss and Newton's method from pass to pass.
+From pass to pass this is the Gauss-Newton method.
 """
 
 from __future__ import annotations
@@ -21,152 +22,139 @@ from ...linkage.linkage import Linkage
 from ...loads.link import Load
 from ..records import MeasuredRun
 from ..regressor import Coefficients, InertialEquations, loss_columns, loss_parameters
-from .prior import Losses, Unknowns
+from .prior import Losses, Unknowns, about_joint
 from .weak_form import Rows, SmoothAngle, quantities
 
-STEP = 1e-3  # deviations by which masses are changed for slopes of friction
-EACH = 3  # of so many points one is taken for them
-TURN = 1e-5  # by which the zero is changed for its slope [rad]
+TURN = 1e-5  # change of the zero for slopes [rad]
 BY_FORCE = ("pins", "slide_guide")  # friction that grows with the forces in bearings
 
 
-class Known(NamedTuple):
-    """What acts beside the unknowns: inertia of the drive [kg m2] and loads."""
-
-    inertia: float
-    loads: tuple[Load, ...]
-
-
 class RunEquations(NamedTuple):
-    """What the rows of a run are made of.
+    """The equations of a run.
 
     Attributes:
-        unknowns: of the press.
-        losses: that are looked for.
-        known: what acts beside them.
+        unknowns: the unknowns of the press.
+        losses: the losses that are identified.
+        drive_inertia: inertia at the crank that is not part of the press [kg m2].
+        loads: known loads.
         run: the record.
-        smooth: its angle, as the encoder reads it.
+        smooth: its angle as the encoder shows it.
     """
 
     unknowns: Unknowns
     losses: Losses
-    known: Known
+    drive_inertia: float
+    loads: tuple[Load, ...]
     run: MeasuredRun
     smooth: SmoothAngle
 
-    def rows(self, at: Array, slopes: Mapping[str, Array]) -> list[Rows]:
-        """Rows by all unknowns, linear about these estimates (unknowns,).
+    def rows(self, estimate: Array, slopes: Mapping[str, Array]) -> list[Rows]:
+        """Rows by all unknowns, linear about an estimate (unknowns,).
 
         Args:
-            at: the estimates.
-            slopes: of friction, from `friction_slopes`; empty where forces in bearings are taken as those at the estimates.
+            estimate: the estimate.
+            slopes: slopes of friction from `friction_slopes`; empty if the forces in bearings are those of the estimate.
         """
         zero = self.unknowns.zero
-        at_zero = self._at_angle(at, at[zero])
-        around = [self._at_angle(at, at[zero] + step) for step in (TURN, -TURN)]
-        changing = sum((at[self.unknowns.place(name)] * each for name, each in slopes.items()), np.zeros(1))
-        found = []
-        for row, ahead, behind in zip(at_zero, *around, strict=True):
-            more = np.zeros((len(row.values), len(at)))
-            more[:, zero] = (ahead.columns @ at + ahead.known - behind.columns @ at - behind.known) / (2 * TURN)
+        here, ahead, behind = (self._rows_at(estimate, estimate[zero] + step) for step in (0.0, TURN, -TURN))
+        changing = sum((estimate[self.unknowns.place(name)] * each for name, each in slopes.items()), np.zeros(1))
+        rows = []
+        for row, after, before in zip(here, ahead, behind, strict=True):
+            more = np.zeros((len(row.values), len(estimate)))
+            more[:, zero] = (after.columns @ estimate + after.known - before.columns @ estimate - before.known) / (2 * TURN)
             if row.quantity == "torque":
                 more = more + changing
-            found.append(Rows(row.quantity, row.columns + more, row.values, row.known - more @ at))
-        return found
+            rows.append(row._replace(columns=row.columns + more, known=row.known - more @ estimate))
+        return rows
 
-    def friction_slopes(self, at: Array) -> dict[str, Array]:
-        """(rows, unknowns) by which the torque of friction in pins and in the guide changes with masses and cylinder, at these values, by a
-        unit of each such unknown."""
-        unknowns, losses, smooth = self.unknowns, self.losses, _shifted(self.smooth, at[self.unknowns.zero])
+    def friction_slopes(self, estimate: Array) -> dict[str, Array]:
+        """Name of a loss -> (rows, unknowns) change of its torque by a unit of each mass, inertia and number of the cylinder.
+
+        Only friction in pins and guide depends on these, by the forces in the bearings.
+        """
+        unknowns, losses = self.unknowns, self.losses
+        smooth = self.smooth._replace(angle=self.smooth.angle - estimate[unknowns.zero])
         by_force = [name for name in losses.friction if name in BY_FORCE]
-        some = slice(None, None, EACH)
-        points = smooth.angle[some], smooth.speed[some], smooth.acceleration[some]
+        third = slice(None, None, 3)  # points between are interpolated
+        points = smooth.angle[third], smooth.speed[third], smooth.acceleration[third]
 
         def friction(values: Array) -> Array:
-            press, cylinder = unknowns.equations.pressed(values[: unknowns.inertial]), _cylinder(unknowns, values)
-            return loss_columns(press, *points, by_force, False, radii=losses.radii, cylinder_load=cylinder)
+            press, load = unknowns.equations.pressed(values[: unknowns.inertial]), _cylinder_load(unknowns, values)
+            return loss_columns(press, *points, by_force, False, radii=losses.radii, cylinder_load=load)
 
-        plain, spread = friction(at), unknowns.at(np.zeros(unknowns.inertial))[1]
+        def slope(change: Array) -> Array:
+            step = 1e-3
+            return np.asarray(friction(estimate + step * change) - plain) / step
+
+        plain, spread = friction(estimate), unknowns.at(np.zeros(unknowns.inertial))[1]
         moving = np.abs(spread).max(axis=0) > 0
-        rest = np.zeros(len(at) - unknowns.inertial)
-        by_deviation = [(friction(at + STEP * np.append(step, rest)) - plain) / STEP for step in spread[:, moving].T]
-        found = np.zeros((len(by_force), len(points[0]), len(at)))
-        found[:, :, : unknowns.inertial] = np.stack(by_deviation, axis=-1).swapaxes(0, 1) @ np.linalg.pinv(spread[:, moving])
+        others = np.zeros(len(estimate) - unknowns.inertial)
+        by_deviation = np.stack([slope(np.append(change, others)) for change in spread[:, moving].T], axis=-1)
+        slopes = np.zeros((len(by_force), len(points[0]), len(estimate)))
+        slopes[:, :, : unknowns.inertial] = by_deviation.swapaxes(0, 1) @ np.linalg.pinv(spread[:, moving])
         if unknowns.cylinder is not None:
             weight = GRAVITY * sum(each.mass for each in unknowns.equations.press.model.inertias)
             for k, size in zip(unknowns.cylinder, (weight, weight / unknowns.equations.press.size), strict=True):
-                step = np.zeros(len(at))
-                step[k] = STEP * size
-                found[:, :, k] = ((friction(at + step) - plain) / (STEP * size)).T
-        where, there = np.arange(len(smooth.angle)), np.arange(len(smooth.angle))[some]
+                slopes[:, :, k] = slope(size * np.eye(len(estimate))[k]).T / size
+        places = np.arange(len(smooth.angle))
         names = [each.name for each in loss_parameters(by_force, False, losses.radii is not None)]
         return {
-            name: smooth.integrals(np.stack([np.interp(where, there, column) for column in each.T], axis=1))
-            for name, each in zip(names, found, strict=True)
+            name: smooth.integrals(np.stack([np.interp(places, places[third], column) for column in columns.T], axis=1))
+            for name, columns in zip(names, slopes, strict=True)
         }
 
-    def _at_angle(self, at: Array, zero: float) -> list[Rows]:
-        """Rows where the encoder has this zero, with forces in bearings of the press and cylinder of these estimates."""
-        unknowns, known, smooth = self.unknowns, self.known, _shifted(self.smooth, zero)
+    def _rows_at(self, estimate: Array, zero: float) -> list[Rows]:
+        """Rows if the encoder has this zero, with the forces in bearings that press and cylinder of the estimate have."""
+        unknowns, smooth = self.unknowns, self.smooth._replace(angle=self.smooth.angle - zero)
         equations, inertial, measured = unknowns.equations, unknowns.inertial, quantities(self.run)
-        press = equations.pressed(at[:inertial]) if set(BY_FORCE) & set(self.losses.friction) and at[inertial:].any() else equations.press
-        coefficients, added, found = equations.coefficients(smooth.angle, tuple(measured)), added_masses(equations, self.run), []
+        coefficients, added, rows = equations.coefficients(smooth.angle, tuple(measured)), added_masses(equations, self.run), []
         for name, values in measured.items():
             inside = smooth.equations(coefficients[name])
-            columns, extra = np.zeros((len(inside), len(at))), inside @ added
+            columns, extra = np.zeros((len(inside), len(estimate))), inside @ added
             columns[:, :inertial] = inside
-            if name == "torque":  # friction is between links, the cylinder stands on the frame: nothing reaches the foundation
-                columns[:, inertial : unknowns.zero] = loss_rows(press, smooth, self.losses, _cylinder(unknowns, at))
-                if known.inertia:
-                    extra = extra + smooth.equations(_constant_inertia(smooth.angle, known.inertia))[:, 0]
-                if known.loads:
-                    motion = moved(equations.press, equations.press.branch, smooth.angle, smooth.speed, 0.0 * smooth.angle, None, "auto")
-                    plain, loaded = (inverse_dynamics(equations.press, motion, loads, bearings=()) for loads in ((), known.loads))
-                    extra = extra + smooth.integrals((loaded.driving_torque - plain.driving_torque)[:, None])[:, 0]
-            rows = columns, smooth.measured(values), extra
-            found.append(Rows(name, *(rows if name == "torque" else map(smooth.without_offset, rows))))
-        return found
+            if name == "torque":  # friction acts between links, and the cylinder stands on the frame: nothing reaches the foundation
+                by_force = set(BY_FORCE) & set(self.losses.friction) and estimate[inertial:].any()
+                press = equations.pressed(estimate[:inertial]) if by_force else equations.press
+                columns[:, inertial : unknowns.zero] = loss_rows(press, smooth, self.losses, _cylinder_load(unknowns, estimate))
+                if self.drive_inertia:
+                    one = np.ones((len(smooth.angle), 1))
+                    extra = extra + smooth.equations(Coefficients(self.drive_inertia * one, 0 * one, 0 * one, 0.5))[:, 0]
+                if self.loads:
+                    extra = extra + smooth.integrals(load_torque(equations.press, smooth.angle, smooth.speed, self.loads)[:, None])[:, 0]
+            row = columns, smooth.measured(values), extra
+            rows.append(Rows(name, *(row if name == "torque" else map(smooth.without_offset, row))))
+        return rows
 
 
-def loss_rows(press: Linkage, smooth: SmoothAngle, losses: Losses, cylinder: tuple[float, float] = (0.0, 0.0)) -> Array:
-    """(rows, losses) of a run by its losses; forces in bearings are those of this press with this cylinder."""
-    angle, speed, acceleration = smooth.angle, smooth.speed, smooth.acceleration
-    friction, there = losses.friction, losses.cylinder
-    return smooth.integrals(loss_columns(press, angle, speed, acceleration, friction, there, radii=losses.radii, cylinder_load=cylinder))
+def loss_rows(press: Linkage, smooth: SmoothAngle, losses: Losses, cylinder_load: tuple[float, float] = (0.0, 0.0)) -> Array:
+    """(rows, losses) of a run by its losses, with the forces in bearings of this press under this force of its cylinder."""
+    state = smooth.angle, smooth.speed, smooth.acceleration
+    return smooth.integrals(loss_columns(press, *state, losses.friction, losses.cylinder, radii=losses.radii, cylinder_load=cylinder_load))
 
 
-def _shifted(smooth: SmoothAngle, zero: float) -> SmoothAngle:
-    return smooth._replace(angle=smooth.angle - zero)
+def load_torque(press: Linkage, angle: Array, speed: Array | float, loads: tuple[Load, ...]) -> Array:
+    """(n,) torque at the crank that known loads need."""
+    motion = moved(press, press.branch, angle, speed, 0.0, None, press.engine())
+    plain, loaded = (inverse_dynamics(press, motion, each, bearings=()).driving_torque for each in ((), loads))
+    return np.asarray(loaded - plain)
 
 
-def _cylinder(unknowns: Unknowns, values: Array) -> tuple[float, float]:
+def _cylinder_load(unknowns: Unknowns, values: Array) -> tuple[float, float]:
     """Force and stiffness of the balance cylinder among the unknowns."""
-    there = unknowns.cylinder
-    return (0.0, 0.0) if there is None else (float(values[there[0]]), float(values[there[1]]))
-
-
-def _constant_inertia(angle: Array, inertia: float) -> Coefficients:
-    one = np.ones((len(angle), 1))
-    return Coefficients(inertia * one, 0 * one, 0 * one, 0.5)
+    places = unknowns.cylinder
+    return (0.0, 0.0) if places is None else (float(values[places[0]]), float(values[places[1]]))
 
 
 def added_masses(equations: InertialEquations, run: MeasuredRun) -> Array:
     """(inertial,) parameters of masses that were fastened to links."""
-    added, starts = np.zeros(len(equations.parameters)), np.cumsum([0, *(basis.shape[1] for basis in equations.bases)])
-    model = equations.press.model
+    added, model = np.zeros(len(equations.parameters)), equations.press.model
     for link, mass in run.added_mass.items():
         frame = model.frames[model.getFrameId(link)]
         if frame.parentJoint == 0:
-            continue  # on the frame of the press it makes no torque
-        at, basis = frame.placement.translation, equations.bases[frame.parentJoint - 1]
-        tensor = mass * (at @ at * np.eye(3) - np.outer(at, at))
-        ten = np.array([mass, *(mass * at), tensor[0, 0], tensor[0, 1], tensor[1, 1], tensor[0, 2], tensor[1, 2], tensor[2, 2]])
-        own = ten if basis.shape[1] == 10 else _plane_part(basis, ten)
-        added[starts[frame.parentJoint - 1] : starts[frame.parentJoint]] += own
+            continue  # a mass on the frame of the press makes no torque
+        basis, place = equations.bases[frame.parentJoint - 1], equations.places[frame.parentJoint - 1]
+        axes = basis[1:4, 1:3] if basis.shape[1] == 4 else np.eye(3)
+        point = np.zeros(basis.shape[1])
+        point[0], point[1 : 1 + axes.shape[1]] = mass, frame.placement.translation @ axes
+        added[place] += about_joint(point)[0]
     return added
-
-
-def _plane_part(basis: Array, ten: Array) -> Array:
-    """The four parameters in the plane of the ten of a mass at a point."""
-    first, second = basis[1:4, 1] @ ten[1:4], basis[1:4, 2] @ ten[1:4]
-    return np.array([ten[0], first, second, (first**2 + second**2) / ten[0]])

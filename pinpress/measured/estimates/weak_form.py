@@ -1,49 +1,40 @@
 """Records as rows of linear equations without accelerations: the angle as a spline, the equation of motion weighted over time.
 
-The angle is a quintic spline that fits the samples by least squares, with as many knots a stroke as the record asks for. Each equation
-(see `regressor`) is multiplied with B-splines phi over time and integrated by parts,
+The angle is a quintic spline that fits the samples by least squares; the record decides how many knots a stroke it has. Each equation
+(see `regressor`) is multiplied by B-splines phi over time and integrated by parts,
 
     integral of phi s dt  =  sum over p of  p integral of (-phi' A w - share phi A' w^2 + phi C) dt
 
-so that only the angle's first derivative is needed. The right side is integrated by Gauss's rule, the left is the sum over the samples. The
-noise of the samples makes the left sides correlated; they are made independent by the Cholesky factor of their covariance.
+so that only the first derivative of the angle is needed. Gauss's rule integrates the right side; the left side is a sum over the samples.
+The noise of the samples makes the left sides correlated. The Cholesky factor of their covariance makes them independent.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...common.errors import PinpressError
-from ...common.frozen import Frozen
 from ...common.quantities import Array
 from ..records import MeasuredRun
 from ..regressor import Coefficients
 
-KNOTS = (6, 8, 12, 16, 24, 32, 48)  # a stroke at the highest speed
-CLEARLY = 0.995  # of the expected error, by which more knots must lower it
-FINEST = 4  # fewest samples between knots
 DEGREE = 5  # of the weights: sums over samples are then as good as integrals
-GAUSS = 5  # points between two knots
-WEIGHTS = 24  # least knots of the weights a stroke
-FEWEST = 1.5  # strokes of a record
 
 
 class SmoothAngle(NamedTuple):
-    """A record's angle as a spline at the points of Gauss's rule, m of them, and what weights them.
+    """The angle of a record as a spline at the m points of Gauss's rule, and the weights of the equations.
 
     Attributes:
-        angle: (m,) [rad].
-        speed: (m,) [rad/s].
-        acceleration: (m,) [rad/s2].
-        weighted: (rows, m) sparse: times values at the points it is their integrals with each weight phi.
+        angle: (m,) angles [rad].
+        speed: (m,) speeds [rad/s].
+        acceleration: (m,) accelerations [rad/s2].
+        weighted: (rows, m) sparse: from values at the points to their integrals with each weight phi.
         slopes: (rows, m) sparse: the same with each phi'.
-        sampled: (rows, n) sparse: the same of the samples.
-        factor: banded Cholesky factor of the covariance of these sums, for samples of variance 1.
-        noise: standard deviation of the samples of the angle about the spline [rad].
+        sampled: (rows, n) sparse: from the n samples to their integrals with each phi.
+        factor: banded Cholesky factor of the covariance of these integrals, for samples of variance 1.
+        noise: standard deviation of the angle's samples from the spline [rad].
     """
 
     angle: Array
@@ -56,22 +47,24 @@ class SmoothAngle(NamedTuple):
     noise: float
 
     def integrals(self, values: Array) -> Array:
-        """(rows, k) independent rows of values at the points, (m, k)."""
+        """(rows, k) independent rows of values (m, k) at the points."""
         return self._independent(self.weighted @ values)
 
-    def equations(self, found: Coefficients) -> Array:
-        """(rows, parameters) independent rows of an equation by its coefficients at the points."""
+    def equations(self, coefficients: Coefficients) -> Array:
+        """(rows, parameters) independent rows of an equation with these coefficients at the points."""
+        inertia, slope, weight, share = coefficients
         speed = self.speed[:, None]
-        rows = -(self.slopes @ (found.inertia * speed)) + self.weighted @ (found.weight - found.share * found.slope * speed**2)
-        return self._independent(rows)
+        return self._independent(-(self.slopes @ (inertia * speed)) + self.weighted @ (weight - share * slope * speed**2))
 
     def measured(self, samples: Array) -> Array:
-        """(rows,) independent rows of what was measured at the samples, (n,)."""
+        """(rows,) independent rows of measured samples (n,)."""
         return self._independent((self.sampled @ samples)[:, None])[:, 0]
 
     def without_offset(self, rows: Array) -> Array:
-        """Independent rows, (rows,) or (rows, k), less what a constant offset of the samples could be: load cells are set to zero anyhow,
-        and nobody knows the weight of the frame."""
+        """Independent rows, (rows,) or (rows, k), without the part that a constant offset of the samples can explain.
+
+        Load cells are set to zero anyhow, and the weight of the frame is not known.
+        """
         constant = self.integrals(np.ones((len(self.angle), 1)))[:, 0]
         share = constant @ rows / (constant @ constant)
         return np.asarray(rows - (np.outer(constant, share) if rows.ndim > 1 else constant * share))
@@ -93,59 +86,48 @@ def smoothed(run: MeasuredRun) -> SmoothAngle:
     from scipy.sparse import diags_array
 
     time = run.time - run.time[0]
-    if run.strokes < FEWEST:
+    if run.strokes < 1.5:
         raise PinpressError(
             f"{run.name}: {run.strokes:.3g} strokes: one stroke does not separate masses from friction. Measure ten strokes at three speeds"
         )
-    spline, noise, step = _fitted(run, time)
-    count = max(int(np.ceil(time[-1] / min(step, _stroke(run, time) / WEIGHTS))), 4 * DEGREE)
+    stroke = 2 * np.pi / max(map(abs, run.speeds))
+    spline, noise, step = _fitted(run, time, stroke)
+
+    # The weights: B-splines with at least 24 knots a stroke; those that are zero with their slopes at both ends.
+    count = max(int(np.ceil(time[-1] / min(step, stroke / 24))), 4 * DEGREE)
     breaks = np.linspace(0.0, time[-1], count + 1)
-    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
-    half = 0.5 * (breaks[1] - breaks[0])
-    points = (breaks[:-1, None] + half * (1 + nodes)).ravel()
-    knots = np.concatenate([np.zeros(DEGREE), breaks, np.full(DEGREE, time[-1])])
-    rows = slice(DEGREE, count)  # those that are 0 with their slopes at both ends
-
-    def basis(at: Array) -> Any:
-        return BSpline.design_matrix(at, knots, DEGREE).T.tocsr()[rows]
-
-    # The slope is the difference of two splines of a degree less by the distance of knots, which is the same inside the record.
-    lower = BSpline.design_matrix(points, knots[1:-1], DEGREE - 1).T.tocsr()
-    share = diags_array(np.tile(half * weights, count))
     spacing = breaks[1] - breaks[0]
+    knots = np.concatenate([np.zeros(DEGREE), breaks, np.full(DEGREE, time[-1])])
+
+    def basis(places: Array) -> Any:
+        return BSpline.design_matrix(places, knots, DEGREE).T.tocsr()[DEGREE:count]
+
+    nodes, weights = np.polynomial.legendre.leggauss(5)
+    points = (breaks[:-1, None] + 0.5 * spacing * (1 + nodes)).ravel()
+    share = diags_array(np.tile(0.5 * spacing * weights, count))
+    # The slope is the difference of two splines of one degree less, divided by the distance of knots, which is constant inside the record.
+    lower = BSpline.design_matrix(points, knots[1:-1], DEGREE - 1).T.tocsr()
     slopes = (lower[DEGREE - 1 : count - 1] - lower[DEGREE:count]) / spacing
-    sampled = basis(time) @ diags_array(np.gradient(time))  # by the trapezoidal rule; at both ends the splines are 0
-    bands = _bands((sampled @ sampled.T).tocsr(), DEGREE)
-    return SmoothAngle(
-        spline(points),
-        spline(points, 1),
-        spline(points, 2),
-        basis(points) @ share,
-        slopes @ share,
-        sampled,
-        cholesky_banded(bands, lower=True),
-        noise,
-    )
+    sampled = basis(time) @ diags_array(np.gradient(time))  # by the trapezoidal rule; at both ends the splines are zero
+    factor = cholesky_banded(_bands((sampled @ sampled.T).tocsr()), lower=True)
+    return SmoothAngle(spline(points), spline(points, 1), spline(points, 2), basis(points) @ share, slopes @ share, sampled, factor, noise)
 
 
-def _stroke(run: MeasuredRun, time: Array) -> float:
-    """Time of a turn at the highest speed [s]."""
-    low, high = run.speeds
-    return 2 * np.pi / max(abs(low), abs(high))
+def _fitted(run: MeasuredRun, time: Array, stroke: float) -> tuple[Any, float, float]:
+    """Quintic spline of the angle, its noise, and the distance of its knots.
 
-
-def _fitted(run: MeasuredRun, time: Array) -> tuple[Any, float, float]:
-    """Quintic spline with the knots for which generalised cross-validation expects the least error; its noise, distance of knots."""
-    best, shortest, tried = None, FINEST * run.sampling, 0
-    for knots in KNOTS:
-        step = max(_stroke(run, time) / knots, shortest)
+    More knots are taken if generalised cross-validation expects a clearly smaller error; ``stroke``: time of a turn at the highest speed.
+    """
+    best, tried = None, 0
+    for knots in (6, 8, 12, 16, 24, 32, 48):  # a stroke
+        step = max(stroke / knots, 4 * run.sampling)
         pieces = max(int(np.ceil(time[-1] / step)), 2)
         if pieces == tried or pieces + 5 >= len(time):
             break
         spline, tried = _least_squares(time, run.angle, pieces), pieces
         left = float(((spline(time) - run.angle) ** 2).mean())
         free = 1 - (pieces + 5) / len(time)
-        if best is None or left / free**2 < CLEARLY * best[0]:
+        if best is None or left / free**2 < 0.995 * best[0]:
             best = left / free**2, spline, np.sqrt(left / free), time[-1] / pieces
     if best is None:
         raise PinpressError(f"{run.name}: {len(time)} samples in {run.strokes:.3g} strokes are too few: sample faster")
@@ -153,38 +135,32 @@ def _fitted(run: MeasuredRun, time: Array) -> tuple[Any, float, float]:
 
 
 def _least_squares(time: Array, angle: Array, pieces: int) -> Any:
-    """The quintic spline of so many equal pieces that is nearest to the samples, refined once for the rounding of the normal equations."""
+    """The quintic spline of equal pieces that is nearest to the samples; refined once against rounding errors of the normal equations."""
     from scipy.interpolate import BSpline  # to save start-up time
-    from scipy.linalg import solveh_banded  # to save start-up time
+    from scipy.linalg import solveh_banded
 
-    inner = np.linspace(0.0, time[-1], pieces + 1)
-    knots = np.concatenate([np.zeros(5), inner, np.full(5, time[-1])])
+    knots = np.concatenate([np.zeros(5), np.linspace(0.0, time[-1], pieces + 1), np.full(5, time[-1])])
     matrix = BSpline.design_matrix(time, knots, 5)
-    bands = _bands((matrix.T @ matrix).tocsr(), 5)
+    bands = _bands((matrix.T @ matrix).tocsr())
     coefficients = np.zeros(pieces + 5)
     for _ in range(2):
         coefficients = coefficients + solveh_banded(bands, matrix.T @ (angle - matrix @ coefficients), lower=True)
     return BSpline(knots, coefficients, 5)
 
 
-def _bands(matrix: Any, below: int) -> Array:
-    """The diagonal of a symmetric sparse matrix and those below it, as SciPy's banded solvers take them."""
-    bands = np.zeros((below + 1, matrix.shape[0]))
-    for k in range(below + 1):
-        diagonal = matrix.diagonal(-k)
-        bands[k, : len(diagonal)] = diagonal
-    return bands
+def _bands(matrix: Any) -> Array:
+    """The diagonal of a symmetric sparse matrix and the five below it, as SciPy's banded solvers take them."""
+    return np.stack([np.pad(matrix.diagonal(-k), (0, k)) for k in range(DEGREE + 1)])
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Rows(Frozen):
-    """Equations of one quantity of one run, in the order of the time; the noise of ``values`` is even and independent.
+class Rows(NamedTuple):
+    """Equations of one quantity of one run, in the order of the time. The noise of ``values`` is even and independent.
 
     Attributes:
-        quantity: "torque", "current", "force x" and so on.
-        columns: (rows, unknowns) by the unknowns.
-        values: (rows,) of what was measured.
-        known: (rows,) of what is known of it.
+        quantity: "torque", "force x" and so on; a current counts as a torque.
+        columns: (rows, unknowns) columns of the unknowns.
+        values: (rows,) measured values.
+        known: (rows,) known parts of the values.
     """
 
     quantity: str
@@ -194,13 +170,8 @@ class Rows(Frozen):
 
 
 def quantities(run: MeasuredRun) -> dict[str, Array]:
-    """What a run measures beside the angle, by the names of `InertialEquations.coefficients`; a current stands for the torque."""
-    found = {} if run.torque is None and run.current is None else {"torque": run.torque if run.current is None else run.current}
-    found |= {f"force {axis}": values for axis, values in run.shaking_force.items()}
-    found |= {f"moment {axis}": values for axis, values in run.shaking_moment.items()}
-    return {name: values for name, values in found.items() if values is not None}
-
-
-def blocks(count: int, most: int) -> NDArray[np.intp]:
-    """The block of each of so many rows: up to ``most`` of equal length, in their order."""
-    return np.arange(count) * min(most, count) // max(count, 1)
+    """The measured quantities besides the angle, by the names of `InertialEquations.coefficients`; a current counts as a torque."""
+    effort = run.current if run.torque is None else run.torque
+    forces = {f"force {axis}": values for axis, values in run.shaking_force.items()}
+    moments = {f"moment {axis}": values for axis, values in run.shaking_moment.items()}
+    return ({} if effort is None else {"torque": effort}) | forces | moments

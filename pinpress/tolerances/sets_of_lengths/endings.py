@@ -25,11 +25,6 @@ from .shapes import Evaluated, Shapes
 from .spatial_shapes import SpatialShapes
 
 PIECE = 2048  # sets of one piece of work: their arrays stay in the cache
-TURNED = 1e-9  # largest last step of the crank [rad, or lengths of the linkage]
-TURNED_BACK = 1e-5  # largest last step at a dead centre: the remaining error, its square, moves the slide only by rounding error
-CORRECTED = 0.25  # largest correction of a joint by Newton's method, as a share of its first-order motion
-FAR = 0.2  # first order does not hold for a larger motion of a joint, so the share refers to this [rad, or lengths of the linkage]
-NEARLY = 1e-3  # a smaller correction is always accepted [rad, or lengths of the linkage]
 
 
 def shapes_of(press: Linkage, moved: Sequence[Displacements]) -> Shapes:
@@ -97,13 +92,10 @@ def refuse_lost(shapes: Shapes, deviations: Array, sound: NDArray[np.bool_], whe
 def follow_to_end(shapes: Shapes, deviations: Array, ending: Ending) -> Ended:
     """Every set of deviations (k, n) at its end. This function never raises an error, see `sound`."""
     still, first = shapes.joint_slopes(ending.start)
-    slopes, count = still + first * ending.angle_slopes, deviations.shape[1]
-    whole = Ended(np.empty(count), np.empty(count), np.empty(count), np.empty(count, dtype=bool))
-    for begin in range(0, count, PIECE):
-        sets = slice(begin, begin + PIECE)
-        for all_sets, part in zip(whole, _piece(shapes, deviations[:, sets], ending.part(sets), slopes), strict=True):
-            all_sets[sets] = part
-    return whole
+    slopes = still + first * ending.angle_slopes
+    pieces = [slice(begin, begin + PIECE) for begin in range(0, deviations.shape[1], PIECE)]
+    ended = [_piece(shapes, deviations[:, sets], ending.part(sets), slopes) for sets in pieces]
+    return Ended(*map(np.concatenate, zip(*ended, strict=True)))
 
 
 def _piece(shapes: Shapes, deviations: Array, ending: Ending, slopes: Array) -> Ended:
@@ -111,12 +103,14 @@ def _piece(shapes: Shapes, deviations: Array, ending: Ending, slopes: Array) -> 
     guide, _, sign = shapes.press.slide_guide
     moved, added = product(slopes, deviations), shapes.added(deviations)
     x = ending.start[:, None] + moved
+    # At a dead centre the square of the last step moves the slide, elsewhere the step itself [rad, or lengths of the linkage].
+    largest_step = 1e-5 if ending.kind == "dead centre" else 1e-9
     with np.errstate(all="ignore"):  # a set that fails shows in its gap
         for _ in range(MOST_NEWTON_STEPS + 1):
             solution = shapes.evaluated(x, added)
             turn = _step_to_end(shapes, x, deviations, solution, ending)
             close = solution.gap <= ACCEPTED * shapes.tolerance
-            at_rest = np.abs(turn) <= (TURNED_BACK if ending.kind == "dead centre" else TURNED)
+            at_rest = np.abs(turn) <= largest_step
             if (close & at_rest).all() or not np.isfinite(solution.gap).any():
                 break
             x = x + solution.step + turn * (solution.first + 0.5 * turn * solution.second)
@@ -127,18 +121,20 @@ def _piece(shapes: Shapes, deviations: Array, ending: Ending, slopes: Array) -> 
 
 
 def same_assembly(shapes: Shapes, way: Array, moved: Array) -> NDArray[np.bool_]:
-    """Whether sets (n,) are still the nominal assembly; ``way``: their motion (nv, n), ``moved``: their motion to first order."""
+    """Whether sets (n,) are still the nominal assembly; ``way``: their motion (nv, n), ``moved``: their motion to first order.
+
+    Both may differ by a quarter, as first order holds up to 0.2 rad or lengths of the linkage, and always by 0.001.
+    """
     size = 1 + shapes.press.size
-    expected = np.minimum(np.abs(moved).max(axis=0), FAR * size)
-    return np.asarray(np.abs(way - moved).max(axis=0) <= CORRECTED * expected + NEARLY * size)
+    expected = np.minimum(np.abs(moved).max(axis=0), 0.2 * size)
+    return np.asarray(np.abs(way - moved).max(axis=0) <= 0.25 * expected + 1e-3 * size)
 
 
-def _step_to_end(shapes: Shapes, x: Array, deviations: Array, found: Evaluated, ending: Ending) -> Array:
+def _step_to_end(shapes: Shapes, x: Array, deviations: Array, solution: Evaluated, ending: Ending) -> Array:
     """Step (n,) of the crank towards the end of every set."""
     guide, _, sign = shapes.press.slide_guide
     if ending.kind == "dead centre":
-        return np.asarray(-found.first[guide] / found.second[guide])
+        return np.asarray(-solution.first[guide] / solution.second[guide])
     if ending.target is None:
         return np.zeros(x.shape[1])
-    ahead = ending.target - shapes.position(x + found.step, deviations)
-    return np.asarray(ahead / (sign * found.first[guide]))
+    return np.asarray((ending.target - shapes.position(x + solution.step, deviations)) / (sign * solution.first[guide]))

@@ -19,11 +19,9 @@ from ...common.products import product
 from ...common.quantities import Array
 from ...engines.engine import ACCEPTED, MOST_NEWTON_STEPS
 from .endings import PIECE, Ending, follow_to_end, refuse_lost, same_assembly
-from .shapes import Evaluated, Shapes
+from .shapes import Shapes
 
-SHARP = 0.5  # with more than this share of the nominal curvature a set turns back at one place, like the nominal press
 SLOW = 0.03  # largest share of the slide's mean speed that counts as slow
-NARROW = 1e-8  # width of the bracket of a turning point, as a share of a step
 
 
 class TurningPoint(NamedTuple):
@@ -57,7 +55,8 @@ def outermost_positions(shapes: Shapes, deviations: Array, point: TurningPoint) 
     ended, outwards = follow_to_end(shapes, deviations, point.ending), 1.0 if point.upwards else -1.0
     position, sound = ended.position, ended.sound
     if point.ending.kind == "dead centre":
-        flat = ~sound | (outwards * ended.second > -SHARP * abs(point.second))
+        # With half of the nominal curvature a set turns back at one place, like the nominal press.
+        flat = ~sound | (outwards * ended.second > -0.5 * abs(point.second))
     else:
         flat = np.any([outwards * way * ended.rate > -SLOW * point.speed for way in point.ways], axis=0) & sound
     doubtful = np.flatnonzero(flat)
@@ -72,7 +71,8 @@ class _States(NamedTuple):
     """Some sets, closed at positions of their drivers; ``closed``: (n,) whether a set is closed."""
 
     x: Array
-    found: Evaluated
+    first: Array
+    second: Array
     deviations: Array
     closed: NDArray[np.bool_]
 
@@ -82,22 +82,19 @@ class _States(NamedTuple):
         added = shapes.added(deviations)
         with np.errstate(all="ignore"):  # a set that fails shows in its gap
             for _ in range(MOST_NEWTON_STEPS + 1):
-                found = shapes.evaluated(x, added)
-                closed = found.gap <= ACCEPTED * shapes.tolerance
-                if closed.all() or not np.isfinite(found.gap).any():
+                solution = shapes.evaluated(x, added)
+                closed, x = solution.gap <= ACCEPTED * shapes.tolerance, x + solution.step
+                if closed.all() or not np.isfinite(solution.gap).any():
                     break
-                x = x + found.step
-        return _States(x + found.step, found, deviations, closed)
+        return _States(x, solution.first, solution.second, deviations, closed)
 
     def of(self, sets: NDArray[np.intp]) -> _States:
         """Some of these sets."""
-        found = Evaluated(self.found.gap[sets], *(each[:, sets] for each in self.found[1:]))
-        return _States(self.x[:, sets], found, self.deviations[:, sets], self.closed[sets])
+        return _States(*(values[..., sets] for values in self))
 
     def driven(self, shapes: Shapes, by: Array | float) -> _States:
         """These sets, with their drivers moved by ``by``."""
-        x = self.x + by * (self.found.first + 0.5 * by * self.found.second)
-        return _States.at(shapes, x, self.deviations)
+        return _States.at(shapes, self.x + by * (self.first + 0.5 * by * self.second), self.deviations)
 
 
 def _follow(shapes: Shapes, deviations: Array, point: TurningPoint, outwards: float) -> tuple[Array, NDArray[np.bool_]]:
@@ -107,7 +104,7 @@ def _follow(shapes: Shapes, deviations: Array, point: TurningPoint, outwards: fl
     moved = product(still, deviations)
     begun = _States.at(shapes, start + moved, deviations)
     sound = begun.closed & same_assembly(shapes, begun.x - start, moved)
-    farthest = shapes.position(begun.x, deviations)
+    farthest, outermost = shapes.position(begun.x, deviations), np.maximum if point.upwards else np.minimum
     turned = np.zeros(len(sound), dtype=bool)
     for way in point.ways:
         sets, here = np.flatnonzero(sound), begun.of(np.flatnonzero(sound))
@@ -115,14 +112,12 @@ def _follow(shapes: Shapes, deviations: Array, point: TurningPoint, outwards: fl
             if not len(sets):
                 break
             ahead = here.driven(shapes, way * point.step)
-            before, after = (outwards * way * sign * states.found.first[guide] for states in (here, ahead))
+            before, after = (outwards * way * sign * states.first[guide] for states in (here, ahead))
             sound[sets] &= ahead.closed
             between = np.flatnonzero(ahead.closed & (before >= 0.0) & (after < 0.0))
             if len(between):
-                turned_back = _turning_positions(shapes, ahead.of(between), -way * point.step, outwards)
-                np.maximum.at(farthest, sets[between], turned_back) if point.upwards else np.minimum.at(
-                    farthest, sets[between], turned_back
-                )
+                turning = _turning_positions(shapes, ahead.of(between), -way * point.step, outwards)
+                farthest[sets[between]] = outermost(farthest[sets[between]], turning)
                 turned[sets[between]] = True
             on = np.flatnonzero(ahead.closed & (after >= -SLOW * point.speed))
             sets, here = sets[on], ahead.of(on)
@@ -135,9 +130,9 @@ def _turning_positions(shapes: Shapes, after: _States, back: float, outwards: fl
     guide, _, sign = shapes.press.slide_guide
 
     def speed(share: Array) -> tuple[Array, Array]:
-        found = after.driven(shapes, back * share).found
-        return outwards * sign * back * found.first[guide], outwards * sign * back * back * found.second[guide]
+        states = after.driven(shapes, back * share)
+        return outwards * sign * back * states.first[guide], outwards * sign * back * back * states.second[guide]
 
     count = after.x.shape[1]
-    share = bracketed_roots(speed, np.zeros(count), np.ones(count), absolute=NARROW)
+    share = bracketed_roots(speed, np.zeros(count), np.ones(count), absolute=1e-8)
     return shapes.position(after.driven(shapes, back * share).x, after.deviations)

@@ -12,7 +12,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common import products
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ...derivatives.motion import Displacements, Rates, Shift, States, Tangent, guide_shift, planar, shift
@@ -56,23 +55,21 @@ class PlanarShapes(Shapes):
         """
         plane, guide = planar(press), press.slide_guide.joint
         shifts = [shift(press, plane, displacements) for displacements in moved]
-        changes = np.array([displacements.gap_rows for displacements in shifts])
+        changes = np.array([by.gap_rows for by in shifts])
         places = np.argwhere(changes.any(axis=0))
-        guide_slopes = np.array([guide_shift(plane, displacements, guide) for displacements in shifts])
+        guide_slopes = np.array([guide_shift(plane, by, guide) for by in shifts])
         slopes = changes[:, places[:, 0], places[:, 1]].T
         return PlanarShapes(press, guide_slopes, plane.tolerance, plane, tuple(shifts), places, slopes)
 
     def added(self, deviations: Array) -> ComplexArray:
-        return products.product(self.slopes, deviations)
+        return product(self.slopes, deviations)
 
     def evaluated(self, x: Array, added: ComplexArray) -> Evaluated:
         plane = self.plane
         basis = basis_at(plane, x)
         gaps = self._opened(basis, added)
         slips = plane.relation_slopes @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
-        gap = np.abs(gaps).max(axis=0, initial=0.0)
-        if len(slips):
-            gap = np.maximum(gap, np.abs(slips).max(axis=0))
+        gap = np.maximum(np.abs(gaps).max(axis=0, initial=0.0), np.abs(slips).max(axis=0, initial=0.0))
         slopes = Slopes.at(self._equations(added), basis, x)
         first = slopes.drive()
         turning = self._opened(basis_acceleration(plane, basis, first, None), added)
@@ -113,12 +110,12 @@ class PlanarShapes(Shapes):
 
     def joint_slopes(self, start: Array) -> tuple[Array, Array]:
         states = States.of(self.plane, start[:, None])
-        return np.stack([states.slope(shift_)[:, 0] for shift_ in self.shifts], axis=1), states.slopes.drive()
+        return np.stack([states.slope(by)[:, 0] for by in self.shifts], axis=1), states.slopes.drive()
 
     def slide_slopes(self, position: Array, v: Array) -> tuple[Array, Array]:
-        states, rest = States.of(self.plane, position[:, None]), np.zeros((len(v), 1))
-        rates = Rates.of(states, v[:, None], rest)
-        tangents = [Tangent.of(states, rates, shift_) for shift_ in self.shifts]
+        states = States.of(self.plane, position[:, None])
+        rates = Rates.of(states, v[:, None], np.zeros((len(v), 1)))
+        tangents = [Tangent.of(states, rates, by) for by in self.shifts]
         guide, _, sign = self.press.slide_guide
-        by_position = sign * (np.array([shift_.position[guide, 0] for shift_ in tangents]) + self.guide_slopes)
-        return by_position, sign * np.array([shift_.v[guide, 0] for shift_ in tangents])
+        by_position = sign * (np.array([tangent.position[guide, 0] for tangent in tangents]) + self.guide_slopes)
+        return by_position, sign * np.array([tangent.v[guide, 0] for tangent in tangents])

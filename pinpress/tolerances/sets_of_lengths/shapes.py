@@ -61,8 +61,7 @@ class Shapes(ABC):
     @abstractmethod
     def joint_slopes(self, start: Array) -> tuple[Array, Array]:
         """Derivatives of joint coordinates (nv,) that close the nominal press: (nv, k) by the dimensions with drivers at rest, and (nv, 1)
-        by
-        the crank angle, zero with several drivers."""
+        by the crank angle, zero with several drivers."""
 
     @abstractmethod
     def slide_slopes(self, position: Array, v: Array) -> tuple[Array, Array]:

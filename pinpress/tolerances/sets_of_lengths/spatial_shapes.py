@@ -46,8 +46,8 @@ class SpatialShapes(Shapes):
     @staticmethod
     def of(press: Linkage, moved: Sequence[Displacements]) -> SpatialShapes:
         """The press with dimensions that displace its pivots by ``moved`` per unit."""
-        joints = np.stack([each.joints for each in moved], axis=-1)
-        ends = np.stack([each.ends.swapaxes(0, 1) for each in moved], axis=-1)
+        joints = np.stack([by.joints for by in moved], axis=-1)
+        ends = np.stack([by.ends.swapaxes(0, 1) for by in moved], axis=-1)
         guide = press.slide_guide
         along = press.model.jointPlacements[guide.joint + 1].rotation @ press.axes[guide.joint].direction
         loops = build_loops(press.structure)
@@ -75,7 +75,13 @@ class SpatialShapes(Shapes):
         system, moved = self._at(position)
         passive, opened = PassiveColumns(loops, system.entries), moved.gaps - system.gaps
         still = passive.rates(-opened)
-        self._refuse_contradiction(opened + _driven(loops, system.entries, still))
+        left = np.abs(opened + _driven(loops, system.entries, still)).max(axis=0)
+        sizes = np.maximum(np.abs(self.joints).max(axis=(0, 1)), np.abs(self.ends).max(axis=(0, 1, 2), initial=0.0))
+        if np.any(left > CONTRADICTED * sizes):
+            raise PinpressError(
+                f"redundant bearings of {self.press.name} do not stay closed if a dimension deviates: move the pivots of all of them"
+                " equally, in the plane of a planar press; for separate points of a slide use tolerances.parallelism"
+            )
         opening = _driven(loops, moved.entries - system.entries, rates)
         axes = motion_axes(loops.bodies, system.placed)
         curved = 0.25 * (drift(loops, system, axes, rates + still) - drift(loops, system, axes, rates - still))
@@ -88,22 +94,13 @@ class SpatialShapes(Shapes):
         x = np.repeat(position[:, None], self.joints.shape[-1], axis=1)
         return equations(self.loops, x), equations(self.loops, x, Moved(self.joints, self.ends))
 
-    def _by_crank(self, found: Equations, passive: PassiveColumns) -> Array:
+    def _by_crank(self, system: Equations, passive: PassiveColumns) -> Array:
         """(nv, n) derivative of the joint coordinates by the crank angle; zero with several drivers."""
         if len(self.press.drivers) > 1:
             return np.zeros((len(self.press.joints), passive.n))
-        first = passive.rates(-found.driving[:, 0])
+        first = passive.rates(-system.driving[:, 0])
         first[self.press.driver_indices[0]] = 1.0
         return first
-
-    def _refuse_contradiction(self, left: Array) -> None:
-        """Raise PinpressError if joint rates cannot close the gaps that a dimension opens; ``left``: (rows, k) gaps that stay open."""
-        sizes = np.maximum(np.abs(self.joints).max(axis=(0, 1)), np.abs(self.ends).max(axis=(0, 1, 2), initial=0.0))
-        if np.any(np.abs(left).max(axis=0) > CONTRADICTED * sizes):
-            raise PinpressError(
-                f"redundant bearings of {self.press.name} do not stay closed if a dimension deviates: move the pivots of all of them"
-                " equally, in the plane of a planar press; for separate points of a slide use tolerances.parallelism"
-            )
 
 
 def _driven(loops: Loops, entries: Array, rates: Array) -> Array:

@@ -1,10 +1,12 @@
-"""Sections of results as a page draws them: units chosen, states thinned to those of the page, and what a chart's cursor follows."""
+"""Sections of results as a page draws them (`templates/report.js`): units chosen, states thinned to those of the page, and what a chart's
+cursor follows."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,130 +20,124 @@ from ...common.results import Tabular
 from ...kinematics.motion import Motion
 from ...linkage.linkage import OfPress
 from ..pages import packed
-from .blocks import BarChart, Block, ColourMap, Figure, Figures, Follows, Line, LineChart, Section, Table
 from .shown import Shown, refuse_others
 
-HEIGHT = "height above bottom dead centre"
 DIGITS = 5  # of numbers on a page
-MOST_POINTS = 5000  # states of which each is a point of a curve over the height
-SAME = 1e-6  # periods by which an angle may lie beyond its period by rounding
-# looks of a line of the page, and of a curve
-LOOKS = {"points": "points", "marked": "marked", "strong": "strong", "pale": "guide", "limit": "limit"}
-Charts = Mapping[str, Any]
+SAME = 1e-6  # periods by which rounding may put an angle beyond its period
+
+Follows = Literal["frames", "position", "height", "time", "nothing"]
+"""What of the recording a chart's cursor follows: its key frames, the driver's position within the period [deg or mm], the slide's height
+[mm], the time [s], or nothing."""
 
 
-@dataclass(frozen=True, eq=False)
-class Before:
-    """The press before, whose curves are dashed.
-
-    Attributes:
-        shown: what it shows moving.
-        charts: its charts by their names.
-    """
-
-    shown: Shown
-    charts: Charts
-
-
-def sections_of(result: Tabular, page: Shown) -> list[Section]:
+def sections_of(result: Tabular, page: Shown) -> Sequence[described.Section]:
     """The sections of a result.
 
     Raises:
-        PinpressError: It has none, or is of another press.
+        PinpressError: it has none, or is of another press.
     """
     if isinstance(result, OfPress):
         refuse_others(type(result).__name__, result._press, page)
-    if described := result.described(page.reactions):
-        return [section(part, page) for part in described]
-    raise PinpressError(f"results: a report has no section for {text_of(result)}; give results that have some, as ratings, runs or budgets")
+    sections = result.described(page.reactions)
+    if not sections:
+        raise PinpressError(
+            f"results: a report has no section for {text_of(result)}; give results that have some, as ratings, runs or budgets"
+        )
+    for part in sections:
+        if part.press is not None:
+            refuse_others(part.of, part.press, page)  # type: ignore[arg-type]  # a linkage
+    return sections
 
 
-def section(part: described.Section, shown: Shown, before: Before | None = None, *, headlines: bool = True) -> Section:
+def section(part: described.Section, shown: Shown, before: Shown | None = None, *, headlines: bool = True) -> dict[str, Any]:
     """A section as a page draws it.
 
     Args:
         part: the section.
         shown: what the page shows moving.
-        before: the press before; None for none.
+        before: the press before, whose curves are dashed; None for none.
         headlines: whether figures that a reader looks for first are in it; else the page shows them at its top.
 
     Raises:
-        PinpressError: it is of another press than the page.
+        PinpressError: a number is not finite.
     """
-    if part.press is not None:
-        refuse_others(part.of, part.press, shown)  # type: ignore[arg-type]  # a linkage
-    some = [figure_of(each) for each in part.figures if headlines or not each.kind]
-    blocks: list[Block] = [Figures(some)] if some else []
+    figures = [figure(each) for each in part.figures if headlines or not each.kind]
     polars = [block for block in part.blocks if isinstance(block, described.Polar)]
     details = {block.name: block for block in part.blocks if isinstance(block, described.Chart) and block.detail}
-    if polars:
-        blocks_after: list[Block] = [Bearings(polars, details, shown, before)]
-    else:
-        blocks_after = [_block(chart, shown, before) for chart in details.values()]
+    blocks = [{"kind": "figures", "figures": figures}] if figures else []
     blocks += [_block(block, shown, before) for block in part.blocks if block not in polars and block not in details.values()]
-    return Section(part.title, [*blocks, *blocks_after], part.inputs, part.note)
+    if polars:
+        blocks.append({"kind": "bearings", "bearings": [_bearing(polar, details, shown, before) for polar in polars]})
+    else:
+        blocks += [_block(chart, shown, before) for chart in details.values()]
+    return {"title": part.title, "note": part.note, "blocks": blocks}
 
 
-def figure_of(figure: described.Figure) -> Figure:
-    """A number with its unit as a page shows it."""
-    return Figure(figure.name, " ".join(filter(None, text.value(figure, DIGITS))), text.remark(figure, DIGITS))
+def figure(number: described.Figure) -> dict[str, str]:
+    """A number with its unit, and where or of what it is."""
+    value = " ".join(filter(None, text.value(number, DIGITS)))
+    return {"name": number.name, "value": value, "at": text.remark(number, DIGITS)}
 
 
-def _block(block: described.Block, shown: Shown, before: Before | None) -> Block:
-    old = None if before is None else before.charts.get(getattr(block, "name", ""))
+def table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], words: int = 1, note: str = "") -> dict[str, Any]:
+    """A table of cells as they are to be read; the first columns, ``words`` of them, are flush left."""
+    return {"kind": "table", "title": title, "heads": heads, "rows": rows, "words": words, "note": note}
+
+
+def _block(block: described.Block, shown: Shown, before: Shown | None) -> dict[str, Any]:
+    old = None if before is None else before.charts.get(block.name)
     if isinstance(block, described.Chart):
-        return line_chart(block, shown, old if isinstance(old, described.Chart) else None, before)
+        return _line_chart(block, shown, old if isinstance(old, described.Chart) else None, before)
     if isinstance(block, described.Bars):
         return _bars(block, old if isinstance(old, described.Bars) else None)
     if isinstance(block, described.Map):
         return _map(block)
     assert isinstance(block, described.Table)
-    return table(block)
-
-
-def table(block: described.Table) -> Table:
-    """A table with one unit and one number of decimals a column."""
     heads, rows = text.cells(block, DIGITS)
-    words = [all(cell is None or isinstance(cell, str) for cell in column.cells) for column in block.columns]
-    left = next((k for k, flush in enumerate(words) if not flush), len(words))
-    shortened = [row if row is not None else ["...", *[""] * (len(heads) - 1)] for row in tables.shortened(rows, block.most)]
-    return Table(block.title, heads, shortened, words=left, note=block.note)
+    flush = [all(cell is None or isinstance(cell, str) for cell in column.cells) for column in block.columns]
+    left = next((k for k, words in enumerate(flush) if not words), len(flush))
+    gap = [tables.GAP, *[""] * (len(heads) - 1)]
+    return table(block.title, heads, [gap if row is None else row for row in tables.shortened(rows, block.most)], left, block.note)
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- curves
 
 
 @dataclass(frozen=True, eq=False)
-class _States:
-    """How the states of a motion are drawn on a page.
+class Line:
+    """A curve in the units of its chart.
 
     Attributes:
-        drawn: (c,) indices of those on curves along the page's own abscissa.
-        keys: (k,) indices of those at the key frames.
-        x: (c,) places of the first; None: those of the key frames.
+        name: its name.
+        look: how it is drawn.
+        y: (m,) values.
+        x: (m,) places; None for those of the key frames.
+        at_frames: (k, 2) x and y at the key frames of a curve that is no function of x; None if the value is read off the curve.
+        band: (m, 2) ends of a band around it; None for none.
+        before: (b,) values of the press before, over that press's abscissa; None for none.
     """
 
-    drawn: NDArray[np.intp]
-    keys: NDArray[np.intp]
-    x: Array | None
+    name: str
+    look: described.Look
+    y: Array
+    x: Array | None = None
+    at_frames: Array | None = None
+    band: Array | None = None
+    before: Array | None = None
 
 
-def _states(of: object, shown: Shown) -> _States | None:
-    """How the states of a motion are drawn if it is that of the page; else None."""
-    if of is None:
-        return None
+def _states(of: object, shown: Shown) -> tuple[NDArray[np.intp], NDArray[np.intp], Array | None] | None:
+    """How the states of a motion are drawn if it is that of the page: indices of those on curves (c,) and at the key frames (k,), and the
+    places (c,) of the first, None for those of the key frames."""
     if of is shown.drawn.motion:
-        return _States(shown.states, shown.keys, shown.own_along)
-    if of is shown.motion:
-        return _States(shown.frames.states, shown.frames.states, None)
-    return None
+        return shown.states, shown.keys, shown.own_along
+    return (shown.frames.states, shown.frames.states, None) if of is shown.motion else None
 
 
-def line_chart(chart: described.Chart, shown: Shown, old: described.Chart | None, before: Before | None) -> LineChart:
+def _line_chart(chart: described.Chart, shown: Shown, old: described.Chart | None, before: Shown | None) -> dict[str, Any]:
     """A chart with its counterpart of the press before dashed; thinned to the states of the page if its points are these."""
     known = {} if old is None else {curve.name: curve for curve in old.curves}
-    states = _states(chart.along.of, shown)
-    along = states is not None and chart.along.values is not None
+    along = _states(chart.along.of, shown) is not None and chart.along.values is not None
     follows = "frames" if along else _follows(chart, shown)
     up = quantity(chart.quantity).scale(_sizes([*chart.curves, *known.values()]), chart.reference)
     across, unit = _across(chart, follows)
@@ -151,31 +147,70 @@ def line_chart(chart: described.Chart, shown: Shown, old: described.Chart | None
         across, unit = up.factor, up.unit
     lines = []
     for curve in chart.curves:
-        line = _line(curve, chart, states, across, up.factor, follows, shown)
-        other = known.get(curve.name)
-        if along and other is not None and before is not None and curve.x is None:
-            its = _states(old.along.of, before.shown) if old is not None else None
-            line = replace(line, before=up.factor * other.y[before.shown.states if its is None else its.drawn])
-        lines.append(line)
-    name = chart.along.name + (f" [{unit}]" if unit else "")
-    reach = None if any(end is None for end in chart.reach) else tuple(across * end for end in chart.reach if end is not None)
-    marks = [
-        (mark.name, mark.axis, [(across if mark.axis == "x" else up.factor) * each for each in np.atleast_1d(mark.at).tolist()])
-        for mark in chart.marks
-    ]
-    return LineChart(
-        chart.title,
-        up.unit,
-        lines,
-        across="" if along else name,
-        follows=follows,
-        reach=reach,  # type: ignore[arg-type]  # two ends
-        logarithmic=chart.logarithmic,
-        stacked=chart.stacked,
-        square=chart.square,
-        note=chart.note,
-        marks=marks,
-    )
+        other, dashed = known.get(curve.name), None
+        if along and other is not None and old is not None and before is not None and curve.x is None:
+            its = _states(old.along.of, before)
+            dashed = None if its is None else up.factor * other.y[its[0]]
+        lines.append(_line(curve, chart, across, up.factor, follows, shown, dashed))
+    under = {} if chart.stacked else covered(lines)
+    above: dict[int, list[str]] = {}
+    for upper, lower in under.items():
+        above.setdefault(lower, []).append(lines[upper].name)
+    notes = [chart.note] if chart.note else []
+    for lower, names in above.items():
+        lie, are = ("lies", "is") if len(names) == 1 else ("lie", "are")
+        notes.append(f"{', '.join(names)} {lie} on {lines[lower].name} and {are} dotted")
+    sizes = {"x": across, "y": up.factor}
+    return {
+        "kind": "lines",
+        "title": chart.title,
+        "unit": up.unit,
+        "across": "" if along else chart.along.name + (f" [{unit}]" if unit else ""),
+        "follows": follows,
+        "reach": None if None in chart.reach else [across * end for end in chart.reach if end is not None],
+        "logarithmic": chart.logarithmic,
+        "stacked": chart.stacked,
+        "square": chart.square,
+        "note": "; ".join(notes),
+        "marks": [
+            {"name": mark.name, "axis": mark.axis, "at": [sizes[mark.axis] * each for each in np.atleast_1d(mark.at).tolist()]}
+            for mark in chart.marks
+        ],
+        "curves": [_curve(chart.title, line, k in under, k in above) for k, line in enumerate(lines)],
+    }
+
+
+def _curve(title: str, line: Line, dotted: bool, wide: bool) -> dict[str, Any]:
+    what = f"{title}, {line.name}"
+    look = {"guide": "pale", "line": "", "points": ""}.get(line.look, line.look)
+    optional = {"x": line.x, "before": line.before, "at_frames": line.at_frames}
+    return {
+        "name": line.name,
+        "y": packed(line.y, what),
+        **{name: None if values is None else packed(values, what) for name, values in optional.items()},
+        "points": line.look == "points",
+        "band": None if line.band is None else [packed(end, what) for end in line.band.T],
+        "look": "dotted" if dotted else look or ("wide" if wide else ""),
+    }
+
+
+def covered(lines: Sequence[Line]) -> dict[int, int]:
+    """Places of curves that lie on an earlier one, and the place of the first one there; curves of zeros count too."""
+    width = float(np.ptp(np.concatenate([line.y for line in lines])))
+    lower: dict[int, int] = {}
+    for k, upper in enumerate(lines):
+        for i, other in enumerate(lines[:k]):
+            # curves that differ by less than 0.4 % of the chart's range lie on each other, to the width of a line
+            if i not in lower and _along_the_same(upper, other) and np.abs(upper.y - other.y).max() <= 4e-3 * width:
+                lower[k] = i
+                break
+    return lower
+
+
+def _along_the_same(one: Line, other: Line) -> bool:
+    if not 0 < len(one.y) == len(other.y) or "points" in (one.look, other.look):
+        return False
+    return one.x is other.x or (one.x is not None and other.x is not None and np.array_equal(one.x, other.x))
 
 
 def _sizes(curves: Sequence[described.Curve]) -> Iterator[float]:
@@ -185,41 +220,40 @@ def _sizes(curves: Sequence[described.Curve]) -> Iterator[float]:
 
 
 def _line(
-    curve: described.Curve,
-    chart: described.Chart,
-    states: _States | None,
-    across: float,
-    up: float,
-    follows: Follows,
-    shown: Shown,
+    curve: described.Curve, chart: described.Chart, across: float, up: float, follows: Follows, shown: Shown, dashed: Array | None
 ) -> Line:
-    looks: dict[str, Any] = {key: curve.look == look for key, look in LOOKS.items()}
-    if states is not None and curve.x is None:
-        band = None if curve.band is None else up * curve.band[states.drawn]
-        return Line(curve.name, up * curve.y[states.drawn], states.x, band=band, **looks)
-    x = chart.along.values if curve.x is None else curve.x
+    """A curve with its places and values times ``across`` and ``up``."""
+    of, period = chart.along.of, chart.along.period
+    states = _states(of, shown)
+    x, y, band = curve.x, up * curve.y, None if curve.band is None else up * curve.band
+    if states is not None and x is None:
+        drawn, _, places = states
+        return Line(curve.name, curve.look, y[drawn], places, None, None if band is None else band[drawn], dashed)
+    x = chart.along.values if x is None else x
     assert x is not None
-    of = chart.along.of
+    x = across * x
     if states is not None and isinstance(of, Motion) and len(x) == len(of.crank_angle):  # a path that is walked with the recording
-        pairs = np.column_stack([across * x, up * curve.y])
-        every = np.arange(len(pairs)) if len(pairs) <= MOST_POINTS else states.drawn
-        if len(pairs) <= MOST_POINTS and chart.along.period is not None:
-            every = np.append(every, 0)
-        return Line(curve.name, pairs[every, 1], pairs[every, 0], at_frames=pairs[states.keys], **looks)
-    places, values, band = across * x, up * curve.y, None if curve.band is None else up * curve.band
-    if chart.along.period is not None and curve.x is None:
-        places = np.append(places, places[0] + across * chart.along.period)
-        values, band = np.append(values, values[0]), None if band is None else np.concatenate([band, band[:1]])
-    if follows == "position" and len(places):  # counted as the cursor is
+        drawn, keys, _ = states
+        if len(x) <= 5000:  # each state is a point of the curve
+            drawn = np.append(np.arange(len(x)), [] if period is None else 0).astype(int)
+        return Line(curve.name, curve.look, y[drawn], x[drawn], np.column_stack([x, y])[keys])
+    if period is not None and curve.x is None:
+        x, y = np.append(x, x[0] + across * period), np.append(y, y[0])
+        band = None if band is None else np.concatenate([band, band[:1]])
+    if follows == "position" and len(x):  # counted as the cursor is: from 0 on, or from 0 down where the driver turns negatively
         turn = 360.0 * (shown.motion.period_turns or 1)
-        places = places - turn * np.floor(min(places[0], places[-1]) / turn + SAME)
-    return Line(curve.name, values, places, band=band, **looks)
+        if shown.period is not None and shown.period < 0:
+            way = slice(None) if x[-1] < x[0] else slice(None, None, -1)  # as time runs
+            x, y, band = x[way] - turn * np.floor(x.max() / turn + SAME), y[way], None if band is None else band[way]
+        else:
+            x = x - turn * np.floor(min(x[0], x[-1]) / turn + SAME)
+    return Line(curve.name, curve.look, y, x, band=band)
 
 
 def _follows(chart: described.Chart, shown: Shown) -> Follows:
     """What the cursor of a chart along another quantity than the page's follows."""
     along, first = chart.along, shown.motion.driver_coordinates[0]
-    if along.name == HEIGHT:
+    if along.name == "height above bottom dead centre":
         return "height" if shown.heights is not None else "nothing"
     if along.name == first.counted and along.quantity == first.unit:
         return "position"
@@ -230,84 +264,96 @@ def _follows(chart: described.Chart, shown: Shown) -> Follows:
 
 def _across(chart: described.Chart, follows: Follows) -> tuple[float, str]:
     """Factor and unit of places; those that a cursor follows are in the page's units."""
-    fixed = {"height": (1e3, "mm"), "time": (1.0, "s")}
-    if follows in fixed:
-        return fixed[follows]
-    places = [curve.x for curve in chart.curves if curve.x is not None]
-    places += [] if chart.along.values is None else [chart.along.values]
-    scale = quantity(chart.along.quantity).scale(float(np.abs(x).max()) for x in places if len(x))
-    return (1e3, "mm") if follows == "position" and chart.along.quantity == "m" else (scale.factor, scale.unit)
+    if follows == "height" or (follows == "position" and chart.along.quantity == "m"):
+        return 1e3, "mm"
+    if follows == "time":
+        return 1.0, "s"
+    places = [chart.along.values, *(curve.x for curve in chart.curves)]
+    scale = quantity(chart.along.quantity).scale(float(np.abs(x).max()) for x in places if x is not None and len(x))
+    return scale.factor, scale.unit
 
 
-def _bars(chart: described.Bars, old: described.Bars | None) -> BarChart:
+# --------------------------------------------------------------------------------------------------------------- bars, maps and bearings
+
+
+def _bars(chart: described.Bars, old: described.Bars | None) -> dict[str, Any]:
+    """Bars, with those of the press before at the same places."""
     places = list(chart.places)
     if old is not None and places and not isinstance(places[0], str):
         places = sorted({*places, *old.places})  # numbers; one may repeat itself after more turns
+    both = [chart] if old is None else [chart, old]
+    scale = quantity(chart.quantity).scale([float(value) for bars in both for values in bars.series.values() for value in values])
 
     def at_places(bars: described.Bars) -> dict[str, list[float]]:
         known = {name: dict(zip(bars.places, values, strict=True)) for name, values in bars.series.items()}
-        return {name: [float(values.get(place, 0.0)) for place in places] for name, values in known.items()}
+        return {name: [float(scale.factor * values.get(place, 0.0)) for place in places] for name, values in known.items()}
 
-    series, earlier = at_places(chart), None if old is None else at_places(old)
-    scale = quantity(chart.quantity).scale([value for values in (*series.values(), *(earlier or {}).values()) for value in values])
+    return {
+        "kind": "bars",
+        "stacked": chart.stacked,
+        "band": None if chart.band is None else (scale.factor * chart.band).tolist(),
+        "title": chart.title,
+        "unit": scale.unit,
+        "places": places,
+        "bars": at_places(chart),
+        "before": None if old is None else at_places(old),
+        "across": chart.across,
+        "note": chart.note,
+    }
 
-    def scaled(bars: Mapping[str, Sequence[float]]) -> dict[str, list[float]]:
-        return {name: [scale.factor * value for value in values] for name, values in bars.items()}
 
-    band = None if chart.band is None else scale.factor * chart.band
-    before = None if earlier is None else scaled(earlier)
-    return BarChart(chart.title, scale.unit, places, scaled(series), before, chart.across, chart.note, chart.stacked, band)  # type: ignore[arg-type]
-
-
-def _map(chart: described.Map) -> ColourMap:
+def _map(chart: described.Map) -> dict[str, Any]:
+    """Values as colours over two quantities. A page draws them at the places of a grid: of rays each place has the value next to it."""
     scale = quantity(chart.quantity).scale(np.abs(chart.values[np.isfinite(chart.values)]).tolist())
-    names: list[str] = []
-    places: list[Any] = []
-    for along in (chart.across, chart.up):
-        assert along.values is not None
-        row = along.values if along.values.ndim == 1 else along.values[-1]
+    x, y, values = chart.across.values, chart.up.values, scale.factor * chart.values
+    assert x is not None
+    assert y is not None
+    if y.ndim == 2:
+        x, y, values = _on_a_grid(x, y, values)
+    names, places = [], []
+    for along, row in ((chart.across, x), (chart.up, y)):
         its = quantity(along.quantity).scale(np.abs(row).tolist(), digits=4)
         names.append(f"{along.name} [{its.unit}]" if its.unit else along.name)
         places.append([its.shown(float(value)) for value in row] if chart.written else (its.factor * row).tolist())
-    (across, up), (x, y) = names, places
-    return ColourMap(chart.title, scale.unit, across, up, x, y, scale.factor * chart.values, chart.written, chart.note)
+    rows = [[None if np.isnan(value) else float(value) for value in row] for row in values]
+    words = {"title": chart.title, "unit": scale.unit, "across": names[0], "up": names[1], "note": chart.note}
+    return {"kind": "map", **words, "x": places[0], "y": places[1], "values": rows, "written": chart.written}
 
 
-@dataclass(frozen=True, eq=False)
-class Bearings:
-    """Components and polar diagrams of one bearing at a time, which the reader chooses.
+def _on_a_grid(x: Array, y: Array, values: Array) -> tuple[Array, Array, Array]:
+    """Places (n,) and (k,), and values (k, n), of n rays (n, m), each with one x; NaN beyond the end of a ray.
 
-    Attributes:
-        polars: polar diagrams of the bearings.
-        charts: charts of the components of their forces by names.
-        shown: what the page shows.
-        before: the press before; None for none.
+    The grid is as fine as the finest ray, up to the 600 places that a screen can show.
     """
+    rows = min(600, 1 + math.ceil(np.ptp(y) / np.diff(y).min() - 1e-9))
+    up = np.linspace(y.min(), y.max(), rows)
+    grid = np.full((rows, len(y)), np.nan)
+    for ray, (heights, numbers) in enumerate(zip(y, values, strict=True)):
+        inside = up <= heights[-1] * (1 + 1e-9)
+        grid[inside, ray] = numbers[np.abs(up[inside, None] - heights).argmin(axis=1)]
+    return x[:, 0], up, grid
 
-    polars: Sequence[described.Polar]
-    charts: Mapping[str, described.Chart]
-    shown: Shown
-    before: Before | None
 
-    def as_json(self) -> dict[str, Any]:
-        """The bearings as a page is given them."""
-        return {"kind": "bearings", "bearings": [self._bearing(polar) for polar in self.polars]}
+def _bearing(polar: described.Polar, details: Mapping[str, described.Chart], shown: Shown, before: Shown | None) -> dict[str, Any]:
+    """Components and polar diagrams of one bearing; the reader chooses which bearing is drawn."""
+    chart = details[polar.name.replace("polar ", "components ", 1)]
+    old = components = None
+    if before is not None:
+        old, components = before.charts.get(polar.name), before.charts.get(chart.name)
+    scale = quantity(polar.quantity).scale(np.abs(polar.world).max(axis=0).tolist())
 
-    def _bearing(self, polar: described.Polar) -> dict[str, Any]:
-        chart = self.charts[polar.name.replace("polar ", "components ", 1)]
-        old = None if self.before is None else self.before.charts.get(polar.name)
-        scale = quantity(polar.quantity).scale(np.abs(polar.world).max(axis=0).tolist())
-        bearing: dict[str, Any] = {"name": polar.title, "link": polar.link, "axes": polar.axes, "unit": scale.unit, "before": None}
-        frames = self.shown.frames.states
-        bearing |= {"frame": packed(scale.factor * polar.world[frames], polar.title)}
-        bearing |= {"own": packed(scale.factor * polar.own[frames], polar.title)}
-        components = None
-        if self.before is not None and isinstance(old, described.Polar):
-            components = self.before.charts.get(chart.name)
-            if old.axes == polar.axes:
-                states = self.before.shown.frames.states
-                bearing["before"] = {
-                    "frame": packed(scale.factor * old.world[states], polar.title),
-                    "own": packed(scale.factor * old.own[states], polar.title),
-                }
-        return bearing | {"open": polar.note, "components": line_chart(chart, self.shown, components, self.before).as_json()}
+    def paths(locus: described.Polar, states: NDArray[np.intp]) -> dict[str, str]:
+        both = {"frame": locus.world, "own": locus.own}
+        return {name: packed(scale.factor * path[states], polar.title) for name, path in both.items()}
+
+    comparable = before is not None and isinstance(old, described.Polar) and old.axes == polar.axes
+    return {
+        "name": polar.title,
+        "link": polar.link,
+        "axes": polar.axes,
+        "unit": scale.unit,
+        "before": paths(old, before.frames.states) if comparable else None,  # type: ignore[union-attr,arg-type]
+        **paths(polar, shown.frames.states),
+        "open": polar.note,
+        "components": _line_chart(chart, shown, components if isinstance(components, described.Chart) else None, before),
+    }

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from ...common.quantities import quantity
 from ...dynamics.extremes import ExtremeValues, extremes
-from .blocks import Section, Table
+from .drawn import table
 from .shown import Shown
 
 HEIGHT = "slide height"
@@ -29,7 +30,7 @@ def _extremes(shown: Shown) -> list[ExtremeValues]:
     return found
 
 
-def table_of_extremes(shown: Shown, before: Shown | None) -> Section:
+def table_of_extremes(shown: Shown, before: Shown | None) -> dict[str, Any]:
     """Extremes over all states, in one unit for all of a kind, with the ranges of the press before."""
     values = _extremes(shown)
     known = {} if before is None else {value.quantity: value for value in _extremes(before)}
@@ -52,7 +53,7 @@ def table_of_extremes(shown: Shown, before: Shown | None) -> Section:
         digits = DIGITS[value.units["smallest_at"]]
         places = (f"{value.smallest_at:.{digits}f}", f"{value.largest_at:.{digits}f}")
         rows.append([f"{value.quantity} [{unit}]", numbers[0], places[0], numbers[1], places[1], numbers[2], *beside, numbers[3]])
-    return Section("Extremes", [Table("", heads, rows)])
+    return {"title": "Extremes", "note": "", "blocks": [table("", heads, rows)]}
 
 
 def _kind(value: ExtremeValues) -> str:

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from ...common.arguments import expect, typed
 from ...common.errors import PinpressError
-from ...common.outlets import described as described_types
-from ...common.outlets.described import charts_of
+from ...common.outlets import described
 from ...common.results import Tabular
 from ...drives.transmission import Flywheel
-from ...dynamics.described import described
 from ...dynamics.inverse_dynamics import inverse_dynamics
 from ...dynamics.reactions import Reactions
 from ...kinematics.described import along_motion
@@ -28,15 +24,12 @@ from ...simulation.run import Run, inputs_of
 from .. import pages
 from ..pages import packed
 from ..recording import key_frames, scene, shaft_flywheels
-from .blocks import Block, LineChart, Section
-from .drawn import Before, figure_of, section, sections_of
+from .drawn import figure, section, sections_of
 from .extremes import table_of_extremes
 from .shown import Shown, as_shown, before_shown, in_words
 
 if TYPE_CHECKING:
     from ...ratings.rating import PressRatings
-
-SAME = 1e-6  # periods by which an angle may lie beyond its period by rounding
 
 
 @typed
@@ -73,7 +66,7 @@ def report(
         results: Other results of the press, each of which adds a section: `PressRatings`, whose permissible force is drawn next to the
             process force too, and `MotionRatings`; a `Run` of the press next to this motion; `BalancedPress` and `TradeOffCurve`;
             `SlideCompliance`, `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `LoadedGuide`; `ElasticRun`, `ElasticModes`,
-            `CampbellDiagram`, `ElasticSpeedResponse` and `ImpactsByTurn`; `MountedPress`, `VibrationModes`, `FrameMotion`,
+            `CampbellDiagram`, `ElasticSpeedResponse` and `ImpactsByTurn`; `ElasticFrame`, `MountedPress`, `VibrationModes`, `FrameMotion`,
             `SpeedResponse`, `WhirlDiagram`, `LiftingMotion` and `Isolation`;
             `ServoMotion`, `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`; `DeadCentreScatter` and its `Scatter`,
             `AllocatedTolerances`, `SlidePlay`, `DeadCentresInClearances`, `HeatShift`, `AccuracyBudget` and `SlideParallelism`.
@@ -84,6 +77,8 @@ def report(
             kind that has no section, or ``before`` is over another quantity (time or crank angle) than the motion, or turns the other way.
         UnknownNameError: As `record`.
     """
+    if odd := [type(result).__name__ for result in results if not isinstance(result, Tabular)]:
+        raise PinpressError(f"results: a report has no section for an object of type {odd[0]}; give results such as ratings or runs")
     frames = key_frames(press, motion)
     if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.problem.driven.forces):
         raise PinpressError("the run has loads: give its reactions with them, inverse_dynamics(press, run, loads=[...])")
@@ -100,76 +95,51 @@ def report(
 
 def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> dict[str, Any]:
     """What the charts' part of the page is given."""
-    ratings, more = None, list[Section]()
     if isinstance(shown.motion, Run) and not any(result is shown.motion for result in results):
         results = [shown.motion, *results]
+    ratings = None
     if results:
         from ...ratings.rating import PressRatings  # slow to import, and most reports do without
 
         # the first ratings give the permissible force that stands next to the process force
         ratings = next((result for result in results if isinstance(result, PressRatings)), None)
-        more = [section for result in results for section in sections_of(result, shown)]
-    abscissa = along_motion(shown.motion)
-    own = described(shown.reactions)
-    old = None if before is None else Before(before, charts_of(described(before.reactions)))
-    drawn = [section(_with_limit(part, ratings), shown, old, headlines=False) for part in own]
-    drawn = [part for part in drawn if part.blocks]
-    parts = [*drawn, *more, table_of_extremes(shown, before)]
-    figures = [figure_of(figure) for part in own for figure in part.figures if figure.kind]
-    heights, turns, crank = shown.heights, shown.motion.period_turns, shown.frames.crank
-    period = 360.0 * turns if turns is not None and shown.motion.driver_coordinates[0].turns else None
-    if period is not None and crank[-1] < crank[0]:  # all charts run as time does, where the crank turns negatively from 0 down
-        period, parts = -period, [replace(part, blocks=[_falling(block, period) for block in part.blocks]) for part in parts]
+    more = [part for result in results for part in sections_of(result, shown)]
+    drawn = [section(_with_limit(part, ratings), shown, before, headlines=False) for part in shown.sections]
+    drawn = [part for part in drawn if part["blocks"]] + [section(part, shown) for part in more] + [table_of_extremes(shown, before)]
+    abscissa, heights = along_motion(shown.motion), shown.heights
+    inputs = [{"title": "", "rows": _inputs(shown, more)}]
+    if before is not None:
+        inputs.append({"title": "Dashed curves", "rows": inputs_of(before.reactions)})
+    count = len(shown.motion.crank_angle)
+    beside = "" if before is None else f"; dashed: {before.press.name}, {in_words(before.motion)}"
     return {
-        "subtitle": _subtitle(shown, before),
-        "inputs": _inputs(shown, before, more),
-        "figures": [figure.as_json() for figure in figures],
+        "subtitle": f"{in_words(shown.motion)}, {count} {'states' if count > 1 else 'state'}{beside}",
+        "inputs": inputs,
+        "figures": [figure(number) for part in shown.sections for number in part.figures if number.kind],
         "over": {"quantity": abscissa.name, "unit": {"rad": "deg", "m": "mm"}.get(abscissa.quantity, abscissa.quantity)},
         "before": None if before is None else packed(before.along, "before"),
         "heights": None if heights is None else packed(heights, "height"),
-        "period": period,
-        "sections": [part.as_json() for part in parts],
+        "period": shown.period,
+        "sections": drawn,
     }
 
 
-def _with_limit(part: described_types.Section, ratings: PressRatings | None) -> described_types.Section:
+def _with_limit(part: described.Section, ratings: PressRatings | None) -> described.Section:
     """A section with the permissible force next to the process force."""
     if ratings is None:
         return part
-    permissible = described_types.Curve("permissible force", ratings.force, ratings.height)
-    blocks: list[described_types.Block] = []
+    permissible = described.Curve("permissible force", ratings.force, ratings.height)
+    blocks: list[described.Block] = []
     for block in part.blocks:
-        if isinstance(block, described_types.Chart) and block.name == "force_height":
+        if isinstance(block, described.Chart) and block.name == "force_height":
             block = replace(block, curves=[*block.curves, permissible])
         blocks.append(block)
     return replace(part, blocks=blocks)
 
 
-def _falling(block: Block, period: float) -> Block:
-    """A block with its curves over the crank angle, if it has some, from 0 down to a period [deg] below it."""
-    if not isinstance(block, LineChart) or block.follows != "position":
-        return block
-    lines = []
-    for line in block.lines:
-        if line.x is None or len(line.x) == 0:
-            lines.append(line)
-            continue
-        x = line.x - period * math.ceil(float(np.max(line.x)) / period - SAME)
-        way = slice(None) if x[-1] < x[0] else slice(None, None, -1)
-        lines.append(replace(line, x=x[way], y=line.y[way]))
-    return replace(block, lines=lines)
-
-
-def _subtitle(shown: Shown, before: Shown | None) -> str:
-    count = len(shown.motion.crank_angle)
-    beside = "" if before is None else f"; dashed: {before.press.name}, {in_words(before.motion)}"
-    return f"{in_words(shown.motion)}, {count} {'states' if count > 1 else 'state'}{beside}"
-
-
-def _inputs(shown: Shown, before: Shown | None, more: Sequence[Section]) -> list[dict[str, Any]]:
-    """What the page was computed from, its other results, and the dashed curves."""
+def _inputs(shown: Shown, more: Sequence[described.Section]) -> list[tuple[str, str]]:
+    """What the page and its other results were computed from."""
     *rows, computed_by = inputs_of(shown.reactions)
     for part in more:
         rows += [row for row in part.inputs if row not in rows]
-    given = [("", [*rows, computed_by])] + ([] if before is None else [("Dashed curves", [*inputs_of(before.reactions)])])
-    return [{"title": title, "rows": [list(row) for row in rows]} for title, rows in given]
+    return [*rows, computed_by]

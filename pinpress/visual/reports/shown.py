@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...common.errors import PinpressError
+from ...common.outlets import described
 from ...common.quantities import RPM, Array
 from ...dynamics.applied_loads import turning_points
 from ...dynamics.extremes import at_peaks, rounding
@@ -48,6 +51,24 @@ class Shown:
     def motion(self) -> Motion:
         """The motion to which the reactions are."""
         return self.reactions.motion
+
+    @cached_property
+    def sections(self) -> Sequence[described.Section]:
+        """What the reactions show."""
+        return self.reactions.described()
+
+    @cached_property
+    def charts(self) -> Mapping[str, described.Chart | described.Bars | described.Polar | described.Map]:
+        """The charts of the reactions by their names."""
+        return described.charts_of(self.sections)
+
+    @property
+    def period(self) -> float | None:
+        """Crank angle of a period [deg], negative if the crank turns from 0 down; None without a period or if the driver slides."""
+        turns, crank = self.motion.period_turns, self.frames.crank
+        if turns is None or not self.motion.driver_coordinates[0].turns:
+            return None
+        return -360.0 * turns if crank[-1] < crank[0] else 360.0 * turns
 
     @property
     def own_along(self) -> Array | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,11 +21,8 @@ from ...linkage.writing import is_ballast
 from .solids import Box, Cylinder, Part, Plate, Shape, Sphere, TriangleMesh, part, read_mesh
 from .stand_ins import ShaftFlywheel, made_up_parts
 
-UNPAINTED = (0.62, 0.65, 0.69, 1.0)  # colour of a visual that has none
 MOST_SHAPES, MOST_TRIANGLES = 5000, 1_000_000  # in all links together; a page with more hardly opens in a browser
-STAND_IN = "stand_in"  # name of visuals that pinpress wrote for other programs; here shapes are made up anew, as lengths may have changed
-FLYWHEEL = "flywheel"  # name of the only one, where no link has it
-SHAPES = "<mesh>, <box>, <cylinder> and <sphere>"
+STAND_IN = "stand_in"  # name of visuals that pinpress wrote for other programs; here shapes are made up again, as lengths may have changed
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +74,7 @@ def bodies(
     ]
     for flywheel, wheel in zip(flywheels, wheels, strict=True):
         frame = next(f for f in model.frames if f.type == pin.BODY and f.parentJoint == model.getJointId(flywheel.driver))
-        name = FLYWHEEL if FLYWHEEL not in press.links and len(flywheels) == 1 else f"{FLYWHEEL} of {flywheel.driver}"
+        name = "flywheel" if "flywheel" not in press.links and len(flywheels) == 1 else f"flywheel of {flywheel.driver}"
         shown.append(ShownLink(name, model.getFrameId(frame.name, pin.BODY), wheel, False))
     return tuple(shown)
 
@@ -103,20 +99,27 @@ def visual_model(press: Linkage, motion: Motion | None = None) -> pin.GeometryMo
     """
     if motion is not None:
         refuse_motion_of_another(press, motion)
-    found, model = pin.GeometryModel(), press.model
-    for body in bodies(press, _positions(press) if motion is None else motion.joint_position):
+    shapes, model = pin.GeometryModel(), press.model
+    if motion is not None:
+        position = motion.joint_position
+    elif len(press.drivers) > 1:
+        position = press.closed[None]
+    else:  # over all crank angles, exact enough for rails
+        branch = press.branch_through_change_points
+        position = predict(branch, np.linspace(branch.angles[0], branch.angles[-1], 361)).T
+    for body in bodies(press, position):
         frame = model.frames[body.frame]
         for k, solid in enumerate(body.parts):
             place = frame.placement * pin.SE3(solid.placement)
             shape = _coal_shape(solid.shape)
             each = pin.GeometryObject(f"{body.name}_{k}", frame.parentJoint, body.frame, place, shape)
             each.meshColor, each.overrideMaterial = np.array(solid.rgba), True
-            found.addGeometryObject(each)
-    return found
+            shapes.addGeometryObject(each)
+    return shapes
 
 
 def _drawn(file: str, robot: Element, colours: Mapping[str, Array]) -> dict[str, tuple[Part, ...]]:
-    """The visuals of links that have any, by the links' names; they are counted while they are read, so that memory is never short."""
+    """The visuals of links that have any, by the links' names. They are counted while they are read, so that memory is never short."""
     drawn, shapes, triangles = {}, 0, 0
     for link in robot.all("link"):
         parts = []
@@ -169,21 +172,23 @@ def _visuals(file: str, link: Element, colours: Mapping[str, Array]) -> Iterator
         if visual.get("name") == STAND_IN or is_ballast(visual):
             continue
         rgba = next((colours.get(m.get("name"), _colour(m)) for m in visual.all("material")), None)
-        placement = _placement(link.get("name"), visual)
+        xyz, rpy = np.zeros(3), np.zeros(3)
+        for origin in visual.all("origin"):
+            xyz, rpy = (np.array(_numbers(link.get("name"), origin, name, "0 0 0")) for name in ("xyz", "rpy"))
+        placement = pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz).homogeneous
         for geometry in visual.all("geometry"):
             for element in geometry.children:
-                yield part(_shape(file, link.get("name"), element), placement, UNPAINTED if rgba is None else rgba)
-
-
-def _placement(link: str, visual: Element) -> Array:
-    xyz, rpy = np.zeros(3), np.zeros(3)
-    for origin in visual.all("origin"):
-        xyz, rpy = (np.array(_numbers(link, origin, name, "0 0 0")) for name in ("xyz", "rpy"))
-    return np.array(pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz).homogeneous)
+                yield part(_shape(file, link.get("name"), element), placement, (0.62, 0.65, 0.69, 1.0) if rgba is None else rgba)
 
 
 def _shape(file: str, link: str, element: Element) -> Shape:
-    sizes = partial(_sizes, link, element)
+
+    def sizes(name: str) -> tuple[float, ...]:
+        numbers = _numbers(link, element, name)
+        if min(numbers) <= 0:
+            raise PinpressError(f"link {link!r}: <{element.tag}> has {name}={element.get(name)!r}; give sizes greater than 0, in metres")
+        return numbers
+
     if element.tag == "box":
         x, y, z = sizes("size")
         return Box((x, y, z))
@@ -193,14 +198,7 @@ def _shape(file: str, link: str, element: Element) -> Shape:
         return Sphere(*sizes("radius"))
     if element.tag == "mesh":
         return read_mesh(file, link, element.get("filename"), _numbers(link, element, "scale", "1 1 1"))
-    raise PinpressError(f"link {link!r}: <{element.tag}> cannot be drawn; use {SHAPES}")
-
-
-def _sizes(link: str, element: Element, name: str) -> tuple[float, ...]:
-    numbers = _numbers(link, element, name)
-    if min(numbers) <= 0:
-        raise PinpressError(f"link {link!r}: <{element.tag}> has {name}={element.get(name)!r}; give sizes greater than 0, in metres")
-    return numbers
+    raise PinpressError(f"link {link!r}: <{element.tag}> cannot be drawn; use <mesh>, <box>, <cylinder> and <sphere>")
 
 
 def _numbers(link: str, element: Element, name: str, default: str | None = None) -> tuple[float, ...]:
@@ -210,14 +208,6 @@ def _numbers(link: str, element: Element, name: str, default: str | None = None)
     if not numbers:
         raise PinpressError(f"link {link!r}: <{element.tag}> has {name}={element.get(name)!r}; give finite numbers")
     return numbers
-
-
-def _positions(press: Linkage) -> Array:
-    """(n, nv) joint coordinates over all crank angles, exact enough for rails; for several drivers those of the drawn pose."""
-    if len(press.drivers) > 1:
-        return press.closed[None]
-    branch = press.branch_through_change_points
-    return predict(branch, np.linspace(branch.angles[0], branch.angles[-1], 361)).T
 
 
 def _coal_shape(shape: Shape) -> Any:

@@ -15,13 +15,7 @@ from ...linkage.linkage import Linkage
 from ...linkage.writing import AddedBallast
 
 PARALLEL = 1e-6  # axes closer than this are drawn as parallel [rad]
-SAME = 1e-6  # points closer than this share of the size are drawn as one
 TOWARDS = np.array([0.1, -1.0, 0.5])  # direction towards the viewer
-WIDTH, LEAST_WIDTH = 0.042, 0.03  # width of a bar, as a share of the size
-SLIDE = 0.15  # largest reach of a slide for its centre of mass, as a share of the size
-LARGEST_DISC = 0.1  # largest radius of the disc of a compact link, as a share of the size
-FULLY = 0.98 * 2 * math.pi  # a link that turns this far turns fully [rad]
-SHORTEST = 0.5  # width of a bar, as a share of the shortest link, if that is between the two widths
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,11 +107,11 @@ class BearingLayout:
 
     @cached_property
     def _ends(self) -> dict[str | None, list[tuple[PlacedBearing, int]]]:
-        found: dict[str | None, list[tuple[PlacedBearing, int]]] = {}
+        ends: dict[str | None, list[tuple[PlacedBearing, int]]] = {}
         for bearing in self.bearings:
             for side in (0, 1):
-                found.setdefault(bearing.links[side], []).append((bearing, side))
-        return found
+                ends.setdefault(bearing.links[side], []).append((bearing, side))
+        return ends
 
     def nodes(self, link: str) -> Array:
         """(k, 3) places that a link joins, each once, projected on the plane of a planar linkage.
@@ -131,7 +125,7 @@ class BearingLayout:
             distance = float(np.linalg.norm(away))
             slides = any(bearing.kind == "guide" and side == 1 for bearing, side in self.ends(link))
             if 0.02 * self.size < distance < 2 * self.size:
-                nodes = self._distinct([nodes[0], nodes[0] + away * min(1.0, SLIDE * self.size / distance if slides else 1.0)])
+                nodes = self._distinct([nodes[0], nodes[0] + away * min(1.0, 0.15 * self.size / distance if slides else 1.0)])
         return nodes
 
     def flat(self, points: Array) -> Array:
@@ -143,12 +137,12 @@ class BearingLayout:
         if link not in self.masses:
             return least
         gyration = float(axis @ self.masses[link].gyration @ axis)
-        return float(np.clip(math.sqrt(2 * max(gyration, 0.0)), least, LARGEST_DISC * self.size))
+        return float(np.clip(math.sqrt(2 * max(gyration, 0.0)), least, 0.1 * self.size))
 
     def _distinct(self, points: list[Array]) -> Array:
         kept: list[Array] = []
         for point in map(self.flat, points):
-            if all(np.linalg.norm(point - other) > SAME * self.size for other in kept):
+            if all(np.linalg.norm(point - other) > 1e-6 * self.size for other in kept):
                 kept.append(point)
         return np.array(kept).reshape(-1, 3)
 
@@ -156,21 +150,21 @@ class BearingLayout:
     def width(self) -> float:
         """Width of a bar: in proportion to the size, less where links are short [m]."""
         lengths = [np.linalg.norm(b - a) for link in self.links if link not in self.on_frame for a, b in tree(self.nodes(link))]
-        return float(np.clip(SHORTEST * min(lengths, default=np.inf), LEAST_WIDTH * self.size, WIDTH * self.size))
+        return float(np.clip(0.5 * min(lengths, default=np.inf), 0.03 * self.size, 0.042 * self.size))
 
 
 def tree(nodes: Array) -> list[tuple[Array, Array]]:
     """The shortest lines between nodes (k, 3) that connect them all."""
-    found, reached = [], [0]
+    lines, reached = [], [0]
     nearest = {j: (float(np.linalg.norm(node - nodes[0])), 0) for j, node in enumerate(nodes) if j}  # distance, and place among reached
     while nearest:
         j = min(nearest, key=lambda j: (nearest[j], j))
-        found.append((nodes[reached[nearest.pop(j)[1]]], nodes[j]))
+        lines.append((nodes[reached[nearest.pop(j)[1]]], nodes[j]))
         for other, (distance, _) in nearest.items():
             if (closer := float(np.linalg.norm(nodes[other] - nodes[j]))) < distance:
                 nearest[other] = (closer, len(reached))
         reached.append(j)
-    return found
+    return lines
 
 
 def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], added: Mapping[int, AddedBallast]) -> BearingLayout:
@@ -211,12 +205,20 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], adde
     placements = {link: (places[joint[link]] * model.frames[frame].placement).homogeneous for link, frame in frames.items()}
     welded = {link: placements[link][:3, 3] for link in links if joint[link] in mixed and link != press.root}
     own = {link: joint[link] for link in links if joint[link] not in mixed | {0}}
-    found = _masses(places, {link: added[j].before if j in added else model.inertias[j] for link, j in own.items()}, own)
+    masses = {}
+    for link, j in own.items():
+        body = added[j].before if j in added else model.inertias[j]
+        if body.mass > 0:
+            turned = places[j].rotation
+            with np.errstate(all="ignore"):
+                gyration = turned @ body.inertia @ turned.T / body.mass
+            if np.isfinite(gyration).all():  # not of a mass next to nothing
+                masses[link] = BodyMass(body.mass, places[j].act(body.lever), gyration)
     since = {link: Ballast(added[j].mass, places[j].act(added[j].centre)) for link, j in own.items() if j in added}
     turning = frozenset(
         j + 1
         for j, (name, axis) in enumerate(zip(press.joints, press.axes, strict=True))
-        if axis.turns and model.parents[j + 1] == 0 and (name in press.drivers or np.ptp(travel[:, j]) > FULLY)
+        if axis.turns and model.parents[j + 1] == 0 and (name in press.drivers or np.ptp(travel[:, j]) > 0.98 * 2 * math.pi)
     )
     cranks = frozenset(link for j in turning if (link := bearings[j - 1].links[1]) is not None)
     slide, upwards = (None, None) if press.slide is None else (owner(press.slide), press.slide_direction)
@@ -225,23 +227,16 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], adde
         raise PinpressError(f"the drawn pose of {press.name} is not finite: its model's joints have no place; load it again")
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     if size == 0:
-        reaches = (float(np.linalg.norm(body.centre - points[0]) + np.sqrt(np.trace(body.gyration) / 2)) for body in found.values())
+        reaches = (float(np.linalg.norm(body.centre - points[0]) + np.sqrt(np.trace(body.gyration) / 2)) for body in masses.values())
         size = 4 * max(reaches, default=0.0) or 1.0
     on_frame = frozenset(link for link in links if joint[link] == 0)
-    return _without_stubs(
-        BearingLayout(links, on_frame, placements, tuple(bearings), normal, welded, found, since, cranks, turning, slide, upwards, size)
+    layout = BearingLayout(
+        links, on_frame, placements, tuple(bearings), normal, welded, masses, since, cranks, turning, slide, upwards, size
     )
-
-
-def _without_stubs(layout: BearingLayout) -> BearingLayout:
-    """The layout without links that are welded to one with visuals and join no other place: that one stands for them."""
-    stubs = {link for link in layout.welded if len(layout.nodes(link)) < 2}
-
-    def kept(link: str | None) -> str | None:
-        return None if link in stubs else link
-
-    bearings = tuple(replace(bearing, links=(kept(bearing.links[0]), kept(bearing.links[1]))) for bearing in layout.bearings)
-    return replace(layout, links=tuple(link for link in layout.links if link not in stubs), bearings=bearings)
+    # A link that is welded to one with visuals and joins no other place is left out: the other link stands for it.
+    stubs = {link for link in welded if len(layout.nodes(link)) < 2}
+    without = [replace(each, links=tuple(None if link in stubs else link for link in each.links)) for each in bearings]  # type: ignore[arg-type]
+    return replace(layout, links=tuple(link for link in links if link not in stubs), bearings=tuple(without))
 
 
 def _bearings(
@@ -255,15 +250,15 @@ def _bearings(
         one, other = between[name]
         return PlacedBearing(kind, (owner(one), owner(other)), (joint[one] == 0, joint[other] == 0), np.array(points), axis, (low, high))
 
-    found = []
+    bearings = []
     for j, (name, (direction, turns)) in enumerate(zip(press.joints, press.axes, strict=True)):
         place, (low, high) = places[j + 1], travel[:, j].tolist()
-        found.append(bearing(name, "pin" if turns else "guide", [place.translation] * 2, place.rotation @ direction, low, high))
+        bearings.append(bearing(name, "pin" if turns else "guide", [place.translation] * 2, place.rotation @ direction, low, high))
     kinds = {"revolute": "pin", "spherical": "ball", "fixed": "weld"}
     for loop in press.loops:
         points = [places[loop.joint1].act(loop.point1), places[loop.joint2].act(loop.point2)]
-        found.append(bearing(loop.name, kinds[loop.type], points, places[loop.joint1].rotation @ loop.rotation1[:, 0], 0.0, 0.0))
-    return found
+        bearings.append(bearing(loop.name, kinds[loop.type], points, places[loop.joint1].rotation @ loop.rotation1[:, 0], 0.0, 0.0))
+    return bearings
 
 
 def _normal(bearings: list[PlacedBearing]) -> Array | None:
@@ -277,15 +272,3 @@ def _normal(bearings: list[PlacedBearing]) -> Array | None:
     if any(abs(normal @ axis) > PARALLEL for axis in axes["guide"]):
         return None
     return -normal if normal @ TOWARDS < 0 else normal
-
-
-def _masses(places: Sequence[pin.SE3], bodies: Mapping[str, pin.Inertia], joint: Mapping[str, int]) -> dict[str, BodyMass]:
-    found = {}
-    for link, body in bodies.items():
-        if body.mass > 0:
-            turned = places[joint[link]].rotation
-            with np.errstate(all="ignore"):
-                gyration = turned @ body.inertia @ turned.T / body.mass
-            if np.isfinite(gyration).all():  # not of a mass next to nothing
-                found[link] = BodyMass(body.mass, places[joint[link]].act(body.lever), gyration)
-    return found

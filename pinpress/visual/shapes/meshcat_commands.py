@@ -16,9 +16,6 @@ from .appearance import ShownLink
 from .solids import Box, Cylinder, Plate, Shape, TriangleMesh
 
 LARGEST = float(np.finfo(np.float32).max)
-FLOATS, WHOLE_NUMBERS = 0x17, 0x16  # Meshcat's extension types of MessagePack for arrays of float32 and of uint32
-UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # three.js's cylinders lie along y, ours along z
-MOVES = 1e-9  # a smaller change of a pose is rest [m, or of a quaternion]
 
 
 def body_poses(press: Linkage, at: Poses, frames: Sequence[int]) -> Array:
@@ -53,8 +50,8 @@ def _quaternions(rotations: Array) -> Array:
 
 
 def moves(poses: Array) -> bool:
-    """Whether poses (k, 7) differ."""
-    return bool(np.any(np.ptp(poses, axis=0) > MOVES))
+    """Whether poses (k, 7) differ, by more than rounding [m, or of a quaternion]."""
+    return bool(np.any(np.ptp(poses, axis=0) > 1e-9))
 
 
 def commands(bodies: Iterable[ShownLink], poses: dict[str, Array], time: Array) -> Iterator[dict[str, Any]]:
@@ -96,10 +93,11 @@ def pack(commands: Iterable[dict[str, Any]]) -> list[str]:
         raise PinpressError(NO_MESHCAT) from error
 
     def extended(array: Array) -> Any:
+        """An array in one of Meshcat's extension types of MessagePack, of float32 or uint32."""
         if array.dtype.kind == "f":
             with np.errstate(all="ignore"):  # numbers that overflow were refused before
-                return umsgpack.Ext(FLOATS, array.astype("<f4").tobytes())
-        return umsgpack.Ext(WHOLE_NUMBERS, array.astype("<u4").tobytes())
+                return umsgpack.Ext(0x17, array.astype("<f4").tobytes())
+        return umsgpack.Ext(0x16, array.astype("<u4").tobytes())
 
     handlers, packed = {np.ndarray: extended}, []
     for command in commands:
@@ -156,5 +154,6 @@ def _geometry(shape: Shape) -> tuple[dict[str, Any], Array]:
         return {"type": "BufferGeometry", "data": {"attributes": attributes, "index": index}}, np.eye(4)
     if isinstance(shape, Cylinder):
         body = {"type": "CylinderGeometry", "radiusTop": shape.radius, "radiusBottom": shape.radius, "height": shape.length}
-        return body | {"radialSegments": 64}, UPRIGHT
+        upright = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # three.js's cylinders lie along y, ours along z
+        return body | {"radialSegments": 64}, upright
     return {"type": "SphereGeometry", "radius": shape.radius, "widthSegments": 48, "heightSegments": 32}, np.eye(4)

@@ -21,21 +21,11 @@ from .solids import Box, Cylinder, MadeUpSolid, Plate, rounded_plate
 
 # In widths of a bar.
 THICKNESS = 0.5
-LAYER = 0.85
 EYE, EYE_LENGTH = 0.72, 0.62  # radius and length
-PIN, STUB = 0.34, 0.42  # radius, and how far it stands out of the middle of the outermost link
 DISC = 1.25  # least radius
-COMPACT = 1.5  # a link shorter than this is a disc
-WEB, WEB_END = 1.2, 0.85  # radius of a crank's web about its shaft, and about its crank pin
-LARGEST_WEB = 2.5  # how far a crank's disc may stand out beyond its crank pin
-BLOCK, BLOCK_WIDTH = 1.15, 1.45  # distance of its outermost place from its ends along the guide, and across
-BLOCK_SHAPE = 0.3  # half the least width of a long block, as a share of its length
-OVERLAP = 0.3  # of a slide's block and what it hangs on
-SEEN_BLOCK = 0.2  # a slide of this much more mass than what holds its pins has a block of its own, as a share
-COLLAR, COLLAR_WIDTH, COLLAR_THICKNESS = 2.4, 1.9, 0.92
-RECESS = 0.06  # of a counterweight's front behind that of its link
-BEHIND = 0.68  # from the hindmost of the moving links to the middle of the frame
-OUTSIDE = 1.0  # a centre of mass farther than this outside of a link's pins is one of a counterweight
+WEB_END = 0.85  # radius of a crank's web about its crank pin
+BLOCK = 1.15  # distance of the outermost place of a slide from its ends along the guide
+COLLAR = 2.4  # length of a collar
 
 
 class PlanarLinks:
@@ -55,10 +45,15 @@ class PlanarLinks:
         self.down /= np.linalg.norm(self.down)
         self.moving = [link for link in layout.links if link not in layout.on_frame]
         self._nodes = {link: layout.nodes(link) for link in layout.links}
-        self._collars = {link: bearing for link in self.moving for bearing, side in layout.ends(link) if self._is_collar(bearing, side)}
+        self._collars = {
+            link: bearing
+            for link in self.moving
+            for bearing, side in layout.ends(link)
+            if bearing.kind == "guide" and side == 1 and not bearing.on_frame[0]
+        }
         own = sorted((link for link in self.moving if not self._rides(link)), key=self._rank)
         middle = (len(own) - 1) / 2
-        offsets = {link: (k - middle) * LAYER * self.width for k, link in enumerate(own)}
+        offsets = {link: (k - middle) * 0.85 * self.width for k, link in enumerate(own)}
         self._offsets = {link: offsets[self._carrier(link)] for link in self.moving}
 
     def link(self, link: str) -> list[MadeUpSolid]:
@@ -67,17 +62,14 @@ class PlanarLinks:
 
     @cached_property
     def _bodies(self) -> dict[str, list[MadeUpSolid]]:
-        """Solids of moving links but their pins."""
-        found = {}
+        """Solids of moving links without their pins."""
+        solids = {}
         for link in self.moving:
             body = list(self._body(link))
-            found[link] = body + list(self._counterweights(link, body))
-        return found
+            solids[link] = body + list(self._counterweights(link, body))
+        return solids
 
     # Layers
-
-    def _is_collar(self, bearing: PlacedBearing, side: int) -> bool:
-        return bearing.kind == "guide" and side == 1 and not bearing.on_frame[0]
 
     def _rides(self, link: str) -> bool:
         """Whether a link is only a collar on another link, whose layer it shares."""
@@ -89,8 +81,9 @@ class PlanarLinks:
         return link
 
     def _rank(self, link: str) -> int:
-        held = {bearing.kind for bearing, side in self.layout.ends(link) if bearing.on_frame[1 - side]}
-        return 2 if "guide" in held else 0 if "pin" in held else 1
+        """Links on pins of the frame are behind, those in its guides in front."""
+        kinds = {bearing.kind for bearing, side in self.layout.ends(link) if bearing.on_frame[1 - side]}
+        return 2 if "guide" in kinds else 0 if "pin" in kinds else 1
 
     def guide(self, link: str) -> PlacedBearing | None:
         """The guide of a link on the frame."""
@@ -101,7 +94,7 @@ class PlanarLinks:
         """Height of the middle of the frame along the normal, behind all moving links [m]."""
         depths = [self.depth(solid)[0] for solids in self._bodies.values() for solid in solids]
         true = [float(point @ self.normal) for bearing in self.layout.bearings for point in bearing.points]
-        return min([*depths, *true]) - BEHIND * self.width
+        return min([*depths, *true]) - 0.68 * self.width
 
     def depth(self, solid: MadeUpSolid) -> tuple[float, float]:
         """Lowest and highest place of a solid that stands along the normal [m]."""
@@ -133,8 +126,11 @@ class PlanarLinks:
         w, nodes, guide = self.width, self._nodes[link], self.guide(link)
         if guide is not None:
             yield from self._slide(link, guide)
-        elif link in self._collars:
-            yield from self._collar(link, self._collars[link])
+        elif (guide_on_link := self._collars.get(link)) is not None:  # a block about the bar, and a rod to the rest of the link
+            on, size = self.height(guide_on_link, 0), (COLLAR * w, 1.9 * w, 0.92 * w)
+            yield self.box(guide_on_link.points[1], guide_on_link.axis, on, size)
+            if not self._rides(link):
+                yield self._between(guide_on_link.points[1], on, self._middle(link), EYE * w)
         if guide is None and not self._rides(link) and len(nodes):
             yield from self._bars(link, nodes)
         for bearing, side in self.layout.ends(link):
@@ -153,8 +149,9 @@ class PlanarLinks:
         reach = max(float(np.linalg.norm(node - pivot)) for node in nodes)
         if self._hangs(link):
             nodes = nodes[:1]  # the rest is its counterweight
-        elif reach < COMPACT * w and link not in self._collars:
-            radius = max(reach + 0.9 * w, self._disc(link, nodes))
+        elif reach < 1.5 * w and link not in self._collars:  # a compact link is a disc
+            disc = self.layout.disc_radius(link, self.normal, DISC * w) if len(nodes) == 1 else DISC * w
+            radius = max(reach + 0.9 * w, disc)
             yield self.cylinder(pivot, height, radius, THICKNESS * w)
             if len(nodes) == 1:  # so that its turning is seen
                 yield self.cylinder(pivot + 0.7 * radius * self.down, height, 0.14 * radius, EYE_LENGTH * w, steel=True)
@@ -179,12 +176,6 @@ class PlanarLinks:
         at = next((b.points[1] for b, side in ends if side == 1 and b.kind == "pin"), None)
         return self._nodes[link][0] if at is None else self.layout.flat(at)
 
-    def _disc(self, link: str, nodes: Array) -> float:
-        """Radius of the disc that stands for a compact link, by its inertia, within limits [m]."""
-        if len(nodes) > 1:
-            return DISC * self.width
-        return self.layout.disc_radius(link, self.normal, DISC * self.width)
-
     def _web(self, link: str, pivot: Array, reach: float, nodes: Array) -> MadeUpSolid:
         """A crank: a disc about its shaft if its inertia is that of a disc which holds the crank pin, else a web."""
         w, height, body = self.width, self._middle(link), self.layout.masses.get(link)
@@ -192,9 +183,9 @@ class PlanarLinks:
             away = self.layout.flat(body.centre) - pivot
             radius = math.sqrt(2 * max(float(self.normal @ body.gyration @ self.normal + away @ away), 0.0))
             if radius > reach + WEB_END * w:
-                return self.cylinder(pivot, height, min(radius, reach + LARGEST_WEB * w), THICKNESS * w)
+                return self.cylinder(pivot, height, min(radius, reach + 2.5 * w), THICKNESS * w)
         near = np.linalg.norm(nodes - pivot, axis=1) < 1e-3 * w
-        return self._plate(nodes, np.where(near, WEB, WEB_END) * w, height)
+        return self._plate(nodes, np.where(near, 1.2, WEB_END) * w, height)
 
     def _plate(self, nodes: Array, radii: Array, height: float) -> MadeUpSolid:
         """The plate about circles in the plane."""
@@ -225,12 +216,12 @@ class PlanarLinks:
         wide, thick = float(np.ptp(across)), float(np.ptp(heights)) + THICKNESS * self.width
         own = (high - low) * wide * thick
         body = self.layout.masses.get(link)
-        if body is None or not (mass := body.mass - STEEL * own) > SEEN_BLOCK * STEEL * own:
+        if body is None or not (mass := body.mass - STEEL * own) > 0.2 * STEEL * own:
             return None
         size = slide_block(mass, wide, thick, self.layout.size)
         side = self.away(link, guide)
         end = high if side > 0 else low
-        return size, float(end + side * (size[0] / 2 - OVERLAP * self.width))
+        return size, float(end + side * (size[0] / 2 - 0.3 * self.width))
 
     def away(self, link: str, guide: PlacedBearing) -> float:
         """1 where a guided link has the rest of the linkage behind it along its guide's axis, -1 where it has it ahead."""
@@ -268,15 +259,8 @@ class PlanarLinks:
             ]
         w, places = self.width, (np.array(nodes) - guide.points[1]) @ np.array([guide.axis, self.across(guide)]).T
         (low, left), (high, right) = places.min(axis=0), places.max(axis=0)
-        wider = max(BLOCK_WIDTH * w, BLOCK_SHAPE * (high - low))
+        wider = max(1.45 * w, 0.3 * (high - low))
         return np.array([low - BLOCK * w, high + BLOCK * w]), np.array([left - wider, right + wider])
-
-    def _collar(self, link: str, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
-        """A block about the bar on which it slides, and a rod to the rest of the link in another layer."""
-        w, on = self.width, self.height(guide, 0)
-        yield self.box(guide.points[1], guide.axis, on, (COLLAR * w, COLLAR_WIDTH * w, COLLAR_THICKNESS * w))
-        if not self._rides(link):
-            yield self._between(guide.points[1], on, self._middle(link), EYE * w)
 
     # Counterweights and pins
 
@@ -287,7 +271,7 @@ class PlanarLinks:
         if mass is not None and self.guide(link) is None and link not in self._collars:
             if self._hangs(link):
                 weights.append(Ballast(mass.mass, mass.centre))
-            elif outside(self.layout.flat(mass.centre), self._places(link), self._directions) > OUTSIDE * self.width:
+            elif outside(self.layout.flat(mass.centre), self._places(link), self._directions) > self.width:
                 weights.append(besides(mass, body))
         for weight in weights:
             yield from self._counterweight(link, weight)
@@ -296,7 +280,7 @@ class PlanarLinks:
         pivot, centre = self._pivot(link), self.layout.flat(weight.centre)
         arm = float(np.linalg.norm(centre - pivot))
         shape, thickness = plane_counterweight(weight.mass, arm, self.width, link in self.layout.cranks)
-        height = self._middle(link) + ((THICKNESS - RECESS) * self.width - thickness) / 2  # nearly flush in front, as others pass there
+        height = self._middle(link) + ((THICKNESS - 0.06) * self.width - thickness) / 2  # nearly flush in front, as others pass there
         along = (centre - pivot) / arm if arm > 0 else self.down
         yield MadeUpSolid(shape, self._placed(pivot if isinstance(shape, Plate) else centre, along, height), darker=True)
         nearest = min(self._places(link), key=lambda place: float(np.linalg.norm(place - centre)))
@@ -326,8 +310,8 @@ class PlanarLinks:
         for bearing, side in self.layout.ends(link):
             if bearing.kind == "pin" and (side == 0 or bearing.links[0] is None):
                 heights = sorted((self.height(bearing, 0), self.height(bearing, 1)))
-                stub = STUB * self.width
-                yield self._between(bearing.points[side], heights[0] - stub, heights[1] + stub, PIN * self.width, steel=True)
+                stub = 0.42 * self.width
+                yield self._between(bearing.points[side], heights[0] - stub, heights[1] + stub, 0.34 * self.width, steel=True)
 
     # Solids
 

@@ -17,14 +17,10 @@ from .planar_links import PlanarLinks
 from .solids import MadeUpSolid
 
 # In widths of a bar.
-RAIL, CLEARANCE = 0.7, 0.1  # width of a gib, and its distance from the slide
-RAIL_DEPTH = 0.9
+RAIL, RAIL_DEPTH = 0.7, 0.9  # width and depth of a gib
 BRACKET = 0.9  # length along a gib of what holds its ends
 COLUMN, BEAM, DEPTH = 1.8, 1.4, 0.9  # widths in the plane, and depth along the normal
-BOSS, BOSS_LENGTH = 1.0, 1.2
 SAME_BEAM = 1.2  # pivots whose distance along the guide is less have one beam
-OPEN = 0.5  # from the lowest place of the slide to the bolster,
-OPEN_STROKE = 0.12  # more by this share of its stroke
 BOLSTER, BED = 0.8, 2.2  # heights
 AROUND = 0.4  # how far the bolster stands out beyond the slide, and the bed before it
 
@@ -36,7 +32,7 @@ def frame_solids(links: PlanarLinks, frame: str) -> list[MadeUpSolid]:
 
 @dataclass(frozen=True)
 class _Span:
-    """From where to where something reaches [m]."""
+    """Where a solid begins and ends along a direction [m]."""
 
     low: float
     high: float
@@ -63,7 +59,7 @@ class _Frame:
 
     def solids(self) -> Iterator[MadeUpSolid]:
         for at in self.pivots:
-            yield self.links.cylinder(at, self.links.back, BOSS * self.width, BOSS_LENGTH * self.width)
+            yield self.links.cylinder(at, self.links.back, self.width, 1.2 * self.width)
         for guide in self.guides:
             yield from self._gibs(guide)
         yield from self._pedestals() if self.main is None else self._press(self.main)
@@ -77,7 +73,7 @@ class _Frame:
     # Gibs
 
     def _gibs(self, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
-        """Rails on both sides of what slides, over all its travel, and what holds their ends."""
+        """Rails on both sides of a guided link, over all its travel, and brackets that hold their ends."""
         w, back, height = self.width, self.links.back, self.links.height(guide, 1)
         along = self._swept(guide)
         for place in self._sides(guide):
@@ -88,14 +84,14 @@ class _Frame:
                     yield self.links.box(place + end * guide.axis, guide.axis, back + deep / 2, (BRACKET * w, RAIL * w, deep))
 
     def _swept(self, guide: PlacedBearing) -> _Span:
-        """What a guided link sweeps along its guide, from the guide's point on the frame."""
+        """Span that a guided link sweeps along its guide, from the guide's point on the frame."""
         (low, high), _ = self.links.extent(guide.links[1], guide)
         return _Span(float(low + guide.travel[0]), float(high + guide.travel[1]))
 
     def _sides(self, guide: PlacedBearing) -> list[Array]:
         """Middles of both gibs across the guide."""
         _, across = self.links.extent(guide.links[1], guide)
-        away = (RAIL / 2 + CLEARANCE) * self.width
+        away = (RAIL / 2 + 0.1) * self.width
         return [guide.points[0] + (edge + side * away) * self.links.across(guide) for side, edge in zip((-1, 1), across, strict=True)]
 
     # Columns, beams and bed of a press. Places in its plane are counted along `right` and along `up`, from bed to crown.
@@ -125,10 +121,9 @@ class _Frame:
             yield from bed[1]
 
     def _along(self, guide: PlacedBearing, up: Array) -> _Span:
-        """What a guided link sweeps, counted upwards."""
+        """Span that a guided link sweeps, counted upwards."""
         swept, start, sense = self._swept(guide), float(guide.points[0] @ up), float(np.sign(guide.axis @ up))
-        ends = sorted((start + sense * swept.low, start + sense * swept.high))
-        return _Span(ends[0], ends[1])
+        return _Span(*sorted((start + sense * swept.low, start + sense * swept.high)))
 
     def _beams(self, up: Array, right: Array, columns: _Span, high: float) -> Iterator[tuple[_Span, _Span]]:
         """Beams from column to column, and as far as the pivots are: along and across. The highest is the crown."""
@@ -152,7 +147,7 @@ class _Frame:
         if slide is None or slide != self.layout.slide or upwards is None or (up @ upwards < 0 and abs(upwards[2]) > 0.5):
             return None
         stroke = main.travel[1] - main.travel[0]
-        table = self._along(main, up).low - OPEN * w - OPEN_STROKE * stroke
+        table = self._along(main, up).low - 0.5 * w - 0.12 * stroke
         middle, half = columns.middle, columns.length / 2 + COLUMN * w / 2
         if any(at @ up < table + BEAM * w and abs(at @ right - middle) < half + w for at in self.pivots):
             return None

@@ -1,9 +1,9 @@
 """The solids that links are drawn with: boxes, cylinders, spheres, plates, and triangles read from the mesh files that a URDF names.
 
-The library that reads mesh files, Assimp within Coal, is not safe with what a file may say: it follows references between files and
-between the parts of a file without end, ends the process where they go too deep, makes room for as many vertices as the largest index says,
-and takes quadratic time over many groups or the corners of one polygon. So a file is reduced to its triangles before, and only if it is
-sound. Materials, controllers and animations are not shown, so that Assimp need not see them.
+Assimp, the library within Coal that reads mesh files, is not safe with every file. It follows references between files and between the
+parts of a file without end, and ends the process where they go too deep. It makes room for as many vertices as the largest index says, and
+takes quadratic time over many groups or the corners of one polygon. So a file is first checked and reduced to its triangles. Materials,
+controllers and animations are not shown, so that Assimp need not see them.
 """
 
 import itertools
@@ -27,15 +27,12 @@ from ...common.quantities import Array
 from ...linkage.element import Element, tree
 
 KINDS = "STL (.stl), Wavefront (.obj) or COLLADA (.dae)"
-# A page with more would hardly open in a browser; a mesh of this size takes half a gigabyte while it is read.
-MOST_BYTES = 100_000_000
-MOST_TRIANGLES = 500_000
+MOST_TRIANGLES = 500_000  # a page with more would hardly open in a browser
 MOST_CORNERS = 1000  # corners of one polygon
 MOST_NODES = 10_000  # nodes of a COLLADA scene, every instance counted
 DEEPEST_NODES = 200
 
 CORNERS = 48  # of the outline of a rounded plate
-STRIPS = 12  # boxes for a plate where there are no plates
 
 _LINE = re.compile(rb"^[ \t]*(v|vt|vn|f)[ \t]([^\r\n]*)", re.MULTILINE)  # lines of a Wavefront file that make triangles
 _INDICES = re.compile(rb"<(?:p|v|vcount)\b[^>]*>([^<]*)<|(?:count|offset|stride)\s*=\s*[\"']([^\"']*)")
@@ -127,20 +124,16 @@ class Plate:
         return TriangleMesh(read_only(vertices), read_only(np.vstack([sides, fan[:, ::-1], fan + n]).astype(np.int64)))
 
     def strips(self) -> list[tuple[Box, Array]]:
-        """Boxes along x that fill the outline, `STRIPS` side by side, each with its centre (2,) [m]: for formats without plates."""
-        edges = np.linspace(self.outline[:, 1].min(), self.outline[:, 1].max(), STRIPS + 1)
-        found = []
-        for at in (edges[1:] + edges[:-1]) / 2:
-            low, high = self._chord(at)
-            found.append((Box((high - low, float(edges[1] - edges[0]), self.thickness)), np.array([(low + high) / 2, at])))
-        return found
-
-    def _chord(self, at: float) -> tuple[float, float]:
-        """Where a line of constant y cuts the outline."""
+        """Twelve boxes along x, side by side, that fill the outline, each with its centre (2,) [m]: for formats without plates."""
         (x1, y1), (x2, y2) = self.outline.T, np.roll(self.outline, -1, axis=0).T
-        cut = (y1 < at) != (y2 < at)
-        crossings = x1[cut] + (at - y1[cut]) / (y2[cut] - y1[cut]) * (x2[cut] - x1[cut])
-        return float(crossings.min()), float(crossings.max())
+        edges = np.linspace(y1.min(), y1.max(), 13)
+        boxes = []
+        for y in (edges[1:] + edges[:-1]) / 2:
+            cut = (y1 < y) != (y2 < y)
+            crossings = x1[cut] + (y - y1[cut]) / (y2[cut] - y1[cut]) * (x2[cut] - x1[cut])
+            low, high = float(crossings.min()), float(crossings.max())
+            boxes.append((Box((high - low, float(edges[1] - edges[0]), self.thickness)), np.array([(low + high) / 2, y])))
+        return boxes
 
 
 def rounded_plate(centres: Array, radii: Array, thickness: float) -> Plate:
@@ -253,7 +246,7 @@ def standing(shape: Shape, centre: Array, along: Array | None = None, *, steel: 
 def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> TriangleMesh:
     """Read a mesh.
 
-    A package is looked for in ROS_PACKAGE_PATH, among the folders that the URDF is in, and beside them.
+    A package is searched in ROS_PACKAGE_PATH, among the folders that contain the URDF, and next to these.
 
     Args:
         file: the URDF.
@@ -262,7 +255,7 @@ def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Tria
         scale: factors along x, y, z.
 
     Raises:
-        PinpressError: the mesh is not found, is no mesh, has no triangles, or is flat or not finite after scaling.
+        PinpressError: the mesh is missing or cannot be read, has no triangles, or is flat or not finite after scaling.
     """
     place = f"link {link!r}: mesh {name!r}"
     factors = np.array(scale)
@@ -277,18 +270,18 @@ def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Tria
     if not os.path.exists(path) or os.path.isdir(path):
         raise PinpressError(f"{place}: there is no file {os.fspath(path)!r}; correct the path, or put the mesh there")
     try:
-        content = files.read(path, MOST_BYTES)
+        content = files.read(path, 100_000_000)  # a mesh of this size takes half a gigabyte while it is read
     except (OSError, ValueError) as error:
         said = files.reason(error)
         raise PinpressError(f"{place} cannot be read: {said}; put a mesh file at {os.fspath(path)!r} that is readable") from error
     kind = path.suffix.lower()
     try:
-        found = _loaded(kind, triangles_only(kind, content))
+        mesh = _loaded(kind, triangles_only(kind, content))
     except UnfitError as error:
         raise PinpressError(f"{place} {error}; give an intact file, {KINDS}") from error
-    faces = np.array([[side[0], side[1], side[2]] for side in map(found.tri_indices, range(found.num_tris))], dtype=np.int64)
+    faces = np.array([[side[0], side[1], side[2]] for side in map(mesh.tri_indices, range(mesh.num_tris))], dtype=np.int64)
     with np.errstate(all="ignore"):  # what is not finite is refused below
-        vertices = np.array(found.vertices(), dtype=float) * factors
+        vertices = np.array(mesh.vertices(), dtype=float) * factors
     if len(faces) == 0 or faces.max() >= len(vertices):
         raise PinpressError(f"{place} has no triangles, or some without corners; give an intact file, {KINDS}")
     if not np.isfinite(vertices).all():
@@ -344,13 +337,10 @@ def triangles_only(suffix: str, content: bytes) -> bytes:
     Raises:
         UnfitError: the content is of another kind, broken or too large.
     """
-    if suffix == ".stl":
-        return _stl(content)
-    if suffix == ".obj":
-        return _wavefront(content)
-    if suffix == ".dae":
-        return _collada(content)
-    raise UnfitError(f"is of an unknown kind, {suffix!r}")
+    readers = {".stl": _stl, ".obj": _wavefront, ".dae": _collada}
+    if suffix not in readers:
+        raise UnfitError(f"is of an unknown kind, {suffix!r}")
+    return readers[suffix](content)
 
 
 def _stl(content: bytes) -> bytes:
@@ -413,30 +403,28 @@ def _check_scene(root: Element, content: bytes) -> None:
         names = [instance.get("url").removeprefix("#") for instance in node.all("instance_node")]
         return node.all("node") + [other for name in names for other in by_id.get(name) or by_name.get(name, [])]
 
-    totals: dict[Element, tuple[int, int, int]] = {}  # nodes, triangles and levels from a node down
-    for first in nodes:
-        waiting: list[tuple[Element, Iterator[Element]]] = [(first, iter(below(first)))] if first not in totals else []
-        while waiting:
-            node, rest = waiting[-1]
-            child = next((other for other in rest if other not in totals), None)
-            if child is not None:
-                waiting.append((child, iter(below(child))))
-                if len(waiting) > DEEPEST_NODES:
-                    raise UnfitError(f"has nodes that refer to each other in a ring, or more than {DEEPEST_NODES} levels of them")
-                continue
-            waiting.pop()
-            parts = [totals[other] for other in below(node)]
-            own = sum(geometries.get(instance.get("url").removeprefix("#"), 0) for instance in node.all("instance_geometry"))
-            totals[node] = (
-                1 + len(node.all("instance_geometry")) + sum(part[0] for part in parts),
-                own + sum(part[1] for part in parts),
-                1 + max((part[2] for part in parts), default=0),
-            )
-            if totals[node][0] > MOST_NODES:
+    totals: dict[Element, tuple[int, int, int]] = {}
+
+    def total(node: Element, above: int = 0) -> tuple[int, int, int]:
+        """Nodes, triangles and levels from a node down."""
+        if above >= DEEPEST_NODES:
+            raise UnfitError(f"has nodes that refer to each other in a ring, or more than {DEEPEST_NODES} levels of them")
+        if node not in totals:
+            parts = [total(other, above + 1) for other in below(node)]
+            instances = node.all("instance_geometry")
+            own = sum(geometries.get(instance.get("url").removeprefix("#"), 0) for instance in instances)
+            count, triangles = 1 + len(instances) + sum(part[0] for part in parts), own + sum(part[1] for part in parts)
+            levels = 1 + max((part[2] for part in parts), default=0)
+            if count > MOST_NODES:
                 raise UnfitError(f"has more than {MOST_NODES} nodes, every instance counted")
-            if totals[node][2] > DEEPEST_NODES:
+            if levels > DEEPEST_NODES:
                 raise UnfitError(f"has more than {DEEPEST_NODES} levels of nodes")
-            _check_number(totals[node][1])
+            _check_number(triangles)
+            totals[node] = count, triangles, levels
+        return totals[node]
+
+    for node in nodes:
+        total(node)
 
 
 def _triangles(geometry: Element, content: bytes) -> int:

@@ -16,43 +16,40 @@ from .ballast import EVERYWHERE, ball, besides, outside, slide_block
 from .bearing_layout import BearingLayout, PlacedBearing, tree
 from .solids import Box, Cylinder, MadeUpSolid, Sphere, rounded_plate, standing
 
-# In widths of a bar. Where two links meet, the outer bush is the shorter one, so that both are seen, and the pin too.
+# In widths of a bar.
 ROD = 0.30  # radius
-BUSHES = ((0.62, 1.7), (0.80, 1.1))  # radius and length: of the parent's or link1's, of the other's
-ROD_PIN, ROD_PIN_LENGTH = 0.36, 2.3
-BALLS = (0.95, 0.72)
-END = 0.5
-ROD_DISC = 1.4  # least radius
+END = 0.5  # radius of a ball at the end of a rod
 SLEEVE, SLEEVE_LENGTH = 1.5, 2.4
 GUIDE = 0.38
-PLATE = 0.36  # thickness of the plate of a link with three places
-OUTSIDE = 2.0  # a centre of mass farther than this outside of a link's bearings is one of a counterweight
-LEAST_MASS = 1.5  # a slide of this many times the mass of its sleeve has a block
-OPEN, OPEN_STROKE = 0.5, 0.12  # from the slide's lowest place to the bolster, more by this share of the stroke
 BOLSTER, AROUND = 1.2, 0.8  # height, and how far it stands out beyond the slide
 
 
 def space_solids(layout: BearingLayout, link: str) -> list[MadeUpSolid]:
     """Solids of a link of a linkage in space, in world axes in the drawn pose."""
-    return list(_solids(layout, link))
-
-
-def _solids(layout: BearingLayout, link: str) -> Iterator[MadeUpSolid]:
     w, nodes, ends = layout.width, layout.nodes(link), layout.ends(link)
     body = list(_body(layout, link, nodes))
-    yield from body
+    solids = list(body)
     for bearing, side in ends:
-        yield from _end(bearing, side, w)
-    if len(nodes) == 1 and link not in layout.on_frame:
-        yield from _disc(layout, link, ends)
+        solids += _end(bearing, side, w)
+    pin = next(((bearing, side) for bearing, side in ends if bearing.kind == "pin"), None)
+    if len(nodes) == 1 and link not in layout.on_frame and pin is not None:  # a disc of the link's inertia stands for it
+        bearing, side = pin
+        solids.append(_cylinder(bearing.points[side], bearing.axis, layout.disc_radius(link, bearing.axis, 1.4 * w), 0.5 * w))
     for bearing, side in ends:
         if bearing.kind == "guide" and bearing.on_frame[0]:
-            yield from _block(layout, bearing) if side == 1 else _bolster(layout, bearing)
+            size = _block_size(layout, bearing)
+            if side == 0:
+                solids += _bolster(layout, bearing, size)
+            elif size is not None:
+                high, wide, deep = size
+                away, reach = _lowest(layout, bearing)
+                solids.append(standing(Box((wide, deep, high)), bearing.points[1] + (reach + high / 2) * away, bearing.axis))
     if len(nodes):
-        yield from _counterweights(layout, link, nodes, body)
+        solids += _counterweights(layout, link, nodes, body)
     for bearing, side in ends:
         if bearing.kind == "pin" and (side == 0 or bearing.links[0] is None):
-            yield _cylinder(bearing.points[side], bearing.axis, ROD_PIN * w, ROD_PIN_LENGTH * w, steel=True)
+            solids.append(_cylinder(bearing.points[side], bearing.axis, 0.36 * w, 2.3 * w, steel=True))
+    return solids
 
 
 def _body(layout: BearingLayout, link: str, nodes: Array) -> Iterator[MadeUpSolid]:
@@ -69,7 +66,7 @@ def _body(layout: BearingLayout, link: str, nodes: Array) -> Iterator[MadeUpSoli
             middle = nodes.mean(axis=0)
             flat = standing(Sphere(w), middle, normal).placement
             inside = (nodes - middle) @ flat[:3, :2]
-            yield MadeUpSolid(rounded_plate(inside, np.full(3, END * w), PLATE * w), flat)
+            yield MadeUpSolid(rounded_plate(inside, np.full(3, END * w), 0.36 * w), flat)
 
 
 def _counterweights(layout: BearingLayout, link: str, nodes: Array, body: list[MadeUpSolid]) -> Iterator[MadeUpSolid]:
@@ -77,7 +74,7 @@ def _counterweights(layout: BearingLayout, link: str, nodes: Array, body: list[M
     w, mass = layout.width, layout.masses.get(link)
     weights = [layout.added[link]] if link in layout.added else []
     guided = any(bearing.kind == "guide" for bearing, _ in layout.ends(link))
-    if mass is not None and not guided and len(nodes) > 1 and outside(mass.centre, nodes, EVERYWHERE) > OUTSIDE * w:
+    if mass is not None and not guided and len(nodes) > 1 and outside(mass.centre, nodes, EVERYWHERE) > 2.0 * w:
         weights.append(besides(mass, body))
     for weight in weights:
         nearest = min(nodes, key=lambda node: float(np.linalg.norm(node - weight.centre)))
@@ -103,29 +100,21 @@ def _block_size(layout: BearingLayout, guide: PlacedBearing) -> tuple[float, flo
     """Height, width and depth of the block of a slide's mass; None for one not much heavier than its sleeve."""
     w, body = layout.width, layout.masses.get(guide.links[1] or "")
     sleeve = SLEEVE**2 * SLEEVE_LENGTH * w**3
-    if body is None or body.mass < LEAST_MASS * STEEL * sleeve:
+    if body is None or body.mass < 1.5 * STEEL * sleeve:
         return None
     return slide_block(body.mass - STEEL * sleeve, SLEEVE * w, SLEEVE * w, layout.size)
 
 
-def _block(layout: BearingLayout, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
-    size = _block_size(layout, guide)
-    if size is not None:
-        high, wide, deep = size
-        away, reach = _lowest(layout, guide)
-        yield standing(Box((wide, deep, high)), guide.points[1] + (reach + high / 2) * away, guide.axis)
-
-
-def _bolster(layout: BearingLayout, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
-    """The bolster below the slide, at the end of its guide."""
+def _bolster(layout: BearingLayout, guide: PlacedBearing, block: tuple[float, float, float] | None) -> Iterator[MadeUpSolid]:
+    """The bolster below the slide, at the end of its guide; ``block``: height, width and depth of the slide's block."""
     if guide.links[1] is None or guide.links[1] != layout.slide:
         return
-    w, size = layout.width, _block_size(layout, guide)
-    high, wide, deep = (0.0, SLEEVE * w, SLEEVE * w) if size is None else size
+    w = layout.width
+    high, wide, deep = (0.0, SLEEVE * w, SLEEVE * w) if block is None else block
     away, reach = _lowest(layout, guide)
     travel = max(float(at * guide.axis @ away) for at in guide.travel)
     stroke = guide.travel[1] - guide.travel[0]
-    table = guide.points[0] + (reach + high + travel + OPEN * w + OPEN_STROKE * stroke) * away
+    table = guide.points[0] + (reach + high + travel + 0.5 * w + 0.12 * stroke) * away  # below the slide's lowest place
     end = guide.points[0] + travel * away
     yield _cylinder((table + end) / 2, away, GUIDE * w, float(np.linalg.norm(table - end)))
     yield standing(Box((wide + 2 * AROUND * w, deep + 2 * AROUND * w, BOLSTER * w)), table + BOLSTER * w / 2 * away, guide.axis)
@@ -135,24 +124,15 @@ def _end(bearing: PlacedBearing, side: int, w: float) -> Iterator[MadeUpSolid]:
     """The solid of a link at a bearing."""
     point, axis = bearing.points[side], bearing.axis
     if bearing.kind == "pin":
-        radius, length = BUSHES[side]
+        radius, length = ((0.62, 1.7), (0.80, 1.1))[side]  # the outer bush is shorter, so that both are seen, and the pin too
         yield _cylinder(point, axis, radius * w, length * w)
     elif bearing.kind == "ball":
-        yield standing(Sphere(BALLS[side] * w), point)
+        yield standing(Sphere((0.95, 0.72)[side] * w), point)
     elif bearing.kind == "guide" and side == 1:
         yield standing(Box((SLEEVE * w, SLEEVE * w, SLEEVE_LENGTH * w)), point, axis)
     elif bearing.kind == "guide":
         low, high = bearing.travel
         yield _cylinder(point + (low + high) / 2 * axis, axis, GUIDE * w, high - low + 1.5 * SLEEVE_LENGTH * w)
-
-
-def _disc(layout: BearingLayout, link: str, ends: list[tuple[PlacedBearing, int]]) -> Iterator[MadeUpSolid]:
-    """The disc that stands for a link with one place, about its pin, by its inertia, within limits."""
-    w, pin = layout.width, next(((b, side) for b, side in ends if b.kind == "pin"), None)
-    if pin is None:
-        return
-    bearing, side = pin
-    yield _cylinder(bearing.points[side], bearing.axis, layout.disc_radius(link, bearing.axis, ROD_DISC * w), 0.5 * w)
 
 
 def _cylinder(centre: Array, along: Array, radius: float, length: float, steel: bool = False) -> MadeUpSolid:

@@ -15,8 +15,8 @@ import pinocchio as pin
 from ...common.quantities import Array
 from ...linkage.linkage import Linkage
 from ...linkage.writing import AddedBallast, added_ballasts
-from .ballast import ball, flywheel_disc, plane_counterweight, recesses
-from .bearing_layout import Ballast, BearingLayout, lay_out_bearings
+from .ballast import ball, flywheel_disc, plane_counterweight
+from .bearing_layout import BearingLayout, lay_out_bearings
 from .planar_links import PlanarLinks
 from .press_frame import frame_solids
 from .solids import Cylinder, MadeUpSolid, Part, Plate, corners, part, standing
@@ -26,7 +26,7 @@ Colour = tuple[float, float, float]
 
 FRAME: Colour = (0.44, 0.48, 0.53)
 STEEL: Colour = (0.90, 0.91, 0.92)  # of pins
-COLOURS: tuple[Colour, ...] = (  # of links, in document order; all eyes tell them apart
+COLOURS: tuple[Colour, ...] = (  # of links, in document order; the colour-blind can tell them apart too
     (0.76, 0.24, 0.08),
     (0.08, 0.33, 0.79),
     (0.11, 0.62, 0.41),
@@ -36,12 +36,6 @@ COLOURS: tuple[Colour, ...] = (  # of links, in document order; all eyes tell th
     (0.95, 0.67, 0.64),
     (0.49, 0.30, 0.19),
 )
-DARKER = 0.68  # factor of every further round of colours
-SHADE = 0.66  # factor of the colour of a counterweight
-
-# In widths of a bar.
-FLYWHEEL_GAP, FLYWHEEL_BEHIND = 0.4, 2.0  # from what stands before it, or from the crank's bearing in space
-SHAFT = 0.4  # radius
 
 
 @dataclass(frozen=True)
@@ -75,7 +69,11 @@ def made_up_parts(
     """
     added = added_ballasts(press)
     layout = lay_out_bearings(press, travel, drawn, added)
-    solids = _space_solids(layout) if layout.normal is None else _layered_solids(layout, layout.normal)
+    if layout.normal is None:
+        solids = {link: space_solids(layout, link) for link in layout.links}
+    else:
+        links = PlanarLinks(layout, layout.normal)
+        solids = {link: frame_solids(links, link) if link in layout.on_frame else links.link(link) for link in layout.links}
     moving = (link for link in press.links if link not in layout.on_frame)
     colours = dict.fromkeys(layout.on_frame, FRAME) | dict(zip(moving, _colours(), strict=False))
     for link, weights in _weights_on_drawn(press, layout, drawn, added).items():
@@ -97,67 +95,51 @@ def made_up_parts(
 
 
 def _in_frame(placement: Array, solids: Sequence[MadeUpSolid], colour: Colour) -> tuple[Part, ...]:
-    """Solids in world axes as parts in a link's frame."""
-    into = np.linalg.inv(placement)
-    return tuple(part(solid.shape, into @ solid.placement, (*_colour(solid, colour), 1.0)) for solid in solids)
+    """Solids in world axes as parts in a link's frame; counterweights are darker than the link."""
+    into, (red, green, blue) = np.linalg.inv(placement), colour
+    shade = (0.66 * red, 0.66 * green, 0.66 * blue)
+    return tuple(
+        part(solid.shape, into @ solid.placement, (*(STEEL if solid.steel else shade if solid.darker else colour), 1.0)) for solid in solids
+    )
 
 
 def _homogeneous(points: Array) -> Array:
     return np.column_stack([points, np.ones(len(points))]).T
 
 
-def _colour(solid: MadeUpSolid, links: Colour) -> Colour:
-    red, green, blue = links
-    return STEEL if solid.steel else (SHADE * red, SHADE * green, SHADE * blue) if solid.darker else links
-
-
 def _colours() -> Iterator[Colour]:
     shade = 1.0
     while True:
         yield from ((shade * red, shade * green, shade * blue) for red, green, blue in COLOURS)
-        shade *= DARKER
-
-
-def _space_solids(layout: BearingLayout) -> dict[str, list[MadeUpSolid]]:
-    """Solids of the links of a linkage in space, in world axes in the drawn pose."""
-    return {link: space_solids(layout, link) for link in layout.links}
-
-
-def _layered_solids(layout: BearingLayout, normal: Array) -> dict[str, list[MadeUpSolid]]:
-    """Solids of the links of a planar linkage, in world axes in the drawn pose."""
-    links = PlanarLinks(layout, normal)
-    return {link: frame_solids(links, link) if link in layout.on_frame else links.link(link) for link in layout.links}
+        shade *= 0.68
 
 
 def _weights_on_drawn(
     press: Linkage, layout: BearingLayout, drawn: Collection[str], added: Mapping[int, AddedBallast]
 ) -> dict[str, list[MadeUpSolid]]:
     """What was added to the masses of links with visuals, on the first of those that are welded together."""
-    found = {}
+    weights = {}
     for joint, weight in added.items():
         frames = [f for f in press.model.frames if f.type == pin.BODY and f.parentJoint == joint and f.name in drawn]
         if frames:
             link = str(frames[0].name)
             of_joint = pin.SE3(layout.placements[link]) * frames[0].placement.inverse()
-            moved = Ballast(weight.mass, of_joint.act(weight.centre))
-            found[link] = [_weight(layout, moved, of_joint.translation, joint in layout.turning)]
-    return found
+            weights[link] = [_weight(layout, weight.mass, of_joint.act(weight.centre), of_joint.translation, joint in layout.turning)]
+    return weights
 
 
-def _weight(layout: BearingLayout, weight: Ballast, pivot: Array, turns: bool) -> MadeUpSolid:
+def _weight(layout: BearingLayout, mass: float, centre: Array, pivot: Array, turns: bool) -> MadeUpSolid:
     """A counterweight where it is."""
-    placement = np.eye(4)
-    placement[:3, 3] = weight.centre
     if layout.normal is None:
-        return MadeUpSolid(ball(weight.mass), placement, darker=True)
-    away = layout.flat(weight.centre - pivot)
+        return standing(ball(mass), centre, darker=True)
+    away = layout.flat(centre - pivot)
     arm = float(np.linalg.norm(away))
-    shape, _ = plane_counterweight(weight.mass, arm, layout.width, turns)
+    shape, _ = plane_counterweight(mass, arm, layout.width, turns)
     along = away / arm if arm > 0 else np.cross(layout.normal, np.eye(3)[np.argmin(np.abs(layout.normal))])
     along /= np.linalg.norm(along)
+    placement = np.eye(4)
     placement[:3, :3] = np.column_stack([along, np.cross(layout.normal, along), layout.normal])
-    if isinstance(shape, Plate):
-        placement[:3, 3] -= away
+    placement[:3, 3] = centre - away if isinstance(shape, Plate) else centre
     return MadeUpSolid(shape, placement, darker=True)
 
 
@@ -174,14 +156,15 @@ def _flywheel(press: Linkage, layout: BearingLayout, flywheel: ShaftFlywheel, sh
         link = _driven_link(press, flywheel.driver)
         ahead = np.sum([b.points[side] - at for b, side in layout.ends(link)], axis=0) @ bearing.axis if link in layout.links else 0.0
         towards = bearing.axis if ahead >= 0 else -bearing.axis
-        behind = at - FLYWHEEL_BEHIND * w * towards
+        behind = at - 2.0 * w * towards
     else:
         towards = layout.normal
         behind = at + (float((shown @ towards).min()) - float(at @ towards)) * towards
-    centre = behind - (FLYWHEEL_GAP * w + disc.length / 2) * towards
-    wheel = standing(disc, centre, towards)
-    shaft = centre - at
-    found = [wheel, standing(Cylinder(SHAFT * w, float(np.linalg.norm(shaft))), at + shaft / 2, towards, steel=True)]
-    for hole, (x, y) in recesses(disc) if flywheel.coupled else ():
-        found.append(standing(hole, centre + wheel.placement[:3, :2] @ np.array([x, y]), towards, darker=True))
-    return found
+    centre = behind - (0.4 * w + disc.length / 2) * towards
+    wheel, shaft = standing(disc, centre, towards), centre - at
+    solids = [wheel, standing(Cylinder(0.4 * w, float(np.linalg.norm(shaft))), at + shaft / 2, towards, steel=True)]
+    for angle in np.linspace(0.0, 2 * np.pi, 5, endpoint=False) if flywheel.coupled else ():  # recesses, by which its turning is seen
+        place = 0.62 * disc.radius * np.array([np.cos(angle), np.sin(angle)])
+        recess = Cylinder(0.16 * disc.radius, 1.02 * disc.length)
+        solids.append(standing(recess, centre + wheel.placement[:3, :2] @ place, towards, darker=True))
+    return solids

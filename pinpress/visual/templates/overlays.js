@@ -166,17 +166,14 @@ function addLabels() {
 }
 
 function addLabel(series, named) {
-  const dot = document.createElement("i"), chip = document.createElement("div"), leader = document.createElementNS(SVG, "line");
+  const dot = make("i", element("labels")), chip = make("div", element("labels")), leader = document.createElementNS(SVG, "line");
   const rows = named.map(({ name, arrow }) => {
-    const row = document.createElement("p"), bold = document.createElement("b"), value = document.createElement("span");
-    bold.textContent = bold.title = name;
-    row.append(bold, value);
-    chip.append(row);
-    return { value, arrow };
+    const row = make("p", chip);
+    make("b", row, { textContent: name, title: name });
+    return { value: make("span", row), arrow };
   });
   leader.setAttribute("stroke", "currentColor");
   leaders.append(leader);
-  element("labels").append(dot, chip);
   const peak = Math.max(0, ...named.map(({ arrow }) => arrow ? largest(arrow.force) : 0));
   labels.push({ series, dot, chip, leader, rows, peak, width: 0, height: 0, spot: 0 });
 }

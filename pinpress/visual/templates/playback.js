@@ -42,7 +42,7 @@ function showMode() {
 
 function addModes() {  // a choice beside the speed, and words below the links
   const choice = Object.assign(document.createElement("select"), { id: "mode", ariaLabel: "Mode", title: "Natural vibration" });
-  choice.append(...data.modes.map(({ name }, value) => Object.assign(document.createElement("option"), { value, textContent: name })));
+  data.modes.forEach(({ name }, value) => make("option", choice, { value, textContent: name }));
   choice.addEventListener("change", () => seek(data.modes[choice.value].start + now - span().start));
   element("rate").before(choice);
   element("legend").after(Object.assign(document.createElement("p"), { id: "words" }));
@@ -105,6 +105,14 @@ function toggle(id, apply) {
   });
 }
 
+function addLegend() {
+  for (const { name, colour } of data.legend) {
+    const row = make("li", element("legend"), { title: name });
+    make("i", row).style.background = colour;
+    row.append(name);
+  }
+}
+
 function start() {
   element("slider").max = duration;
   document.documentElement.style.setProperty("--title", JSON.stringify(document.title));
@@ -126,17 +134,8 @@ function start() {
   });
   element("slide").hidden = data.height === null;
   element("front-view").hidden = !data.front.length;
-  for (const { name, colour } of data.legend) {
-    const row = Object.assign(document.createElement("li"), { title: name }), swatch = document.createElement("i");
-    swatch.style.background = colour;
-    row.append(swatch, name);
-    element("legend").append(row);
-  }
-  if (data.magnified) {
-    const row = document.createElement("li");
-    row.textContent = `displacements on the springs drawn ${data.magnified}×`;
-    element("legend").append(row);
-  }
+  addLegend();
+  if (data.magnified) make("li", element("legend"), { textContent: `displacements on the springs drawn ${data.magnified}×` });
   if (data.modes) addModes();
   addLights();
   addEdges();

@@ -9,11 +9,11 @@ const LAYOUT = {  // a finger on a chart scrolls the page
   font: FONT, separators: ".\u202f", showlegend: false, paper_bgcolor: "#fff", plot_bgcolor: "#fff", dragmode: matchMedia("(hover: none)").matches ? false : "zoom",
 };
 const AXIS = { gridcolor: "#e9edf0", zerolinecolor: "#b9c3cc", linecolor: "#b9c3cc", ticks: "outside", ticklen: 4, tickcolor: "#b9c3cc", automargin: true, exponentformat: "none", separatethousands: true };
-const over = !report.over ? null : report.over.unit === "s" ? data.time : data.crank;  // null: nothing moves on this page
+const over = report.over.unit === "s" ? data.time : data.crank;
 const overBefore = report.before && floats(report.before);
 const heights = report.heights && floats(report.heights);
 const asText = text => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");  // Plotly takes some tags
-const MODE = !over || over.length > 1 ? "lines" : "markers";
+const MODE = over.length > 1 ? "lines" : "markers";
 const brief = (text, most = 40) => text.length > most ? text.slice(0, most - 1) + "…" : text;
 
 function xAxis({ across, follows, reach }, x) {
@@ -44,13 +44,6 @@ const PLACES_ALONG = {
 function within(position) {  // the period from 0 on, or from 0 down where it is negative; on its border 0
   const size = Math.abs(report.period), way = Math.sign(report.period);
   return size ? way * ((way * position % size + size) % size) : position;
-}
-
-function make(tag, parent, properties = {}) {
-  const made = document.createElement(tag);
-  Object.assign(made, properties);
-  parent.append(made);
-  return made;
 }
 
 function card(parent, title, unit) {
@@ -91,7 +84,7 @@ function look(curve, colour, i) {  // of a curve that lies on another, and of th
 }
 
 function lineChart(parent, chart) {
-  const box = card(parent, chart.title, chart.unit), traces = [], place = over && PLACES_ALONG[chart.follows];
+  const box = card(parent, chart.title, chart.unit), traces = [], place = PLACES_ALONG[chart.follows];
   const unpacked = chart.curves.map(curve => ({ ...curve, x: curve.x ? floats(curve.x) : over, y: floats(curve.y), atFrames: curve.at_frames && floats(curve.at_frames) }));
   const largest = Math.max(...unpacked.map(({ y }) => largestOf(y)));
   const curves = unpacked.map((curve, i) => {
@@ -141,7 +134,7 @@ function lineChart(parent, chart) {
     Object.assign(cursor.style, { left: `${xaxis._offset + x}px`, top: `${yaxis._offset}px`, height: `${yaxis._length}px` });
   };
   const cursor = place && make("div", plot, { className: "cursor" });
-  const dots = over ? unpacked.filter(({ atFrames }) => atFrames).map(({ atFrames }) => ({ atFrames, dot: make("div", plot, { className: "tip" }) })) : [];
+  const dots = unpacked.filter(({ atFrames }) => atFrames).map(({ atFrames }) => ({ atFrames, dot: make("div", plot, { className: "tip" }) }));
   if (!place && !dots.length) {
     values.forEach(value => value.remove());
     return () => { Plotly.purge(plot); box.remove(); };
@@ -154,7 +147,7 @@ function lineChart(parent, chart) {
 
 function marksOf({ marks }) {  // straight lines across a chart, or the room between two, with their names
   const shapes = [], annotations = [];
-  for (const { name, axis, at } of marks || []) {
+  for (const { name, axis, at } of marks) {
     const [low, high] = [at[0], at.at(-1)], whole = { [axis === "x" ? "yref" : "xref"]: "paper" }, two = at.length > 1;
     const ends = axis === "x" ? { x0: low, x1: high, y0: 0, y1: 1 } : { y0: low, y1: high, x0: 0, x1: 1 };
     shapes.push({ type: two ? "rect" : "line", layer: "below", ...whole, ...ends, fillcolor: "#eef1f4", line: { color: "#9aa5b0", width: two ? 0 : 1, dash: axis === "x" ? "dot" : "dash" } });
@@ -338,7 +331,7 @@ function facts(parent, { title, rows }) {
   }
 }
 
-const BLOCKS = { lines: lineChart, map: mapChart, bars: barChart, bearings: bearingDetail, table, figures, facts };
+const BLOCKS = { lines: lineChart, map: mapChart, bars: barChart, bearings: bearingDetail, table, figures };
 
 function drawReport() {
   const article = element("charts");
@@ -350,5 +343,5 @@ function drawReport() {
     if (note) make("p", article, { className: "remark", textContent: note });
     for (const block of blocks) BLOCKS[block.kind](article, block);
   }
-  if (over) seek(now);
+  seek(now);
 }

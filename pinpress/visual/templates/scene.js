@@ -9,6 +9,13 @@ function floats(text) {
   for (let i = 0; i < bytes.length; i++) bytes[i] = packed.charCodeAt(i);
   return new Float32Array(bytes.buffer);
 }
+function make(tag, parent, properties = {}) {
+  const made = document.createElement(tag);
+  Object.assign(made, properties);
+  parent.append(made);
+  return made;
+}
+
 const upright = (x, y, z) => new THREE.Vector3(x, z, -y);  // three.js has y up: the press's (x, y, z) stands there
 
 // ---- scene ----

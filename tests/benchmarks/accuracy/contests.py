@@ -5,17 +5,17 @@ singular. Its proximal parameter mu regularises the matrix, and iterations remov
 by it, with too large a mu the iterations do not converge. Reduced tables: samples of reduced inertia and potential energy.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
 
 import numpy as np
 import pinocchio as pin
-from benchmarks.peers.peer import Answer, ClosedFormSolver, Peer, RunEnd
+from benchmarks.peers.peer import Answer, Peer, RunEnd
 
 import pinpress as pp
-from pinpress.accuracy.scenes import FREE_RUN, Scene
+from pinpress.accuracy.scenes import Scene
 from pinpress.accuracy.work_precision import (
     INVERSE_DYNAMICS,
     Contest,
@@ -46,6 +46,7 @@ PEERS = {  # package that must be installed, the extra that installs it, our mod
     "Drake": ("pydrake", "drake", "drake_press", "Drake"),
     "Drake's steps": ("pydrake", "drake", "drake_press", "DrakeSteps"),
 }
+INTEGRATORS = ("DOP853", "LSODA", "Radau")  # of SciPy, on the closed form of the six-bar
 PACE = 60 / 70  # length of a turn for which the steps of peers are meant [s]
 
 
@@ -61,17 +62,13 @@ def find_peers(press: pp.Linkage) -> tuple[list[Peer], list[str]]:
             skipped.append(f"{name} is skipped: not installed; pip install 'pinpress[{extra}]'")
         except PinpressError as error:
             skipped.append(f"{name} is skipped: {error}")
+    if press.name.startswith("zxn2_3000b"):
+        from benchmarks.peers.six_bar_press import SixBarEquation  # slow to import: SciPy
+
+        peers += [SixBarEquation(integrator, press.name.endswith("_balanced")) for integrator in INTEGRATORS]
+    else:
+        skipped.append("SciPy on the closed form is skipped: it is for the six-bar alone")
     return peers, skipped
-
-
-def find_solvers(press: pp.Linkage) -> tuple[list[ClosedFormSolver], list[str]]:
-    """The solvers of the closed form that can treat a press, or a line that says why there are none."""
-    from benchmarks.peers.hand_script import is_six_bar  # slow to import: pin tables
-    from benchmarks.peers.six_bar_press import INTEGRATORS, SixBarEquation  # slow to import: SciPy
-
-    if not is_six_bar(press):
-        return [], ["SciPy on the closed form is skipped: it is for the six-bar alone"]
-    return [SixBarEquation(integrator, press.name.endswith("_balanced")) for integrator in INTEGRATORS], []
 
 
 def turn_beside_peers(press: pp.Linkage, speed: float, points: int, peers: Sequence[Peer]) -> Contest:
@@ -104,38 +101,21 @@ def determined_force_error(forces: Mapping[str, Array], expected: pp.Reactions, 
     return max(off) / peak
 
 
-def run_beside_peers(
-    press: pp.Linkage, scene: Scene, peers: Sequence[Peer], solvers: Sequence[ClosedFormSolver]
-) -> tuple[Contest, list[str]]:
-    """Our methods, peers over their steps, and solvers of the closed form over their tolerances; a line for each that is left out."""
+def run_beside_peers(press: pp.Linkage, scene: Scene, peers: Sequence[Peer]) -> tuple[Contest, list[str]]:
+    """Our methods, and peers over their steps or tolerances; a line for each that is left out."""
     reference = reference_of(press, scene)
     contest = simulation_contest(press, scene, reference)
-    runners: list[Peer | ClosedFormSolver] = [*(peer for peer in peers if peer.steps), *solvers]
-    skipped = [
-        f"{runner.name} is left out in the {scene.group}: {runner.left_out[scene.group]}"
-        for runner in runners
-        if scene.group in runner.left_out
-    ]
-    entries = [*contest.contestants]
-    for peer in peers:
-        if peer.steps and scene.group not in peer.left_out:
-            entries += _peer_runs(peer, scene, reference)
-    for solver in solvers:
-        if scene.group not in solver.left_out:
-            run = solver.prepared(scene)
-            for tolerance in solver.tolerances:
-                setting, work = f"tolerance {tolerance:.0e}", partial(run, tolerance)
-                entries.append(Contestant(scene.group, solver.name, setting, tolerance, work, partial(judge_end, reference)))
+    entries, skipped = [*contest.contestants], []
+    for peer in (peer for peer in peers if peer.steps or peer.tolerances):
+        if scene.group in peer.left_out:
+            skipped.append(f"{peer.name} is left out in the {scene.group}: {peer.left_out[scene.group]}")
+            continue
+        run = peer.prepared(scene)
+        settings = {f"tolerance {tolerance:.0e}": tolerance for tolerance in peer.tolerances}
+        settings |= {f"step {1e3 * step:.3g} ms": step for step in (step * scene.turn / PACE for step in peer.steps)}
+        for words, number in settings.items():
+            entries.append(Contestant(scene.group, peer.name, words, number, partial(run, number), partial(judge_end, reference)))
     return replace(contest, contestants=tuple(entries)), skipped
-
-
-def _peer_runs(peer: Peer, scene: Scene, reference: Reference) -> Iterator[Contestant]:
-    for step in (step * scene.turn / PACE for step in peer.steps):
-        if scene.group == FREE_RUN:
-            work = partial(peer.free_run, scene.angle, scene.speed, float(scene.flywheel.inertia), scene.duration, step)
-        else:
-            work = partial(peer.run, scene, step)
-        yield Contestant(scene.group, peer.name, f"step {1e3 * step:.3g} ms", step, work, partial(judge_end, reference))
 
 
 def judge_end(reference: Reference, end: RunEnd) -> Errors:

@@ -28,7 +28,7 @@ def test_scenes_at_work(group):
     """All joints and the reduced equation agree on the end, and so does SciPy on the closed form, which shares no code with them."""
     press = texts.shipped("zxn2_3000b")
     scene = build_scene(press, group, SPEED, 1360.0, 2 * math.pi / SPEED)
-    contest, skipped = run_beside_peers(press, scene, (), [SixBarEquation(name, balanced=False) for name in INTEGRATORS])
+    contest, skipped = run_beside_peers(press, scene, [SixBarEquation(name, balanced=False) for name in INTEGRATORS])
     assert contest.name == group
     assert contest.group.certificate < 1e-11
     works = {(entry.method, entry.setting): entry for entry in contest.contestants}

@@ -10,14 +10,15 @@ needs a second ball on its axis, and a flywheel is the rotor of an actuator.
 Bodies have their origins at their centres of mass, so that Drake's accelerations of bodies are those of the centres.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache, partial
 from importlib.metadata import version
 from typing import Any, ClassVar
 
 import numpy as np
 from benchmarks.peers.loop_equations import Ends, LoopEquations, ends_of, with_loops
-from benchmarks.peers.peer import Answer, RunEnd, steps_of
+from benchmarks.peers.peer import Answer, Peer, RunEnd, steps_of
 
 from pinpress.accuracy.scenes import CLUTCH, DIE, SPEED_LAW, Scene
 from pinpress.common.errors import PinpressError, SimulationError
@@ -25,7 +26,6 @@ from pinpress.common.quantities import Array
 from pinpress.linkage.linkage import Linkage
 
 ORIGIN = np.zeros((3, 1))
-NO_RUN = "Drake's continuous plants have no constraints for loops, and so no runs"
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,13 +43,11 @@ class Plant:
     frames: tuple[tuple[Any, Any], ...]
 
 
-class Drake:
-    """A `Peer`: inverse dynamics of a press with exact loops on the terms of Drake."""
+class Drake(Peer):
+    """Inverse dynamics of a press with exact loops on the terms of Drake."""
 
-    inverse, how = True, " + NumPy"
+    how = " + NumPy"
     cannot = "loops in continuous time: closing, rates and bearing forces are NumPy's"
-    steps: tuple[float, ...] = ()
-    left_out: ClassVar[Mapping[str, str]] = {}
 
     def __init__(self, press: Linkage) -> None:
         """Make the plant.
@@ -84,14 +82,6 @@ class Drake:
         drift = np.array([self._drift(*state) for state in zip(x, v, strict=True)])
         a = loops.rates(columns, drift[:, loops.kept], 0.0)
         return Answer(*self._efforts(x, v, a, columns))
-
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
-        """Not offered: see `steps`."""
-        raise PinpressError(NO_RUN)
-
-    def run(self, scene: Scene, step: float) -> RunEnd:
-        """Not offered: see `steps`."""
-        raise PinpressError(NO_RUN)
 
     def _terms(self, x: Array) -> tuple[Array, Array]:
         """Jacobian (rows, nv) and gaps (rows,) at joint coordinates (nv,), in the frames at the first points."""
@@ -130,7 +120,7 @@ class Drake:
 
 
 class DrakeSteps(Drake):
-    """A `Peer` whose free runs take Drake's own discrete steps with ball constraints and the solver SAP."""
+    """Free runs by Drake's own discrete steps with ball constraints and the solver SAP."""
 
     inverse, how = False, ", SAP"
     cannot = "steps of an order above the first; inverse dynamics with loops"
@@ -141,41 +131,31 @@ class DrakeSteps(Drake):
         SPEED_LAW: "its error falls with the step alone",
     }
 
-    def __init__(self, press: Linkage) -> None:
-        """Make the plant; those with steps are made when they are first asked for."""
-        super().__init__(press)
-        self._stepped: dict[tuple[float, float], Plant] = {}
+    def prepared(self, scene: Scene) -> Callable[[float], RunEnd]:
+        """See `Peer`; a plant with steps of each length is made when it is first asked for."""
+        angle = np.array([scene.angle])
+        x, columns = self._loops.closed(angle, self._loops.predicted(angle))
+        v = self._loops.rates(columns, np.zeros(columns.shape[:2]), scene.speed)
+        made = cache(partial(plant_of, self._press, self._ends, inertia=scene.inertia))
+        return lambda step: self._run(made(scene.duration / steps_of(scene.duration, step)), scene, np.concatenate([x[0], v[0]]))
 
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
-        """See `Peer`."""
+    def _run(self, made: Plant, scene: Scene, state: Array) -> RunEnd:
         from pydrake.systems.analysis import Simulator  # slow to import
 
-        press, loops = self._press, self._loops
-        count = steps_of(duration, step)
-        x, columns = loops.closed(np.array([angle]), loops.predicted(np.array([angle])))
-        v = loops.rates(columns, np.zeros(columns.shape[:2]), speed)
-        key = duration / count, inertia
-        made = self._stepped[key] = self._stepped.get(key) or plant_of(press, self._ends, *key)
-        plant = made.plant
+        plant, press = made.plant, self._press
         simulator = Simulator(plant)
         context = simulator.get_mutable_context()
-        plant.SetPositionsAndVelocities(context, np.concatenate([x[0], v[0]]))
-        begin = self._energy(plant, context, inertia, v[0])
+        plant.SetPositionsAndVelocities(context, state)
+        begin = plant.CalcKineticEnergy(context), plant.CalcPotentialEnergy(context)  # with the flywheel's
         try:
-            simulator.AdvanceTo(duration)
+            simulator.AdvanceTo(scene.duration)
         except RuntimeError as error:
             raise SimulationError(f"{self.name} does not keep {press.name} together: {' '.join(str(error).split())}") from None
         x, v = plant.GetPositions(context).copy(), plant.GetVelocities(context).copy()
         gap = max(float(np.linalg.norm(plant.CalcPointsPositions(context, second, ORIGIN, first))) for first, second in made.frames)
-        end = self._energy(plant, context, inertia, v)
-        force = self._force(x, v, inertia)
-        driver = loops.driver
-        return RunEnd(float(x[driver]), float(v[driver]), gap, (sum(end) - sum(begin)) / begin[0], force)
-
-    def _energy(self, plant: Any, context: Any, inertia: float, v: Array) -> tuple[float, float]:
-        """Kinetic energy, with the flywheel's, and potential energy [J]."""
-        kinetic = plant.CalcKineticEnergy(context)
-        return kinetic, plant.CalcPotentialEnergy(context)
+        gained = plant.CalcKineticEnergy(context) + plant.CalcPotentialEnergy(context) - sum(begin)
+        driver = self._loops.driver
+        return RunEnd(float(x[driver]), float(v[driver]), gap, gained / begin[0], self._force(x, v, scene.inertia))
 
     def _force(self, x: Array, v: Array, inertia: float) -> dict[str, Array]:
         """Bearing forces (3,) in a state without torque, from the equations of motion and of the loops together."""

@@ -6,26 +6,23 @@ one thing twice, as those of Bricard's linkage, make Exudyn's singular; with one
 angle where that one is needed.
 """
 
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 import exudyn
 import numpy as np
 import pinocchio as pin
-from benchmarks.peers.exudyn_press import Exudyn, settings
+from benchmarks.peers.exudyn_press import Exudyn, turn_settings
 from benchmarks.peers.loop_equations import carriers_of
-from benchmarks.peers.peer import Answer, Peer, RunEnd
+from benchmarks.peers.peer import Answer, Peer
 from exudyn import itemInterface as items  # noqa: N813
 from support.oracles.exudyn_solver import solve
 
-from pinpress.accuracy.scenes import Scene
 from pinpress.common.errors import PinpressError
 from pinpress.common.quantities import Array
 from pinpress.kinematics.servo_motion import servo_cycle
 from pinpress.linkage.linkage import Linkage
 
 ALONG = 1e-12  # largest part of a crank's axis that is not along one of the world's
-NO_RUN = "runs are compared in the plane alone"
 
 
 def exudyn_peer(press: Linkage) -> Peer:
@@ -37,13 +34,10 @@ def exudyn_peer(press: Linkage) -> Peer:
     return Exudyn(press) if press.engines[0] == "plane" else ExudynInSpace(press)
 
 
-class ExudynInSpace:
-    """A `Peer`: a press in space in Exudyn."""
+class ExudynInSpace(Peer):
+    """A press in space in Exudyn."""
 
-    inverse = True
     cannot = Exudyn.cannot
-    steps: tuple[float, ...] = ()
-    left_out: ClassVar[Mapping[str, str]] = {}
 
     def __init__(self, press: Linkage) -> None:
         """Make the system.
@@ -79,17 +73,13 @@ class ExudynInSpace:
 
     def inverse_dynamics(self, angle: Array, speed: float) -> Answer:
         """See `Peer`."""
-        angle = np.asarray(angle, dtype=float)
-        step = (angle[-1] - angle[0]) / max(1, len(angle) - 1)
-        if len(angle) < 2 or not np.abs(np.diff(angle) - step).max() < 1e-9 * abs(step) or not step * speed > 0:
-            raise PinpressError("give two or more crank angles in equal steps that go with the speed: Exudyn runs from one to the next")
-        mbs, steps = self._mbs, len(angle) - 1
+        mbs, over_turn = self._mbs, turn_settings(angle, speed)
         mbs.SetObjectParameter(self._drive, "offset", float(self._sign * speed))
         places, rates = self._states(float(angle[0]), speed)
         initial = exudyn.ConfigurationType.Initial
         mbs.systemData.SetODE2Coordinates((places - self._drawn).ravel().tolist(), configuration=initial)
         mbs.systemData.SetODE2Coordinates_t(rates.ravel().tolist(), configuration=initial)
-        solve(mbs, settings(steps * step / speed, steps))
+        solve(mbs, over_turn)
         force = {}
         for name, (joint, parent, axes) in self._joints.items():
             local = self._stored(self._forces[joint])
@@ -99,14 +89,6 @@ class ExudynInSpace:
             if name not in force:  # a cross without mass
                 force[name] = force[self._press.joints[self._carriers[j] - 1]]
         return Answer(-self._sign * self._stored(self._torque)[:, 0], force)
-
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
-        """Not compared: see `steps`."""
-        raise PinpressError(NO_RUN)
-
-    def run(self, scene: Scene, step: float) -> RunEnd:
-        """Not compared: see `steps`."""
-        raise PinpressError(NO_RUN)
 
     def _states(self, angle: float, speed: float) -> tuple[Array, Array]:
         """Centres of mass and Euler parameters of all bodies that have a mass (bodies, 7), and their rates, closed."""

@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 import exudyn
 import numpy as np
 import pinocchio as pin
-from benchmarks.peers.peer import Answer, RunEnd, load_on_slide, steps_of
+from benchmarks.peers.peer import Answer, Peer, RunEnd, load_on_slide, steps_of
 from exudyn import itemInterface as items  # noqa: N813
 from support.oracles.exudyn_solver import solve
 
@@ -158,27 +158,34 @@ def settings(duration: float, steps: int) -> Any:
     return made
 
 
-class Exudyn:
-    """A `Peer`: a planar press in Exudyn."""
+def turn_settings(angle: Array, speed: float) -> Any:
+    """Settings of a run over crank angles (n,) at a speed, an angle a step. Raises PinpressError if the angles are no such run."""
+    step = (angle[-1] - angle[0]) / max(1, len(angle) - 1)
+    if len(angle) < 2 or not np.abs(np.diff(angle) - step).max() < 1e-9 * abs(step) or not step * speed > 0:
+        raise PinpressError("give two or more crank angles in equal steps that go with the speed: Exudyn runs from one to the next")
+    return settings((angle[-1] - angle[0]) / speed, len(angle) - 1)
 
-    inverse = True
+
+class Exudyn(Peer):
+    """A planar press in Exudyn."""
+
     cannot = "inverse dynamics but by a run in time, with its error; singular loops; closing: it starts from a closed pose"
     left_out: ClassVar[Mapping[str, str]] = {CLUTCH: "its steps do not end where a clutch grips"}
     steps: tuple[float, ...] = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
 
     def __init__(self, press: Linkage) -> None:
-        """Make the systems.
+        """Make the system of inverse dynamics.
 
         Raises:
             PinpressError: as `build`, or the crank does not turn on the frame.
         """
         self._driver = press.driver_indices[0] + 1
-        self._free, self._driven = build(press), build(press)
+        self._driven = build(press)
         if press.model.parents[self._driver] != 0:
             raise PinpressError(f"it is compared with cranks on the frame, and that of {press.name} is not")
         self.name = f"Exudyn {exudyn.config.Version()}"
         self._press = press
-        self._sign = self._free.signs[self._driver]
+        self._sign = self._driven.signs[self._driver]
         mbs = self._driven.mbs
         still = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
         turning = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self._driven.nodes[self._driver], coordinate=2))
@@ -194,21 +201,15 @@ class Exudyn:
             for j, name in enumerate(press.joints, start=1)
             if not press.axes[j - 1].turns
         }
-        self._free.mbs.Assemble()
         self._driven.mbs.Assemble()
-        self._inertia = self._free.mbs.GetObjectParameter(self._free.bodies[self._driver], "inertia")
 
     def inverse_dynamics(self, angle: Array, speed: float) -> Answer:
         """See `Peer`."""
-        angle = np.asarray(angle, dtype=float)
-        step = (angle[-1] - angle[0]) / max(1, len(angle) - 1)
-        if len(angle) < 2 or not np.abs(np.diff(angle) - step).max() < 1e-9 * abs(step) or not step * speed > 0:
-            raise PinpressError("give two or more crank angles in equal steps that go with the speed: Exudyn runs from one to the next")
-        system, steps = self._driven, len(angle) - 1
+        system, over_turn = self._driven, turn_settings(angle, speed)
         mbs = system.mbs
         mbs.SetObjectParameter(self._drive, "offset", float(self._sign * speed))
         begin(self._press, system, float(angle[0]), speed)
-        solve(system.mbs, settings(steps * step / speed, steps))
+        solve(mbs, over_turn)
 
         def stored(sensor: Any) -> Array:
             return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:]
@@ -219,54 +220,41 @@ class Exudyn:
             force[name] = _upright(stored(sensor), turned)
         return Answer(-self._sign * stored(self._torque)[:, 0], force)
 
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
-        """See `Peer`."""
-        system = self._free
-        system.mbs.SetObjectParameter(system.bodies[self._driver], "inertia", self._inertia + inertia)
-        begin(self._press, system, angle, speed)
-        initial = exudyn.ConfigurationType.Initial
-        kinetic, potential = self._energies(inertia, lambda get: get(configuration=initial))
-        solve(system.mbs, settings(duration, steps_of(duration, step)))
-        return self._end(system, (sum(self._energies(inertia, lambda get: get())) - kinetic - potential) / kinetic)
-
-    def run(self, scene: Scene, step: float) -> RunEnd:
+    def prepared(self, scene: Scene) -> Callable[[float], RunEnd]:
         """See `Peer`.
 
         A stiff law is a damper; motor and loads are connectors with functions of ours. Under a stiff law the trapezoidal rule and its
         forces ring, so that generalised alpha takes its place.
         """
-        system = build(self._press)
-        mbs, drive = system.mbs, scene.drive
-        ground = mbs.AddNode(items.NodePointGround())
-        still = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
+        system, drive, kind = build(self._press), scene.drive, exudyn.DynamicSolverType
+        mbs, sign = system.mbs, self._sign
+        still = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
 
         def marked(joint: int, coordinate: int) -> list[Any]:
             return [still, mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=system.nodes[joint], coordinate=coordinate))]
 
         if isinstance(drive, SpeedLaw):
-            held = float(self._sign * drive.speed)
-            law = {"damping": drive.gain, "velocityOffset": held}
+            law = {"damping": drive.gain, "velocityOffset": float(sign * drive.speed)}
             mbs.AddObject(items.ObjectConnectorCoordinateSpringDamperExt(markerNumbers=marked(self._driver, 2), **law))
         elif drive is not None:
-
-            def torque(mbs: Any, t: float, item: int, u: float, v: float, k: float, d: float, offset: float) -> float:
-                return float(-self._sign * drive.torque(self._sign * v))
-
-            _force(mbs, marked(self._driver, 2), torque)
+            _force(mbs, marked(self._driver, 2), lambda _, t, item, u, v, *__: float(-sign * drive.torque(sign * v)))
         if scene.loads:
             joint, zero = self._slide(system)
-
-            def push(mbs: Any, t: float, item: int, u: float, v: float, k: float, d: float, offset: float) -> float:
-                return -load_on_slide(scene, zero + u, v)
-
-            _force(mbs, marked(joint, 1), push)
+            _force(mbs, marked(joint, 1), lambda _, t, item, u, v, *__: -load_on_slide(scene, zero + u, v))
         mbs.Assemble()
-        mbs.SetObjectParameter(system.bodies[self._driver], "inertia", self._inertia + scene.inertia)
-        begin(self._press, system, scene.angle, scene.speed)
-        kind = exudyn.DynamicSolverType
+        own = mbs.GetObjectParameter(system.bodies[self._driver], "inertia")
+        mbs.SetObjectParameter(system.bodies[self._driver], "inertia", own + scene.inertia)
         solver = kind.GeneralizedAlpha if isinstance(drive, SpeedLaw) else kind.TrapezoidalIndex2
-        solve(system.mbs, settings(scene.duration, steps_of(scene.duration, step)), solver)
-        return self._end(system, None)
+
+        def run(step: float) -> RunEnd:
+            begin(self._press, system, scene.angle, scene.speed)
+            initial = exudyn.ConfigurationType.Initial
+            kinetic, potential = self._energies(system, lambda get: get(configuration=initial))
+            solve(mbs, settings(scene.duration, steps_of(scene.duration, step)), solver)
+            gained = sum(self._energies(system, lambda get: get())) - kinetic - potential
+            return self._end(system, gained / kinetic if drive is None and not scene.loads else None)
+
+        return run
 
     def _slide(self, system: System) -> tuple[int, float]:
         """Pinocchio's joint of the slide, and its height above bottom dead centre where the centre of mass is as drawn [m].
@@ -294,25 +282,25 @@ class Exudyn:
             turned = x[[self._press.joints.index(name)], 2] if name in self._angles else None
             force[name] = _upright(output, turned)[0]
         row = self._driver - 1
-        return RunEnd(self._sign * float(x[row, 2]), self._sign * float(v[row, 2]), self._gap(x), error, force)
+        return RunEnd(self._sign * float(x[row, 2]), self._sign * float(v[row, 2]), self._gap(system, x), error, force)
 
     def _force_of(self, name: str) -> Any:
         kinds, press = exudyn.OutputVariableType, self._press
         slides = name in press.joints and not press.axes[press.joints.index(name)].turns
         return kinds.ForceLocal if slides else kinds.Force
 
-    def _energies(self, inertia: float, state: Callable[[Callable[..., Any]], Any]) -> tuple[float, float]:
+    def _energies(self, system: System, state: Callable[[Callable[..., Any]], Any]) -> tuple[float, float]:
         """Kinetic and potential energy [J] of the state that Exudyn's function returns."""
-        tree, data = self._press.model, self._free.mbs.systemData
+        tree, data = self._press.model, system.mbs.systemData
         x, v = state(data.GetODE2Coordinates).reshape(-1, 3), state(data.GetODE2Coordinates_t).reshape(-1, 3)
         mass = np.array([body.mass for body in list(tree.inertias)[1:]])
-        about = [self._free.mbs.GetObjectParameter(body, "inertia") for body in self._free.bodies[1:]]
+        about = [system.mbs.GetObjectParameter(body, "inertia") for body in system.bodies[1:]]
         kinetic = 0.5 * float(mass @ (v[:, 0] ** 2 + v[:, 1] ** 2) + about @ v[:, 2] ** 2)
         return kinetic, -float(mass @ (x[:, :2] @ tree.gravity.linear[list(FLAT)]))
 
-    def _gap(self, x: Array) -> float:
+    def _gap(self, system: System, x: Array) -> float:
         """Largest distance between the two sides of a pin [m], at coordinates (bodies, 3)."""
-        system, tree = self._free, self._press.model
+        tree = self._press.model
         turned = np.concatenate([[0j], np.exp(1j * x[:, 2])])
         centres = system.drawn[:, 0] + 1j * system.drawn[:, 2]
         centres[1:] += x[:, 0] + 1j * x[:, 1]

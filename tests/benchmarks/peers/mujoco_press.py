@@ -24,7 +24,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 from benchmarks.peers.loop_equations import Ends, LoopEquations, carriers_of, ends_of, with_loops
-from benchmarks.peers.peer import Answer, RunEnd, load_on_slide, steps_of
+from benchmarks.peers.peer import Answer, Peer, RunEnd, load_on_slide, steps_of
 from mujoco import rollout
 
 from pinpress.accuracy.scenes import CLUTCH, DIE, SPEED_LAW, Scene
@@ -44,10 +44,10 @@ def free(x: Array, v: Array) -> float:
     return 0.0
 
 
-class Mujoco:
-    """A `Peer`: a press with exact loops on the terms of MuJoCo."""
+class Mujoco(Peer):
+    """A press with exact loops on the terms of MuJoCo."""
 
-    inverse, how = True, " + NumPy"
+    how = " + NumPy"
     cannot = "exact loops by itself: closing, rates and bearing forces are NumPy's; bodies without mass"
     left_out: ClassVar[Mapping[str, str]] = {
         CLUTCH: "its steps do not end where a clutch grips",
@@ -82,18 +82,14 @@ class Mujoco:
         a = loops.rates(columns, self._drifts(x, v), 0.0)
         return Answer(*self._efforts(x, v, a, columns))
 
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
-        """See `Peer`; classical Runge-Kutta steps, the loops closed after each."""
-        return self._run(angle, speed, inertia, duration, step, free)
+    def prepared(self, scene: Scene) -> Callable[[float], RunEnd]:
+        """See `Peer`; classical Runge-Kutta steps, also over the edges of loads, with the loops closed after each."""
+        return partial(self._run, scene, self._working(scene) if scene.drive or scene.loads else free)
 
-    def run(self, scene: Scene, step: float) -> RunEnd:
-        """See `Peer`; steps as of a free run, also over the edges of loads."""
-        return self._run(scene.angle, scene.speed, scene.inertia, scene.duration, step, self._working(scene))
-
-    def _run(self, angle: float, speed: float, inertia: float, duration: float, step: float, effort: Effort) -> RunEnd:
-        x, v = self._start(angle, speed, inertia)
-        begin, count = self._energies(x, v), steps_of(duration, step)
-        h = duration / count
+    def _run(self, scene: Scene, effort: Effort, step: float) -> RunEnd:
+        x, v = self._start(scene)
+        begin, count = self._energies(x, v), steps_of(scene.duration, step)
+        h = scene.duration / count
 
         def acceleration(x: Array, v: Array) -> Array:
             return self._acceleration(x, v, effort(x, v))
@@ -132,13 +128,13 @@ class Mujoco:
 
         return effort
 
-    def _start(self, angle: float, speed: float, inertia: float) -> tuple[Array, Array]:
-        """Joint coordinates and rates (nv,) at the start of a free run, after the flywheel is put on."""
-        self._model.dof_armature[self._driver] = inertia
+    def _start(self, scene: Scene) -> tuple[Array, Array]:
+        """Joint coordinates and rates (nv,) at the start of a scene, after the flywheel is put on."""
+        self._model.dof_armature[self._driver] = scene.inertia
         mujoco.mj_setConst(self._model, self._data)
-        at = np.array([float(angle)])
-        x, columns = self._loops.closed(at, self._loops.predicted(at))
-        return x[0], self._loops.rates(columns, np.zeros(columns.shape[:2]), speed)[0]
+        angle = np.array([float(scene.angle)])
+        x, columns = self._loops.closed(angle, self._loops.predicted(angle))
+        return x[0], self._loops.rates(columns, np.zeros(columns.shape[:2]), scene.speed)[0]
 
     def _end(self, x: Array, v: Array, begin: tuple[float, float], effort: Array | float = 0.0) -> RunEnd:
         a, columns = self._acceleration(x, v, effort), self._columns()
@@ -239,16 +235,19 @@ class Mujoco:
 
 
 class MujocoSteps(Mujoco):
-    """A `Peer` whose free runs take MuJoCo's own `mj_step` with RK4, with soft loops as stiff as the step allows."""
+    """Free runs by MuJoCo's own `mj_step` with RK4, with soft loops as stiff as the step allows."""
 
     inverse, how = False, ", mj_step"
     cannot = "closed loops: they stay open by what their stiffness allows; inverse dynamics with loops"
     left_out: ClassVar[Mapping[str, str]] = {**Mujoco.left_out, DIE: "its loops are softer than the die"}
     steps: tuple[float, ...] = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
 
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
+    def prepared(self, scene: Scene) -> Callable[[float], RunEnd]:
         """See `Peer`; the steps are taken in one call of `mujoco.rollout`."""
-        x, v = self._start(angle, speed, inertia)
+        return partial(self._own_steps, scene)
+
+    def _own_steps(self, scene: Scene, step: float) -> RunEnd:
+        (x, v), duration = self._start(scene), scene.duration
         begin, count = self._energies(x, v), steps_of(duration, step)
         model, data, stiffness = self._model, mujoco.MjData(self._model), (0.5 * count / duration) ** 2
         model.opt.timestep = duration / count

@@ -1,11 +1,11 @@
-"""The interface of peers: the same press in other programs, beside which pinpress is measured.
+"""Peers: the same press in other programs, beside which pinpress is measured.
 
 All answers have the signs of `Reactions`.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from types import MappingProxyType
 
 import numpy as np
 
@@ -48,24 +48,24 @@ class RunEnd:
     evaluations: int | None = None
 
 
-class Peer(Protocol):
-    """A press made in another program.
+class Peer:
+    """A press made in another program. What a program does not offer stays as it is here.
 
     Attributes:
         name: name of the program, with its version.
-        inverse: whether it has inverse dynamics of its own to be compared.
         cannot: what it cannot do for a linkage, in phrases between semicolons.
-        steps: fixed steps worth measuring in a run of some turns at 70 strokes/min, largest first; none where it cannot run [s].
-        left_out: group of a scene (other than the free run) that it cannot run -> why.
+        inverse: whether it has inverse dynamics of its own to be compared.
+        steps: fixed steps worth measuring in a run of some turns at 70 strokes/min, largest first [s].
+        tolerances: tolerances worth measuring, of a program that chooses its steps.
+        left_out: group of a scene that it cannot run -> why.
     """
 
     name: str
-    inverse: bool
-    cannot: str
-    steps: tuple[float, ...]
-
-    @property
-    def left_out(self) -> Mapping[str, str]: ...
+    cannot: str = ""
+    inverse: bool = True
+    steps: tuple[float, ...] = ()
+    tolerances: tuple[float, ...] = ()
+    left_out: Mapping[str, str] = MappingProxyType({})
 
     def inverse_dynamics(self, angle: Array, speed: float) -> Answer:
         """Inverse dynamics of a turn at constant speed, or of a part of one, with weights and without process loads.
@@ -77,51 +77,15 @@ class Peer(Protocol):
         Raises:
             PinpressError: the peer finds no answer.
         """
-
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
-        """Let the press run without torque.
-
-        Args:
-            angle: crank angle at the start [rad].
-            speed: crank speed at the start [rad/s].
-            inertia: moment of inertia of a flywheel on the crank's shaft [kg m2].
-            duration: duration of the run [s].
-            step: step, which is shortened until the duration is a whole number of steps [s].
-
-        Raises:
-            PinpressError: the peer finds no answer, or cannot run.
-        """
-
-    def run(self, scene: Scene, step: float) -> RunEnd:
-        """Let the press run through a scene that is not ``left_out``.
-
-        Args:
-            scene: the scene.
-            step: step, which is shortened until the duration is a whole number of steps [s].
-
-        Raises:
-            PinpressError: the peer finds no answer, or cannot run.
-        """
-
-
-class ClosedFormSolver(Protocol):
-    """An integrator of SciPy on a press's equation of motion in closed form, as an expert writes it for this one press.
-
-    Attributes:
-        name: name of the integrator.
-        tolerances: tolerances that are worth measuring.
-        left_out: group of a scene that it cannot run -> why.
-    """
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def tolerances(self) -> tuple[float, ...]: ...
-    @property
-    def left_out(self) -> Mapping[str, str]: ...
+        raise NotImplementedError
 
     def prepared(self, scene: Scene) -> Callable[[float], RunEnd]:
-        """A function that finds the end of a scene to a tolerance. It raises a PinpressError where the integrator gives up."""
+        """A function that runs the press through a scene that is not ``left_out``.
+
+        It takes a step, which it shortens until the duration is a whole number of steps [s], or a tolerance, and raises a PinpressError
+        where the program finds no end.
+        """
+        raise NotImplementedError
 
 
 def load_on_slide(scene: Scene, height: float, rate: float) -> float:

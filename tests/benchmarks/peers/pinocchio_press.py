@@ -13,16 +13,14 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from benchmarks.peers.loop_equations import ends_of, with_loops
-from benchmarks.peers.peer import Answer, RunEnd
+from benchmarks.peers.peer import Answer, Peer
 
-from pinpress.accuracy.scenes import Scene
 from pinpress.common.errors import PinpressError, SimulationError
 from pinpress.common.quantities import Array
 from pinpress.linkage.linkage import Linkage
@@ -30,16 +28,12 @@ from pinpress.linkage.linkage import Linkage
 SOURCE = Path(__file__).with_name("pinocchio_loop.cpp")
 COMPILERS = ("c++", "g++", "clang++")
 PATIENCE = 900.0  # time after which the compiler is given up [s]
-NO_RUN = "the loop in C++ has no runs: it has no steps"
 
 
-class PinocchioCpp:
-    """A `Peer`: inverse dynamics by a loop over the crank angles in Pinocchio's C++."""
+class PinocchioCpp(Peer):
+    """Inverse dynamics by a loop over the crank angles in Pinocchio's C++."""
 
-    inverse = True
     cannot = "runs, process loads, friction: the loop is all that is written; closing: it starts from a closed pose"
-    steps: tuple[float, ...] = ()
-    left_out: ClassVar[Mapping[str, str]] = {}
 
     def __init__(self, press: Linkage) -> None:
         """Compile the loop where that has not been done, and hand it the press.
@@ -71,14 +65,6 @@ class PinocchioCpp:
         if done < count:
             raise SimulationError(f"{self.name} does not close the loops of {press.name}", 0.0, float(angle[done]))
         return Answer(torque, with_loops(press, self._ends, force[:, :joints], force[:, joints:]))
-
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
-        """Not in the loop: see `steps`."""
-        raise PinpressError(NO_RUN)
-
-    def run(self, scene: Scene, step: float) -> RunEnd:
-        """Not in the loop: see `steps`."""
-        raise PinpressError(NO_RUN)
 
     def _description(self) -> list[Any]:
         """Arguments of ``create_press``."""

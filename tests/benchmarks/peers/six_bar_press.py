@@ -10,13 +10,12 @@ clutch.
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from benchmarks.peers.peer import RunEnd
+from benchmarks.peers.peer import Peer, RunEnd
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from support.oracles.six_bar_script import (
@@ -118,32 +117,19 @@ def reduced(angle: float, balanced: bool) -> Reduced:
     return Reduced(inertia, 2 * slope, weight, e3y + b4y, lever)
 
 
-@dataclass(frozen=True, eq=False)
-class SixBarEquation:
-    """A `ClosedFormSolver`: an integrator of SciPy on the closed form of the press.
+class SixBarEquation(Peer):
+    """An integrator of SciPy on the closed form of the press, as an expert writes it for this one press."""
 
-    Attributes:
-        integrator: one of `INTEGRATORS`.
-        balanced: whether it is the balanced press.
-    """
+    inverse = False
 
-    integrator: str
-    balanced: bool
-
-    @property
-    def name(self) -> str:
-        return f"SciPy {self.integrator}, closed form"
-
-    @property
-    def tolerances(self) -> tuple[float, ...]:
-        return INTEGRATORS[self.integrator]
-
-    @property
-    def left_out(self) -> Mapping[str, str]:
-        return {SPEED_LAW: UNSTABLE} if self.integrator == "DOP853" else {}
+    def __init__(self, integrator: str, balanced: bool) -> None:
+        """Take one of `INTEGRATORS` for the press with its counterweights or without."""
+        self.name, self.tolerances = f"SciPy {integrator}, closed form", INTEGRATORS[integrator]
+        self.left_out = {SPEED_LAW: UNSTABLE} if integrator == "DOP853" else {}
+        self.integrator, self.balanced = integrator, balanced
 
     def prepared(self, scene: Scene) -> Callable[[float], RunEnd]:
-        """See `ClosedFormSolver`.
+        """See `Peer`.
 
         The edges of the loads are found beforehand. The crank turns in the positive direction only, and the clutch holds after it has
         gripped.

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -17,14 +18,15 @@ from benchmarks.accuracy.contests import (
     turn_beside_peers,
 )
 from benchmarks.peers import pinocchio_press
-from benchmarks.peers.hand_script import SCRIPTS, HandScript
+from benchmarks.peers.hand_script import HandScript
 from benchmarks.peers.pinocchio_press import PinocchioCpp
 from benchmarks.peers.six_bar_press import reduced
 from support.generators import small_linkages
 
 import pinpress as pp
-from pinpress.accuracy.scenes import DIE, SPEED_LAW, build_scene
+from pinpress.accuracy.scenes import DIE, FREE_RUN, SPEED_LAW, Scene, build_scene
 from pinpress.accuracy.work_precision import peak_force
+from pinpress.pin_table import templates
 from pinpress.simulation.reduced_model import reduced_model_of
 
 SPEED = 70 * pp.RPM  # [rad/s]
@@ -49,27 +51,23 @@ DURATION, ANGLE = 0.5, 2.0  # [s, rad]
 
 @pytest.fixture(scope="module")
 def presses():
-    kept = {}
-
-    def get(name):
-        if name not in kept:
-            kept[name] = SCRIPTS[name][0]() if name in SCRIPTS else pp.load(name)
-        return kept[name]
-
-    return get
+    """A press by its name; each is made once."""
+    own = {
+        "rssp": lambda: pp.build(Path(templates.__file__).with_name("rssp.yaml")),
+        "bricard": lambda: pp.load(Path(__file__).with_name("bricard.urdf")),
+    }
+    return cache(lambda name: own[name]() if name in own else pp.load(name))
 
 
 @pytest.fixture(scope="module")
 def made(presses):
     """A peer's class by its module and name, for a press; skips where its program is missing."""
-    kept = {}
 
+    @cache
     def make(kind, press):
         module, ours = KINDS[kind]
         pytest.importorskip(module)
-        if (kind, press) not in kept:
-            kept[kind, press] = getattr(import_module(f"benchmarks.peers.{ours}"), kind)(presses(press))
-        return kept[kind, press]
+        return getattr(import_module(f"benchmarks.peers.{ours}"), kind)(presses(press))
 
     return make
 
@@ -79,21 +77,7 @@ def turn(points, speed=SPEED):
 
 
 def errors(press, peer, points, speed=SPEED):
-    """Largest errors of torque and forces, of their peaks, over a turn."""
-    result = pp.inverse_dynamics(press, pp.cycle(press, speed=speed, points=points))
-    answer = peer.inverse_dynamics(turn(points, speed), speed)
-    assert set(answer.force) == set(press.bearings)
-    assert all(force.shape == (points, 3) for force in answer.force.values())
-    torque = np.abs(answer.torque - result.driving_torque).max() / np.abs(result.driving_torque).max()
-    peak = max(np.abs(force).max() for force in result.bearing_force.values())
-    return torque, max(np.abs(answer.force[name] - result.bearing_force[name]).max() for name in press.bearings) / peak
-
-
-# ------------------------------------------------------------------------------------------------------------------------ inverse dynamics
-
-
-def errors_in_space(press, peer, points, speed=SPEED):
-    """As `errors`; of forces what mechanics determines, of Bricard's linkage nothing."""
+    """Largest errors of torque and forces, of their peaks, over a turn; of forces what mechanics determines, of Bricard's ring nothing."""
     result = pp.inverse_dynamics(press, pp.cycle(press, speed=speed, points=points))
     answer = peer.inverse_dynamics(turn(points, speed), speed)
     assert {name: force.shape for name, force in answer.force.items()} == dict.fromkeys(press.bearings, (points, 3))
@@ -101,15 +85,13 @@ def errors_in_space(press, peer, points, speed=SPEED):
     return torque, determined_force_error(answer.force, result, peak_force(result.bearing_force))
 
 
-@pytest.mark.parametrize("name", ["zxn2_3000b", "zxn2_3000b_balanced"])
-def test_the_hand_script(presses, name):
-    assert max(errors(presses(name), HandScript(presses(name)), 90)) < EXACT
+# ------------------------------------------------------------------------------------------------------------------------ inverse dynamics
 
 
 @pytest.mark.parametrize("speed", [30.0, -4.0])
-@pytest.mark.parametrize("name", SPATIAL)
-def test_the_hand_scripts_in_space(presses, name, speed):
-    assert max(errors_in_space(presses(name), HandScript(presses(name)), 36, speed)) < EXACT
+@pytest.mark.parametrize("name", ["zxn2_3000b", "zxn2_3000b_balanced", *SPATIAL])
+def test_the_hand_scripts(presses, name, speed):
+    assert max(errors(presses(name), HandScript(presses(name)), 36, speed)) < EXACT
 
 
 @pytest.mark.parametrize("name", SPATIAL)
@@ -128,7 +110,7 @@ def test_only_forces_that_mechanics_determines_are_judged(presses, name):
 @pytest.mark.parametrize("kind", IN_SPACE)
 def test_programs_in_space(presses, made, kind, name):
     """A cross without mass, and a ring of pins whose loop says two things twice."""
-    assert max(errors_in_space(presses(name), made(kind, name), 36)) < EXACT
+    assert max(errors(presses(name), made(kind, name), 36)) < EXACT
 
 
 @pytest.mark.one_in(2)
@@ -160,8 +142,8 @@ if compilable():
         """Compiled here, which takes half a minute where the cache does not have it; the second model finds it there."""
         for name in ("zxn2_3000b", "jf75g_125", *SPATIAL):
             peer = PinocchioCpp(presses(name))
-            assert max(errors_in_space(presses(name), peer, 90)) < SHARED
-        assert max(errors_in_space(presses("zxn2_3000b"), PinocchioCpp(presses("zxn2_3000b")), 360, -SPEED)) < EXACT
+            assert max(errors(presses(name), peer, 90)) < SHARED
+        assert max(errors(presses("zxn2_3000b"), PinocchioCpp(presses("zxn2_3000b")), 360, -SPEED)) < EXACT
         with pytest.raises(pp.SimulationError, match="does not close the loops"):
             peer.inverse_dynamics(np.array([0.0, 1.7, np.nan]), SPEED)
 
@@ -245,12 +227,16 @@ def test_the_equation_in_closed_form(presses, name):
 # ------------------------------------------------------------------------------------------------------------------------------- free runs
 
 
+def free_run(angle, speed, inertia, duration):
+    return Scene(FREE_RUN, "", 2 * np.pi / abs(speed), duration, angle, speed, pp.drives.Flywheel(inertia))
+
+
 def ends(press, peer, steps, angle=ANGLE, speed=SPEED):
     """Errors (steps,) of the crank angle and of forces relative to their largest, and the ends."""
     run = pp.simulate(press, DURATION, speed=speed, angle=angle, flywheel=pp.drives.Flywheel(FLYWHEEL), tolerance=1e-13)
     last = pp.inverse_dynamics(press, run).bearing_force
     peak = max(np.abs(force[-1]).max() for force in last.values())
-    found = [peer.free_run(angle, speed, FLYWHEEL, DURATION, step) for step in steps]
+    found = [peer.prepared(free_run(angle, speed, FLYWHEEL, DURATION))(step) for step in steps]
     angles = np.array([abs(end.crank_angle - run.crank_angle[-1]) for end in found])
     forces = np.array([max(np.abs(end.force[name] - last[name][-1]).max() for name in press.bearings) for end in found])
     assert all(set(end.force) == set(press.bearings) for end in found)
@@ -321,7 +307,7 @@ def test_a_step_too_long_is_said_or_seen(presses, made, kind, step, capfd, tmp_p
     """Either no end is found, or one that is finite; nothing is printed and no file is written."""
     monkeypatch.chdir(tmp_path)
     try:
-        end = made(kind, "zxn2_3000b").free_run(ANGLE, SPEED, FLYWHEEL, DURATION, step)
+        end = made(kind, "zxn2_3000b").prepared(free_run(ANGLE, SPEED, FLYWHEEL, DURATION))(step)
     except pp.SimulationError:
         pass
     else:
@@ -349,7 +335,7 @@ def test_at_work(presses, made, kind, group, coarse, bounds):
     peak = max(np.linalg.norm(force[1:], axis=1).max() for force in reactions.bearing_force.values())
     errors = []
     for step in (coarse, coarse / 4):
-        end = peer.run(scene, step)
+        end = peer.prepared(scene)(step)
         forces = max(np.abs(end.force[name] - reactions.bearing_force[name][-1]).max() for name in press.bearings)
         errors.append((abs(end.crank_angle - run.crank_angle[-1]), forces / peak))
     assert all(fine < bound for fine, bound in zip(errors[1], bounds, strict=True))
@@ -372,7 +358,7 @@ def test_the_published_errors_are_still_so(presses, made, kind, step):
     inertia = 4 * float(reduced_model_of(press).at(reduced_model_of(press).borders)[0][0].max())
     duration = 4 * np.pi / SPEED
     truth = pp.simulate(press, duration, speed=SPEED, flywheel=pp.drives.Flywheel(inertia), tolerance=1e-13, points=2)
-    end = peer.free_run(0.0, SPEED, inertia, duration, float(row["number"]))
+    end = peer.prepared(free_run(0.0, SPEED, inertia, duration))(float(row["number"]))
     assert 1 / 3 < abs(end.crank_angle - truth.crank_angle[-1]) / float(row["error"]) < 3
 
 
@@ -380,7 +366,7 @@ def test_mujoco_fails_in_silence(made, capfd, tmp_path, monkeypatch):
     """Where its own steps do not hold together it is an error, and MuJoCo neither prints nor writes its log."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(pp.SimulationError, match="shorter step"):
-        made("MujocoSteps", "crank_slide").free_run(0.0, 20_000 * pp.RPM, 1.0, 0.1, 2e-3)
+        made("MujocoSteps", "crank_slide").prepared(free_run(0.0, 20_000 * pp.RPM, 1.0, 0.1))(2e-3)
     assert capfd.readouterr() == ("", "")
     assert list(tmp_path.iterdir()) == []
 
@@ -404,12 +390,14 @@ def test_all_peers_of_the_six_bar(presses):
     pytest.importorskip("exudyn")
     found, skipped = find_peers(presses("zxn2_3000b"))
     drake = ["Drake", "Drake"] if "Drake" in IN_SPACE else []
-    assert [peer.name.split()[0] for peer in found] == ["hand", "MuJoCo", "MuJoCo", "Exudyn", *drake]
-    assert [peer.inverse for peer in found] == [True, True, False, True, True, False][: len(found)]
+    assert [peer.name.split()[0] for peer in found] == ["hand", "MuJoCo", "MuJoCo", "Exudyn", *drake, "SciPy", "SciPy", "SciPy"]
+    assert [peer.name for peer in found if not peer.inverse and peer.steps] == [
+        peer.name for peer in found if peer.name.endswith(("_step", "SAP"))
+    ]
     assert skipped[0] == "Pinocchio in C++ is skipped: no compiler today"
     missing = [] if drake else ["Drake", "Drake's steps"]
     assert skipped[1:] == [f"{name} is skipped: not installed; pip install 'pinpress[drake]'" for name in missing]
-    assert all(peer.cannot for peer in found)
+    assert all(peer.cannot for peer in found if peer.steps)
     for peer in found:
         assert list(peer.steps) == sorted(peer.steps, reverse=True)
 
@@ -428,9 +416,6 @@ def test_a_missing_program_is_skipped(presses, monkeypatch, module, name):
 def test_the_script_is_for_its_press(presses):
     line = "hand script is skipped: it is for zxn2_3000b, zxn2_3000b_balanced, rssp and bricard alone"
     assert line in find_peers(presses("crank_slide"))[1]
-    assert line in find_peers(pp.load("zxn2_3000b", gravity=(0, 0, 0)))[1]
-    with pytest.raises(pp.PinpressError, match="no runs"):
-        HandScript(presses("zxn2_3000b")).free_run(0.0, SPEED, 0.0, 1.0, 0.1)
 
 
 @pytest.mark.exhaustive

@@ -1,20 +1,14 @@
 """How long the first call of every public function takes on a shipped press, each in a new process.
 
-Run `python tests/benchmarks/speed/first_calls.py`, with words behind it for the calls whose names have one of them. pytest does not
-collect this file. The press is loaded, and what the call takes is there (see `GIVEN`). The times are the least of three processes: how long
-the first call keeps its user waiting, with the imports that it needs; the processor's time of it, on all cores; that of the same call once
-more. Calls that search or run other programs, and those that need Matplotlib, whose import alone takes half a second, stand in tables of
-their own. The last table has whole processes: commands, and what Python, NumPy, Pinocchio and those parts of SciPy take of them that
-integrate and interpolate.
+The press is loaded, and what the call takes is there (see `GIVEN`). The times are the least of three processes: how long the first call
+keeps its user waiting, with the imports that it needs; the processor's time of it; that of the same call once more. Calls that search, and
+those that need Matplotlib, whose import alone takes half a second, stand in tables of their own. Imports of whole processes are in
+`savings`.
 """
 
-import argparse
-import os
 import re
-import resource
-import subprocess
-import sys
-import tempfile
+
+from benchmarks.stopwatch import in_new_process, ms, table
 
 REPEATS = 3
 
@@ -76,7 +70,7 @@ GIVEN = {
     "curve": "pp.balancing.trade_off(press, motion, regions=REGIONS, first=VERTICAL, second=pp.balancing.AddedMass(), points=3)",
 }
 
-QUICK = {
+CALLS = {
     "load": "pp.load('zxn2_3000b')",
     "check": "pp.check('zxn2_3000b')",
     "presses": "pp.presses()",
@@ -186,90 +180,29 @@ PLOTS = {
     "plots.save": "pp.plots.save(pp.plots.draw(motion, 'position'), folder / 'plot.svg')",
 }
 KINDS = {
-    "calls": QUICK,
+    "calls": CALLS,
     "calls that search": SEARCHES,
     "plots; `import matplotlib.pyplot` alone:": {"import": "import matplotlib.pyplot"} | PLOTS,
 }
 
-WAITING_FOR = (
-    "\nWhat takes longest, but for work, imports SciPy, for DOP853 or splines. Whatever is imported of that, its"
-    " `from numpy import *` imports numpy.f2py and numpy.testing too, see the table of processes."
-)
-
-COMMANDS = {
-    "python": ["-c", "pass"],
-    "import numpy, pinocchio": ["-c", "import numpy, pinocchio"],
-    "import numpy, pinocchio, numpy.f2py, numpy.testing": ["-c", "import numpy, pinocchio, numpy.f2py, numpy.testing"],
-    "import numpy, pinocchio, scipy.integrate": ["-c", "import numpy, pinocchio, scipy.integrate"],
-    "import numpy, pinocchio, scipy.interpolate": ["-c", "import numpy, pinocchio, scipy.interpolate"],
-    "pinpress --help": ["-m", "pinpress", "--help"],
-    "pinpress about": ["-m", "pinpress", "about"],
-    "pinpress check": ["-m", "pinpress", "check", "zxn2_3000b"],
-    "pinpress analyse": ["-m", "pinpress", "analyse", "zxn2_3000b", "--speed", "70"],
-    "pinpress simulate": ["-m", "pinpress", "simulate", "zxn2_3000b", "--speed", "70", "--duration", "2"],
-    "pinpress report": ["-m", "pinpress", "report", "zxn2_3000b", "--speed", "70", "--out", "page.html"],
-}
-
 
 def main(quick: bool = False) -> None:
-    """Run the benchmark; ``quick``: the first call of each kind and no commands, without a meaning of the times."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("words", nargs="*", help="in the names of the calls that are timed; by default all are")
-    words = parser.parse_args().words
+    """Print a table for each kind of calls; ``quick``: of each kind the first call, once."""
     for title, calls in KINDS.items():
-        wanted = {name: call for name, call in calls.items() if not words or any(word in name for word in words)}
-        if wanted:
-            print(f"\n| {title} | waited [ms] | first [ms] | again [ms] |\n|---|---:|---:|---:|")
-        wanted = dict(list(wanted.items())[:1]) if quick else wanted
-        found = {name: seconds(call) for name, call in wanted.items()}
-        for name, (waited, first, again) in sorted(found.items(), key=lambda each: -each[1][0]):
-            print(f"| {name} | {1e3 * waited:.0f} | {1e3 * first:.0f} | {1e3 * again:.1f} |", flush=True)
-    print(WAITING_FOR)
-    commands = {} if quick else {name: line for name, line in COMMANDS.items() if not words or any(word in name for word in words)}
-    if commands:
-        print("\n| processes | whole [ms] |\n|---|---:|")
-    for name, line in commands.items():
-        print(f"| {name} | {1e3 * of_process(line):.0f} |", flush=True)
+        times = {name: seconds(call, 1 if quick else REPEATS) for name, call in list(calls.items())[: 1 if quick else None]}
+        rows = [(name, *map(ms, row)) for name, row in sorted(times.items(), key=lambda item: -item[1][0])]
+        print(table((title, "waited [ms]", "first [ms]", "again [ms]"), rows), flush=True)
+        print()
 
 
-def of_process(arguments: list[str]) -> float:
-    """Of a whole process of Python, from its start to its end: the least of several."""
-    compiled = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    times = []
-    with tempfile.TemporaryDirectory() as folder:
-        for _ in range(REPEATS + 1):
-            before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            run = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, check=False, env=compiled, cwd=folder)
-            if run.returncode:
-                sys.exit(f"{arguments}\n{run.stderr}")
-            after = resource.getrusage(resource.RUSAGE_CHILDREN)
-            times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    return min(times[1:])
-
-
-def seconds(call: str) -> tuple[float, ...]:
+def seconds(call: str, repeats: int) -> tuple[float, ...]:
     """Of the first call in a new process the time that passes and that of the processor, and that of the next call: the least of
     several."""
-    program = START + given(call) + TIMED.format(call=call)
-    compiled = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}  # as where it is installed
-    times = []
-    for _ in range(REPEATS + 1):
-        run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, env=compiled)
-        if run.returncode:
-            sys.exit(f"{call}\n{run.stderr}")
-        times.append(tuple(map(float, run.stdout.split()[-3:])))
-    return tuple(map(min, zip(*times[1:], strict=True)))  # in the first one modules may have been compiled
-
-
-def given(call: str) -> str:
-    """The lines that make what a call takes."""
     words, lines = set(re.findall(r"\w+", call)), []
     for name, made in reversed(GIVEN.items()):
         if name in words:
             words |= set(re.findall(r"\w+", made))
             lines.append(f"{name} = {made}\n")
-    return "".join(reversed(lines))
-
-
-if __name__ == "__main__":
-    main()
+    program = START + "".join(reversed(lines)) + TIMED.format(call=call)
+    runs = [tuple(map(float, in_new_process(program).split()[-3:])) for _ in range(repeats + 1)]
+    return tuple(map(min, zip(*runs[1:], strict=True)))  # in the first one modules may have been compiled

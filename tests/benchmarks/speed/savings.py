@@ -1,21 +1,13 @@
 """What a scene does not need, and what leaving it out saves: time of the six-bar ZXN2-3000(B) with and without each thing, memory of fresh
-interpreters.
-
-Run `python tests/benchmarks/speed/savings.py`; `--quick` for a fifth of the repeats. pytest does not collect this file. It prints
-the tables and writes them to `viz/savings.md`. Contestants of a table take turns within each repeat, so that whatever else the machine does
-meets all of them; the least time counts. Ratios are to the first row of the same table.
+interpreters. It writes viz/savings.md.
 """
-
-from __future__ import annotations
 
 import itertools
 import os
 import platform
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -23,56 +15,29 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
-from benchmarks.stopwatch import least as least_seconds
-from benchmarks.stopwatch import once
+import trimesh
+from benchmarks.stopwatch import compared, in_new_process, least, ms, once, table
 
 import pinpress as pp
-from pinpress.linkage.memo import keep_all_but
+from pinpress.accuracy.work_precision import without_table
 from pinpress.simulation.reduced_model import reduced_model_of
 
 ROOT = Path(__file__).resolve().parents[3]
 SPEED = 70 * pp.RPM
-REPEATS = {360: 60, 36000: 15}
 SIDES = 100  # of the mesh's sphere: it has 2 x 100 x 100 triangles
-WRITTEN = ROOT / "viz" / "savings.md"
-COMMAND = "python tests/benchmarks/speed/savings.py"
 
 Work = Callable[[], Any]
-Contestants = dict[str, Work]
+Works = dict[str, Work]
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """As Markdown, numbers to the right."""
-    lines = [head, ["---", *["---:"] * (len(head) - 1)], *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
-def compared(contestants: Contestants, repeats: int) -> str:
-    best = least_seconds(list(contestants.values()), repeats)
-    rows = [[name, _ms(seconds), f"{seconds / best[0]:.2f}"] for name, seconds in zip(contestants, best, strict=True)]
-    return table(["", "ms", "ratio"], rows)
-
-
-def both_sizes(make: Callable[[int], Contestants], repeats: dict[int, int]) -> str:
-    """The contestants at either number of crank angles beside each other; those that there are at the first alone are left empty."""
-    columns = {n: dict(zip(made := make(n), least_seconds(list(made.values()), count), strict=True)) for n, count in repeats.items()}
+def both_sizes(make: Callable[[int], Works], repeats: dict[int, int]) -> str:
+    """The works at each number of crank angles; those that there are at the first alone are left empty."""
+    columns = {n: dict(zip(works := make(n), least(list(works.values()), count), strict=True)) for n, count in repeats.items()}
     rows = []
     for name in next(iter(columns.values())):
-        row = [name]
-        for found in columns.values():
-            seconds = found.get(name)
-            row += ["", ""] if seconds is None else [_ms(seconds), f"{seconds / next(iter(found.values())):.2f}"]
-        rows.append(row)
+        cells = [(ms(s[name]), f"{s[name] / next(iter(s.values())):.2f}") if name in s else ("", "") for s in columns.values()]
+        rows.append((name, *itertools.chain(*cells)))
     return table(["", *itertools.chain(*((f"{n} angles, ms", "ratio") for n in columns))], rows)
-
-
-def _ms(seconds: float) -> str:
-    return f"{1e3 * seconds:.3g}" if seconds < 0.0995 else f"{1e3 * seconds:.0f}"
-
-
-# ------------------------------------------------------------------------------------------------------------------------------ tables
 
 
 def whole_motion(press: pp.Linkage, points: int, engine: str = "auto") -> None:
@@ -81,7 +46,7 @@ def whole_motion(press: pp.Linkage, points: int, engine: str = "auto") -> None:
     _ = motion.q, motion.v, motion.a, motion.slide_position, motion.slide_velocity, motion.slide_acceleration
 
 
-def bearings(n: int) -> Contestants:
+def bearings(n: int) -> Works:
     """Inverse dynamics of one motion with fewer bearings, by either engine, beside the motion itself."""
     press = pp.load("zxn2_3000b")
     motion = pp.cycle(press, speed=SPEED, points=n)
@@ -110,7 +75,7 @@ def bearings(n: int) -> Contestants:
     return found
 
 
-def scenes(n: int) -> Contestants:
+def scenes(n: int) -> Works:
     """Inverse dynamics of the six-bar, all bearings, with one thing more at a time."""
     press = pp.load("zxn2_3000b")
     weightless = pp.load("zxn2_3000b", gravity=(0.0, 0.0, 0.0))
@@ -136,7 +101,7 @@ def scenes(n: int) -> Contestants:
     }
 
 
-def shared(n: int) -> Contestants:
+def shared(n: int) -> Works:
     """Inverse dynamics of presses of one size that share forces, or not, in one plane, or not."""
     presses = {name: pp.load(name) for name in ("jf75g_125", "jf75g_125_two_point", "jf75g_125_symmetric")}
     motions = {name: pp.cycle(press, speed=300 * pp.RPM, points=n) for name, press in presses.items()}
@@ -145,7 +110,7 @@ def shared(n: int) -> Contestants:
         "jf75g_125_two_point": "rods in parallel planes share",
         "jf75g_125_symmetric": "gears and rods share",
     }
-    found: Contestants = {}
+    found: Works = {}
     for name, press in presses.items():
         what = f"`{name}`, {len(press.bearings)} bearings: {words[name]}"
         found[what] = lambda press=press, name=name: pp.inverse_dynamics(press, motions[name])
@@ -156,7 +121,7 @@ def shared(n: int) -> Contestants:
     return found
 
 
-def kept() -> Contestants:
+def kept() -> Works:
     """What is worked out once for a press, beside what is done again."""
     press, sizes = pp.load("zxn2_3000b"), itertools.cycle(range(356, 365))
 
@@ -166,11 +131,6 @@ def kept() -> Contestants:
     def walked() -> None:
         _ = fresh().branch
 
-    def without_table() -> pp.Linkage:
-        equal = replace(press)
-        keep_all_but(reduced_model_of, equal, press)
-        return equal
-
     def run(press: pp.Linkage) -> pp.Run:
         return pp.simulate(press, 2.0, speed=SPEED, flywheel=pp.drives.Flywheel(500.0))
 
@@ -179,27 +139,16 @@ def kept() -> Contestants:
         "the first of a press": lambda: whole_motion(fresh(), 360),
         "of that the branch, walked once": walked,
         "a further `simulate` of 2 s": lambda: run(press),
-        "the first of a press whose branch is known": lambda: run(without_table()),
-        "of that the table of the reduced model": lambda: reduced_model_of(without_table()),
+        "the first of a press whose branch is known": lambda: run(without_table(press)),
+        "of that the table of the reduced model": lambda: reduced_model_of(without_table(press)),
     }
 
 
-def sphere(file: Path) -> None:
-    """A mesh, as a binary STL."""
-    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, SIDES + 1), np.linspace(0, np.pi, SIDES + 1), indexing="ij")
-    points = 0.1 * np.stack([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], axis=-1)
-    a, b, c, d = points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]
-    triangles = np.concatenate([np.stack([a, b, c], axis=2).reshape(-1, 3, 3), np.stack([a, c, d], axis=2).reshape(-1, 3, 3)])
-    record = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    record["corners"] = triangles
-    file.write_bytes(b"\0" * 80 + len(record).to_bytes(4, "little") + record.tobytes())
-
-
-def loading(folder: Path) -> Contestants:
+def loading(folder: Path) -> Works:
     """Reading a URDF with shapes, with and without their geometry; nothing but a picture needs that."""
     plain = ROOT / "urdf" / "zxn2_3000b.urdf"
     meshed = folder / "meshed.urdf"
-    sphere(folder / "sphere.stl")
+    trimesh.creation.uv_sphere(radius=0.1, count=[SIDES, SIDES]).export(folder / "sphere.stl")
     ball = '<visual><geometry><mesh filename="sphere.stl"/></geometry></visual>'
     meshed.write_text(plain.read_text(encoding="utf-8").replace('<link name="slide">', f'<link name="slide">{ball}', 1), encoding="utf-8")
 
@@ -216,13 +165,13 @@ def loading(folder: Path) -> Contestants:
     return {
         "`pin.buildModelFromUrdf`": lambda: pin.buildModelFromUrdf(str(plain)),
         "and geometry, by coal: boxes and cylinders": geometry(plain),
-        f"and geometry, with one mesh of {2 * SIDES * SIDES} triangles": geometry(relative),
+        f"and geometry, with one mesh of about {2 * SIDES**2} triangles": geometry(relative),
         "`pp.load`: model, loops, all checks, drawn pose closed; no geometry": lambda: pp.load(plain),
         "`pp.load` of the one with a mesh": lambda: pp.load(meshed),
     }
 
 
-def scenarios() -> Contestants:
+def scenarios() -> Works:
     """Forward dynamics of 50 scenarios together, and each alone."""
     press = pp.load("zxn2_3000b")
     inertias = np.linspace(1000.0, 3000.0, 50)
@@ -265,43 +214,27 @@ print(len([name for name in sys.modules if name.startswith("pinpress.")]))
 
 
 def fresh_processes(folder: Path, repeats: int) -> str:
-    """Wall time and memory of fresh interpreters, taking turns."""
-    best: dict[str, float] = dict.fromkeys(INTERPRETERS, np.inf)
-    said: dict[str, list[str]] = {}
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    """Wall time and memory of fresh interpreters, taking turns; each row has the least of both."""
+    runs: dict[str, list[tuple[float, list[int], str, str]]] = {name: [] for name in INTERPRETERS}
     for name in list(INTERPRETERS) * repeats:
-        command = [sys.executable, "-c", f"folder = {str(folder)!r}\n{INTERPRETERS[name]}\n{SEEN}"]
-        start = partial(subprocess.run, command, capture_output=True, text=True, check=True, env=environment)
-        done, seconds = once(start, time.perf_counter)
-        best[name] = min(best[name], seconds)
-        memory, large, modules = done.stdout.splitlines()[-3:]
-        if name not in said or int(memory.split()[1]) < int(said[name][0].split()[1]):
-            said[name] = [memory, large, modules]
-    base = best["`import pinocchio`"]
-    rows = []
-    for name, seconds in best.items():
-        memory, large, modules = said[name]
-        rows.append([name, _ms(seconds), f"{seconds / base:.2f}", *(f"{int(kb) / 1024:.0f}" for kb in memory.split()), modules, large])
-    return table(
-        ["fresh interpreter", "ms", "to `import pinocchio`", "resident, MiB", "peak, MiB", "modules of pinpress", "imported"], rows
-    )
-
-
-QUICK = {
-    "REPEATS": {360: 1},
-    "SIDES": 8,
-    "INTERPRETERS": {name: code for name, code in INTERPRETERS.items() if "import pinocchio" in name or "and `load`" in name},
-}  # what a quick run has instead
+        code = f"folder = {str(folder)!r}\n{INTERPRETERS[name]}\n{SEEN}"
+        printed, seconds = once(partial(in_new_process, code), time.perf_counter)
+        memory, large, modules = printed.splitlines()[-3:]
+        runs[name].append((seconds, [int(kb) for kb in memory.split()], modules, large))
+    base, rows = min(runs["`import pinocchio`"])[0], []
+    for name, several in runs.items():
+        seconds = min(several)[0]
+        _, memory, modules, large = min(several, key=lambda run: run[1][1])
+        rows.append((name, ms(seconds), f"{seconds / base:.2f}", *(f"{kb / 1024:.0f}" for kb in memory), modules, large))
+    head = ("fresh interpreter", "ms", "to `import pinocchio`", "resident, MiB", "peak, MiB", "modules of pinpress", "imported")
+    return table(head, rows)
 
 
 def main(quick: bool = False) -> None:
-    """Run the benchmark; ``quick``: in a few seconds, without a meaning of the times."""
-    globals().update(QUICK if quick else {})
-    share = 5 if quick else 1
-    sizes = {n: max(3, count // share) for n, count in REPEATS.items()}
-    few = max(3, 15 // share)
-    with tempfile.TemporaryDirectory() as made:
-        folder = Path(made)
+    """Print the tables and write them to viz/savings.md; ``quick``: print alone."""
+    sizes, few = ({360: 3}, 3) if quick else ({360: 60, 36000: 15}, 15)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
         parts = [
             ("Bearings that are not asked for", "Inverse dynamics alone, of a motion at hand.", both_sizes(bearings, sizes)),
             (
@@ -313,20 +246,15 @@ def main(quick: bool = False) -> None:
             ("What is kept with a press", "Each row includes all that it needs and that is not kept.", compared(kept(), few)),
             ("Geometry", "A URDF with boxes, cylinders and a mesh; shapes are read when they are drawn.", compared(loading(folder), few)),
             ("Scenarios", "Runs of 2 s under a constant torque.", compared(scenarios(), few)),
-            ("Imports and memory", "Only what is used is imported.", fresh_processes(folder, max(3, 10 // share))),
+            ("Imports and memory", "Only what is used is imported.", fresh_processes(folder, 1 if quick else 10)),
         ]
     machine = f"Python {platform.python_version()}, NumPy {np.__version__}, Pinocchio {pin.__version__}, {os.cpu_count()} cores"
     text = f"""# What is left out, and what that saves
 
 Times are of the six-bar ZXN2-3000(B) at 70 r/min, unless a table says otherwise. They are the least of many; the rows of a table take turns
-in one run, and ratios are to its first row. {machine}; written by `{COMMAND}`.
+in one run, and ratios are to its first row. {machine}; written by `python tests/benchmarks/run.py savings`.
 """
-    for title, words, rows in parts:
-        text += f"\n## {title}\n\n{words}\n\n{rows}\n"
+    text += "".join(f"\n## {title}\n\n{words}\n\n{rows}\n" for title, words, rows in parts)
     print(text)
     if not quick:
-        WRITTEN.write_text(text, encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()
+        (ROOT / "viz" / "savings.md").write_text(text, encoding="utf-8")

@@ -8,7 +8,7 @@ import pytest
 from support import texts
 from support.generators import small_linkages
 from support.generators.random_linkages import momentum_balance, newton_euler
-from support.generators.redundant_linkages import PIVOTS, three_cranks
+from support.generators.redundant_linkages import three_cranks
 from support.generators.spatial_crank_slide import CRANK_AXIS, GUIDE_AXIS, LENGTH, PIN_P, PIN_W, SPATIAL, inertial, text
 
 import pinpress as pp
@@ -65,16 +65,6 @@ def test_it_is_spatial_and_has_one_degree_of_freedom(spatial):
             urdf = SPATIAL.replace('<parent link="cross"/>', '<parent link="sleeve"/>').replace("</robot>", extra + spin + "</robot>")
         with pytest.raises(pp.UrdfError, match=f"mobility is {free}"):
             texts.load(urdf)
-
-
-def test_the_planar_engine_is_refused(spatial):
-    """By both calls, and "auto" takes the other one."""
-    with pytest.raises(pp.PinpressError, match="not a planar linkage"):
-        pp.cycle(spatial, SPEED, engine="plane")
-    motion = pp.cycle(spatial, SPEED, points=4)
-    with pytest.raises(pp.PinpressError, match="not a planar linkage"):
-        pp.inverse_dynamics(spatial, motion, engine="plane")
-    assert pp.inverse_dynamics(spatial, motion).engine == "space"
 
 
 def test_slide_in_closed_form(spatial):
@@ -218,50 +208,6 @@ def test_a_redundant_linkage_in_closed_form(offset, engine):
     assert np.abs(result.shaking_force - force).max() <= 1e-10 * peak
     assert np.abs(result.shaking_moment - moment).max() <= 1e-10 * peak
     assert np.abs(result.power_residual).max() <= 1e-10
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_redundant_forces_are_the_smallest(engine):
-    """Open forces are those of the least sum of squares: no push and pull that leaves every body in balance makes it smaller.
-
-    Such a push acts along the cranks, at both pins of each, and on the coupler the three are in balance. It must be square to the forces
-    found, 1e-12 of their product.
-    """
-    press = texts.load(three_cranks().urdf("O"))
-    motion = pp.servo_cycle(press, angle=np.linspace(-1.0, 1.5, 9), speed=4.0)
-    result = pp.inverse_dynamics(press, motion, engine=engine)
-    along = np.exp(1j * (0.5 + motion.crank_angle))
-    # axial forces x of second and y of third crank on the coupler, and any force of the driven one that balances sum and moment about B:
-    # (PIVOTS[1] - PIVOTS[0]) x along * x + (PIVOTS[2] - PIVOTS[0]) x along * y = 0, the driven crank takes -(x + y) along itself
-    x, y = (np.conj(PIVOTS[2]) * along).imag, -(np.conj(PIVOTS[1]) * along).imag
-    vector = np.stack([along.real, np.zeros(9), along.imag], axis=1)
-    # on the coupler: B, H, and C's reaction; each crank hands on what it gets from the frame
-    push = {"B": -(x + y), "O": -(x + y), "C": -x, "D": x, "H": y, "G": y}
-    product = sum((push[name][:, None] * vector * result.bearing_force[name]).sum(axis=1) for name in press.bearings)
-    size = sum(np.abs(push[name]) for name in press.bearings) * max(np.abs(f).max() for f in result.bearing_force.values())
-    assert np.abs(product).max() <= 1e-12 * size.max()
-    assert np.abs(x).max() > 0.5
-
-
-@pytest.fixture(scope="module")
-def open_components():
-    press = texts.load(three_cranks().urdf("O"))
-    return press, pp.inverse_dynamics(press, pp.servo_cycle(press, speed=5.0, angle=np.linspace(-1.0, 1.5, 7))).indeterminate
-
-
-def test_all_forces_of_a_redundant_linkage_are_open(open_components):
-    """Three parallel cranks can push and pull each other, in the plane and across it; a pin's tilting moments go with the latter."""
-    press, flags = open_components
-    for name in press.bearings:
-        assert flags[name][:3].all(), name
-        assert flags[name][[3, 5]].all() == (name in press.joints), name
-
-
-def test_no_moment_in_the_plane_is_open(open_components):
-    """Passive joints turn freely, and what moves nothing does no work at the driver: its torque is certain."""
-    press, flags = open_components
-    for name in press.bearings:
-        assert not flags[name][4], name
 
 
 @pytest.mark.one_in(3)

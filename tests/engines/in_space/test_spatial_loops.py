@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from support import texts
-from support.generators.random_linkages import momentum_balance
+from support.generators.random_linkages import apart, momentum_balance
 from support.generators.spatial_linkages import (
     BENNETT_DRAWN,
     BRICARD_DRAWN,
@@ -28,6 +28,7 @@ from support.oracles.cut_free import cut_free
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
+from pinpress.engines.spatial import equations
 
 TIMES = np.linspace(0.0, 2.0, 7)
 
@@ -180,47 +181,6 @@ def test_open_components(case):
         assert case.result.indeterminate[name].tolist() == reached[k].tolist(), name
 
 
-def test_forward_dynamics(case):
-    """The torques put into the tree's equations of motion with multipliers give the accelerations back, and the loops' forces.
-
-    [M -J^T; J 0] [a; multipliers] = [torque - rest; -dJ/dt v], solved densely; forces to 1e-12, accelerations to 1e-11 of those
-    that the torques alone would cause: the matrix has a condition up to 1e4, and torques and loads all but cancel.
-    """
-    model, data = case.press.model, case.press.model.createData()
-    at = [case.press.joints.index(name) for name in case.press.drivers]
-    for i, (q, v, a) in enumerate(zip(case.motion.q, case.motion.v, case.motion.a, strict=True)):
-        jacobian, second = case.loops.rows(q, v)
-        mass = pin.crba(model, data, q)
-        mass = np.triu(mass) + np.triu(mass, 1).T
-        driving = np.zeros(model.nv)
-        driving[at] = case.result.driving_torque[i]
-        effort = driving - pin.nonLinearEffects(model, data, q, v) + loaded(case, q)
-        matrix = np.block([[mass, -jacobian.T], [jacobian, np.zeros((len(jacobian), len(jacobian)))]])
-        sides = [np.concatenate([effort, -second]), np.concatenate([driving, np.zeros_like(second)])]
-        solution, alone = np.linalg.lstsq(matrix, np.transpose(sides), rcond=1e-12)[0].T
-        assert np.abs(solution[: model.nv] - a).max() <= 1e-11 * np.abs(alone[: model.nv]).max()
-        found, expected = case.loops.multipliers(case.result, i), solution[model.nv :]
-        peak = np.abs(jacobian).max() * case.force
-        assert np.abs(jacobian.T @ (found - expected)).max() <= 1e-12 * peak
-        for loop, force in zip(case.loops.loops, case.loops.forces(expected), strict=True):
-            certain = ~case.result.indeterminate[loop.name][:3]
-            assert np.abs((case.result.bearing_force[loop.name][i] - force)[certain]).max(initial=0.0) <= 1e-12 * case.force
-
-
-def loaded(case, q):
-    """Generalised forces (nv,) of the loads."""
-    model, data = case.press.model, case.loops.data
-    pin.computeJointJacobians(model, data, q)
-    pin.updateFramePlacements(model, data)
-    efforts = np.zeros(model.nv)
-    for load in case.loads:
-        frame = model.getFrameId(load.link, pin.BODY)
-        columns = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
-        arm = data.oMf[frame].rotation @ np.array(load.point)
-        efforts += columns[:3].T @ load.force + columns[3:].T @ np.cross(arm, load.force)
-    return efforts
-
-
 def test_power_and_momentum(case):
     """Power flows into energy, and what reaches the foundation is weight and loads less the rate of momentum; 1e-12 of the peak."""
     assert np.abs(case.result.power_residual).max() <= 1e-12
@@ -247,6 +207,36 @@ def test_equation_of_motion(name):
     expected = inertia * acceleration + change * speed**2 / 2 + lift
     torque = pp.inverse_dynamics(press, motion).driving_torque
     assert np.abs(torque - expected).max() <= 1e-11 * np.abs(expected).max()
+
+
+# ------------------------------------------------------------------------------------------------ all states at once, beside Pinocchio
+
+
+def test_all_states_at_once(case):
+    """The engine in space: motion; and forces with friction, stiffness and fewer bearings."""
+    press, theirs = case.press, case.motion
+    ours = pp.servo_cycle(press, angle=theirs.crank_angle, speed=theirs.crank_speed, acceleration=theirs.crank_acceleration, engine="space")
+    for name in ("joint_position", "v", "a"):
+        one, other = getattr(ours, name), getattr(theirs, name)
+        assert np.abs(one - other).max() <= 1e-12 * (1 + np.abs(other).max()), name
+    welds = {loop.name for loop in press.loops if loop.type == "fixed"}
+    rubbing = {name: pp.loads.Friction(0.05, radius=0.02) for name in press.bearings if name not in welds}
+    stiff = dict.fromkeys(press.bearings[:3], 1e8)
+    for more in ({}, {"friction": rubbing}, {"stiffness": stiff}, {"bearings": press.bearings[1:3]}, {"bearings": ()}):
+        one, other = (pp.inverse_dynamics(press, ours, case.loads, engine=engine, **more) for engine in ("space", "pinocchio"))
+        assert max(apart(one, case.result if "bearings" in more else other)) <= 1e-11
+        for name in press.bearings if not more else ():
+            np.testing.assert_array_equal(one.indeterminate[name], other.indeterminate[name])
+
+
+def test_logarithms_of_rotations():
+    rng = np.random.default_rng(4)
+    vectors = rng.normal(size=(40, 3))
+    sizes = np.concatenate([np.linspace(0.0, np.pi - 1e-6, 30), np.pi - np.geomspace(1e-9, 1e-2, 10)])
+    vectors *= (sizes / np.linalg.norm(vectors, axis=1))[:, None]
+    rotations = np.array([pin.exp3(vector) for vector in vectors]).transpose(1, 2, 0)
+    np.testing.assert_allclose(equations._logarithm(rotations).T, vectors, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(equations._logarithm(rotations).T[:20], vectors[:20], rtol=0, atol=1e-14)
 
 
 # -------------------------------------------------------------------------------------------------------------- the linkages one by one

@@ -104,7 +104,7 @@ def test_couplings_that_an_elastic_press_cannot_have_are_refused():
 
 
 @dataclass(frozen=True)
-class Controlled:
+class Controlled(pp.drives.SpeedTorqueDrive):
     """A motor behind a lag, with a speed control that has an integral part: the mean speed is the one that is set."""
 
     wanted: float
@@ -112,20 +112,13 @@ class Controlled:
     state = (0.0, 0.0)
     timed = True
     rated_torque = None
-    corners = ()
 
     def torque(self, speed, angle=0.0, time=0.0, state=()):
         return state[0] + 0.0 * speed
 
-    def motor_torque(self, speed, angle=0.0, time=0.0, state=()):
-        return self.torque(speed, angle, time, state)
-
     def rates(self, speed, angle=0.0, time=0.0, state=()):
         error = self.wanted - speed
         return (2000.0 * error + 20000.0 * state[1] - state[0]) / 0.01, error
-
-    def motor_speed(self, speed):
-        return speed
 
 
 @pytest.mark.exhaustive

@@ -418,6 +418,17 @@ def peaks(press, result):
     return force, max(moment, force * press.size)
 
 
+def apart(one, other):
+    """Largest differences between two results of one linkage: of forces as a share of the peak; of moments and torques, those of gear pairs
+    too, as a share of theirs."""
+    force, moment = peaks(other._press, other)
+    forces = [values - other.bearing_force[name] for name, values in one.bearing_force.items()] + [one.shaking_force - other.shaking_force]
+    moments = [values - other.bearing_moment[name] for name, values in one.bearing_moment.items()]
+    moments += [torque - other.coupling_torque[name] for name, torque in one.coupling_torque.items()]
+    moments += [one.shaking_moment - other.shaking_moment, one.driving_torque - other.driving_torque]
+    return max(np.abs(each).max() for each in forces) / force, max(np.abs(each).max() for each in moments) / moment
+
+
 def slides(press):
     """Joints that slide, by Pinocchio's names of them."""
     return {

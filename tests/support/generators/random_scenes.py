@@ -294,6 +294,23 @@ def scene(seed: int) -> Scene:
     return Scene(seed, name, made, *_played(random, made))
 
 
+def coupled(seed: int) -> Scene:
+    """Of one run with clutch, brake or both."""
+    random = np.random.default_rng([6, seed])
+    while True:
+        name, made = press(random)
+        duration, given = _played(random, made)
+        if {"clutch", "brake"} & given.keys():
+            return Scene(seed, name, made, duration, given)
+
+
+def started(seed: int) -> Scene:
+    """Of one run from rest under a motor that lifts the weights or swings them up."""
+    random = np.random.default_rng([7, seed])
+    name, made = press(random)
+    return Scene(seed, name, made, *_started(random, made))
+
+
 def batch(seed: int) -> Scene:
     """Of a batch: a crank, without clutch and brake."""
     random = np.random.default_rng([2, seed])

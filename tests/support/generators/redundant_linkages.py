@@ -9,19 +9,20 @@ from support.generators.random_linkages import Drawing
 PIVOTS = (0j, 1.0 - 0.2j, 0.45 + 0.6j)  # not in a line: the parallelogram has no change point
 
 
-def three_cranks(offset=0.0):
-    """A coupler on three parallel cranks of 0.3 m, one of them too many; ``offset`` spreads the pins along the normal."""
+def three_cranks(offset=0.0, third=True):
+    """A coupler on three parallel cranks of 0.3 m, one of them too many, or on two; ``offset`` spreads the pins along the normal."""
     arm = 0.3 * np.exp(0.5j)
     drawing = Drawing("three_cranks")
     drawing.joint("O", "frame", "crank", PIVOTS[0])
     drawing.joint("B", "crank", "coupler", PIVOTS[0] + arm, offset)
     drawing.joint("D", "frame", "second", PIVOTS[1])
-    drawing.joint("G", "frame", "third", PIVOTS[2], -offset)
     drawing.loop("C", "coupler", "second", PIVOTS[1] + arm, offset)
-    drawing.loop("H", "third", "coupler", PIVOTS[2] + arm, offset)
     drawing.body("crank", 4.0, PIVOTS[0] + 0.4 * arm)
     drawing.body("second", 3.0, PIVOTS[1] + 0.5 * arm)
-    drawing.body("third", 2.0, PIVOTS[2] + 0.6 * arm * np.exp(0.3j))
+    if third:
+        drawing.joint("G", "frame", "third", PIVOTS[2], -offset)
+        drawing.loop("H", "third", "coupler", PIVOTS[2] + arm, offset)
+        drawing.body("third", 2.0, PIVOTS[2] + 0.6 * arm * np.exp(0.3j))
     drawing.body("coupler", 9.0, 0.6 + 0.3j + arm, offset)
     return drawing
 

@@ -1,4 +1,5 @@
-"""Two shafts on one frame, geared or each with a drive of its own, with visuals; presses bolted down askew; a press with crank and ram."""
+"""A disc, or two; two shafts on one frame, geared or each with a drive of its own, with visuals; presses bolted down askew; a press with
+crank and ram."""
 
 from typing import Any
 
@@ -16,6 +17,30 @@ GEARED = """<robot name="geared">
 """
 LINK = """<link name="{0}"><inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
     <visual><origin xyz="0.04 -0.03 0"/><geometry><box size="0.1 0.02 0.02"/></geometry></visual></link>"""
+
+
+DISC = """<robot name="disc">
+  <link name="frame"/>
+  {discs}
+</robot>
+"""
+TURNED = """<link name="{name}">
+    <inertial><origin xyz="{x} 0 0"/><mass value="40"/><inertia ixx="2" ixy="0" ixz="0" iyy="3" iyz="0" izz="2"/></inertial>
+  </link>
+  <joint name="{joint}" type="continuous"><parent link="frame"/><child link="{name}"/><origin xyz="0.1 0 0.4"/><axis xyz="0 -1 0"/></joint>
+  <transmission name="drive_{joint}"><joint name="{joint}"/></transmission>"""
+
+
+def disc(eccentricity: float = 0.0) -> Any:
+    """A disc of 40 kg and 3 kg m2 about its centre of mass, which may be off its shaft [m]."""
+    return texts.load(DISC.format(discs=TURNED.format(name="disc", joint="O", x=eccentricity)))
+
+
+def two_discs() -> Any:
+    """Each turned by its driver."""
+    return texts.load(
+        DISC.format(discs="".join(TURNED.format(name=name, joint=joint, x=0.0) for name, joint in (("disc", "O"), ("other", "P"))))
+    )
 
 
 def geared(mimic: str, *drivers: str) -> Any:
