@@ -23,28 +23,28 @@ from pinpress.common.reading import matrices
 EXAMPLE = Path(__file__).parents[2] / "docs" / "jf75g_125_frame.yaml"
 FEET = [(x, y, -1.3) for x in (-0.55, 0.55) for y in (-0.5, 0.6)]
 RIGID = """\
-frame: {mass: 15 t, centre: [0, 100 mm, -0.35], inertia: [[9000, 10, 0], [10, 8000, 0], [0, 0, 4000]]}
+frame: {mass: 15 t, centre: [0, 100 mm, -0.35 m], inertia: [[9000, 10, 0], [10, 8000, 0], [0, 0, 4000 kg m2]]}
 mounts:
-  - points: [[-0.55, -0.5, -1.3], [-0.55, 0.6, -1.3]]
-    stiffness: [50 MN/m, 50 kN/mm, 2e8]
-    damping: [1e4, 1e4, 40 kNs/m]
-    static_stiffness: [4e7, 4e7, 1e8]
+  - points: [-0.55 -0.5 -1.3 m, -0.55 0.6 -1.3 m]
+    stiffness: [50 MN/m, 50 kN/mm, 2e8 N/m]
+    damping: 1e4 1e4 4e4 N s/m
+    static_stiffness: [4e7, 4e7, 1e8 N/m]
     area: 400 cm2
-  - points: [[0.55, -0.5, -1.3], [0.55, 0.6, -1.3]]
-    pad: {length: 200 mm, width: 0.2, thickness: 1 cm, hardness: 65, loss_factor: 15 %, stiffening: 1.3}
-crown: {mass: 4 t, centre: [0, 0, 1], inertia: [900, 800, 700]}
+  - points: [[0.55, -0.5, -1.3], [0.55, 0.6, -1.3 m]]
+    pad: {length: 200 mm, width: 0.2 m, thickness: 1 cm, hardness: 65, loss_factor: 15 %, stiffening: 1.3}
+crown: {mass: 4 t, centre: 0 0 1 m, inertia: 900 800 700 kg m2}
 uprights:
-  - {points: [[-0.5, 0, 0], [0.5, 0.4, 0], [0.5, -0.4, 0]], stiffness: [1e8, 1e8, 2e9], loss_factor: 0.01}
+  - {points: [[-0.5, 0, 0], [0.5, 0.4, 0], [0.5, -0.4, 0 m]], stiffness: 1e8 1e8 2e9 N/m, loss_factor: 0.01}
 attached:
-  NO: {mass: 120, centre: [0.8, 0, 0.4], inertia: [5, 6, 7], on: bed}
+  NO: {mass: 120 kg, centre: 0.8 0 0.4 m, inertia: 5 6 7 kg m2, on: bed}
   motor:
     mass: 450 kg
-    centre: [0, 0.9, 0.95]
-    inertia: [20, 10, 20]
-    springs: [{points: [[-0.3, 0.7, 0.8], [-0.3, 1.1, 0.8], [0.3, 0.7, 0.8], [0.3, 1.1, 0.8]], stiffness: [4e6, 4e6, 8e6]}]
+    centre: 0 0.9 0.95 m
+    inertia: [20, 10, 20 kg m2]
+    springs: [{points: [[-0.3, 0.7, 0.8], [-0.3, 1.1, 0.8], [0.3, 0.7, 0.8], [0.3, 1.1, 0.8 m]], stiffness: 4e6 4e6 8e6 N/m}]
 rotors:
-  - {inertia: 136, axis: [0, -2, 0]}
-  - {inertia: 1.2, axis: [0, 1, 0], ratio: -3, on: motor}
+  - {inertia: 136 kg m2, axis: [0, -2, 0]}
+  - {inertia: 1.2 kg m2, axis: 0 1 0, ratio: -3, on: motor}
 """
 
 
@@ -84,13 +84,11 @@ def read(tmp_path, text, name="frame.yaml"):
 
 
 def as_plain(entry):
-    """Entries as JSON has them: numbers where they are such."""
+    """Entries as JSON has them."""
     value = entry.value
     if isinstance(value, tuple):
         return [as_plain(each) for each in value]
-    if isinstance(value, str):
-        return float(value) if re.fullmatch(r"[-+.\de]+", value) else value
-    return {name: as_plain(each) for name, each in value.items()}
+    return value if isinstance(value, str) else {name: as_plain(each) for name, each in value.items()}
 
 
 def test_rigid_parts_are_those_of_python_from_yaml_and_json(tmp_path):
@@ -140,11 +138,11 @@ frame:
   loss_factor: 2 %
   lines: lines.csv
 mounts:
-  - points: [[0, 0, -1]]
-    stiffness: [1e8, 1e8, 1e8]
-  - points: [[1, 0, -1], [0, 1, -1]]
-    stiffness: [1e8, 1e8, 1e8]
-attached: {{cabinet: {{mass: 1, centre: [0.3, 0.2, 0], inertia: [1, 1, 1], on: bed}}}}
+  - points: 0 0 -1 m
+    stiffness: 1e8 1e8 1e8 N/m
+  - points: [1 0 -1 m, 0 1 -1 m]
+    stiffness: 1e8 1e8 1e8 N/m
+attached: {{cabinet: {{mass: 1 kg, centre: 0.3 0.2 0 m, inertia: 1 1 1 kg m2, on: bed}}}}
 """
 
 
@@ -215,24 +213,25 @@ def test_nodes_are_in_the_unit_of_their_header(monkeypatch, tmp_path):
     [
         ("mass: 15 t", "mas: 15 t", 1, "frame", "no key here, did you mean 'mass'?"),
         ("mass: 15 t", "mass: 15 mm", 1, "frame: mass", "in 'mm', which is none of kg, t, g"),
-        ("mass: 15 t", "mass: -15", 1, "frame", "Frame: mass is -15.0"),
+        ("mass: 15 t", "mass: -15 t", 1, "frame: mass", "-15000.0; give one finite number that is not negative"),
+        ("mass: 15 t", "mass: 15", 1, "frame: mass", "15 has no unit; write 15 t or 15 kg, whichever it is"),
         ("mass: 15 t, ", "", 1, "frame", "mass is missing"),
-        ("centre: [0, 100 mm, -0.35]", "centre: 0", 1, "frame: centre", "'0' is a text"),
-        ("centre: [0, 100 mm, -0.35]", "centre: [0, 1]", 1, "frame: centre", "2 numbers; write three"),
-        ("centre: [0, 100 mm, -0.35]", "centre: [0, 0,1, -0.35]", 1, "frame: centre", "4 numbers"),
+        ("centre: [0, 100 mm, -0.35 m]", "centre: 0", 1, "frame: centre", "give x, y, z .m., finite"),
+        ("centre: [0, 100 mm, -0.35 m]", "centre: 0 1 m", 1, "frame: centre", "give x, y, z .m., finite"),
+        ("centre: [0, 100 mm, -0.35 m]", "centre: 0/1/2 m", 1, "frame: centre", "no row of numbers; write numbers with blanks"),
         ("frame:", "farme:", 1, "", "'farme' is no key here, did you mean 'frame'?"),
         ("mounts:", "feet:", 2, "", "'feet' is no key here, did you mean 'mounts'?"),
-        ("stiffness: [50 MN/m, 50 kN/mm, 2e8]", "k: [1, 1, 1]", 4, "mounts: 1", "did you mean 'stiffness'?"),
-        ("    stiffness: [50 MN/m, 50 kN/mm, 2e8]\n", "", 3, "mounts: 1", "stiffness is missing"),
-        ("points: [[-0.55, -0.5, -1.3], [-0.55, 0.6, -1.3]]", "points: [-0.55, -0.5, -1.3]", 3, "mounts: 1: points", "no list of points"),
-        ("hardness: 65", "hardness: 95", 9, "mounts: 2: pad", "RubberPad: hardness is 95"),
+        ("stiffness: [50 MN/m, 50 kN/mm, 2e8 N/m]", "k: [1, 1, 1]", 4, "mounts: 1", "did you mean 'stiffness'?"),
+        ("    stiffness: [50 MN/m, 50 kN/mm, 2e8 N/m]\n", "", 3, "mounts: 1", "stiffness is missing"),
+        ("points: [-0.55 -0.5 -1.3 m, -0.55 0.6 -1.3 m]", "points: -0.55 -0.5 m", 3, "mounts: 1", "point is"),
+        ("hardness: 65", "hardness: 95", 9, "mounts: 2: pad: hardness", "95"),
         ("length: 200 mm, ", "", 9, "mounts: 2: pad", "length is missing"),
         ("on: bed", "on: bad", None, "", "no part of the frame 'bad', did you mean 'bed'?"),
-        ("axis: [0, -2, 0]", "axis: [0, 0, 0]", 21, "rotors: 1", "Rotor: axis is"),
+        ("axis: [0, -2, 0]", "axis: [0, 0, 0]", 21, "rotors: 1: axis", "give"),
         ("axis: [0, -2, 0]", "axis: [0, -2, x]", 21, "rotors: 1: axis: 3", "'x' is no number"),
-        (RIGID.partition("rotors:")[2], " {inertia: 136}", 20, "rotors", "keys with values; write a list"),
-        ("  - points: [[-0.55", "  -points: [[-0.55", None, "", "is no YAML|mounts"),
-        ("[-0.55, -0.5, -1.3]", "[-0.55, 5.5, -1.3]", None, "", "would be pulled by the weight"),
+        (RIGID.partition("rotors:")[2], " {inertia: 136 kg m2}", 20, "rotors", "axis is missing"),
+        ("  - points: [-0.55", "  -points: [-0.55", None, "", "is no YAML|mounts"),
+        ("-0.55 -0.5 -1.3 m", "-0.55 5.5 -1.3 m", None, "", "would be pulled by the weight"),
     ],
 )
 def test_mistakes_are_named(old, new, line, element, said, tmp_path):

@@ -173,7 +173,8 @@ def _last_unit(entry: Entry) -> str:
     """The unit of the last number of an entry; empty if it has none."""
     if isinstance(entry.value, tuple):
         return _last_unit(entry.value[-1]) if entry.value else ""
-    return _parted(entry.value)[1] if isinstance(entry.value, str) else ""
+    numbers, unit = _parted(entry.value) if isinstance(entry.value, str) else ([], "")
+    return unit if numbers else ""
 
 
 def _is_number(word: str) -> bool:
