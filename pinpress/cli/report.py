@@ -10,7 +10,7 @@ from ..common.outlets.text import written
 from ..dynamics.inputs import inputs
 from .options import SHORT, add_job_options, open_job, print_inputs, refuse_present
 
-MARK = b"pinpress"  # in every page of ours
+MARK = b'<meta name="generator" content="pinpress">'  # in every page of ours
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -54,8 +54,6 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: the job is wrong, presses cannot be assembled, a target cannot be met, or writing fails.
     """
-    from ..tolerances.dead_centre_scatter import SAMPLES  # seldom needed
-
     job = open_job(options)
     given, found = job.need("tolerances"), job.scatter()
     budgeted = job.budget() if "budget" in given else None
@@ -68,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
         if each is not None:
             print(f"\n{each}")
     where = f" of {given['dimensions']}" if isinstance(given["dimensions"], Path) else ""
-    sample = f"{given.get('samples', SAMPLES)} presses, seed {given.get('seed', 0)}"
+    sample = f"{len(found.height.deviation)} presses, seed {given.get('seed', 0)}"
     print_inputs(job, [*of_press(job.press), ("dimensions", f"{len(job.dimensions.parts)}{where}"), ("sample", sample), stated()])
     if options.out is not None:
         make_folder(options.out)

@@ -145,7 +145,7 @@ def with_loads(found: Source, specs: Sequence[str]) -> Source:
         name = next(each for each in itertools.chain([kind], (f"{kind}_{k}" for k in itertools.count(2))) if each not in loads)
         value = {"kind": kind, **{key.strip(): text.strip() for key, _, text in pairs}}
         called = f"--load {words}"
-        entry = replace(given_entries({name: value}, called, JOB), path=("loads",))
+        entry = given_entries({"loads": {name: value}}, called, JOB).items("loads")["loads"]
         items["loads"] = replace(items["loads"], value={**loads, **entry.items("loads")}) if loads else entry
         done.append(Change(f"loads.{name}", "", _written(entry.items("loads")[name])))
     return replace(found, items=items, changes=tuple(done))
