@@ -14,7 +14,7 @@ from pinpress.cli.main import main
 RECORDS = Path(__file__).resolve().parents[3] / "docs" / "records"
 IDLE = [RECORDS / f"{strokes}.csv" for strokes in (21, 42, 63)]
 COLUMNS = ["--angle", "crank [deg]", "--torque", "motor [N m]", "--ratio", "20.7"]
-HEIGHTS = ["--heights", "0," + ",".join(f"{k}mm" for k in range(1, 12)), "--heights-up", "0,2mm,5mm,9mm"]
+HEIGHTS = ["--heights", "0 1 2 3 4 5 6 7 8 9 10 11 mm", "--heights-up", "0 2 5 9 mm"]
 
 
 def test_it_prints_and_writes_what_the_library_gives(capsys, tmp_path):
@@ -22,7 +22,7 @@ def test_it_prints_and_writes_what_the_library_gives(capsys, tmp_path):
     arguments = [str(RECORDS / "stroke.csv"), *COLUMNS, *HEIGHTS, "--friction", "crank,gibs", "--cylinder", "--out", str(tmp_path / "out")]
     for file in IDLE:
         arguments += ["--idle", str(file)]
-    assert main(["force", "zxn2_3000b", *arguments]) == 0
+    assert main(["measured", "force", "zxn2_3000b", *arguments]) == 0
     out, err = capsys.readouterr()
     assert err == ""
     *idle, run = (pp.measured.record(file, "crank [deg]", "motor [N m]", ratio=20.7) for file in (*IDLE, RECORDS / "stroke.csv"))
@@ -48,19 +48,20 @@ def test_one_stroke_of_a_press_as_described(capsys, tmp_path):
     lines = (RECORDS / "stroke.csv").read_text().splitlines()
     (tmp_path / "one.csv").write_text("\n".join(lines[:613]) + "\n")
     with pytest.warns(pp.PinpressWarning, match="identify the press from a run without a blank"):
-        assert main(["force", "zxn2_3000b", str(tmp_path / "one.csv"), *COLUMNS, "--heights", "0,4mm,8mm,12mm"]) == 0
+        assert main(["measured", "force", "zxn2_3000b", str(tmp_path / "one.csv"), *COLUMNS, "--heights", "0 4 8 12 mm"]) == 0
     assert capsys.readouterr().out.startswith("MeasuredForce one.csv: at most")
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--heights", "0,4 inches"], "a part is in 'inches'"),
-        (["--heights", "0,4"], "give heights within its stroke, in m"),
-        (["--heights", "0,4mm", "--cylinder"], "also give them, --idle 30.csv --idle 60.csv"),
-        ([str(RECORDS / "stroke.csv"), "--heights", "0,4mm"], "two records are called stroke"),
-        (["--heights", "0,4mm", "--torque", "force"], "no column in"),
+        (["--heights", "0 4 inches"], "is in 'inches', which is none of m"),
+        (["--heights", "0 4 m"], "give heights within its stroke, in m"),
+        (["--heights", "0 4"], "4 has no unit; write 4 mm or 4 m, whichever it is"),
+        (["--heights", "0 4 mm", "--cylinder"], "also give them, --idle 30.csv --idle 60.csv"),
+        ([str(RECORDS / "stroke.csv"), "--heights", "0 4 mm"], "two records are called stroke"),
+        (["--heights", "0 4 mm", "--torque", "force"], "no column in"),
     ],
 )
 def test_wrong_words(capsys, words, said):
-    assert said in refused(capsys, "force", *COLUMNS, "zxn2_3000b", str(RECORDS / "stroke.csv"), *words)
+    assert said in refused(capsys, "measured", "force", *COLUMNS, "zxn2_3000b", str(RECORDS / "stroke.csv"), *words)

@@ -17,7 +17,7 @@ def test_it_prints_and_writes_what_the_library_gives(capsys, tmp_path):
     press = shipped("zxn2_3000b")
     arguments = [*map(str, RECORDS), *COLUMNS, "--friction", "crank,gibs", "--cylinder", "--prior", "0.15"]
     arguments += ["--known", "total mass=12100,100", "--out", str(tmp_path / "out")]
-    assert main(["identify", "zxn2_3000b", *arguments]) == 0
+    assert main(["measured", "identify", "zxn2_3000b", *arguments]) == 0
     out, err = capsys.readouterr()
     assert err == ""
     runs = [pp.measured.record(file, "crank [deg]", "motor [N m]", ratio=20.7) for file in RECORDS]
@@ -38,14 +38,14 @@ def test_it_prints_and_writes_what_the_library_gives(capsys, tmp_path):
     [
         (["--friction", "pin"], "did you mean 'pins'"),
         (["--torque", "engine"], "no column in"),
-        (["--added", "22.csv:slide=200"], "names no record: write RECORD:LINK=KG, as in --added 21.csv:slide=200"),
-        (["--added", "21.csv:slide=heavy"], "the mass is no number"),
+        (["--added", "22.csv:slide=200kg"], "names no record: write RECORD:LINK=MASS, as in --added 21.csv:slide=200kg"),
+        (["--added", "21.csv:slide=heavy"], "'heavy' is no number"),
         (["--known", "slide mass=2200"], "write NAME=VALUE,SD, as in --known 'slide mass=2200,5'"),
         (["--known", "slid mass=2200,5"], "did you mean 'slide mass'"),
     ],
 )
 def test_wrong_words(capsys, words, said):
-    assert main(["identify", "zxn2_3000b", str(RECORDS[0]), *COLUMNS, *words]) == 2
+    assert main(["measured", "identify", "zxn2_3000b", str(RECORDS[0]), *COLUMNS, *words]) == 2
     out, err = capsys.readouterr()
     assert said in err
     assert out == ""

@@ -11,9 +11,14 @@ import pinpress as pp
 from pinpress.cli.main import main
 from pinpress.common import tables
 
-FEET = ["--mount=point=-0.9/-0.7/-1.3", "--mount=point=0.9/-0.7/-1.3", "--mount=point=-0.9/0.7/-1.3", "--mount=point=0.9/0.7/-1.3"]
-STANDING = ["--press", "jf75g_125", "--frame", "mass=15t,centre=0/0.1/-0.3,inertia=9000/8000/7000", *FEET]
-PAD = ["--pad", "length=0.3,width=0.3,thickness=40mm,hardness=65,loss_factor=0.1"]
+JOB = """\
+file: jf75g_125
+foundation:
+  frame: {mass: 15 t, centre: 0 100 -300 mm, inertia: 9000 8000 7000 kg m2}
+  mounts:
+    points: [-900 -700 -1300 mm, 900 -700 -1300 mm, -900 700 -1300 mm, 900 700 -1300 mm]
+    pad: {length: 300 mm, width: 300 mm, thickness: 40 mm, hardness: 65, loss_factor: 0.1}
+"""
 
 
 @pytest.fixture
@@ -21,13 +26,14 @@ def files(tmp_path):
     """A record of three hits, and where its accelerometers sit."""
     tables.write_csv(tmp_path / "hits.csv", hammer_hits.columns())
     rows = [f"{name},{','.join(map(str, sensor.point))},{sensor.direction}" for name, sensor in hammer_hits.SENSORS.items()]
+    (tmp_path / "job.yaml").write_text(JOB)
     (tmp_path / "points.csv").write_text("\n".join(["channel,x,y,z,direction", *rows]) + "\n")
     return [str(tmp_path / "hits.csv"), "--points", str(tmp_path / "points.csv")]
 
 
 @pytest.mark.exhaustive
 def test_modes_of_hits_and_the_mounts_that_fit_them(capsys, tmp_path, files):
-    assert main(["vibration", *files, *STANDING, *PAD, "--fit", "--out", str(tmp_path / "out")]) == 0
+    assert main(["measured", "vibration", *files, "--job", str(tmp_path / "job.yaml"), "--fit", "--out", str(tmp_path / "out")]) == 0
     out, err = capsys.readouterr()
     assert err == ""
     system = hammer_hits.standing(65.0, 0.1)
@@ -43,7 +49,7 @@ def test_modes_of_hits_and_the_mounts_that_fit_them(capsys, tmp_path, files):
 
 
 def test_modes_in_a_band_without_a_model(capsys, files):
-    assert main(["vibration", *files, "--band", "3,50Hz", "--count", "6"]) == 0
+    assert main(["measured", "vibration", *files, "--band", "3 50 Hz", "--count", "6"]) == 0
     out, _ = capsys.readouterr()
     assert "3        15 channels" in out
     assert "calculated" not in out
@@ -55,9 +61,10 @@ def test_orders_of_a_running_press(capsys, tmp_path):
     speed = pp.RPM * (150 + 4 * time)
     angle = np.cumsum(speed) / 500
     tables.write_csv(tmp_path / "run.csv", {"time [s]": time, "top [m/s2]": np.sin(angle), "crank [deg]": np.degrees(angle) % 360})
+    (tmp_path / "job.yaml").write_text(JOB)
     (tmp_path / "points.csv").write_text("channel,x,y,z,direction\ntop [m/s2],0.8,0.6,1.2,z\n")
     points, out_folder = ["--points", str(tmp_path / "points.csv")], tmp_path / "out"
-    assert main(["vibration", str(tmp_path / "run.csv"), *points, "--angle", "crank [deg]", "--orders", "4", "--out", str(out_folder)]) == 0
+    assert main(["measured", "vibration", str(tmp_path / "run.csv"), *points, "--angle", "crank [deg]", "--orders", "4", "--out", str(out_folder)]) == 0
     out, _ = capsys.readouterr()
     record = pp.measured.vibration(str(tmp_path / "run.csv"), tmp_path / "points.csv", angle="crank [deg]")
     assert str(record.order_spectra(4)) in out
@@ -68,16 +75,15 @@ def test_orders_of_a_running_press(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "give --band 3,100, or --press with --frame and --mount"),
-        (["--band", "3"], "give the lowest and highest frequency in Hz, 3,100"),
-        (["--speed", "200", "--band", "3,50"], "--band is for hits on a frame at rest"),
-        (["--speed", "fast"], "is not a list of speeds"),
-        (["--band", "3,50", "--fit"], "--fit needs the mounts as described"),
-        (["--band", "3,50", "--press", "jf75g_125"], "--press has no modes without its mounts"),
-        (STANDING[2:], "--frame needs the press that stands on it"),
-        ([*STANDING, *PAD, "--angle", "crank [deg]"], "is for hits on a frame at rest"),
-        (["--band", "3,5000"], "are too few for 5000 Hz"),
+        ([], "give --band '3 100 Hz', or --job with a foundation"),
+        (["--band", "3 Hz"], "give the lowest and the highest frequency"),
+        (["--speed", "200 r/min", "--band", "3 50 Hz"], "--band is for hits on a frame at rest"),
+        (["--speed", "fast"], "is no row of numbers"),
+        (["--band", "3 50 Hz", "--fit"], "--fit needs the mounts as described"),
+        (["--band", "3 50 Hz", "--job", "jf75g_125"], "the job has no foundation"),
+        (["--job", "jf75g_125", "--angle", "crank [deg]"], "is for hits on a frame at rest"),
+        (["--band", "3 5000 Hz"], "are too few for 5000 Hz"),
     ],
 )
 def test_wrong_words(capsys, files, words, said):
-    assert said in refused(capsys, "vibration", *files, *words)
+    assert said in refused(capsys, "measured", "vibration", *files, *words)
