@@ -19,8 +19,9 @@ from .limits import Limit
 from .motion import ServoMotion
 from .motion_optimum import MotionOptimum
 from .motors import CatalogueMotor, MotorUtilisation, motor_use
-from .optimum import EXCEEDED, FEWEST_POINTS, MOST_POINTS, POINTS, best_motion, least_heat
+from .optimum import best_motion, least_heat
 from .paths import Path, Pendulum, Pulse
+from .task import EXCEEDED, FEWEST_POINTS, MOST_POINTS, POINTS
 
 LARGEST_RATIO = 1e6
 FAR = 2.0  # with a larger thermal use the motor is far too warm, and no motion is computed

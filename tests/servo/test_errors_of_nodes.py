@@ -8,7 +8,7 @@ from support import texts
 
 import pinpress as pp
 from pinpress import RPM, servo
-from pinpress.servo.optimum import node_error
+from pinpress.servo.task import node_error
 
 FULL = 2 * np.pi
 HEAVY = 1e9  # inertia compared with which that of a linkage is nothing [kg m2]

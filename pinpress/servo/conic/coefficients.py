@@ -44,6 +44,7 @@ class PathGrid:
 
     Attributes:
         legs: the path.
+        marks: of each leg, crank angles in its order at which nodes must stand [rad].
         angle: (N + 1,) crank angles of the nodes, one after the other [rad].
         leg: (N,) leg of each segment.
         share: (N + 1,) how far along its leg a node is, 0 to 1; at a rest 0.
@@ -51,6 +52,7 @@ class PathGrid:
     """
 
     legs: PathLegs
+    marks: Sequence[Array]
     angle: Array
     leg: NDArray[np.intp]
     share: Array
@@ -107,6 +109,7 @@ class Coefficients:
     from rests in proportion to the distance, and is constant on a path without rests.
 
     Attributes:
+        press_name: name of the press.
         grid: the nodes.
         inertia: (N + 1,) M at the nodes [kg m2].
         inner: (2, N) inner places, as shares of the segments' steps.
@@ -122,6 +125,7 @@ class Coefficients:
         bearings: forces of bearings by their names.
     """
 
+    press_name: str
     grid: PathGrid
     inertia: Array
     inner: Array
@@ -137,23 +141,19 @@ class Coefficients:
     bearings: Mapping[str, BearingCoefficients]
 
 
-def path_grid(press: Linkage, legs: PathLegs, heights: Iterable[float], points: int) -> PathGrid:
-    """Nodes along a path.
+def path_marks(press: Linkage, legs: PathLegs, heights: Iterable[float]) -> list[Array]:
+    """Of each leg, the crank angles at which the slide turns back or is at a height above bottom dead centre [m], in their order [rad]."""
+    positions = np.array([*heights], float) + dead_centres(press).bottom_position
+    return [_marks(press, start, end, positions) for start, end in itertools.pairwise(legs.angles.tolist())]
 
-    Args:
-        press: the press.
-        legs: the path.
-        heights: heights above bottom dead centre at which nodes are to stand, besides where the slide turns back [m].
-        points: number of segments; some more where nodes must stand at given places.
-    """
+
+def path_grid(legs: PathLegs, marks: Sequence[Array], points: int) -> PathGrid:
+    """Nodes along a path with this number of segments, and some more because of the `path_marks`."""
     ways = np.abs(np.diff(legs.angles))
-    bottom = dead_centres(press).bottom_position
-    wanted = np.array([*heights], float) + bottom
     angles, leg, share = [legs.angles[:1]], [], [np.zeros(1)]
-    for k, (start, end) in enumerate(zip(legs.angles[:-1], legs.angles[1:], strict=True)):
-        marks = _marks(press, start, end, wanted)
+    for k, (start, end) in enumerate(itertools.pairwise(legs.angles.tolist())):
         count = max(4, round(points * ways[k] / ways.sum()))
-        nodes = _grade_nodes(start, end, marks, count, legs.closed)
+        nodes = _grade_nodes(start, end, marks[k], count, legs.closed)
         angles.append(nodes[1:])
         leg.append(np.full(len(nodes) - 1, k))
         share.append(np.append(((nodes - start) / (end - start))[1:-1], 0.0))
@@ -161,7 +161,7 @@ def path_grid(press: Linkage, legs: PathLegs, heights: Iterable[float], points: 
     rest = np.zeros(len(angle), bool)
     if not legs.closed:
         rest[np.cumsum([0, *map(len, leg)])] = True
-    return PathGrid(legs, angle, np.concatenate(leg), np.concatenate(share), rest)
+    return PathGrid(legs, marks, angle, np.concatenate(leg), np.concatenate(share), rest)
 
 
 def load_heights(press: Linkage, loads: Sequence[Load]) -> list[float]:
@@ -240,6 +240,7 @@ def coefficients(
     work = process_work(loads, press, turning).reshape(-1, 3).sum(axis=1)
     inertia = accelerated.driving_torque - at_rest.driving_torque
     return Coefficients(
+        press_name=press.name,
         grid=grid,
         inertia=inertia[::3],
         inner=inner,

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..drive import ServoDrive
+from ..limits import Limit, TorqueRate
 from .coefficients import Coefficients
 
 Index = NDArray[np.intp]
@@ -88,6 +89,28 @@ class Bounded:
     length: tuple[Affine, ...] = ()
 
 
+def below_tangents(
+    torque: Affine, allowed: Array, fall: Array, speed: Array, slopes: tuple[Array, Array], limit: tuple[str, float, str]
+) -> list[Bounded]:
+    """A torque and its negative below the tangent of what a limit allows, which is convex in b.
+
+    Args:
+        torque: the torque of m segments.
+        allowed: (m,) torque that the limit allows at the motion at which the tangent touches [N m].
+        fall: (m,) by how much it falls with the speed there [N m s/rad].
+        speed: (m,) speed there: the mean of the speeds at the ends of a segment, or the root of b within it [rad/s].
+        slopes: (m,) derivatives of this speed by b at the beginning and at the end of the segment.
+        limit: name, number and unit of the limit.
+    """
+    name, number, unit = limit
+    level = allowed + 0.5 * fall * speed  # the tangent of a root has half its value at b = 0
+    before, after = (fall * slope for slope in slopes)
+    both = (
+        Affine(sign * torque.before + before, sign * torque.after + after, sign * torque.fixed, torque.segments) for sign in (1.0, -1.0)
+    )
+    return [Bounded(name, level, number, unit, quantity) for quantity in both]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class RelaxedPower:
     """A largest power in a form that is convex and that every motion within the power keeps.
@@ -115,6 +138,7 @@ class MotionProblem:
         drive: the drive.
         weights: weights of "heat" [1/(N2 m2 s)], "time" [1/s], "energy" [1/J], "peak" [1/(N m)] in the objective.
         time: largest time of a cycle [s]; None: only the objective or other limits restrict it.
+        limits: the limits in addition to those of the drive.
         bounds: limits that are each proportional to one number.
         rms: largest root mean square of the torque at the crank [N m], or None.
         below: (N,) whether a segment is outside the feed window, or None.
@@ -132,6 +156,7 @@ class MotionProblem:
     drive: ServoDrive
     weights: Mapping[str, float]
     time: float | None
+    limits: tuple[Limit, ...] = ()
     bounds: tuple[Bounded, ...] = ()
     rms: float | None = None
     below: NDArray[np.bool_] | None = None
@@ -147,6 +172,11 @@ class MotionProblem:
     def inertia(self) -> float:
         """Inertia of the drive at the crank [kg m2]."""
         return self.drive.crank_inertia
+
+    @property
+    def rate(self) -> float | None:
+        """Largest rate of the torque at the crank [N m/s], or None."""
+        return min((limit.rate * self.drive.ratio for limit in self.limits if isinstance(limit, TorqueRate)), default=None)
 
     def inner_torques(self) -> tuple[Affine, Affine]:
         """Torques at the two inner places of the segments, without the drag of the drive."""
@@ -180,6 +210,11 @@ class MotionProblem:
         c, step = self.coefficients, self.coefficients.grid.step
         inertia = (c.inertia + self.inertia) / 2.0
         return Affine(-inertia[:-1] / step, inertia[1:] / step, c.mean_torque, np.arange(len(step)))
+
+    def with_drag(self, b: Array) -> tuple[Affine, Array]:
+        """Mean torque over the segments with the drag of the drive at the speeds of a motion, and these mean speeds (N,) [rad/s]."""
+        torque, speed = self.mean_torque(), 0.5 * (np.sqrt(b[1:]) + np.sqrt(b[:-1]))
+        return torque._replace(fixed=torque.fixed + self.drive.crank_drag * self.coefficients.grid.way * speed), speed
 
     @property
     def resting(self) -> float:

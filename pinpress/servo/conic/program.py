@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.conic_program import AT_MOST, CONE, EQUAL, Rows, minimise
+from ...common.conic_program import AT_MOST, CONE, EQUAL, Rows, UnsolvedError, minimise
 from ...common.quantities import Array
 from .motion_problem import Affine, Bounded, Index, MotionProblem, RelaxedPower, figures, objective, rest_below
 
@@ -46,10 +46,6 @@ class Sizes(NamedTuple):
     torque: float
     torques: Array
     speed: float
-
-    def with_torques(self, times: float) -> Sizes:
-        """These sizes, with torques scaled by a factor."""
-        return self._replace(torque=times * self.torque, torques=times * self.torques)
 
 
 def first_sizes(problem: MotionProblem) -> Sizes:
@@ -415,7 +411,6 @@ def solve(
     sizes: Sizes,
     let_out: Callable[[str], bool] | None = None,
     extreme: tuple[int, float] | None = None,
-    tolerance: float = TOLERANCE,
 ) -> Solution:
     """The optimum, or with ``let_out`` the least share by which limits with these names must be relaxed.
 
@@ -424,12 +419,18 @@ def solve(
         sizes: sizes that scale the problem.
         let_out: name of a limit -> whether it may be relaxed.
         extreme: a node, and a sign 1 or -1: minimise sign x b at this node instead of the objective.
-        tolerance: tolerance of the solver; value and bound are correct for any tolerance.
 
     Raises:
         InfeasibleError: no motion keeps the limits.
-        UnsolvedError: the solver found no answer.
+        UnsolvedError: the solver found no answer, neither with these sizes nor with torques of three times this size.
     """
+    try:
+        return _solve(problem, sizes, let_out, extreme)
+    except UnsolvedError:
+        return _solve(problem, sizes._replace(torque=3.0 * sizes.torque, torques=3.0 * sizes.torques), let_out, extreme)
+
+
+def _solve(problem: MotionProblem, sizes: Sizes, let_out: Callable[[str], bool] | None, extreme: tuple[int, float] | None) -> Solution:
     program = _Program(problem, sizes, let_out)
     cost, fixed = program.write(), program.fixed_cost()
     if extreme is not None:
@@ -437,7 +438,7 @@ def solve(
         cost, fixed = np.zeros(program.width), 0.0
         cost[program.column[node]] = sign * sizes.b[node]
     scale = float(np.abs(cost).max())
-    optimum = minimise(cost / scale, program.rows, tolerance=tolerance, equilibrate=False, within=np.inf, remedy=REMEDY)
+    optimum = minimise(cost / scale, program.rows, tolerance=TOLERANCE, equilibrate=False, within=np.inf, remedy=REMEDY)
     x = optimum.x
     # b without a column is 0; rounding errors of the solver must not make b negative
     b = np.where(program.column < 0, 0.0, np.maximum(x[program.column], 1e-12) * sizes.b)
