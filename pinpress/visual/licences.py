@@ -2,7 +2,7 @@
 
 Pages carry Meshcat's viewer and Plotly's charts, each one script that many packages were bundled into. Meshcat's comes with a list of
 them, which leaves some out; Plotly's comes with none. What is missing stands in ``templates/licences.json``, which
-``docs/page_licences.py`` writes. Licences are SPDX expressions.
+``python docs/make.py page_licences`` writes. Licences are SPDX expressions.
 """
 
 import functools

@@ -4,11 +4,11 @@ Crank-slides are drawn at random: in any plane, at any crank angle, with the sli
 centres of mass off the pins' lines and off the plane, joint frames turned about.
 """
 
-import importlib.util
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import make
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -567,10 +567,7 @@ def test_radii_of_counterweights_are_positive(radii, link):
 
 @pytest.mark.exhaustive
 def test_the_page_is_what_its_script_prints():
-    spec = importlib.util.spec_from_file_location("viz_arrangements", ROOT / "viz" / "arrangements.py")
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    assert script.page() == (ROOT / "viz" / "arrangements.md").read_text(encoding="utf-8")
+    assert make.load("arrangements").page() == (ROOT / "viz" / "arrangements.md").read_text(encoding="utf-8")
 
 
 def test_a_press_whose_centre_of_mass_rests_runs_as_without_weight() -> None:
