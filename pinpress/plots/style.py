@@ -170,7 +170,7 @@ def legend(owner: Axes | Figure, handles: Sequence[Artist], names: Sequence[str]
 def above(axes: Axes, handles: Sequence[Artist], names: Sequence[str]) -> None:
     """Draw a legend in one line above the axes, clear of the curves."""
     where = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.98), "borderaxespad": 0.2, "columnspacing": 1.4}
-    legend(axes, handles, names, ncols=len(names), **where)
+    legend(axes, handles, [name.replace("\n", " ") for name in names], ncols=len(names), **where)
 
 
 def brief(name: str, most: int = LONGEST) -> str:
