@@ -107,7 +107,8 @@ def test_sections_of_a_report(crank, played, budget, tmp_path):
     accuracy = found["Accuracy of bottom dead centre"]
     rise = curves(chart(accuracy, "Rise of bottom dead centre"))["process, warm"][1]
     assert rise == pytest.approx([1e3 * each.rise for each in budget.conditions if each.condition == "process, warm"], rel=1e-5)
-    assert chart(accuracy, "")["rows"][0][:2] == ["9.55", "idle"]
+    (table,) = [block for block in accuracy["blocks"] if block.get("title") == ""]
+    assert table["rows"][0][:2] == ["9.55", "idle"]
     assert chart(accuracy, "Parts of bottom dead centre")["bars"]["heat"][-1] == pytest.approx(-48)
 
 
