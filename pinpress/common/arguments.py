@@ -14,7 +14,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
 from numbers import Real
-from typing import Any, NamedTuple, TypeGuard, TypeVar, get_origin
+from typing import Any, TypeGuard, TypeVar, get_origin
 
 import numpy as np
 
@@ -66,11 +66,8 @@ _OTHERS: dict[str, Callable[[Any], bool]] = {
 _OTHERS["Iterable"] = _OTHERS["Sequence"]
 
 
-class _Kind(NamedTuple):
-    """What a parameter accepts: objects of the library's classes, by their names, and other kinds, keys of `_OTHERS`."""
-
-    classes: tuple[str, ...]
-    others: tuple[str, ...]
+_Kind = tuple[tuple[str, ...], tuple[str, ...]]
+"""What a parameter accepts: names of the library's classes, and keys of `_OTHERS`."""
 
 
 def typed(function: Function) -> Function:
@@ -127,24 +124,24 @@ def _kind(annotation: object) -> _Kind | None:
     names = [name.strip().rpartition(".")[2] for name in text.split("|")]
     classes = tuple(name for name in names if name in MAKERS)
     others = tuple(name for name in names if name in _OTHERS)
-    return _Kind(classes, others) if len(classes) + len(others) == len(names) else None
+    return (classes, others) if len(classes) + len(others) == len(names) else None
 
 
 def _check(name: str, value: object, kind: _Kind) -> None:
-    for one in type(value).__mro__:
-        if one.__name__ in kind.classes and one.__module__.startswith("pinpress."):
-            return
-    if any(_OTHERS[other](value) for other in kind.others):
+    classes, others = kind
+    if any(one.__name__ in classes and one.__module__.startswith("pinpress.") for one in type(value).__mro__):
         return
-    kind_given = "a class" if isinstance(value, type) else f"a {type(value).__name__}"
-    if kind.classes:
-        raise PinpressError(f"{name} is {kind_given}, no {kind.classes[0]}: give what {MAKERS[kind.classes[0]]} returns")
-    if "bool" in kind.others:
+    if any(_OTHERS[other](value) for other in others):
+        return
+    given = "a class" if isinstance(value, type) else f"a {type(value).__name__}"
+    if classes:
+        raise PinpressError(f"{name} is {given}, no {classes[0]}: give what {MAKERS[classes[0]]} returns")
+    if "bool" in others:
         raise PinpressError(f"{name} is {shown(value)}: give True or False")
-    if "Callable" in kind.others:
+    if "Callable" in others:
         raise PinpressError(f"{name} is {shown(value)}: give a function")
-    if "Mapping" in kind.others:
-        raise PinpressError(f"{name} is {kind_given}: give a mapping, {name}={{...}}")
+    if "Mapping" in others:
+        raise PinpressError(f"{name} is {given}: give a mapping, {name}={{...}}")
     raise PinpressError(f"{name} is one {type(value).__name__}: give a list, {name}=[...]")
 
 

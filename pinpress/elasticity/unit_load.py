@@ -132,7 +132,8 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
     held = hold(press, stiffness, motion)
     shares = held.moved(held.unit)
     total = np.sum(list(shares.values()), axis=0)
-    bottom = _compliances_at(press, stiffness, centres.bottom_angle)
+    lowest = hold(press, stiffness, servo_cycle(press, speed=0.0, angle=[centres.bottom_angle]))
+    bottom = {name: float(share[0]) for name, share in lowest.moved(lowest.unit).items()}
     at_bottom = sum(bottom.values())
     if not total.min() > RIGID * max(float(total.max()), at_bottom) or not at_bottom > RIGID * total.max():
         where = motion.crank_angle[int(total.argmin())] if at_bottom > RIGID * total.max() else centres.bottom_angle
@@ -231,12 +232,6 @@ def hold(press: Linkage, stiffness: Stiffness, motion: Motion) -> HeldPress:
     if apart and press.engine_of_one_driver.redundant(press.closed):
         _refuse_unshared(held)
     return held
-
-
-def _compliances_at(press: Linkage, stiffness: Stiffness, angle: float) -> dict[str, float]:
-    """Compliances of the parts [m/N] at one crank angle [rad]."""
-    held = hold(press, stiffness, servo_cycle(press, speed=0.0, angle=[angle]))
-    return {name: float(share[0]) for name, share in held.moved(held.unit).items()}
 
 
 def _refuse_unshared(held: HeldPress) -> None:
