@@ -164,7 +164,7 @@ class SynthesisResult(Tabular):
             ["objective between crank angles", f"{self.finer_value:.6g}"],
             ["constraints between them missed by", f"{self.missed:.2g} of their size"],
         ]
-        return "\n".join([*lines, "", "Checks", *tables.table(checks, [width + number, 0])])
+        return "\n".join([*lines, "", "Checks", *tables.table(checks, [max(width + number, 36), 0])])
 
     def table(self) -> Records[BoundedQuantity]:
         """A row for each variable, then for each constraint."""

@@ -378,4 +378,4 @@ def test_what_a_constraint_is_missed_by_between_crank_angles_is_said(points, not
     assert largest > most * (1.0 + 1e-6)
     assert found.missed == pytest.approx(largest / most - 1.0, rel=0.3)
     assert any("between the crank angles of the trials: give more points=" in str(each.message) for each in caught) == noticed
-    assert f"{found.missed:.2g} of their size" in str(found)
+    assert f" {found.missed:.2g} of their size" in str(found)
