@@ -123,7 +123,7 @@ class Tabular(Frozen):
         table = tables.html(self.title, columns)
         if not pictured:
             return table
-        from .outlets.sparkline import sparkline  # to save start-up time: the XML library
+        from .outlets.sparkline import sparkline  # to save start-up time
 
         return f"<div>{sparkline(columns, pictured)}{table}</div>"
 
