@@ -112,7 +112,11 @@ def radau_rule(stages: int) -> RadauRule:
 
 def polynomial_values(coefficients: Array, x: Array) -> Array:
     """Values (..., n) at places x (n,) of polynomials with coefficients (..., k, n) of rising powers."""
-    return np.asarray(np.polynomial.polynomial.polyval(x, np.moveaxis(coefficients, -2, 0), tensor=False))
+    value = coefficients[..., -1, :].copy()
+    for k in range(coefficients.shape[-2] - 2, -1, -1):
+        value *= x
+        value += coefficients[..., k, :]
+    return value
 
 
 def values_and_slopes(coefficients: Array, x: Array) -> tuple[Array, Array]:
