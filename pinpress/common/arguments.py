@@ -219,7 +219,7 @@ def truth_value(name: str, value: object) -> bool:
 
 
 def is_whole_number(value: object) -> TypeGuard[int]:
-    """Whether a value is a whole number, of Python or of NumPy; truth values and spans of time are none."""
+    """Whether a value is a whole number of Python or NumPy, not a truth value or a span of time."""
     return isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
 
 
@@ -310,8 +310,7 @@ def numbers(name: str, values: object, shape: _Shape | None = None, *, unit: str
 
 
 def any_numbers(name: str, values: object, shape: _Shape | None = None) -> Array:
-    """The values as a new array of numbers, which may be infinite or NaN; raises as `numbers` where they are none. ``shape``: for the
-    message."""
+    """The values as a new array of numbers, which may be infinite or NaN; raises PinpressError as `numbers`. ``shape``: for the message."""
     array = _array(values)
     if isinstance(array, str):
         raise PinpressError(f"{name} is not {_shape_as_text(shape)}, but {array}: {shown(values)}")
@@ -363,7 +362,7 @@ def _array(values: Any) -> Array | str:
 
 
 def _odd(values: Iterable[Any], level: int = 1) -> bool:
-    """Whether nested lists and tuples hold what NumPy would turn into numbers without a warning, or have more levels than any array."""
+    """Whether nested lists and tuples have values that NumPy would turn into numbers without a warning, or more levels than any array."""
     return level > _DEEPEST or any(
         _odd(value, level + 1) if isinstance(value, list | tuple) else isinstance(value, bool | np.bool_ | np.ma.MaskedArray)
         for value in values

@@ -48,7 +48,7 @@ from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 SLOW = 1e-9  # share of the highest speed at which inertia is below rounding, but the slide still has a direction of travel
 BETWEEN = 0.37  # share of the highest speed and amplitude at which the coefficients are confirmed too
 AFFINE = 1e-9  # a quantity that differs by more than this share of its largest value is not affine
-TILES = 16  # along either axis: with fewer more states remain in each, and more take longer to prepare
+TILES = 16  # along either axis: in fewer tiles more states remain, and more tiles take longer to prepare
 LEAST = 24  # points of a tile along either axis
 Quantities = dict[str, Array]
 """Name -> (k, s) array, components by states."""
@@ -256,7 +256,7 @@ def _cycle(
     speed: float,
     force: float | None,
 ) -> tuple[Motion, Quantities]:
-    """One period at a speed and an amplitude (None: without the load), and its quantities."""
+    """One period at a speed and an amplitude, and its quantities. Without an amplitude (None) the load is left out."""
     motion = period_at(press, speed, points)
     acting = [*loads, *(_multiplied(load, force) for load in units)] if force is not None else list(loads)
     return motion, _quantities(inverse_dynamics(press, motion, acting, bearings=bearings))
@@ -312,7 +312,7 @@ def _extremes(affine: dict[str, Affine], speeds: Array, forces: Array, angles: b
 
 
 def _named_extremes(name: str, quantity: Affine, squares: Array, forces: Array, angles: bool) -> Iterator[tuple[str, tuple[Array, Any]]]:
-    """Names of the results of one quantity, each with its values (n, m) and the states of the extremes, or None."""
+    """Names of the results of one quantity, each with its values (n, m) and the states of its extremes (None if not wanted)."""
     if name.startswith("force_"):
         yield f"peak_{name}", largest(_without_nothing(quantity, squares, forces), squares, forces, True, angles)
         return
