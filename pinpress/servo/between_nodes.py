@@ -30,19 +30,12 @@ SLOW = 1e-3  # share of the top speed below which the power does not limit the m
 
 
 class FullMotion(NamedTuple):
-    """A motion by full inverse dynamics.
+    """A motion by full inverse dynamics."""
 
-    Attributes:
-        motion: the motion, with states within all segments and at rests.
-        reactions: the reactions of the motion.
-        time: (N + 1,) times at which the crank passes the nodes, or leaves them after a rest [s].
-        segment: index of the segment of each state; -1 at rests.
-    """
-
-    motion: ServoMotion
-    reactions: Reactions
-    time: Array
-    segment: NDArray[np.intp]
+    motion: ServoMotion  # the motion, with states within all segments and at rests
+    reactions: Reactions  # the reactions of the motion
+    time: Array  # (N + 1,) times at which the crank passes the nodes, or leaves them after a rest [s]
+    segment: NDArray[np.intp]  # index of the segment of each state; -1 at rests
 
 
 def excess_of(problem: MotionProblem, full: FullMotion) -> tuple[float, NDArray[np.bool_]]:

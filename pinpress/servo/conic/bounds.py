@@ -219,17 +219,11 @@ def _bearing_force(c: Coefficients, limit: BearingForce, place: int) -> Bounded:
 
 
 class SpeedTimes(NamedTuple):
-    """The least time of a cycle within limits of speed, for an arbitrarily strong drive.
+    """The least time of a cycle within limits of speed, for an arbitrarily strong drive."""
 
-    Attributes:
-        by_limit: name of a limit -> time for its part of the path [s]; where several limits hold, the slowest counts.
-        least: least time of a cycle, with the rests and the feed window [s].
-        reachable: whether a motion may take exactly this time: limits hold on the whole path, and the crank never rests.
-    """
-
-    by_limit: Mapping[str, float]
-    least: float
-    reachable: bool
+    by_limit: Mapping[str, float]  # name of a limit -> time for its part of the path [s]; where several limits hold, the slowest counts
+    least: float  # least time of a cycle, with the rests and the feed window [s]
+    reachable: bool  # whether a motion may take exactly this time: limits hold on the whole path, and the crank never rests
 
     @property
     def words(self) -> str:

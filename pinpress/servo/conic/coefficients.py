@@ -40,23 +40,14 @@ APART = 1e-7  # crank angles closer than this count as one place [rad]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PathGrid:
-    """Nodes of a path, N segments between them.
+    """Nodes of a path, N segments between them."""
 
-    Attributes:
-        legs: the path.
-        marks: of each leg, crank angles in its order at which nodes must stand [rad].
-        angle: (N + 1,) crank angles of the nodes, one after the other [rad].
-        leg: (N,) leg of each segment.
-        share: (N + 1,) how far along its leg a node is, 0 to 1; at a rest 0.
-        rest: (N + 1,) whether the crank rests at the node.
-    """
-
-    legs: PathLegs
-    marks: Sequence[Array]
-    angle: Array
-    leg: NDArray[np.intp]
-    share: Array
-    rest: NDArray[np.bool_]
+    legs: PathLegs  # the path
+    marks: Sequence[Array]  # of each leg, crank angles in its order at which nodes must stand [rad]
+    angle: Array  # (N + 1,) crank angles of the nodes, one after the other [rad]
+    leg: NDArray[np.intp]  # (N,) leg of each segment
+    share: Array  # (N + 1,) how far along its leg a node is, 0 to 1; at a rest 0
+    rest: NDArray[np.bool_]  # (N + 1,) whether the crank rests at the node
 
     @property
     def step(self) -> Array:
@@ -75,30 +66,19 @@ class PathGrid:
 
 
 class PathMotion(NamedTuple):
-    """An approximate motion along a path.
+    """An approximate motion along a path."""
 
-    Attributes:
-        way_gone: (m,) way of the crank from the start of the path [rad].
-        b: (m,) square of its speed there [rad2/s2].
-    """
-
-    way_gone: Array
-    b: Array
+    way_gone: Array  # (m,) way of the crank from the start of the path [rad]
+    b: Array  # (m,) square of its speed there [rad2/s2]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BearingCoefficients:
-    """Force of a bearing at the inner places of segments: by_acceleration x acceleration + by_square x b + fixed, world axes.
+    """Force of a bearing at the inner places of segments: by_acceleration x acceleration + by_square x b + fixed, world axes."""
 
-    Attributes:
-        by_acceleration: (2, N, 3) [N s2/rad].
-        by_square: (2, N, 3) [N s2/rad2].
-        fixed: (2, N, 3), with the process [N].
-    """
-
-    by_acceleration: Array
-    by_square: Array
-    fixed: Array
+    by_acceleration: Array  # (2, N, 3) [N s2/rad]
+    by_square: Array  # (2, N, 3) [N s2/rad2]
+    fixed: Array  # (2, N, 3), with the process [N]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -107,38 +87,22 @@ class Coefficients:
 
     The inner places follow Gauss's rule over the time of an approximate motion. Without such a motion they follow a motion whose b rises
     from rests in proportion to the distance, and is constant on a path without rests.
-
-    Attributes:
-        press_name: name of the press.
-        grid: the nodes.
-        inertia: (N + 1,) M at the nodes [kg m2].
-        inner: (2, N) inner places, as shares of the segments' steps.
-        inner_inertia: (2, N) M there [kg m2].
-        inner_slope: (2, N) dM/d(crank angle) there [kg m2/rad].
-        inner_torque: (2, N) G + F there [N m].
-        mean_torque: (N,) mean of G + F over the crank angle of a segment [N m].
-        travel: (N + 1,) way of the slide by crank angle at the nodes [m/rad].
-        inner_travel: (2, N) the same at the inner places [m/rad].
-        inner_bend: (2, N) its derivative there [m/rad2].
-        height: (N + 1,) height of the slide above bottom dead centre [m].
-        holding: (k,) torque that holds the press at the end of each leg [N m].
-        bearings: forces of bearings by their names.
     """
 
-    press_name: str
-    grid: PathGrid
-    inertia: Array
-    inner: Array
-    inner_inertia: Array
-    inner_slope: Array
-    inner_torque: Array
-    mean_torque: Array
-    travel: Array
-    inner_travel: Array
-    inner_bend: Array
-    height: Array
-    holding: Array
-    bearings: Mapping[str, BearingCoefficients]
+    press_name: str  # name of the press
+    grid: PathGrid  # the nodes
+    inertia: Array  # (N + 1,) M at the nodes [kg m2]
+    inner: Array  # (2, N) inner places, as shares of the segments' steps
+    inner_inertia: Array  # (2, N) M there [kg m2]
+    inner_slope: Array  # (2, N) dM/d(crank angle) there [kg m2/rad]
+    inner_torque: Array  # (2, N) G + F there [N m]
+    mean_torque: Array  # (N,) mean of G + F over the crank angle of a segment [N m]
+    travel: Array  # (N + 1,) way of the slide by crank angle at the nodes [m/rad]
+    inner_travel: Array  # (2, N) the same at the inner places [m/rad]
+    inner_bend: Array  # (2, N) its derivative there [m/rad2]
+    height: Array  # (N + 1,) height of the slide above bottom dead centre [m]
+    holding: Array  # (k,) torque that holds the press at the end of each leg [N m]
+    bearings: Mapping[str, BearingCoefficients]  # forces of bearings by their names
 
 
 def path_marks(press: Linkage, legs: PathLegs, heights: Iterable[float]) -> list[Array]:

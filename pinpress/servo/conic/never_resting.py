@@ -46,17 +46,11 @@ class NoTurnError(PinpressError):
 
 
 class TimedTurn(NamedTuple):
-    """A motion that takes its time.
+    """A motion that takes its time."""
 
-    Attributes:
-        answer: the last program's solution.
-        limited: this program's problem.
-        change: relative change of the value in the last round.
-    """
-
-    answer: Solution
-    limited: MotionProblem
-    change: float
+    answer: Solution  # the last program's solution
+    limited: MotionProblem  # this program's problem
+    change: float  # relative change of the value in the last round
 
     @property
     def as_motion(self) -> PathMotion:
@@ -69,15 +63,10 @@ class TimedTurn(NamedTuple):
 
 
 class CoarseTurn(NamedTuple):
-    """A motion that takes its time on a coarse path, the start for every finer path.
+    """A motion that takes its time on a coarse path, the start for every finer path."""
 
-    Attributes:
-        turn: the motion.
-        gap: no turn on this path is better by more than this share [-]; infinite if no bound was found.
-    """
-
-    turn: TimedTurn
-    gap: float
+    turn: TimedTurn  # the motion
+    gap: float  # no turn on this path is better by more than this share [-]; infinite if no bound was found
 
 
 def time_of(problem: MotionProblem, b: Array) -> float:

@@ -33,19 +33,12 @@ REMEDY = "give limits, inertia and time of a realistic size, or another number o
 
 
 class Sizes(NamedTuple):
-    """Sizes by which unknowns and cones are scaled.
+    """Sizes by which unknowns and cones are scaled."""
 
-    Attributes:
-        b: (N + 1,) size of b at the nodes; 0 at rests.
-        torque: of torques [N m].
-        torques: (N,) of the torque of each segment [N m].
-        speed: of the crank [rad/s].
-    """
-
-    b: Array
-    torque: float
-    torques: Array
-    speed: float
+    b: Array  # (N + 1,) size of b at the nodes; 0 at rests
+    torque: float  # of torques [N m]
+    torques: Array  # (N,) of the torque of each segment [N m]
+    speed: float  # of the crank [rad/s]
 
 
 def first_sizes(problem: MotionProblem) -> Sizes:
@@ -89,24 +82,15 @@ def sizes_of(problem: MotionProblem, b: Array) -> Sizes:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution:
-    """An optimum and its proof.
+    """An optimum and its proof."""
 
-    Attributes:
-        b: (N + 1,) at the nodes [rad2/s2].
-        value: objective of b.
-        bound: no motion along these nodes has a lower objective.
-        prices: name of a limit -> the objective falls by this much for each unit by which the limit is relaxed.
-        where: name of a limit -> (N + 1,) or (N,) bool, nodes or segments at which the limit is active.
-        relaxed: share by which limits are relaxed, of a program that relaxes limits.
-        parts: name of a limit -> its part in the contradiction, of a program that relaxes limits.
-    """
-
-    b: Array
-    value: float
-    bound: float
-    prices: Mapping[str, float]
-    where: Mapping[str, NDArray[np.bool_]]
-    relaxed: float = 0.0
+    b: Array  # (N + 1,) at the nodes [rad2/s2]
+    value: float  # objective of b
+    bound: float  # no motion along these nodes has a lower objective
+    prices: Mapping[str, float]  # name of a limit -> the objective falls by this much for each unit by which the limit is relaxed
+    where: Mapping[str, NDArray[np.bool_]]  # name of a limit -> (N + 1,) or (N,) bool, nodes or segments at which the limit is active
+    relaxed: float = 0.0  # share by which limits are relaxed, of a program that relaxes limits
+    # name of a limit -> its part in the contradiction, of a program that relaxes limits
     parts: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -19,15 +19,10 @@ from .motion_problem import Affine, Bounded, MotionProblem, below_tangents
 
 
 class TorqueLine(NamedTuple):
-    """Largest torque at the crank: torque - fall x size of the crank's speed.
+    """Largest torque at the crank: torque - fall x size of the crank's speed."""
 
-    Attributes:
-        torque: [N m].
-        fall: not negative [N m s/rad].
-    """
-
-    torque: float
-    fall: float
+    torque: float  # [N m]
+    fall: float  # not negative [N m s/rad]
 
 
 def curve_name(drive: ServoDrive) -> str:
