@@ -77,14 +77,14 @@ def balance(
             argument is not as described.
     """
     conditions = _conditions(motion, loads)
-    objective, checked = check_objective(minimise), check_limits(limits)
+    objective, checked = _checked_objective(minimise), _checked_limits(limits)
     weights = None
     if shares is not None:
         words = f"{len(conditions)} numbers that are not negative, one for each operating condition, and not all zero"
         weights = suitable_numbers("shares", shares, words, (len(conditions),), lambda given: (given >= 0).all() and given.any())
         weights = weights / weights.sum()
     problem = build_problem(press, conditions, regions, [*objective, *checked], weights)
-    return optimal_press(problem, objective, checked, absolute=not isinstance(minimise, Mapping))
+    return _optimal_press(problem, objective, checked, absolute=not isinstance(minimise, Mapping))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -154,7 +154,7 @@ def trade_off(
     if first == second:
         raise PinpressError(f"both criteria are the {first.words}: give two different criteria")
     points = whole_number("points", points, 2, 10_000)
-    checked = check_limits(limits)
+    checked = _checked_limits(limits)
     problem = build_problem(press, _conditions(motion, loads), regions, [first, second, *checked])
     (least, start), (_, end) = _end(problem, first, second, checked), _end(problem, second, first, checked)
     between = np.linspace(_value(start, second), _value(end, second), points)[1:-1]
@@ -176,12 +176,8 @@ def _conditions(motion: Motion | Sequence[OperatingCondition], loads: Sequence[L
     return tuple(motion)
 
 
-def check_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, float]:
-    """The objective as targets with weights above zero.
-
-    Raises:
-        PinpressError: a key is not a criterion, a weight is negative or not finite, or no weight is above zero.
-    """
+def _checked_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, float]:
+    """The objective as targets with weights above zero."""
     if not isinstance(minimise, Mapping):
         _refuse_other_kinds("minimise", minimise)
     objective = dict(minimise) if isinstance(minimise, Mapping) else {minimise: 1.0}
@@ -191,12 +187,7 @@ def check_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, f
     return {target: float(weight) for target, weight in objective.items() if weight > 0}
 
 
-def check_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]:
-    """The limits as a dictionary; empty for None.
-
-    Raises:
-        PinpressError: a key is not a criterion, or a limit is negative or not finite.
-    """
+def _checked_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]:
     _refuse_wrong_numbers("limits", "limit", limits or {})
     return dict(limits or {})
 
@@ -213,19 +204,12 @@ def _refuse_other_kinds(argument: str, target: object) -> None:
         raise PinpressError(f"{argument}: {shown(target)} is not a criterion: give Range, Rms, Peak or AddedMass()")
 
 
-def optimal_press(
+def _optimal_press(
     problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], absolute: bool
 ) -> BalancedPress:
-    """Solve a problem, build the balanced press, and confirm it by inverse dynamics.
+    """Solve a problem, build the balanced press, and confirm it by inverse dynamics. Raises as `balance`.
 
-    Args:
-        problem: the problem, with the signals of all criteria.
-        objective: targets with their weights.
-        limits: as in `balance`.
-        absolute: whether the value has the unit of the objective's only criterion.
-
-    Raises:
-        PinpressError: as `balance`.
+    ``absolute``: whether the value has the unit of the objective's only criterion.
     """
     sizes = {signal.criterion: signal.size for signal in problem.signals}
     for criterion in (target for target in objective if isinstance(target, Criterion)):
@@ -425,7 +409,7 @@ def _end(problem: BalancingProblem, least: Target, other: Target, limits: Mappin
 def _best(problem: BalancingProblem, target: Target, other: Target, most: float, limits: Mapping[Target, float]) -> BalancedPress:
     """The best press in one criterion with at most ``most`` of the other."""
     tighter = {**limits, other: min(most, limits.get(other, math.inf))} if most < math.inf else limits
-    return optimal_press(problem, {target: 1.0}, tighter, absolute=True)
+    return _optimal_press(problem, {target: 1.0}, tighter, absolute=True)
 
 
 def _value(design: BalancedPress, target: Target) -> float:

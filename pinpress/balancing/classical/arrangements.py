@@ -396,7 +396,10 @@ def _with_auxiliary(drawn: PressPlan, main: CrankSlider, auxiliary: CrankSlider)
     Both crank-sliders have the same drawn angle and opposite directions.
     """
     crank, slide = drawn.body(main.crank), drawn.body(main.slide)
-    added = _auxiliary_crank(crank, auxiliary)
+    normal, into = np.cross(auxiliary.direction, auxiliary.across), crank.place.rotation.T
+    flat = 0.5 * (np.eye(3) + np.outer(normal, normal))  # tensor of a lamina in the plane, of unit inertia
+    centre = crank.place.actInv(auxiliary.point(auxiliary.crank_centre * auxiliary.drawn_crank))
+    added = rigid_body(auxiliary.crank_mass, centre, auxiliary.crank_inertia * (into @ flat @ into.T))
     end = auxiliary.point(complex(auxiliary.drawn_reach))
     return replace(
         drawn,
@@ -407,14 +410,6 @@ def _with_auxiliary(drawn: PressPlan, main: CrankSlider, auxiliary: CrankSlider)
         ),
         pins=(*drawn.pins, PlanPin("counterweight_pin", "spherical", auxiliary.rod, auxiliary.slide, end)),
     )
-
-
-def _auxiliary_crank(crank: PlanBody, auxiliary: CrankSlider) -> pin.Inertia:
-    """Inertia of the auxiliary crank in the frame of the crank that it is part of."""
-    normal, into = np.cross(auxiliary.direction, auxiliary.across), crank.place.rotation.T
-    flat = 0.5 * (np.eye(3) + np.outer(normal, normal))  # tensor of a lamina in the plane, of unit inertia
-    centre = crank.place.actInv(auxiliary.point(auxiliary.crank_centre * auxiliary.drawn_crank))
-    return rigid_body(auxiliary.crank_mass, centre, auxiliary.crank_inertia * (into @ flat @ into.T))
 
 
 def _auxiliary_rod(auxiliary: CrankSlider) -> PlanBody:
