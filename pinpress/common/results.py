@@ -100,7 +100,8 @@ class Tabular(Frozen):
                 return f"{self.title}\n\n{words}"
         columns = self.columns()
         width = 4 + max(map(len, columns), default=0)
-        return "\n".join([self.title, *tables.table([["", "smallest", "largest"]], [width, 14]), *tables.ranges(columns, width)])
+        ranges = [["", "smallest", "largest"], *([name, *tables.ends(column)] for name, column in columns.items())]
+        return "\n".join([self.title, *tables.table(ranges, [width, 14])])
 
     def _sections(self) -> "tuple[Section, ...]":
         """The sections; empty if a value is not finite or bearings are left out, which the columns show."""

@@ -145,16 +145,6 @@ def html(title: str, columns: Columns) -> str:
     return f"<table><caption>{markup.escape(title)}</caption><thead>{head}</thead><tbody>{body}</tbody></table>"
 
 
-def ranges(columns: Columns, width: int) -> list[str]:
-    """Lines of text with the smallest and the largest number of each column, or how many different words it has.
-
-    Args:
-        columns: names with units -> columns.
-        width: letters for the names.
-    """
-    return table(([name, *ends(column)] for name, column in columns.items()), [width, 14])
-
-
 def ends(column: Column) -> list[str]:
     """Smallest and largest number of a column as cells, or how many different words it has."""
     if isinstance(column, np.ndarray) and column.dtype.kind == "f":
@@ -236,17 +226,28 @@ def table(rows: Iterable[Sequence[str]], widths: Sequence[int], indent: str = " 
     return lines
 
 
-def fitted(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
-    """Lines of a table whose columns are as wide as their longest cell, two letters apart."""
-    longest = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return table(rows, [longest[0], *(2 + width for width in longest[1:])] if longest else [0], indent)
+def fitted(rows: Sequence[Sequence[str]], words: Sequence[bool] | None = None, indent: str = "  ", gap: int = 2) -> list[str]:
+    """Lines of a table whose columns are as wide as their longest cell.
+
+    Args:
+        rows: cells of each line.
+        words: whether each column is flush left; the others are flush right. None: only the first one is flush left.
+        indent: start of each line.
+        gap: letters between two columns.
+    """
+    rows = [without_minus(row) for row in rows]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    left = [True, *(False for _ in widths[1:])] if words is None else words
+    lines = []
+    for row in rows:
+        cells = [cell.ljust(width) if flush else cell.rjust(width) for cell, width, flush in zip(row, widths, left, strict=False)]
+        lines.append((indent + (gap * " ").join(cells)).rstrip())
+    return lines
 
 
 def fitted_words(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
-    """Lines of a table of words: all columns flush left and as wide as their longest cell, three letters apart."""
-    rows = [without_minus(row) for row in rows]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [(indent + "   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))).rstrip() for row in rows]
+    """Lines of a table of words: all columns flush left, three letters apart."""
+    return fitted(rows, [True for _ in rows[0]] if rows else None, indent, gap=3)
 
 
 def entry(name: str, number: str, unit: str = "", remark: str = "") -> str:

@@ -67,12 +67,7 @@ def lines(table: Table, digits: int = DIGITS) -> list[str]:
     heads, rows = cells(table, digits)
     words = [all(cell is None or isinstance(cell, str) for cell in column.cells) for column in table.columns]
     shown = tables.shortened(rows, table.most)
-    written = [tables.without_minus(row) for row in ([heads] if any(heads) else []) + [row for row in shown if row is not None]]
-    widths = [max(map(len, column)) for column in zip(*written, strict=True)]
-    found = []
-    for row in written:
-        parts = [cell.ljust(width) if left else cell.rjust(width) for cell, width, left in zip(row, widths, words, strict=True)]
-        found.append(("  " + "  ".join(parts)).rstrip())
+    found = tables.fitted(([heads] if any(heads) else []) + [row for row in shown if row is not None], words)
     if None in shown:
         found.insert(len(found) - table.most // 2, f"  {tables.GAP}")
     return [*found, *([f"  {table.note}"] if table.note else [])]
