@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -99,7 +100,7 @@ def run(options: argparse.Namespace) -> int:
         press = draft.press(slide=options.slide)
         files.write(out, draft.urdf)
     files.write(sketch, draft.sketch.encode())
-    print(check_document(str(out), draft._document(str(out), draft.urdf), slide=options.slide))
+    print(check_document(str(out), replace(draft._document(), file=str(out), text=draft.urdf), slide=options.slide))
     print("\n".join([*_other_places(draft, options.slide), *_estimates(draft)]))
     print(f"wrote {out} and {sketch} of {press.name}")
     return 0

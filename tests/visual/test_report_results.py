@@ -725,3 +725,12 @@ def test_all_charts_of_a_press_that_turns_backwards_run_from_0_down(tmp_path: Pa
     x, y = next(iter(parts.values()))
     _, values = next(iter(compliance.largest_parts(6)))
     np.testing.assert_allclose(y, 1e9 * np.interp(np.radians(x) % (2 * np.pi), angle, values), rtol=1e-5)
+    forwards = pp.tolerances.play(press, pp.cycle(press, 2.0, points=48), {"P": 1e-4}, loads=[pp.loads.ConstantForce(1e4, 0.02)])
+    spread = 1e-6 * np.arange(1, 49)
+    forwards = replace(forwards, lowest=forwards.offset - spread, highest=forwards.offset + 2 * spread)
+    page = pp.report(press, motion, tmp_path / "out.html", reactions=loaded, results=[forwards])
+    offset = chart(sections(page)["Slide in its clearances"], "Slide in its clearances")
+    (curve,), size = offset["curves"], {"µm": 1e6, "mm": 1e3}[offset["unit"]]
+    low, high = (floats(end) for end in curve["band"])
+    assert np.all(np.diff(floats(curve["x"])) < 0)
+    np.testing.assert_allclose([low[1:], high[1:]], size * np.array([forwards.lowest[::-1], forwards.highest[::-1]]), rtol=1e-5, atol=1e-3)
