@@ -167,7 +167,7 @@ def test_tables_are_checked(folder, capsys):
     said = capsys.readouterr().out
     assert said.startswith("press.yaml: no errors, no warnings, 1 note\n")
     assert "  stroke                         200.000 mm" in said
-    assert main(shlex.split(check_command("press.yaml", parameters={"r": "90"}))[1:]) == 0  # what an error of its URDF would name
+    assert main(shlex.split(check_command("press.yaml", parameters=("r=90",)))[1:]) == 0  # what an error of its URDF would name
     assert "  stroke                         180.000 mm" in capsys.readouterr().out
     text = (folder / "press.yaml").read_text(encoding="utf-8").replace("drive: ", "drive: Q")
     (folder / "press.yaml").write_text(text, encoding="utf-8")
