@@ -149,10 +149,8 @@ class DrawnPress(Tabular):
 
     def bearings(self) -> Iterator[tuple[str, str, str]]:
         """For every bearing: its name, the link that exerts its force, and the link on which the force acts."""
-        for joint in self.tree.joints:
-            yield joint.name, joint.parent, joint.child
-        for loop in self.tree.loops:
-            yield loop.name, loop.link1, loop.link2
+        for bearing in (*self.tree.joints, *self.tree.loops):
+            yield bearing.name, bearing.link1, bearing.link2
 
     def estimates(self) -> Iterator[tuple[str, str]]:
         """Names of links with their estimated values."""
