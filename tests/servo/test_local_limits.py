@@ -121,19 +121,6 @@ def test_tangents_touch_limits_from_within(path, which):
 
 
 @pytest.mark.parametrize("path", PATHS)
-def test_first_tangents_are_drawn_where_the_power_is_kept(path):
-    """At the torques that the motion had: a segment that exceeds it is slowed down at both ends, and no other."""
-    problem = problem_of(path)
-    b = any_motion(problem, 2)
-    slower, over = local_limits._slower(problem, b, POWER), local_limits.powers(problem, b) / POWER
-    kept = np.r_[True, over <= 1] & np.r_[over <= 1, True]
-    assert 0 < kept.sum() < len(b)
-    np.testing.assert_array_equal(slower[kept], b[kept])
-    for end in (slower[:-1] / np.maximum(b[:-1], 1e-300), slower[1:] / np.maximum(b[1:], 1e-300)):
-        assert (end <= 1 / np.maximum(over, 1.0) + 1e-12).all()
-
-
-@pytest.mark.parametrize("path", PATHS)
 def test_nodes_stand_where_forces_begin_and_where_the_slide_turns_back(path):
     """On every leg, in its direction, whichever that is; a turn back at a height is an end of a leg anyhow."""
     press, blank = texts.shipped("crank_slide"), pp.loads.Blanking(1e5, 0.05, 0.02)
