@@ -27,7 +27,7 @@ def public_names(room: str, file: str) -> tuple[Look, Names, list[str]]:
 
     def look(name: str) -> Any:
         if name not in listed:
-            asked = name.startswith("__")  # by Python or a tool, which expect no answer
+            asked = name.startswith("_")  # by Python or a tool such as pytest, which expect no answer
             raise AttributeError(f"{room} has no {name!r}{'' if asked else _elsewhere(name, listed)}")
         found = there(name)
         if package != room:  # the loader keeps what it has found in the package, where it is no public name

@@ -124,6 +124,11 @@ class Part:
         return "\n\n".join(blocks + [table(each.heads, each.rows) for each in computed])
 
 
+def unclaimed(names: Iterable[str], places: int) -> Iterator[tuple[Any, ...]]:
+    """Rows of results that no document prints, as `rows_from` takes them."""
+    return ((name, "", None, "", places) for name in names)
+
+
 def rows_from(compute: Callable[[], Sequence[float | str]], *rows: tuple[Any, ...]) -> Iterator[Row]:
     """Rows whose numbers are computed together, in the order of the rows: (quantity, printed, within, source, places) each, the last
     three as `Row` has them."""
