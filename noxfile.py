@@ -17,12 +17,7 @@ nox.needs_version = ">=2025.2"
 nox.options.default_venv_backend = "uv|virtualenv"
 CONSTRAINTS = ".ci/constraints.txt"
 PINOCCHIOS = ["3.10", "3.11", "3.12", "3.13", "3.14"]  # the Pythons for which Pinocchio's wheels exist
-PICTURES = {  # scripts that write pages, tables and pictures of the documentation, by their names; some take minutes
-    path.stem: path.as_posix()
-    for pattern in ("viz/*.py", "docs/*.py", "tests/mistakes/*.py", "tests/extremes/extreme_cases.py", "tests/benchmarks/history/table.py")
-    for path in sorted(Path().glob(pattern))
-    if path.stem not in ("light", "manual", "page_licences", "site_files")  # what others call, and what comes last or needs arguments
-}
+ALONE = ("manual", "page_licences")  # scripts of docs/make.py that come last or need arguments
 
 
 def installed(session: nox.Session, extra: str = "test") -> None:
@@ -49,14 +44,15 @@ def check(session: nox.Session) -> None:
 def docs(session: nox.Session) -> None:
     """Write pictures and tables of the pages, then the site and the PDF; -- NAME ...: these scripts alone; -- site: the site alone."""
     installed(session)
-    names = session.posargs or list(PICTURES)
+    listed = session.run("python", "docs/make.py", silent=True) or ""
+    names = session.posargs or [name for name in (line.split()[0] for line in listed.splitlines()) if name not in ALONE]
     for name in names:
         if name != "site":
-            session.run("python", PICTURES[name])
+            session.run("python", "docs/make.py", name)
     if not session.posargs or "site" in names:
         session.run("mkdocs", "build", "--strict")
     if not session.posargs:
-        session.run("python", "docs/manual.py")
+        session.run("python", "docs/make.py", "manual")
 
 
 @nox.session(default=False)

@@ -1,42 +1,22 @@
-"""The drawings of docs/engines.md and docs/errors.md, into docs/drawings: what the two pages explain, on the six-bar press.
+"""The drawings of docs/engines.md and docs/errors.md, into docs/drawings: what the two pages explain, on the six-bar press."""
 
-python docs/drawings.py            # all
-python docs/drawings.py dyads      # some
-"""
-
-import sys
-from collections.abc import Callable, Iterable
-from functools import cache
-from pathlib import Path
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
+from make import DOCS, load, write
 from matplotlib.figure import Figure
 
 import pinpress as pp
 
-FOLDER = Path(__file__).resolve().parent / "drawings"
+PICTURES = load("pictures")
+SPEED, pins, six_bar = PICTURES.SPEED, PICTURES.pins, PICTURES.six_bar
+
 COLOURS = {"crank": "#D55E00", "coupler": "#0072B2", "rocker": "#009E73", "rod": "#CC79A7", "slide": "#555555", "frame": "#000000"}
 CORNERS = {"crank": "AB", "coupler": "BC", "rocker": "DCED", "rod": "EF"}
 CUT, GREY = "#B3392B", "#8a8a8a"
 ANGLE = np.radians(40.0)
 PRESSED = np.radians(272.0)  # under the drawing load
-SPEED = 70 * pp.RPM
-
-
-@cache
-def six_bar() -> pp.Linkage:
-    return pp.load("zxn2_3000b")
-
-
-def pins(angle: float) -> dict[str, Any]:
-    """Places of the pins of the six-bar in its plane [m]."""
-    press = six_bar()
-    data = press.model.createData()
-    pin.forwardKinematics(press.model, data, press.configuration(angle))
-    found = {name: data.oMi[press.model.getJointId(name)].translation[[0, 2]] for name in press.joints if "guide" not in name}
-    return found | {loop.name: data.oMi[loop.joint1].act(loop.point1)[[0, 2]] for loop in press.loops}
 
 
 def tree() -> Figure:
@@ -274,14 +254,8 @@ def _arrow(axes: Any, place: Any, along: Any, colour: str) -> None:
 DRAWINGS: tuple[Callable[[], Figure], ...] = (tree, dyads, blocks, forces, sharing, estimates)
 
 
-def main(names: list[str]) -> None:
-    FOLDER.mkdir(exist_ok=True)
-    for drawing in DRAWINGS:
-        if not names or drawing.__name__ in names:
-            path = FOLDER / f"{drawing.__name__}.svg"
-            pp.plots.save(drawing(), path)
-            print(path, path.stat().st_size)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
+def main(quick: bool = False, parts: Sequence[str] = ()) -> None:
+    """Draw them, or some by their names; ``quick``: all but the runs."""
+    for drawing in DRAWINGS[: -1 if quick else None]:
+        if not parts or drawing.__name__ in parts:
+            write(DOCS / "drawings" / f"{drawing.__name__}.svg", drawing())

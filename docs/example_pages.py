@@ -1,15 +1,12 @@
-"""The examples of docs/examples and the exercises of docs/exercises: runs them, and writes their pages, pictures and notebooks, and the
-page that lists them.
-
-    python docs/example_pages.py                # all, in two minutes
-    python docs/example_pages.py floor four_bar # these, and the list
+"""The pages, pictures and notebooks of the examples in docs/examples and of the exercises in docs/exercises, which it runs in two minutes,
+and the page that lists them.
 
 An example is a script of at most 60 lines that answers one question. The first line of its docstring is the question, what it prints is the
 answer, and ``figure`` is its picture. The examples of a group share a page.
 
 An exercise is such a script too, the solution, in steps for a class. A step begins with ``# %% Heading``; the comment below says what to
-do, from ``# Hint:`` on how. What students are to write is between ``# Gap: what it is`` and ``# End of the gap``: their notebook has a
-line there that says what is missing. The page has what comes out.
+do, from ``# Hint:`` on how. What students are to write is between ``# Gap: what it is`` and ``# End of the gap``: their notebook has a line
+there that says what is missing. The page has what comes out.
 """
 
 import ast
@@ -19,16 +16,16 @@ import json
 import os
 import re
 import runpy
-import sys
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from matplotlib.figure import Figure
+from make import DOCS, write
 
-import pinpress as pp
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-DOCS = Path(__file__).resolve().parent
 FOLDER = DOCS / "examples"
 GROUPS = {  # by the page's file
     "forces": ("Examples: motion and forces", ("press_from_a_sketch", "bearing_forces", "friction", "does_it_lock", "ball_ended_rod")),
@@ -49,7 +46,7 @@ Each example answers one question in at most 60 lines, and has its notebook.
 
 {examples}
 
-`python docs/example_pages.py` runs them and writes their pages, pictures and notebooks.
+`python docs/make.py example_pages` runs them and writes their pages, pictures and notebooks.
 """
 EXERCISES_HEAD = """\
 # Exercises for classes
@@ -59,7 +56,7 @@ step of a notebook has a gap to fill. Below the gap is a check, which compares w
 more, and says what is wrong.
 
 Students start from the notebooks; in the folder of the repository, `pip install '.[plots]' notebook` brings all that they need. The
-solutions are the scripts in `docs/exercises`. `python docs/example_pages.py` runs them and writes this page, pictures and notebooks.
+solutions are the scripts in `docs/exercises`. `python docs/make.py example_pages` runs them and writes this page, pictures and notebooks.
 
 """
 BESIDE = {"my_own_robot": "five_bar.urdf"}  # a file of the folder that this example and those below it read
@@ -114,7 +111,7 @@ def parts(name: str) -> tuple[str, str, str]:
     return question, words, "\n".join(text.splitlines()[docstring.end_lineno :]).strip()
 
 
-def run(name: str) -> tuple[str, Figure]:
+def run(name: str) -> "tuple[str, Figure]":
     """What an example prints, and its picture; in its own folder, as a notebook there runs."""
     before, printed = Path.cwd(), io.StringIO()
     os.chdir(folder(name))
@@ -176,7 +173,7 @@ def exercise_notebook(name: str) -> str:
     for step in steps(name):
         cells.append(("markdown", f"## {step.heading}\n\n{step.words}"))
         if step.hint:
-            cells.append(("markdown", "\n".join(_folded("Hint", step.hint)).strip()))
+            cells.append(("markdown", f"<details markdown>\n<summary>Hint</summary>\n\n{step.hint}\n\n</details>"))
         cells.append(("code", step.with_gap.strip()))
     return _notebook_of(cells)
 
@@ -198,7 +195,7 @@ def _notebook_of(pieces: list[tuple[str, str]]) -> str:
         run: dict[str, Any] = {"execution_count": None, "outputs": []} if kind == "code" else {}
         name = "question" if kind == "markdown" and not cells else f"{kind}-{numbers[kind]}"
         numbers[kind] += kind == "code" or bool(cells)
-        cells.append(dict(sorted({"cell_type": kind, "id": name, "metadata": {}, "source": _lines(text), **run}.items())))
+        cells.append(dict(sorted({"cell_type": kind, "id": name, "metadata": {}, "source": text.splitlines(keepends=True), **run}.items())))
     kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
     whole = {"cells": cells, "metadata": {"kernelspec": kernel, "language_info": {"name": "python"}}, "nbformat": 4, "nbformat_minor": 5}
     return json.dumps(whole, indent=1, ensure_ascii=False) + "\n"
@@ -219,32 +216,18 @@ def _place(heading: str) -> str:
     return re.sub(r"[^\w\s-]", "", heading).strip().lower().replace(" ", "-")
 
 
-def _folded(title: str, text: str) -> list[str]:
-    """Markdown that opens by a click, in notebooks, on GitHub and in the site."""
-    return ["<details markdown>", f"<summary>{title}</summary>", "", text, "", "</details>", ""]
-
-
-def _lines(text: str) -> list[str]:
-    return text.splitlines(keepends=True)
-
-
-def main(names: list[str]) -> None:
-    chosen = names or [*NAMES, *EXERCISES]
-    groups = [group for group, (_, members) in GROUPS.items() if set(members) & set(chosen)]
+def main(quick: bool = False, parts: Sequence[str] = ()) -> None:
+    """Run and write all, or some by their names, with the list; ``quick``: one group of examples."""
+    chosen = set(parts or (GROUPS["forces"][1] if quick else (*NAMES, *EXERCISES)))
+    groups = [group for group, (_, members) in GROUPS.items() if chosen.intersection(members)]  # a page has all examples of its group
+    exercises = EXERCISES if chosen.intersection(EXERCISES) else ()
     printed = {}
-    run_again = [name for group in groups for name in GROUPS[group][1]]  # a page has all examples of its group
-    for name in run_again + (list(EXERCISES) if set(EXERCISES) & set(chosen) else []):
+    for name in (*(name for group in groups for name in GROUPS[group][1]), *exercises):
         printed[name], figure = run(name)
-        write_notebook = exercise_notebook if name in EXERCISES else notebook
-        (folder(name) / f"{name}.ipynb").write_text(write_notebook(name), encoding="utf-8")
-        pp.plots.save(figure, folder(name) / f"{name}.svg")
-        print(name)
-    if set(EXERCISES) <= set(printed):
-        (DOCS / "exercises.md").write_text(exercises_page(printed), encoding="utf-8")
+        write(folder(name) / f"{name}.ipynb", exercise_notebook(name) if name in EXERCISES else notebook(name))
+        write(folder(name) / f"{name}.svg", figure)
+    if exercises:
+        write(DOCS / "exercises.md", exercises_page(printed))
     for group in groups:
-        (FOLDER / f"{group}.md").write_text(page(group, printed), encoding="utf-8")
-    (DOCS / "examples.md").write_text(index(), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
+        write(FOLDER / f"{group}.md", page(group, printed))
+    write(DOCS / "examples.md", index())

@@ -1,8 +1,4 @@
-"""Writes docs/gallery.md, and a film of each of its presses into docs/gallery: a stroke under load, over and over.
-
-    python docs/gallery_films.py                  # all: the page and twelve films, in Chromium some 20 s each
-    python docs/gallery_films.py knuckle rssp     # the page and these films
-    python docs/gallery_films.py page             # the page alone
+"""docs/gallery.md, and a film of each of its presses into docs/gallery: a stroke under load, over and over; in Chromium some 20 s each.
 
 Films are animated WebP, which browsers, GitHub and the site show as they show pictures. They need pip install 'pinpress[video]'.
 """
@@ -10,22 +6,20 @@ Films are animated WebP, which browsers, GitHub and the site show as they show p
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
+
+from make import DOCS, ROOT, write
 
 import pinpress as pp
 from pinpress.pin_table.templates import template
 
-ROOT = Path(__file__).resolve().parent.parent
-FILMS = ROOT / "docs" / "gallery"
-SIZE = (480, 400)  # pixels
 DURATION, RATE = 4.0, 12  # of a film [s], and its pictures a second
-QUALITY = 45  # of WebP, from 0 to 100
 LIGHT = 300_000  # most bytes of a film
 
 
-@dataclass(frozen=True)
-class Shown:
+class Shown(NamedTuple):
     """A press of the gallery.
 
     Attributes:
@@ -97,7 +91,7 @@ HEAD = """\
 # Gallery
 
 Twelve kinds of presses in a stroke under load, each made from a [table of pins](pin_table.md) of a few lines. Arrows are the forces of
-bearings and process, and the force on the floor. `python docs/gallery_films.py` makes all films.
+bearings and process, and the force on the floor. `python docs/make.py gallery_films` makes all films.
 """
 
 
@@ -123,7 +117,7 @@ def _table(shown: Shown) -> bytes:
     return (ROOT / "urdf" / f"{shown.table}.yaml").read_bytes() if shown.shipped else template(shown.table)
 
 
-def film(shown: Shown, folder: Path) -> Path:
+def film(shown: Shown, folder: Path) -> bytes:
     """Make the film of a press; ``folder``: for what is not kept."""
     table = folder / f"{shown.table}.yaml"
     table.write_bytes(_table(shown))
@@ -133,31 +127,27 @@ def film(shown: Shown, folder: Path) -> Path:
     recording = pp.record(press, motion, folder / "press.html", reactions=pp.inverse_dynamics(press, motion, loads=[load]))
     period = float(motion.time[-1]) * len(motion.time) / (len(motion.time) - 1)
     played = folder / "press.mp4"
-    pp.video.film(recording, played, size=SIZE, frames_per_second=RATE, slowdown=DURATION / period)
-    return _webp(played, FILMS / f"{shown.table}.webp")
+    pp.video.film(recording, played, size=(480, 400), frames_per_second=RATE, slowdown=DURATION / period)
+    return _webp(played)
 
 
-def _webp(played: Path, path: Path) -> Path:
+def _webp(played: Path) -> bytes:
     """The film as animated WebP that begins anew at its end, by the same ffmpeg that made it."""
     import imageio_ffmpeg
 
-    options = ["-c:v", "libwebp_anim", "-quality", str(QUALITY), "-compression_level", "6", "-loop", "0", "-an", "-bitexact"]
+    path = played.with_suffix(".webp")
+    options = ["-c:v", "libwebp_anim", "-quality", "45", "-compression_level", "6", "-loop", "0", "-an", "-bitexact"]
     program = imageio_ffmpeg.get_ffmpeg_exe()
     subprocess.run([program, "-y", "-loglevel", "error", "-i", str(played), *options, str(path)], check=True)
     if path.stat().st_size > LIGHT:
-        sys.exit(f"{path} has {path.stat().st_size} bytes, more than {LIGHT}: take fewer pictures a second")
-    return path
+        sys.exit(f"the film has {path.stat().st_size} bytes, more than {LIGHT}: take fewer pictures a second")
+    return path.read_bytes()
 
 
-def main(names: list[str]) -> None:
-    (ROOT / "docs" / "gallery.md").write_text(page(), encoding="utf-8")
-    FILMS.mkdir(exist_ok=True)
+def main(quick: bool = False, parts: Sequence[str] = ()) -> None:
+    """Write the page and the films, or some by the names of their presses; ``quick``, or the part "page": the page alone."""
+    write(DOCS / "gallery.md", page())
     with tempfile.TemporaryDirectory() as folder:
-        for shown in PRESSES:
-            if not names or shown.table in names:
-                path = film(shown, Path(folder))
-                print(path, path.stat().st_size)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
+        for shown in () if quick else PRESSES:
+            if not parts or shown.table in parts:
+                write(DOCS / "gallery" / f"{shown.table}.webp", film(shown, Path(folder)))

@@ -1,27 +1,19 @@
 """The manual as one PDF: all pages of the site but the changelog, in the order of its menu, with contents and page numbers.
 
-    python docs/manual.py             # builds the site, and writes out/manual.pdf
-    python docs/manual.py PDF SITE    # of a site that is built
-
-Chromium prints it, with `pip install -e '.[docs,video]'`, in some minutes. The changelog is left out: in it readers look things up, on the
-site.
+Chromium prints out/manual.pdf from the site in out/site, with `pip install -e '.[docs,video]'`, in some minutes. The changelog is left out:
+in it readers look things up, on the site.
 """
 
-import os
 import re
-import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mkdocs.config import load_config
+from make import OUT, ROOT, chromium
 
 import pinpress as pp
 
-ROOT = Path(__file__).resolve().parent.parent
 LEFT_OUT = ("CHANGELOG.md",)
 BELOW = ("examples.md",)  # whose links are chapters, which the menu does not have
 # Pages are read from the built site and put one behind the other into the first one, whose style they have. Names of places begin with that
@@ -173,20 +165,11 @@ def first_pages(content: bytes, names: list[str]) -> dict[str, int]:
     return {name: at[name] for name in names}
 
 
-def main(arguments: list[str]) -> None:
-    from playwright.sync_api import sync_playwright
+def main(quick: bool = False) -> None:
+    """Print the manual of the built site; ``quick``: its first pages."""
+    from mkdocs.config import load_config  # optional
 
-    path = Path(arguments[0]) if arguments else ROOT / "out" / "manual.pdf"
-    site = Path(arguments[1]).resolve() if arguments[1:] else ROOT / "out" / "site"
-    if not arguments[1:]:
-        subprocess.run([sys.executable, "-m", "mkdocs", "build", "--strict"], cwd=ROOT, check=True)
-    program = os.environ.get("CHROMIUM") or shutil.which("chromium")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        pages = write(path, site, load_config(str(ROOT / "mkdocs.yml")).nav, browser)
-        browser.close()
+    path = (OUT[0] if OUT else ROOT / "out") / "manual.pdf"
+    with chromium() as browser:
+        pages = write(path, ROOT / "out" / "site", load_config(str(ROOT / "mkdocs.yml")).nav[: 2 if quick else None], browser)
     print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, {len(pages)} chapters, the last from page {max(pages.values())} on")
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

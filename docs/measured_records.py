@@ -1,6 +1,4 @@
-"""Writes the records of docs/measured.md: a ZXN2-3000(B) whose slide is 8 % heavier and whose rocker is 10 % lighter than described.
-
-    python docs/measured_records.py
+"""The records of docs/measured.md: a ZXN2-3000(B) whose slide is 8 % heavier and whose rocker is 10 % lighter than described.
 
 It has friction and a balance cylinder, runs idle behind a servo motor at three speeds that swing by 60 % in 2.6 strokes, and is recorded at
 250 Hz: an encoder of 8192 counts on the crank, and the torque of the motor (ratio 20.7) with 1 % noise. Then it works: three strokes at 50
@@ -8,13 +6,12 @@ a minute, recorded at 500 Hz, that draw with at most 1.4, 1.5 and 1.6 MN, and st
 """
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
+from make import DOCS, write
 
 import pinpress as pp
 
-FOLDER = Path(__file__).resolve().parent / "records"
 STROKES, SECONDS, RATE, RATIO, COUNTS, NOISE = (21, 42, 63), 5.0, 250.0, 20.7, 8192, 250.0
 SLIDE, ROCKER = 1.08, 0.9
 CRANK, VISCOUS, GIBS, CYLINDER, STIFFNESS = 800.0, 60.0, 1500.0, 20e3, 15e3
@@ -51,15 +48,15 @@ def working(real: pp.Linkage, motion: pp.Motion) -> pp.loads.PointForce:
     return pp.loads.PointForce("slide", force[:, None] * [0.0, 0.0, 1.0])
 
 
-def write(name: str, time: np.ndarray, angle: np.ndarray, torque: np.ndarray) -> None:
+def write_record(name: str, time: np.ndarray, angle: np.ndarray, torque: np.ndarray) -> None:
     """Write a record as its instruments see it."""
     counts = np.round(angle / (2 * np.pi) * COUNTS) % COUNTS
     rows = [f"{t:.3f},{360 * n / COUNTS:.4f},{m / RATIO:.2f}" for t, n, m in zip(time, counts, torque, strict=True)]
-    (FOLDER / f"{name}.csv").write_text("\n".join(["time [s],crank [deg],motor [N m]", *rows]) + "\n")
+    write(DOCS / "records" / f"{name}.csv", "\n".join(["time [s],crank [deg],motor [N m]", *rows]) + "\n")
 
 
-def main() -> None:
-    FOLDER.mkdir(exist_ok=True)
+def main(quick: bool = False) -> None:
+    """Write them."""
     real, rng = machine(pp.load("zxn2_3000b")), np.random.default_rng(23)
     for strokes in STROKES:
         time, mean = np.arange(0.0, SECONDS, 1 / RATE), strokes * pp.RPM
@@ -68,12 +65,8 @@ def main() -> None:
         motion = pp.servo_cycle(
             real, angle, speed=mean * (1 + 0.6 * np.sin(swing * time)), acceleration=mean * 0.6 * swing * np.cos(swing * time)
         )
-        write(str(strokes), time, angle, required(real, motion) + NOISE * rng.normal(size=len(time)))
+        write_record(str(strokes), time, angle, required(real, motion) + NOISE * rng.normal(size=len(time)))
     time = np.arange(round(3 * 500 * 60 / 50) + 5) / 500
     angle = pp.dead_centres(real).top_angle - 0.01 + 50 * pp.RPM * time
     motion = pp.servo_cycle(real, angle, speed=50 * pp.RPM, acceleration=0.0)
-    write("stroke", time, angle, required(real, motion, [working(real, motion)]) + NOISE * rng.normal(size=len(time)))
-
-
-if __name__ == "__main__":
-    main()
+    write_record("stroke", time, angle, required(real, motion, [working(real, motion)]) + NOISE * rng.normal(size=len(time)))

@@ -1,26 +1,25 @@
-"""What the pages hold of others: writes pinpress/visual/templates/licences.json, with licences and their texts.
+"""What pages hold of others, as pinpress/visual/templates/licences.json, with licences and their texts.
 
-`python docs/page_licences.py 4.1.1 3.0.0` finds the parts of plotly.js in these versions (plotly.min.js of the Python package names its
-own in its first lines). They are in no list: modules are named by comments of dist/plotly.js, which the npm package has beside the minified
-file; those of stackgl, which is bundled without names, are found by their lines. Needs npm. Parts of Meshcat's viewer that its own list
-leaves out stand below.
+`python docs/make.py page_licences 4.1.1 3.0.0` finds the parts of plotly.js in these versions (plotly.min.js of the Python package names
+its own in its first lines). They are in no list: modules are named by comments of dist/plotly.js, which the npm package has beside the
+minified file; those of stackgl, which is bundled without names, are found by their lines. Needs npm. Parts of Meshcat's viewer that its own
+list leaves out stand below.
 """
 
 import json
 import re
 import subprocess
-import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from make import ROOT, write
+
 from pinpress.visual.pages import meshcat_script
 
-OUT = Path(__file__).resolve().parents[1] / "pinpress" / "visual" / "templates" / "licences.json"
 BUNDLES_OF_THEIR_OWN = ("maplibre-gl", "@plotly/mapbox-gl")  # what they require is in them
 SPDX = {"zlib": "Zlib", "BOOST": "BSL-1.0", "(MIT OR Apache-2.0)": "MIT OR Apache-2.0"}
 UNSTATED = {  # licences that package.json does not tell, by what the packages' readme or licence file says
@@ -192,13 +191,12 @@ def _apache() -> str:
     return str(text).partition("APPENDIX:")[0].strip()
 
 
-def main() -> None:
+def main(quick: bool = False, parts: Sequence[str] = ()) -> None:
+    """Write the list for these versions of plotly.js; ``quick``: of none, which needs no npm."""
     versions = {}
-    for version in sys.argv[1:]:
+    for version in parts:
         with tempfile.TemporaryDirectory() as temporary:
             versions[version] = list(parts_of_plotly(version, Path(temporary)))
-    OUT.write_text(json.dumps(written(versions), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()
+    if parts or quick:
+        path = ROOT / "pinpress" / "visual" / "templates" / "licences.json"
+        write(path, json.dumps(written(versions), indent=1, ensure_ascii=False) + "\n")

@@ -1,51 +1,26 @@
-"""The pictures of the guide, into docs/pictures: what each feature computes, drawn by pinpress.
+"""The pictures of the guide, into docs/pictures: what each feature computes, drawn by pinpress; in a minute.
 
-    python docs/pictures.py            # all, in a minute
-    python docs/pictures.py slide run  # some
-
-Scripts of viz/ make the pictures of presses in three dimensions, of balancing, ratings, elasticity, foundation and accuracy,
-docs/tour_pictures.py those of the tour, and docs/gallery_films.py the gallery.
+Scripts of viz make the pictures of presses in three dimensions, of balancing, elasticity, foundation and accuracy, `tour_pictures` those of
+the tour, and `gallery_films` the gallery.
 """
 
-import contextlib
 import csv
-import io
-import os
-import re
-import runpy
-import shutil
-import sys
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from make import DOCS, ROOT, VIZ, load, names_of, shot, write
 from matplotlib.figure import Figure
 
 import pinpress as pp
 from pinpress.cli.main import main as main_of_pinpress
 
-ROOT = Path(__file__).resolve().parent.parent
-FOLDER = ROOT / "docs" / "pictures"
 SPEED = 70 * pp.RPM
-DRAWING = pp.loads.DeepDrawing(force=1.5e6, start=0.040)
-LONGER_CRANK = """() => {
-    setPlaying(false);
-    seek(0.15 * duration);
-    change(rows[data.dimensions.findIndex(each => each.name === "A to B")], 165, true);
-}"""
-AT_SECTION = """() => {
-    [...document.querySelectorAll("#charts h2")].find(title => title.textContent.startsWith("TITLE")).scrollIntoView();
-    viewer.render();
-}"""
-AT_MODE = """() => {
-    setPlaying(false);
-    seek(data.modes[MODE].start + 0.25);
-}"""
 BLUE, RED = "#0072B2", "#D55E00"
 SIZE = (6.3, 2.9)  # [inch]
 
@@ -60,9 +35,17 @@ def turn() -> pp.Reactions:
     return pp.inverse_dynamics(six_bar(), pp.cycle(six_bar(), speed=SPEED, points=360))
 
 
+def pins(angle: float) -> dict[str, Any]:
+    """Places of the pins of the six-bar in its plane [m]."""
+    press, data = six_bar(), six_bar().model.createData()
+    pin.forwardKinematics(press.model, data, press.configuration(angle))
+    places = {name: data.oMi[press.model.getJointId(name)].translation[[0, 2]] for name in press.joints if "guide" not in name}
+    return places | {loop.name: data.oMi[loop.joint1].act(loop.point1)[[0, 2]] for loop in press.loops}
+
+
 def slip_clutch() -> Figure:
     """docs/motor.md: torque over speed of the motor with slip clutch of Zhang 2007, table 4-1, with and without enough feedback."""
-    figure = Figure(figsize=SIZE, layout="constrained")
+    figure = _figure(SIZE)
     axes = figure.subplots()
     speed = np.linspace(0.0, 1470.0, 148)
     at = {"rated_torque": 189.0, "primary_speed": 1470 * pp.RPM, "top_speed": 1320 * pp.RPM, "set_speed": 900 * pp.RPM}
@@ -93,7 +76,7 @@ def polar() -> Figure:
 
 def process_force() -> Figure:
     """docs/measured.md: the force that the page finds, over the one that acted."""
-    names = _of_page("measured")
+    names = names_of("measured")
     figure = pp.plots.draw({"found from the torque of the drive": names["force"]}, "force")
     height = np.linspace(0.0, 0.010, 400)
     acted = np.where((height < 0.009) & (height > 0.001), 1500 * np.sin(np.pi * (0.009 - height) / 0.008), 0.0)
@@ -103,36 +86,26 @@ def process_force() -> Figure:
 
 def measured_modes() -> Figure:
     """docs/measured_vibration.md: measured modes beside the calculated ones."""
-    return pp.plots.draw(_of_page("measured_vibration")["found"], "damping", "mac")
+    return pp.plots.draw(names_of("measured_vibration")["found"], "damping", "mac")
 
 
 def orders() -> bytes:
     """docs/measured_vibration.md: orders over the speed."""
+    spectra = names_of("measured_vibration")["runup"].order_spectra(4)
     with tempfile.TemporaryDirectory() as folder:
-        found = _of_page("measured_vibration")["runup"].order_spectra(4)
-        return pp.plots.save(pp.plots.draw(found, "orders top"), Path(folder, "orders.png")).read_bytes()
-
-
-@cache
-def _of_page(page: str) -> dict[str, Any]:
-    """The names that a page's own code defines."""
-    names: dict[str, Any] = {}
-    with contextlib.redirect_stdout(io.StringIO()):
-        for code in re.findall(r"```python\n(.*?)```", (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8"), re.DOTALL):
-            exec(code, names)
-    return names
+        return pp.plots.save(pp.plots.draw(spectra, "orders top"), Path(folder, "orders.png")).read_bytes()
 
 
 def tolerances() -> Figure:
     """docs/tolerances.md: the dimensions by their shares, and the presses of the sample."""
-    parts = pp.tolerances.read_dimensions(six_bar(), ROOT / "docs" / "zxn2_dimensions.csv").parts
+    parts = pp.tolerances.read_dimensions(six_bar(), DOCS / "zxn2_dimensions.csv").parts
     return pp.plots.draw(pp.tolerances.bottom_dead_centre(six_bar(), parts).height.with_limit(50e-6))
 
 
 def identifiability() -> Figure:
     """docs/measured.md: what torque and shaking force teach of the masses."""
     columns = {"angle": "crank [deg]", "torque": "motor [N m]", "ratio": 20.7}
-    runs = [pp.measured.record(ROOT / "docs" / "records" / f"{strokes}.csv", **columns) for strokes in (21, 42, 63)]
+    runs = [pp.measured.record(DOCS / "records" / f"{strokes}.csv", **columns) for strokes in (21, 42, 63)]
     return pp.plots.draw(pp.measured.identifiability(six_bar(), runs, friction=("crank", "gibs"), cylinder=True), "doubt")
 
 
@@ -177,12 +150,7 @@ def run() -> Figure:
 
 def pause() -> Figure:
     """docs/press_parts.md: break-through of a blank at an even pace, after a pause, and on impact dampers."""
-    with contextlib.redirect_stdout(io.StringIO()):
-        page: dict[str, Any] = {}
-        for block in re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "press_parts.md").read_text(encoding="utf-8"), re.DOTALL):
-            exec(block, page)
-            if "stroke" in page and "damper" in page:
-                break
+    page = names_of("press_parts")
     figure = _figure((6.3, 3.8))
     above, below = figure.subplots(2, 1, sharex=True)
     for name, slowest, loads, colour in (
@@ -205,12 +173,7 @@ def pause() -> Figure:
 
 def eight_way_guide() -> Figure:
     """docs/press_parts.md: the eight surfaces of a slide guide under a force beside the axis."""
-    with contextlib.redirect_stdout(io.StringIO()):
-        page: dict[str, Any] = {"pp": pp, "np": np, "fast": pp.load("jf75g_125_plain")}
-        for block in re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "press_parts.md").read_text(encoding="utf-8"), re.DOTALL):
-            if "eight_way_guide" in block:
-                exec(block, page)
-    figure = pp.plots.draw(page["gibs"], "surfaces", "rotation")
+    figure = pp.plots.draw(names_of("press_parts")["gibs"], "surfaces", "rotation")
     figure.axes[1].set(xlim=(310, 335), xticks=range(310, 336, 5))
     return figure
 
@@ -260,7 +223,7 @@ def operating_map() -> Figure:
 
 def synthesis() -> Figure:
     """docs/synthesis.md: the torque of the empty six-bar before and after its synthesis."""
-    found = runpy.run_path(str(ROOT / "viz" / "synthesis.py"))["less_torque"]()
+    found = load("synthesis").less_torque()
     figure = _figure(SIZE)
     axes = figure.subplots()
     for press, colour, words in ((six_bar(), RED, "as shipped"), (found.press, BLUE, "with the lengths found")):
@@ -276,10 +239,9 @@ def synthesis() -> Figure:
 
 def two_assemblies() -> Figure:
     """docs/describe.md: at one crank angle the six-bar closes in two ways."""
-    press, angle = six_bar(), np.radians(200.0)
     figure = _figure((6.3, 3.4))
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
-    places = _pins(press, angle)
+    places = pins(np.radians(200.0))
     centre, radius = places["E"], float(np.hypot(*(places["F"] - places["E"])))
     other = places | {"F": np.array([0.0, centre[1] + np.sqrt(radius**2 - centre[0] ** 2)])}
     for panel, shown, words in ((axes[0], places, "the assembly as drawn"), (axes[1], other, "the other one, never entered")):
@@ -296,14 +258,6 @@ def two_assemblies() -> Figure:
         panel.set_title(words)
         panel.set_axis_off()
     return figure
-
-
-def _pins(press: pp.Linkage, angle: float) -> dict[str, Any]:
-    """Places of the pins of a planar press in its plane [m]."""
-    data = press.model.createData()
-    pin.forwardKinematics(press.model, data, press.configuration(angle))
-    found = {name: data.oMi[press.model.getJointId(name)].translation[[0, 2]] for name in press.joints if "guide" not in name}
-    return found | {loop.name: data.oMi[loop.joint1].act(loop.point1)[[0, 2]] for loop in press.loops}
 
 
 def change_point() -> Figure:
@@ -342,7 +296,7 @@ def notebook() -> str:
 
 def programs() -> Figure:
     """docs/accuracy.md: error against run time of a free run, of pinpress and of other programs, from viz/accuracy.csv."""
-    with (ROOT / "viz" / "accuracy.csv").open(encoding="utf-8") as file:
+    with (VIZ / "accuracy.csv").open(encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["group"] == "free run" and row["error"]]
     words = {"reduced": "pinpress", "constraint": "pinpress, all joints", "SciPy DOP853, closed form": "hand script, SciPy DOP853"}
     methods = [*words, *(name for name in dict.fromkeys(row["method"] for row in rows) if name.startswith(("MuJoCo", "Exudyn", "Drake")))]
@@ -368,13 +322,20 @@ def lengths_too_short() -> str:
 
 def die_trade_off() -> Figure:
     """docs/balancing.md: the curves of the page's own code."""
-    manual = (ROOT / "docs" / "balancing.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"^```python\n(.*?)^```$", manual, flags=re.DOTALL | re.MULTILINE)
-    names: dict[str, Any] = {}
-    with contextlib.redirect_stdout(io.StringIO()):
-        for word in ("regions = [", "compare_conditions,", "trade_off(press"):
-            exec(next(each for each in blocks if word in each).partition("best = balance(")[0], names)
-    return pp.plots.draw(names["curves"], "trade_off")
+    return pp.plots.draw(names_of("balancing")["curves"], "trade_off")
+
+
+def ratings() -> Figure:
+    """docs/ratings.md: permissible force, stroke and energy. Kong 2025 prints nominal force and motor; all else is assumed (ours)."""
+    capacities = pp.ratings.Capacities(
+        nominal_force=3000e3,
+        motor_power=75e3,
+        nominal_height=0.013,
+        flywheel_inertia=2000.0,
+        speed_drop=0.2,
+        bearings={"A": 1.5e6, "D": 3.3e6, "E": 3.3e6},
+    )
+    return pp.plots.draw(pp.ratings.rate(six_bar(), SPEED, capacities, points=1081), "force", "near_bottom", "work")
 
 
 def report_page() -> bytes:
@@ -390,47 +351,39 @@ def frame_report() -> bytes:
 def frame_modes() -> bytes:
     """docs/foundation.md: the page of the modes of the frame in its frame file, at the first in which the frame bends."""
     press = pp.load("jf75g_125")
-    system = pp.foundation.read_mounted(press, ROOT / "docs" / "jf75g_125_frame.yaml")
+    system = pp.foundation.read_mounted(press, DOCS / "jf75g_125_frame.yaml")
     modes = pp.foundation.modes(system)
     first = modes.motion.index("bending")
     with tempfile.TemporaryDirectory() as folder:
         file = pp.record_modes(press, modes, Path(folder, "modes.html"), lowest=first + 1)
-        return _in_window(file.as_uri(), "select:visible", AT_MODE.replace("MODE", str(first)))
+        return shot(file.as_uri(), "select:visible", f"() => {{ setPlaying(false); seek(data.modes[{first}].start + 0.25); }}")
 
 
 def _report_in(page: str, command: str, title: str) -> bytes:
     """The page that a command of the manual makes, at a section."""
-    manual = (ROOT / "docs" / page).read_text(encoding="utf-8").replace("\\\n", "")
+    manual = (DOCS / page).read_text(encoding="utf-8").replace("\\\n", "")
     _, *words = next(line for line in manual.splitlines() if line.startswith(command)).split()
+    scroll = f"""() => {{
+        const titles = [...document.querySelectorAll("#charts h2")];
+        titles.find(each => each.textContent.startsWith("{title}")).scrollIntoView();
+        viewer.render();
+    }}"""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, words.pop())
         main_of_pinpress([*words, str(file)])
-        return _in_window(file.as_uri() + "#t=0.64", "body:has(#charts h2)", AT_SECTION.replace("TITLE", title))
+        return shot(file.as_uri() + "#t=0.64", "body:has(#charts h2)", scroll)
 
 
 def live() -> bytes:
     """docs/recording.md: the live window in Chromium, in which a crank has been made longer."""
-    with pp.view(six_bar(), speed=SPEED, loads=[DRAWING], browser=False) as window:
-        return _in_window(window.url, ".row", LONGER_CRANK)
-
-
-def _in_window(url: str, drawn: str, action: str) -> bytes:
-    """A page in Chromium: what it shows once there is an element like ``drawn`` and ``action`` has been done."""
-    from playwright.sync_api import sync_playwright
-
-    flags = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # drawn by the processor
-    program = os.environ.get("CHROMIUM") or shutil.which("chromium")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=[*flags, "--no-sandbox", "--hide-scrollbars"])
-        page = browser.new_page(viewport={"width": 1280, "height": 800})
-        page.goto(url)
-        page.wait_for_selector(drawn)
-        page.wait_for_timeout(2000)
-        page.evaluate(action)
-        page.wait_for_timeout(2000)
-        shot = page.screenshot()
-        browser.close()
-    return bytes(shot)
+    longer_crank = """() => {
+        setPlaying(false);
+        seek(0.15 * duration);
+        change(rows[data.dimensions.findIndex(each => each.name === "A to B")], 165, true);
+    }"""
+    loads = [pp.loads.DeepDrawing(force=1.5e6, start=0.040)]
+    with pp.view(six_bar(), speed=SPEED, loads=loads, browser=False) as window:
+        return shot(window.url, ".row", longer_crank)
 
 
 def _figure(size: tuple[float, float]) -> Figure:
@@ -438,31 +391,16 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 
 PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
-    slide, polar, run, slip_clutch, tolerances, identifiability,
+    slide, polar, run, slip_clutch, tolerances, identifiability, ratings,
     die_trade_off, play, accuracy_budget, pause, eight_way_guide, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
     programs, sketch,
     lengths_too_short, notebook, report_page, frame_report, frame_modes, live, process_force, measured_modes, orders,
 )  # fmt: skip
 
 
-def main(names: list[str]) -> None:
-    sys.path.append(str(ROOT / "viz"))
-    from light import light  # type: ignore[import-not-found]  # a script of viz
-
-    FOLDER.mkdir(exist_ok=True)
+def main(quick: bool = False, parts: Sequence[str] = ()) -> None:
+    """Draw them, or some by their names; ``quick``: one of each kind."""
     for picture in PICTURES:
-        if not names or picture.__name__ in names:
-            made = picture()
-            path = FOLDER / f"{picture.__name__}.{'png' if isinstance(made, bytes) else 'svg'}"
-            if isinstance(made, bytes):
-                path.write_bytes(made)
-                light(path)
-            elif isinstance(made, str):
-                path.write_text(made, encoding="utf-8")
-            else:
-                pp.plots.save(made, path)
-            print(path, path.stat().st_size)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
+        if picture.__name__ in (parts or (["slide", "sketch", "live"] if quick else [each.__name__ for each in PICTURES])):
+            content = picture()
+            write(DOCS / "pictures" / f"{picture.__name__}.{'png' if isinstance(content, bytes) else 'svg'}", content)

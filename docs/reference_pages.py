@@ -1,17 +1,15 @@
-"""Writes docs/reference: every public name as the stubs list them, a few namespaces a page, functions before classes.
-
-    python docs/reference_pages.py
+"""The pages of docs/reference: every public name as the stubs list them, a few namespaces a page, functions before classes.
 
 mkdocstrings puts signatures and docstrings in their places when the site is built.
 """
 
 import inspect
 from operator import attrgetter
-from pathlib import Path
+
+from make import DOCS, OUT, write
 
 import pinpress as pp
 
-FOLDER = Path(__file__).resolve().parent / "reference"
 # In the order in which a reader meets them; of these classes, which functions make, the arguments of the constructor say nothing.
 TOP = (
     "build load presses check write_urdf Linkage cycle servo_cycle read_motion Motion dead_centres inverse_dynamics Reactions simulate"
@@ -86,8 +84,9 @@ def menu() -> str:
     return "".join(f'      - "{title}": reference/{file}.md\n' for file, title in titles.items())
 
 
-if __name__ == "__main__":
-    for old in FOLDER.glob("*.md"):
+def main(quick: bool = False) -> None:
+    """Write them."""
+    for old in () if OUT else (DOCS / "reference").glob("*.md"):
         old.unlink()
     for file, text in pages().items():
-        (FOLDER / file).write_text(text, encoding="utf-8")
+        write(DOCS / "reference" / file, text)

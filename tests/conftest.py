@@ -11,21 +11,22 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import pytest
-from hypothesis import settings
-from support.exploring import EXPLORE, FIXED
-from support.sampling import sample
-from support.skips import pytest_make_collect_report, pytest_runtest_makereport
-from support.time_limit import time_limit
+# Bytecode is kept, whatever the machine's habit: every test that starts Python, and every worker, would compile all of pinpress again,
+# and pytest rewrites all of Hypothesis too.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+import pytest  # noqa: E402
+from hypothesis import settings  # noqa: E402
+from support.exploring import EXPLORE, FIXED  # noqa: E402
+from support.sampling import sample  # noqa: E402
+from support.skips import pytest_make_collect_report, pytest_runtest_makereport  # noqa: E402
+from support.time_limit import time_limit  # noqa: E402
 
 # hooks and a fixture for all tests
 __all__ = ["pytest_make_collect_report", "pytest_runtest_makereport", "time_limit"]
 
 settings.load_profile(FIXED)
-
-# Bytecode is kept, whatever the machine's habit: every test that starts Python, and every worker, would compile all of pinpress again.
-sys.dont_write_bytecode = False
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 # What `nohup` or a script's `&` ignores, all processes that the tests start would ignore too, and those of Ctrl-C would never end.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

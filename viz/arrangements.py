@@ -1,29 +1,24 @@
-"""The JF75G-125's crank-slider through the classical balancing arrangements, and the machines of chapter 1 of Zhang 2007 beside it, as the
-Markdown page viz/arrangements.md, and its picture.
-
-python viz/arrangements.py
+"""The JF75G-125's crank-slider through the classical balancing arrangements, and the machines of chapter 1 of Zhang 2007 beside it: the
+page viz/arrangements.md, and its picture.
 """
 
-from pathlib import Path
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
+from make import ROOT, VIZ, write
+from matplotlib.figure import Figure
 from scipy.optimize import brentq
+from support.markdown import table
 
 import pinpress as pp
 from pinpress.balancing import Counterweight, classical, with_counterweights
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-PAGE = Path(__file__).with_suffix(".md")
 SPEED = 300 * pp.RPM
 POINTS = 720
 RADIUS = 0.15  # of counterweights on the crank [m]
 ROD_RADIUS = 0.30  # of the one on the rod
 AUXILIARY = 0.0297  # crank radius of the opposed crank-slider [m]
 SHAFTS = 0.5  # between them [m]
-URDF = PAGE.parent.parent / "urdf"
 STROKES, DIE = (20.0, 30.0, 40.0), 400.0  # [mm], [kg]
 AIDA, PIRICA = "balance slide, Fig. 1-3", "double knuckle, Fig. 1-4"
 SHIPPED = {
@@ -44,7 +39,7 @@ what the arrangements of its chapter 3 make of it. The table has ranges over a t
 the crank's speed, up to 6, that an arrangement cancels. Counterweights stand on the crank at {RADIUS:g} m, on the rod at {ROD_RADIUS:g} m;
 blocks of balance shafts at {RADIUS:g} m; auxiliary crank {AUXILIARY:g} m, its rod of the same ratio; shafts {SHAFTS:g} m apart. The
 tilting moment is about the shaft, or midway between the shafts; the bearing force is the largest of all pins, which includes weight.
-Written by `python viz/arrangements.py`.
+Written by `python docs/make.py arrangements`.
 """
 NOTES = """
 - Complete balancing holds the centre of mass still, but takes more than twice the moving mass. The moment is hundreds of times as large,
@@ -115,24 +110,27 @@ def presses() -> dict[str, pp.Linkage]:
     }
 
 
-def table() -> str:
-    """Markdown, one row an arrangement."""
-    titles = ["arrangement", "vertical force [N]", "lateral force [N]", "tilting moment [N m]", "driving torque [N m]", "bearing force [N]"]
-    titles += ["added mass [kg]", "cancelled: vertical", "lateral", "tilting"]
-    lines = ["| " + " | ".join(titles) + " |", "|---" + "|---:" * 6 + "|---" * 3 + "|"]
-    before, plain = None, 0.0
+def arrangements_table() -> str:
+    """A row an arrangement."""
+    rows, before, plain = [], None, 0.0
     for name, press in presses().items():
         result = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=POINTS))
         mass = sum(inertia.mass for inertia in press.model.inertias)
         before, plain = before or result, plain or mass
         changes = classical.compare_harmonics(before, result)
-        force, moment = result.shaking_force, result.shaking_moment[:, 1]
-        ranges = [np.ptp(each) for each in (force[:, 2], force[:, 0], moment)]
-        left = [any(c.change in ("reduced", "unchanged", "raised") for c in changes if c.quantity == quantity) for quantity in QUANTITIES]
-        shown = [_figure(size if there else 0.0) for size, there in zip(ranges, left, strict=True)]
-        shown += [_figure(np.ptp(result.driving_torque)), _hardest(result)[0], _figure(mass - plain)]
-        lines.append("| " + " | ".join([name, *shown, *(_cancelled(changes, quantity) for quantity in QUANTITIES)]) + " |")
-    return "\n".join(lines)
+        remaining = {change.quantity for change in changes if change.change in ("reduced", "unchanged", "raised")}
+        sizes = [size if quantity in remaining else 0.0 for size, quantity in zip(_ranges(result), QUANTITIES, strict=True)]
+        cells = [*map(_figure, (*sizes, np.ptp(result.driving_torque))), _hardest(result)[0], _figure(mass - plain)]
+        rows.append((name, *cells, *(_cancelled(changes, quantity) for quantity in QUANTITIES)))
+    titles = ("vertical force [N]", "lateral force [N]", "tilting moment [N m]", "driving torque [N m]", "bearing force [N]")
+    heads = ("arrangement", *titles, "added mass [kg]", "cancelled: vertical", "lateral", "tilting")
+    return table(heads, rows, 6)
+
+
+def _ranges(result: pp.Reactions) -> tuple[float, ...]:
+    """Of the vertical and the lateral force and of the tilting moment over the turn."""
+    force = result.shaking_force
+    return tuple(float(np.ptp(values)) for values in (force[:, 2], force[:, 0], result.shaking_moment[:, 1]))
 
 
 def machines() -> dict[str, pp.Linkage]:
@@ -141,28 +139,17 @@ def machines() -> dict[str, pp.Linkage]:
 
 
 def machines_table() -> str:
-    """Markdown, one row a machine."""
-    heads = [
-        "machine",
-        "vertical force [N]",
-        "lateral force [N]",
-        "moment [N m]",
-        "driving torque [N m]",
-        "bearing force [N]",
-        "added mass [kg]",
-    ]
-    lines = ["| " + " | ".join(heads) + " |", "|---" + "|---:" * (len(heads) - 1) + "|"]
-    plain = 0.0
+    """A row a machine."""
+    rows, plain = [], 0.0
     for words, press in machines().items():
         result = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=POINTS))
         mass = sum(inertia.mass for inertia in press.model.inertias)
         plain = plain or mass
         hardest, least = _hardest(result)
-        force, moment = result.shaking_force, result.shaking_moment[:, 1]
-        ranges = [np.ptp(each) for each in (force[:, 2], force[:, 0], moment)]
-        cells = [_figure(size if size > least else 0.0) for size in (*ranges, np.ptp(result.driving_torque))]
-        lines.append(f"| {words} (`{SHIPPED[words]}`) | {' | '.join(cells)} | {hardest} | {_figure(mass - plain)} |")
-    return "\n".join(lines)
+        cells = [_figure(size if size > least else 0.0) for size in (*_ranges(result), float(np.ptp(result.driving_torque)))]
+        rows.append((f"{words} (`{SHIPPED[words]}`)", *cells, hardest, _figure(mass - plain)))
+    heads = ("vertical force [N]", "lateral force [N]", "moment [N m]", "driving torque [N m]", "bearing force [N]", "added mass [kg]")
+    return table(("machine", *heads), rows, 6)
 
 
 def _hardest(reactions: pp.Reactions) -> tuple[str, float]:
@@ -175,43 +162,39 @@ def _hardest(reactions: pp.Reactions) -> tuple[str, float]:
 
 def at_stroke(name: str, stroke: float) -> pp.Linkage:
     """A shipped machine set to a stroke [mm] by what its builder would change."""
-    table = URDF / f"{SHIPPED[name]}.yaml"
+    pins = ROOT / "urdf" / f"{SHIPPED[name]}.yaml"
     if name == AIDA:
-        return pp.build(table, f=400 / (1 + stroke / 30))
-    return pp.build(table, r=_knuckle_radius(table, stroke) if name == PIRICA else stroke / 2)
+        return pp.build(pins, f=400 / (1 + stroke / 30))
+    return pp.build(pins, r=_knuckle_radius(stroke) if name == PIRICA else stroke / 2)
 
 
-def _knuckle_radius(table: Path, stroke: float) -> float:
+def _knuckle_radius(stroke: float) -> float:
     """The crank radius [mm] with which the knees make a stroke [mm]."""
 
     def missing(radius: float) -> float:
-        return float(1e3 * np.ptp(pp.cycle(pp.build(table, r=radius), 1.0, points=180).slide_position) - stroke)
+        press = pp.build(ROOT / "urdf" / f"{SHIPPED[PIRICA]}.yaml", r=radius)
+        return float(1e3 * np.ptp(pp.cycle(press, 1.0, points=180).slide_position) - stroke)
 
     return float(brentq(missing, 0.2 * stroke, 0.7 * stroke, xtol=1e-6))
 
 
 def offsets_table() -> str:
-    """Markdown, one row a machine: the vertical range at other strokes and with a die."""
-    heads = ["machine", *(f"{stroke:g} mm" for stroke in STROKES), f"30 mm, die of {DIE:g} kg"]
-    lines = ["| " + " | ".join(heads) + " |", "|---" + "|---:" * (len(heads) - 1) + "|"]
-    for words in SHIPPED:
-        ranges = [_vertical(at_stroke(words, stroke)) for stroke in STROKES]
-        press = pp.load(SHIPPED[words])
-        ranges.append(_vertical(with_counterweights(press, [Counterweight("slide", DIE)])))
-        lines.append(f"| {words} | {' | '.join(_figure(each) for each in ranges)} |")
-    return "\n".join(lines)
+    """A row a machine: the vertical range at other strokes and with a die."""
+    rows = []
+    for words, name in SHIPPED.items():
+        with_die = with_counterweights(pp.load(name), [Counterweight("slide", DIE)])
+        rows.append((words, *(_figure(_vertical(press)) for press in (*(at_stroke(words, stroke) for stroke in STROKES), with_die))))
+    return table(("machine", *(f"{stroke:g} mm" for stroke in STROKES), f"30 mm, die of {DIE:g} kg"), rows, 4)
 
 
 def _vertical(press: pp.Linkage) -> float:
     return float(np.ptp(pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=POINTS), bearings=()).shaking_force[:, 2]))
 
 
-def picture() -> "Figure":
-    """Force over a turn of each machine, and its vertical range over the stroke."""
-    import matplotlib.pyplot as plt
-
-    figure, (over_turn, over_stroke) = plt.subplots(1, 2, figsize=(9.6, 3.9), layout="constrained")
-    strokes = (12.0, 16.0, 20.0, 24.0, 28.0, 30.0, 32.0, 36.0, 40.0)
+def picture(strokes: Sequence[float]) -> Figure:
+    """Force over a turn of each machine, and its vertical range over the stroke [mm]."""
+    figure = Figure(figsize=(9.6, 3.9), layout="constrained")
+    over_turn, over_stroke = figure.subplots(1, 2)
     for (words, press), colour in zip(machines().items(), COLOURS, strict=True):
         motion = pp.cycle(press, SPEED, points=POINTS)
         force = pp.inverse_dynamics(press, motion, bearings=()).shaking_force[:, 2] / 1e3
@@ -224,7 +207,8 @@ def picture() -> "Figure":
     for axes in (over_turn, over_stroke):
         axes.grid(alpha=0.25)
         axes.spines[["top", "right"]].set_visible(False)
-    figure.legend(loc="outside lower center", ncols=3, frameon=False)
+    handles, names = over_turn.get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=3, frameon=False)
     return figure
 
 
@@ -241,13 +225,10 @@ def _cancelled(changes: tuple[classical.HarmonicChange, ...], quantity: str) -> 
 
 def page() -> str:
     """The page in Markdown."""
-    parts = [INTRODUCTION, table(), NOTES + MACHINES, machines_table(), OFFSETS, offsets_table(), FINDINGS + PICTURE]
-    return "\n".join(parts)
+    return "\n".join([INTRODUCTION, arrangements_table(), NOTES + MACHINES, machines_table(), OFFSETS, offsets_table(), FINDINGS + PICTURE])
 
 
-if __name__ == "__main__":
-    from light import light  # type: ignore[import-not-found]  # beside this script
-
-    PAGE.write_text(page(), encoding="utf-8")
-    print(PAGE.read_text(encoding="utf-8"))
-    print(light(pp.plots.save(picture(), PAGE.with_suffix(".png"))))
+def main(quick: bool = False) -> None:
+    """Write the page and its picture; ``quick``: over two strokes."""
+    write(VIZ / "arrangements.md", page())
+    write(VIZ / "arrangements.png", picture((20.0, 40.0) if quick else (12.0, 16.0, 20.0, 24.0, 28.0, 30.0, 32.0, 36.0, 40.0)))

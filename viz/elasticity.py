@@ -1,21 +1,15 @@
-"""Two presses with assumed springs: compliance, bottom dead centre over speed and snap-through, the picture of docs/elasticity.md.
+"""Two presses with assumed springs: compliance, bottom dead centre over speed and snap-through, for docs/elasticity.md.
 
 No document prints a stiffness: all of them, damping, break-through time and clearance are ours, of the size usual for such presses, and
 marked as assumed. The presses are those of Kong 2025 and Zhang 2007.
-
-python viz/elasticity.py
 """
 
-from collections.abc import Sequence
-from pathlib import Path
-
 import numpy as np
-from matplotlib.figure import Figure
+from make import VIZ, write
 
 import pinpress as pp
-from pinpress.plots import style as figures
+from pinpress.plots import style
 
-PICTURE = Path(__file__).with_suffix(".png")
 STEEL = 2.1e11  # modulus of elasticity [Pa]
 
 # assumed: sections of links, radial stiffness of journal bearings with their shafts, frame, shaft from crank to gear
@@ -37,59 +31,38 @@ SPRINGS = {
         frame=3e9,
     ),
 }
-FORCE = {"zxn2_3000b": 3.0e6, "jf75g_125": 1.25e6}  # nominal, printed [N]
-CURVE = {"zxn2_3000b": 70, "jf75g_125": 600}
-DIE = {"zxn2_3000b": 1500.0, "jf75g_125": 400.0}  # assumed, upper die [kg]
+FORCE = 3.0e6  # nominal force of the ZXN2-3000(B), printed [N]
+DIE = 1500.0  # assumed, upper die [kg]
 HEIGHT = 0.003  # assumed, of break-through above bottom dead centre [m]
 DAMPING, BREAK_TIME, CLEARANCE = 0.04, 1e-3, 1e-4  # assumed [-, s, m]
 
 
-def elastic(press: pp.Linkage, name: str) -> pp.elasticity.SlideCompliance:
-    """About bottom dead centre."""
-    return pp.elasticity.compliance(
-        press, SPRINGS[name], angle=pp.dead_centres(press).bottom_angle + np.radians(np.arange(-60.0, 60.1, 0.25))
-    )
-
-
-def at_heights(press: pp.Linkage, name: str, heights: Sequence[float]) -> pp.elasticity.SlideCompliance:
-    """On the way down, at heights above bottom dead centre [m]."""
+def snaps(press: pp.Linkage) -> dict[str, pp.elasticity.SnapThroughResponse]:
+    """At nominal force, with damping alone, and with a clearance and a time of break-through."""
     ends = pp.dead_centres(press)
     angle = ends.bottom_angle - np.radians(np.linspace(0.0, 90.0, 3601))
     above = pp.servo_cycle(press, speed=1.0, angle=angle).slide_position - ends.bottom_position
-    return pp.elasticity.compliance(press, SPRINGS[name], angle=np.interp(heights, above, angle))
-
-
-def snaps(press: pp.Linkage, name: str) -> dict[str, pp.elasticity.SnapThroughResponse]:
-    """At nominal force, with more and more in it."""
-    found = at_heights(press, name, [HEIGHT])
-    case = FORCE[name], 1 / found.compliance[0], found.effective_mass[0] + DIE[name]
+    found = pp.elasticity.compliance(press, SPRINGS[press.name], angle=np.interp([HEIGHT], above, angle))
+    case = FORCE, 1 / found.compliance[0], found.effective_mass[0] + DIE
+    more = {"damping_ratio": DAMPING, "break_time": BREAK_TIME, "clearance": CLEARANCE}
     return {
-        "at once, undamped": pp.elasticity.snap_through(*case),
         f"damping ratio {DAMPING:g}": pp.elasticity.snap_through(*case, damping_ratio=DAMPING),
-        f"within {1e3 * BREAK_TIME:g} ms": pp.elasticity.snap_through(*case, damping_ratio=DAMPING, break_time=BREAK_TIME),
-        f"clearance {1e3 * CLEARANCE:g} mm": pp.elasticity.snap_through(
-            *case, damping_ratio=DAMPING, break_time=BREAK_TIME, clearance=CLEARANCE
-        ),
+        f"clearance {1e3 * CLEARANCE:g} mm": pp.elasticity.snap_through(*case, **more),
     }
 
 
-def picture() -> Figure:
-    """Of each press a column: compliance, shift of bottom dead centre, snap-through."""
-    with figures.drawing(19.0) as figure:
-        places = figure.subplots(3, 2)
-        for column, name in enumerate(SPRINGS):
-            press = pp.load(name)
-            found = elastic(press, name)
-            pp.plots.draw(found, "compliance", ax=places[0, column])
-            places[0, column].set_title(name, loc="left")
-            curve = pp.elasticity.dead_centre_shift(press, SPRINGS[name], speed=np.linspace(0.0, CURVE[name], 40) * pp.RPM)
-            pp.plots.draw({"true bottom dead centre": curve}, "shift", ax=places[1, column])
-            cases = snaps(press, name)
-            pp.plots.draw({what: cases[what] for what in list(cases)[1::2]}, "spring_share", ax=places[2, column])
-    return figure
-
-
-if __name__ == "__main__":
-    from light import light  # type: ignore[import-not-found]  # beside this script
-
-    print(light(figures.save(picture(), PICTURE)))
+def main(quick: bool = False) -> None:
+    """Draw the picture; ``quick``: at few speeds."""
+    six_bar, fast = (pp.load(name) for name in SPRINGS)
+    speeds = np.linspace(0.0, 600.0, 4 if quick else 40) * pp.RPM
+    with style.drawing(22.0) as figure:
+        places = figure.subplots(4, 1)
+        for place, press in zip(places, (six_bar, fast), strict=False):
+            angle = pp.dead_centres(press).bottom_angle + np.radians(np.arange(-60.0, 60.1, 0.25))
+            pp.plots.draw(pp.elasticity.compliance(press, SPRINGS[press.name], angle=angle), "compliance", ax=place)
+        shift = pp.elasticity.dead_centre_shift(fast, SPRINGS[fast.name], speed=speeds)
+        pp.plots.draw({"true bottom dead centre": shift}, "shift", ax=places[2])
+        pp.plots.draw(snaps(six_bar), "spring_force", ax=places[3])
+        for place, press in zip(places, (six_bar, fast, fast, six_bar), strict=True):
+            place.set_title(f"{press.name}: {place.get_title(loc='left').lower()}", loc="left", pad=17.0 if place is places[3] else 5.0)
+    write(VIZ / "elasticity.png", figure)

@@ -1,44 +1,37 @@
-"""The frame of the JF75G-125 on rubber: the findings of Zhang 2007, chapter 2, beside ours, as viz/foundation.md and viz/foundation.png.
-
-python viz/foundation.py
-"""
+"""The frame of the JF75G-125 on rubber: the findings of Zhang 2007, chapter 2, beside ours, as viz/foundation.md and viz/foundation.png."""
 
 import dataclasses
-import sys
-from collections.abc import Iterable
-from pathlib import Path
 
 import numpy as np
+from make import VIZ, write
 from matplotlib.figure import Figure
+from support.markdown import table
+from validation import zhang2007_vibration as vibration
 
 import pinpress as pp
 from pinpress import foundation
 from pinpress.plots import style as figures
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from validation import zhang2007_vibration as vibration
-
-PAGE = Path(__file__).with_suffix(".md")
-PICTURE = Path(__file__).with_suffix(".png")
-
 
 def page(model: vibration.Vibration) -> str:
-    """The page; draws its picture too."""
-    figures.save(picture(model), PICTURE)
+    """The page in Markdown."""
     real = model.machines[vibration.REAL]
     modes = foundation.modes(real)
-    before = ["| press, idle at 350 per min | shaking force, rms | top beam, rms | floor, rms |", "|---|---:|---:|---:|"]
+    idle = []
     for name, system in model.machines.items():
         response = foundation.over_speeds(system, [vibration.AT], points=vibration.POINTS)
         top = float(np.linalg.norm(response.rms["top beam"][0]))
-        before.append(f"| {name} | {response.shaking_force[0]:.4g} N | {top:.2g} m/s² | {response.floor_force[0]:.4g} N |")
-    listed = ["| mode | frequency | speed | damping ratio |", "|---|---:|---:|---:|"]
-    for name, w, ratio in zip(modes.motion, modes.natural_frequency, modes.damping_ratio, strict=True):
-        listed.append(f"| {name} | {w / 2 / np.pi:.2f} Hz | {w / pp.RPM:.0f} per min | {ratio:.3f} |")
-    parts = [INTRODUCTION, table(model.findings()), NOTES, "What the arrangement does, on the same mounts:\n", "\n".join(before)]
-    parts += [
+        idle.append((name, f"{response.shaking_force[0]:.4g} N", f"{top:.2g} m/s²", f"{response.floor_force[0]:.4g} N"))
+    listed = zip(modes.motion, modes.natural_frequency, modes.damping_ratio, strict=True)
+    vibrating = [(name, f"{w / 2 / np.pi:.2f} Hz", f"{w / pp.RPM:.0f} per min", f"{ratio:.3f}") for name, w, ratio in listed]
+    parts = [
+        INTRODUCTION,
+        table(("Zhang 2007 says", "pinpress gives", "agrees"), [(each.says, each.gives, each.agrees) for each in model.findings()]),
+        NOTES,
+        "What the arrangement does, on the same mounts:\n",
+        table(("press, idle at 350 per min", "shaking force, rms", "top beam, rms", "floor, rms"), idle, 3),
         "\nModes of `jf75g_125`:\n",
-        "\n".join(listed),
+        table(("mode", "frequency", "speed", "damping ratio"), vibrating, 3),
         f"\nAt rest: {standing(real)}.\n",
         "Other pads, `jf75g_125` idle:\n",
         pads(real),
@@ -47,12 +40,6 @@ def page(model: vibration.Vibration) -> str:
         HARDER,
     ]
     return "\n".join(parts) + "\n"
-
-
-def table(findings: Iterable[vibration.VibrationFinding]) -> str:
-    """Findings in Markdown."""
-    lines = ["| Zhang 2007 says | pinpress gives | agrees |", "|---|---|---|"]
-    return "\n".join(lines + [f"| {each.says} | {each.gives} | {each.agrees} |" for each in findings])
 
 
 def standing(system: foundation.MountedPress) -> str:
@@ -66,7 +53,7 @@ def standing(system: foundation.MountedPress) -> str:
 
 def pads(system: foundation.MountedPress) -> str:
     """How much the findings depend on the pads."""
-    lines = ["| pads | sway along x | 200 to 300 per min | 300 to 350 per min | at 350 per min |", "|---|---:|---:|---:|---:|"]
+    rows = []
     for width in (0.15, 0.2, 0.25):
         for hardness in (55, 65, 75):
             pad = dataclasses.replace(vibration.PAD, length=width, width=width, hardness=hardness)
@@ -76,17 +63,16 @@ def pads(system: foundation.MountedPress) -> str:
             two, three, most = np.linalg.norm(
                 foundation.over_speeds(trial, np.array([200, 300, 350]) * pp.RPM, points=vibration.POINTS).rms["top beam"], axis=1
             )
-            lines.append(
-                f"| {width:g} x {width:g} m, {hardness} Shore A | {sway / 2 / np.pi:.2f} Hz, {sway / pp.RPM:.0f} per min"
-                f" | {three / two:.1f} times | {most / three:.1f} times | {most:.2g} m/s² |"
-            )
-    return "\n".join(lines)
+            frequency = f"{sway / 2 / np.pi:.2f} Hz, {sway / pp.RPM:.0f} per min"
+            growth = f"{three / two:.1f} times", f"{most / three:.1f} times", f"{most:.2g} m/s²"
+            rows.append((f"{width:g} x {width:g} m, {hardness} Shore A", frequency, *growth))
+    return table(("pads", "sway along x", "200 to 300 per min", "300 to 350 per min", "at 350 per min"), rows, 4)
 
 
 def harder(model: vibration.Vibration) -> str:
     """What feet that lift off make of harder blows."""
-    heads = ["force", "lifts", "highest", "longest", "walked", "most on the floor, beside the weight", "of the linear model"]
-    lines = [f"| {' | '.join(heads)} |", "|---|---:|---:|---:|---:|---:|---:|"]
+    heads = ("force", "lifts", "highest", "longest", "walked", "most on the floor, beside the weight", "of the linear model")
+    rows = []
     system = model.machines[vibration.REAL]
     for force in FORCES:
         blows = vibration.blows(system, dataclasses.replace(vibration.PILING, force=force))
@@ -95,11 +81,9 @@ def harder(model: vibration.Vibration) -> str:
         gap, longest = (1e3 * float(values.max(initial=0.0)) for values in (found.gap, found.end - found.start))
         most, pulled = (-1e-3 * float(each.floor_force[:, 2].min()) for each in (found.motion, linear))
         walked = 1e3 * np.abs(found.walked).max()
-        lines.append(
-            f"| {1e-3 * force:g} kN | {len(found.mount)} | {gap:.3g} mm | {longest:.3g} ms | {walked:.2g} mm"
-            f" | {most:.4g} kN | {pulled:.4g} kN |"
-        )
-    return "\n".join(lines)
+        lifts = len(found.mount), f"{gap:.3g} mm", f"{longest:.3g} ms", f"{walked:.2g} mm"
+        rows.append((f"{1e-3 * force:g} kN", *lifts, f"{most:.4g} kN", f"{pulled:.4g} kN"))
+    return table(heads, rows, 6)
 
 
 def picture(model: vibration.Vibration) -> Figure:
@@ -157,7 +141,7 @@ of the signals, so only its findings can be compared. The press is `jf75g_125`, 
 - a flywheel balanced to G 1.6; piling with 50 kN, because under 100 kN a foot lifts off, where the linear model ends.
 
 Nothing is fitted: we chose pads, masses and columns before we saw results. Setting flywheel and motor apart later left mass and centre of
-the whole crown as they were. Written by `python viz/foundation.py`, which also draws [the picture](foundation.png).
+the whole crown as they were. Written by `python docs/make.py foundation`, which also draws [the picture](foundation.png).
 """
 FORCES = (50e3, 100e3, 1250e3)  # the nominal force of the press last [N]
 HARDER = """
@@ -179,9 +163,9 @@ NOTES = """
   that working speed and natural frequencies are far apart.
 """
 
-if __name__ == "__main__":
-    from light import light  # type: ignore[import-not-found]  # beside this script
 
-    PAGE.write_text(page(vibration.Vibration()), encoding="utf-8")
-    light(PICTURE)
-    print(PAGE.read_text(encoding="utf-8"))
+def main(quick: bool = False) -> None:
+    """Write the page and draw its picture."""
+    model = vibration.Vibration()
+    write(VIZ / "foundation.md", page(model))
+    write(VIZ / "foundation.png", picture(model))

@@ -31,4 +31,4 @@ for name in ("B", "S"):
 x, y, _ = np.abs(reactions.bearing_force["slide_guide"]).max(axis=0)
 print(f"the guide carries up to {x:.0f} N along x and {y:.0f} N along y")
 
-figure = pp.plots.draw(reactions, "bearings")
+figure = pp.plots.draw(reactions, "bearings", "moments")

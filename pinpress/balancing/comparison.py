@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -93,25 +94,22 @@ def compare_conditions(
     if len(conditions) < 2:
         raise PinpressError("conditions has fewer than two operating conditions: give two or more")
     fixed = [replace(region, reset="") for region in regions]
-    many = range(len(conditions))
-    designs = [
-        balance(press, conditions, regions=fixed, minimise=minimise, limits=limits, shares=[float(k == number) for k in many])
-        for number in many
-    ]
-    designs.append(balance(press, conditions, regions=fixed, minimise=minimise, limits=limits))
+    criteria: dict[str, Any] = {"minimise": minimise, "limits": limits}
+    designs = [balance(press, conditions, regions=fixed, shares=alone, **criteria) for alone in np.eye(len(conditions)).tolist()]
+    designs.append(balance(press, conditions, regions=fixed, **criteria))
     if any(region.reset for region in regions):
-        designs.append(balance(press, conditions, regions=regions, minimise=minimise, limits=limits))
-    names = tuple(condition_name(designs[0], k) for k in many)
+        designs.append(balance(press, conditions, regions=regions, **criteria))
+    names = tuple(condition_name(designs[0], k) for k in range(len(conditions)))
     if len(set(names)) < len(names):
         raise PinpressError(
             f"two operating conditions have the same name among {', '.join(map(repr, names))}: give different names, name=..."
         )
-    changes = [[region for region in design.changes if region.criterion == minimise] for design in designs]
+    changes = [[change for change in design.changes if change.criterion == minimise] for design in designs]
     return ConditionComparison(
         criterion=minimise,
         names=("none", *(f"best for {name}" for name in names), "compromise", "set anew")[: len(designs) + 1],
         conditions=names,
-        values=np.array([[region.before for region in changes[0]], *([region.after for region in rows] for rows in changes)]),
+        values=np.array([[change.before for change in changes[0]], *([change.after for change in rows] for rows in changes)]),
         added_mass=np.array([0.0, *(design.added_mass for design in designs)]),
         designs=tuple(designs),
     )

@@ -89,7 +89,7 @@ def with_counterweights(press: Linkage, counterweights: Iterable[Counterweight])
 
 def with_die(press: Linkage, mass: float, slide: str) -> Linkage:
     """The press with an upper die [kg] in the centre of mass of its slide."""
-    frame = press.model.frames[press.model.getFrameId(slide, pin.BODY)]
+    frame = press.frame_of(slide)
     x, y, z = frame.placement.actInv(press.model.inertias[frame.parentJoint].lever).tolist()
     return with_counterweights(press, [Counterweight(slide, mass, (x, y, z))])
 
@@ -213,7 +213,7 @@ def carrying_joint(press: Linkage, link: str, position: tuple[float, float, floa
     """
     joint, point = point_on_body(press, link, check_point(f"{what}: position", position), what, "position")
     if joint == 0:
-        moving = [name for name in press.links if press.model.frames[press.model.getFrameId(name, pin.BODY)].parentJoint]
+        moving = [name for name in press.links if press.frame_of(name).parentJoint]
         raise PinpressError(f"{what}: link {shown(link)} does not move, so a mass on it balances nothing: give one of {', '.join(moving)}")
     return joint, point
 
@@ -268,7 +268,7 @@ def _added_inertia(press: Linkage, weight: Counterweight) -> tuple[int, pin.Iner
 
 def _inertia_forces(press: Linkage, motion: Motion, masses: PointMasses) -> tuple[Array, Array]:
     """World positions (p, n, 3) of the masses [m], and weight plus inertia force (p, n, 3) of each [N]."""
-    frame = press.model.frames[press.model.getFrameId(masses.link, pin.BODY)]
+    frame = press.frame_of(masses.link)
     points = masses.points @ frame.placement.rotation.T + frame.placement.translation
     moved = press.engine().body_motion(motion.states(press), [frame.parentJoint]).points(points)
     position, acceleration = moved.place.swapaxes(1, 2), moved.acceleration.swapaxes(1, 2)

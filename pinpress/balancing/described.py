@@ -19,6 +19,7 @@ from ..linkage.linkage import Linkage, is_same_press
 from .counterweights import Counterweight, OperatingCondition, moving_mass
 from .optimum import TradeOffCurve
 from .problem import AddedMass, Target, limit_words
+from .program import over_conditions
 from .result import ActiveConstraint, BalancedPress, CriterionChange, condition_name
 
 MASS = AddedMass()
@@ -30,8 +31,6 @@ KINDS = {  # of what a reader looks for first, by the quantity of a criterion
     "bearing_force": "bearing",
     "bearing_moment": "bearing",
 }
-
-SHOWN_AS_ZERO = 1e-6  # share of the largest of its unit up to which a criterion is shown as 0; it has no change then
 
 
 def balanced_press(balanced: BalancedPress, page: Reactions | None = None) -> tuple[Section, ...]:
@@ -54,7 +53,8 @@ def trade_off(curve: TradeOffCurve, page: Reactions | None = None) -> tuple[Sect
         Curve("before balancing", before[0], before[1], look="points"),
     ]
     along = Along(curve.second.words, curve.second.unit)
-    chart = Chart("trade_off", _sentence(curve.first.words), curve.first.unit, along, curves)
+    title = curve.first.words[:1].upper() + curve.first.words[1:]
+    chart = Chart("trade_off", title, curve.first.unit, along, curves)
     columns = [
         Column(curve.first.words, curve.values[:, 0].tolist(), curve.first.unit),
         Column("its bound", curve.bounds.tolist(), curve.first.unit),
@@ -75,10 +75,6 @@ def _press_of_page(balanced: BalancedPress, page: Reactions | None) -> Linkage:
     if page is not None:
         return next((press for press in presses if is_same_press(press, page._press)), balanced.original)
     return balanced.original
-
-
-def _sentence(words: str) -> str:
-    return f"{words[:1].upper()}{words[1:]}"
 
 
 # ------------------------------------------------------------------------------------------------------------------------------ numbers
@@ -127,7 +123,7 @@ def _objective(balanced: BalancedPress) -> list[Figure]:
 def before_balancing(balanced: BalancedPress, target: Target) -> float:
     """A criterion that was minimised or limited, before balancing: its worst value or its mean by shares. No mass is added then."""
     values = [change.before for change in balanced.changes if change.criterion == target] or [0.0]
-    return max(values) if balanced.shares is None or len(values) == 1 else float(balanced.shares @ values)
+    return over_conditions(balanced.shares, values)
 
 
 def _checks(balanced: BalancedPress) -> list[Figure]:
@@ -202,14 +198,12 @@ def _criteria(name: str, title: str, balanced: BalancedPress, changes: Sequence[
     if len(balanced.conditions) > 1:
         columns.append(Column("condition", [condition_name(balanced, change.condition) for change in changes]))
     columns += [Column("before", [change.before for change in changes]), Column("after", [change.after for change in changes])]
-    sizes = [max(change.before, change.after) for change in changes]
-    largest = {change.criterion.unit: 0.0 for change in changes}
-    for change, size in zip(changes, sizes, strict=True):
-        largest[change.criterion.unit] = max(largest[change.criterion.unit], size)
-    shares = [
-        change.change if size > SHOWN_AS_ZERO * largest[change.criterion.unit] else None
-        for change, size in zip(changes, sizes, strict=True)
-    ]
+    largest: dict[str, float] = {}
+    for change in changes:
+        largest[change.criterion.unit] = max(largest.get(change.criterion.unit, 0.0), change.before, change.after)
+    # Up to this share of the largest of its unit a criterion is shown as 0, and has no change.
+    seen = [max(change.before, change.after) > 1e-6 * largest[change.criterion.unit] for change in changes]
+    shares = [change.change if is_seen else None for change, is_seen in zip(changes, seen, strict=True)]
     columns.append(Column("change", shares, "share", 1.0))
     limits = [balanced.limits.get(change.criterion) for change in changes]
     columns += [Column("at most", limits)] if any(limit is not None for limit in limits) else []

@@ -32,15 +32,7 @@ from .program import LARGEST, ProvenOptimum, infeasible_limits, objective_value,
 from .regions import CounterweightRegion, RegionVariables
 from .result import ActiveConstraint, BalancedPress, CriterionChange
 
-# Shares of values before balancing, unless another reference is named
-NEGLIGIBLE = 1e-5  # counterweights below this share of the moving mass are left out, if no criterion grows by more than TRACE
-TRACE = 1e-9  # a criterion that grows by less counts as unchanged
-PRICELESS = 1e-7  # a constraint is inactive if relaxing it by the whole limited quantity lowers the objective by less
-INERTIA_ROUNDING = 1e-11  # smaller moments of inertia, as a share of mass times squared distance, are rounding error
-ENDLESS = 0.999  # a mass above this share of the program's largest mass grows without limit
-CONFIRMED = 1e-8  # largest difference between the program and inverse dynamics of the balanced press
-GIVEN = 1e-7  # share by which an end of a trade-off may be worse than the best, to improve the other criterion
-MOST_POINTS = 10_000  # largest number of points of a trade-off, each an optimisation
+NEGLIGIBLE = 1e-5  # counterweights below this share of the moving mass are left out, if no criterion grows
 SUFFIX = "_balanced"  # end of a balanced press's name
 
 
@@ -85,9 +77,14 @@ def balance(
             argument is not as described.
     """
     conditions = _conditions(motion, loads)
-    objective, checked = check_objective(minimise), check_limits(limits)
-    problem = build_problem(press, conditions, regions, [*objective, *checked], _checked_shares(shares, len(conditions)))
-    return optimal_press(problem, objective, checked, absolute=not isinstance(minimise, Mapping))
+    objective, checked = _checked_objective(minimise), _checked_limits(limits)
+    weights = None
+    if shares is not None:
+        words = f"{len(conditions)} numbers that are not negative, one for each operating condition, and not all zero"
+        weights = suitable_numbers("shares", shares, words, (len(conditions),), lambda given: (given >= 0).all() and given.any())
+        weights = weights / weights.sum()
+    problem = build_problem(press, conditions, regions, [*objective, *checked], weights)
+    return _optimal_press(problem, objective, checked, absolute=not isinstance(minimise, Mapping))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -152,9 +149,12 @@ def trade_off(
         UnknownNameError: the press does not have a link or bearing with this name.
         PinpressError: both criteria are equal, ``points`` is out of range, or as `balance`.
     """
-    _refuse_wrong_criteria(first, second)
-    points = whole_number("points", points, 2, MOST_POINTS)
-    checked = check_limits(limits)
+    for name, target in (("first", first), ("second", second)):
+        _refuse_other_kinds(name, target)
+    if first == second:
+        raise PinpressError(f"both criteria are the {first.words}: give two different criteria")
+    points = whole_number("points", points, 2, 10_000)
+    checked = _checked_limits(limits)
     problem = build_problem(press, _conditions(motion, loads), regions, [first, second, *checked])
     (least, start), (_, end) = _end(problem, first, second, checked), _end(problem, second, first, checked)
     between = np.linspace(_value(start, second), _value(end, second), points)[1:-1]
@@ -169,34 +169,17 @@ def trade_off(
 def _conditions(motion: Motion | Sequence[OperatingCondition], loads: Sequence[Load]) -> tuple[OperatingCondition, ...]:
     if isinstance(motion, Motion):
         return (OperatingCondition(motion, tuple(loads)),)
-    if not isinstance(motion, Sequence) or not motion or not all(isinstance(each, OperatingCondition) for each in motion):
+    if not isinstance(motion, Sequence) or not motion or not all(isinstance(given, OperatingCondition) for given in motion):
         raise PinpressError("motion is not a motion: give a motion of cycle or simulate, or a list of OperatingCondition(motion, loads)")
     if loads:
         raise PinpressError("loads needs one motion: give loads to every OperatingCondition instead, OperatingCondition(motion, loads)")
     return tuple(motion)
 
 
-def _checked_shares(shares: Sequence[float] | None, conditions: int) -> Array | None:
-    """The shares, scaled to the sum one.
-
-    Raises:
-        PinpressError: the shares are not one number for each condition, a share is negative, or all shares are zero.
-    """
-    if shares is None:
-        return None
-    words = f"{conditions} numbers that are not negative, one for each operating condition, and not all zero"
-    weights = suitable_numbers("shares", shares, words, (conditions,), lambda each: (each >= 0).all() and each.any())
-    return np.asarray(weights / weights.sum())
-
-
-def check_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, float]:
-    """The objective as targets with weights above zero.
-
-    Raises:
-        PinpressError: a key is not a criterion, a weight is negative or not finite, or no weight is above zero.
-    """
-    if not isinstance(minimise, Mapping | Criterion | AddedMass):
-        raise PinpressError(f"minimise: {shown(minimise)} is not a criterion: give Range, Rms, Peak or AddedMass()")
+def _checked_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, float]:
+    """The objective as targets with weights above zero."""
+    if not isinstance(minimise, Mapping):
+        _refuse_other_kinds("minimise", minimise)
     objective = dict(minimise) if isinstance(minimise, Mapping) else {minimise: 1.0}
     _refuse_wrong_numbers("minimise", "weight", objective)
     if not any(objective.values()):
@@ -204,56 +187,50 @@ def check_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, f
     return {target: float(weight) for target, weight in objective.items() if weight > 0}
 
 
-def check_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]:
-    """The limits as a dictionary; empty for None.
-
-    Raises:
-        PinpressError: a key is not a criterion, or a limit is negative or not finite.
-    """
+def _checked_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]:
     _refuse_wrong_numbers("limits", "limit", limits or {})
     return dict(limits or {})
 
 
 def _refuse_wrong_numbers(argument: str, what: str, targets: Mapping[Target, float]) -> None:
     for target, number in targets.items():
-        if not isinstance(target, Criterion | AddedMass):
-            raise PinpressError(f"{argument}: {shown(target)} is not a criterion: give Range, Rms, Peak or AddedMass()")
+        _refuse_other_kinds(argument, target)
         name = f"{argument}: the {what} of the {target.words}"
         suitable_numbers(name, number, "a finite number that is not negative", suits=lambda value: value >= 0)
 
 
-def _refuse_wrong_criteria(first: Target, second: Target) -> None:
-    for name, target in (("first", first), ("second", second)):
-        if not isinstance(target, Criterion | AddedMass):
-            raise PinpressError(f"{name}: {shown(target)} is not a criterion: give Range, Rms, Peak or AddedMass()")
-    if first == second:
-        raise PinpressError(f"both criteria are the {first.words}: give two different criteria")
+def _refuse_other_kinds(argument: str, target: object) -> None:
+    if not isinstance(target, Criterion | AddedMass):
+        raise PinpressError(f"{argument}: {shown(target)} is not a criterion: give Range, Rms, Peak or AddedMass()")
 
 
-def optimal_press(
+def _optimal_press(
     problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], absolute: bool
 ) -> BalancedPress:
-    """Solve a problem, build the balanced press, and confirm it by inverse dynamics.
+    """Solve a problem, build the balanced press, and confirm it by inverse dynamics. Raises as `balance`.
 
-    Args:
-        problem: the problem, with the signals of all criteria.
-        objective: targets with their weights.
-        limits: as in `balance`.
-        absolute: whether the value has the unit of the objective's only criterion.
-
-    Raises:
-        PinpressError: as `balance`.
+    ``absolute``: whether the value has the unit of the objective's only criterion.
     """
-    _refuse_nothing(problem, objective)
+    sizes = {signal.criterion: signal.size for signal in problem.signals}
+    for criterion in (target for target in objective if isinstance(target, Criterion)):
+        if not max(criterion.value(before) for before in problem.reactions) >= (1 - ROUNDING) * sizes[criterion]:
+            raise PinpressError(
+                f"the {criterion.words} of {problem.press.name} is zero before balancing: limit it instead of minimising it, or leave it"
+                " out"
+            )
     try:
         design = solve(problem, objective, limits)
     except InfeasibleError:
         raise PinpressError(infeasible_limits(problem, limits)) from None
     u = _without_traces(problem, objective, limits, design.variables)
     fillings = _fillings(problem, u)
-    presses = tuple(_with_fillings(problem, number, filled) for number, filled in enumerate(fillings))
+    presses = tuple(
+        _fit_counterweights(condition.set_up(problem.press), regions, filled)
+        for condition, regions, filled in zip(problem.conditions, problem.regions, fillings, strict=True)
+    )
     reactions = _confirmed_reactions(problem, u, presses)
-    scale = _size_of_one(problem, objective) if absolute else 1.0
+    target = next(iter(objective))
+    scale = (problem.moving_mass if isinstance(target, AddedMass) else sizes[target]) if absolute else 1.0
     settings = tuple(
         Records(
             Counterweight,
@@ -261,7 +238,7 @@ def optimal_press(
         )
         for regions, filled in zip(problem.regions, fillings, strict=True)
     )
-    empty = [variables.region for k, variables in enumerate(problem.regions[0]) if not any(filled[k].mass for filled in fillings)]
+    empty = [region.region for region, *filled in zip(problem.regions[0], *fillings, strict=True) if not any(f.mass for f in filled)]
     return BalancedPress(
         original=problem.press,
         press=presses[0] if problem.conditions[0].press is None else _fit_counterweights(problem.press, problem.regions[0], fillings[0]),
@@ -274,7 +251,7 @@ def optimal_press(
         settings=settings,
         added_mass=problem.added_mass(u),
         value=scale * objective_value(problem, objective, u),
-        unit=next(iter(objective)).unit if absolute else "",
+        unit=target.unit if absolute else "",
         bound=scale * design.bound,
         residual=design.residual,
         changes=Records(CriterionChange, _changes(problem, [*objective, *limits], reactions)),
@@ -284,26 +261,14 @@ def optimal_press(
     )
 
 
-def _refuse_nothing(problem: BalancingProblem, objective: Mapping[Target, float]) -> None:
-    """Raise if a criterion of the objective is zero before balancing, because relative values would be undefined."""
-    for criterion in (target for target in objective if isinstance(target, Criterion)):
-        size = next(signal.size for signal in problem.signals if signal.criterion == criterion)
-        if not max(criterion.value(before) for before in problem.reactions) >= (1 - ROUNDING) * size:
-            raise PinpressError(
-                f"the {criterion.words} of {problem.press.name} is zero before balancing: limit it instead of minimising it, or leave it"
-                " out"
-            )
-
-
 def _without_traces(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], best: Array) -> Array:
     """The best variables, with zeros in regions that are almost empty, because the solver leaves traces of mass in empty regions."""
     u = best.copy()
-    for region, filled in _by_setting(problem):
-        masses = [float(region.mass @ u[columns]) for columns in filled]
+    for region, columns in _by_setting(problem):
+        masses = [float(region.mass @ u[part]) for part in columns]
         if region.replaced is None and region.region.mass[0] <= 0 and max(map(abs, masses)) <= NEGLIGIBLE * problem.moving_mass:
             empty = u.copy()
-            for columns in filled:
-                empty[columns] = 0.0
+            empty[np.concatenate(columns)] = 0.0
             if _no_worse(problem, objective, limits, empty, u):
                 u = empty
     return u
@@ -321,10 +286,10 @@ def _by_setting(problem: BalancingProblem) -> Iterator[tuple[RegionVariables, li
 
 
 def _no_worse(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], u: Array, best: Array) -> bool:
-    """Whether variables are as good as the best ones in the objective and in all limited criteria, within `TRACE`."""
+    """Whether variables are as good as the best ones in the objective and in all limited criteria, within 1e-9 of before balancing."""
     limited = [signal for signal in problem.signals if signal.criterion in limits]
-    return objective_value(problem, objective, u) <= objective_value(problem, objective, best) + TRACE * sum(objective.values()) and all(
-        signal.criterion.of(signal.at(u)) <= max(limits[signal.criterion] / signal.size, signal.criterion.of(signal.at(best))) + TRACE
+    return objective_value(problem, objective, u) <= objective_value(problem, objective, best) + 1e-9 * sum(objective.values()) and all(
+        signal.criterion.of(signal.at(u)) <= max(limits[signal.criterion] / signal.size, signal.criterion.of(signal.at(best))) + 1e-9
         for signal in limited
     )
 
@@ -335,23 +300,18 @@ def _fillings(problem: BalancingProblem, u: Array) -> list[list[pin.Inertia]]:
     Raises:
         PinpressError: a link whose own mass is replaced would have no mass, or counterweights grow without limit.
     """
-    fillings = [[each.filling(u[columns]) for columns, each in problem.parts(number)] for number in range(len(problem.conditions))]
-    by_region = [(each.region, each.replaced, [filled[k] for filled in fillings]) for k, each in enumerate(problem.regions[0])]
-    for region, replaced, filled in by_region:
-        if replaced is not None and min(filling.mass for filling in filled) <= NEGLIGIBLE * problem.moving_mass:
-            raise PinpressError(f"the best mass of link {shown(region.link)} is zero: give its region a least mass, mass=(least, most)")
-    if (problem.unlimited @ u).max() > ENDLESS * LARGEST * problem.moving_mass:
-        unlimited = ((max(filling.mass for filling in filled), region) for region, _, filled in by_region if math.isinf(region.mass[1]))
-        _, heaviest = max(unlimited, key=lambda pair: pair[0])
-        raise PinpressError(
-            f"counterweights grow beyond {LARGEST:g} times the moving mass, mostly in the {heaviest.words}: limit its mass, mass=(0, most)"
-        )
+    fillings = [[region.filling(u[columns]) for columns, region in problem.parts(number)] for number in range(len(problem.conditions))]
+    masses = [(region, [filling.mass for filling in filled]) for region, *filled in zip(problem.regions[0], *fillings, strict=True)]
+    for region, filled in masses:
+        if region.replaced is not None and min(filled) <= NEGLIGIBLE * problem.moving_mass:
+            link = shown(region.region.link)
+            raise PinpressError(f"the best mass of link {link} is zero: give its region a least mass, mass=(least, most)")
+    if (problem.unlimited @ u).max() > 0.999 * LARGEST * problem.moving_mass:
+        unlimited = [(region, filled) for region, filled in masses if math.isinf(region.region.mass[1])]
+        heaviest, _ = max(unlimited, key=lambda pair: max(pair[1]))
+        words = f"mostly in the {heaviest.region.words}: limit its mass, mass=(0, most)"
+        raise PinpressError(f"counterweights grow beyond {LARGEST:g} times the moving mass, {words}")
     return fillings
-
-
-def _with_fillings(problem: BalancingProblem, number: int, fillings: Sequence[pin.Inertia]) -> Linkage:
-    """The press of an operating condition with the counterweights of all regions."""
-    return _fit_counterweights(problem.conditions[number].set_up(problem.press), problem.regions[number], fillings)
 
 
 def _fit_counterweights(press: Linkage, regions: Sequence[RegionVariables], fillings: Sequence[pin.Inertia]) -> Linkage:
@@ -385,7 +345,7 @@ def _confirmed_reactions(problem: BalancingProblem, u: Array, presses: Sequence[
         series = signal.criterion.series(reactions[signal.condition])
         promised, computed = signal.at(u), signal.criterion.varying(series) / signal.size
         missed = float(np.abs(computed - promised).max())
-        if not missed <= CONFIRMED * max(1.0, float(np.abs(signal.fixed).max())):
+        if not missed <= 1e-8 * max(1.0, float(np.abs(signal.fixed).max())):
             raise PinpressError(
                 f"the {signal.criterion.words} of the balanced press differs from the optimiser's by {missed:.1e} of its value before:"
                 " masses differ too much in size; give regions masses closer to those of the links"
@@ -404,12 +364,6 @@ def _refuse_longer_period(condition: OperatingCondition, press: Linkage) -> None
         )
 
 
-def _size_of_one(problem: BalancingProblem, objective: Mapping[Target, float]) -> float:
-    """Size of an objective of one, in the unit of its only criterion."""
-    (target,) = objective
-    return problem.moving_mass if isinstance(target, AddedMass) else next(s.size for s in problem.signals if s.criterion == target)
-
-
 def _changes(problem: BalancingProblem, targets: Sequence[Target], after: Sequence[Reactions]) -> Iterator[CriterionChange]:
     """Changes of the criteria among targets, then of the criteria of all other signals."""
     criteria = [target for target in [*targets, *(signal.criterion for signal in problem.signals)] if isinstance(target, Criterion)]
@@ -421,36 +375,41 @@ def _changes(problem: BalancingProblem, targets: Sequence[Target], after: Sequen
 def _counterweight(press: Linkage, variables: RegionVariables, filling: pin.Inertia) -> Counterweight:
     """The counterweight in a region, in the link's own frame, from its inertia in the joint's frame."""
     link = variables.region.link
-    placement = press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
     about = np.mean([axis @ filling.inertia @ axis for axis in press.engine().turning_axes(variables.joint)])
-    if abs(about) <= INERTIA_ROUNDING * abs(filling.mass) * (filling.lever @ filling.lever):
+    if abs(about) <= 1e-11 * abs(filling.mass) * (filling.lever @ filling.lever):  # rounding error of a point mass
         about = 0.0
-    x, y, z = placement.actInv(filling.lever)
+    x, y, z = press.frame_of(link).placement.actInv(filling.lever)
     return Counterweight(link, float(filling.mass), (float(x), float(y), float(z)), float(about))
 
 
 def _active(design: ProvenOptimum, scale: float, empty: Sequence[CounterweightRegion]) -> Iterator[ActiveConstraint]:
-    """The named constraints with dual variables other than zero, without the shapes of empty regions (``empty``)."""
+    """The named constraints whose relaxation by the whole limited quantity lowers the objective by 1e-7 of before balancing, or more.
+
+    The shapes of empty regions (``empty``) are left out.
+    """
     for rows, prices in zip(design.rows, design.prices, strict=True):
         price = float(prices[0] if rows.kind == CONE else np.abs(prices).sum())
-        if not rows.name or price <= PRICELESS or (not rows.unit and any(region.words in rows.name for region in empty)):
+        if not rows.name or price <= 1e-7 or (not rows.unit and any(region.words in rows.name for region in empty)):
             continue
         yield ActiveConstraint(rows.name, scale * price / rows.unit if rows.unit else None)
 
 
 def _end(problem: BalancingProblem, least: Target, other: Target, limits: Mapping[Target, float]) -> tuple[BalancedPress, BalancedPress]:
-    """The best press in one criterion and, of equally good presses, the best in the other criterion. Only one press has no added mass."""
+    """The best press in one criterion, and the best in the other criterion of the presses that are worse by at most 1e-7 of before.
+
+    Only one press has no added mass.
+    """
     design = _best(problem, least, other, math.inf, limits)
     if isinstance(least, AddedMass) and not design.counterweights and not problem.replaced_mass:
         return design, design
     size = problem.moving_mass if isinstance(least, AddedMass) else max(least.value(before) for before in problem.reactions)
-    return design, _best(problem, other, least, design.value + GIVEN * size, limits)
+    return design, _best(problem, other, least, design.value + 1e-7 * size, limits)
 
 
 def _best(problem: BalancingProblem, target: Target, other: Target, most: float, limits: Mapping[Target, float]) -> BalancedPress:
     """The best press in one criterion with at most ``most`` of the other."""
     tighter = {**limits, other: min(most, limits.get(other, math.inf))} if most < math.inf else limits
-    return optimal_press(problem, {target: 1.0}, tighter, absolute=True)
+    return _optimal_press(problem, {target: 1.0}, tighter, absolute=True)
 
 
 def _value(design: BalancedPress, target: Target) -> float:

@@ -9,12 +9,11 @@ to a size of about one. An adjustable counterweight has separate variables for e
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from ..common.arguments import suitable_numbers
@@ -28,26 +27,12 @@ from .counterweights import MassResponse, OperatingCondition, mass_response, mov
 from .regions import CounterweightRegion, RegionVariables, points_of, region_variables
 
 ROUNDING = 1e-11  # a criterion below this share of the largest change by the regions counts as zero
-ALIKE = 1e-12  # largest relative difference of masses and places at which a region is the same in two presses
-NOISE = 1e-12  # a component below this share of its vector is rounding error
 DRIVING = {"driving_torque": "N m", "driving_force": "N"}  # driving_force of drivers that slide
 QUANTITIES = {"shaking_force": "N", "shaking_moment": "N m", **DRIVING, "bearing_force": "N", "bearing_moment": "N m"}
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
-class ForceSeries(Protocol):
-    """The forces that both `Reactions` and their changes by masses (`MassResponse`) have."""
-
-    @property
-    def shaking_force(self) -> Array: ...
-    @property
-    def shaking_moment(self) -> Array: ...
-    @property
-    def driving_torque(self) -> Array: ...
-    @property
-    def bearing_force(self) -> Mapping[str, Array]: ...
-    @property
-    def bearing_moment(self) -> Mapping[str, Array]: ...
+Forces = Reactions | MassResponse
 
 
 @dataclass(frozen=True)
@@ -105,7 +90,7 @@ class Criterion:
         point = f" about {_point_words(self.about)}" if any(self.about) else ""
         return f"{type(self).__name__.lower()} of the {what}{where}{point}"
 
-    def vector(self, forces: ForceSeries) -> Array:
+    def vector(self, forces: Forces) -> Array:
         """The vector (n, 3) whose component is measured; (n, drivers) for the driving torque or force."""
         values = getattr(forces, "driving_torque" if self.quantity in DRIVING else self.quantity)
         if self.bearing is not None:
@@ -114,7 +99,7 @@ class Criterion:
             values = values - np.cross(self.about, forces.shaking_force)
         return np.asarray(values.reshape(len(values), -1))
 
-    def series(self, forces: ForceSeries) -> Array:
+    def series(self, forces: Forces) -> Array:
         """The series (n, components) whose range, rms or peak is taken; it is linear in the forces."""
         values = self.vector(forces)
         if self.axis is None:
@@ -126,7 +111,7 @@ class Criterion:
         """A series (n, components), without its constant part if the criterion excludes it."""
         return np.asarray(series - series.mean(axis=0))
 
-    def value(self, forces: ForceSeries) -> float:
+    def value(self, forces: Forces) -> float:
         """The criterion of `Reactions`, in its unit."""
         return self.of(self.series(forces))
 
@@ -280,26 +265,25 @@ def build_problem(
     criteria = list(dict.fromkeys(target for target in targets if isinstance(target, Criterion)))
     for criterion in criteria:
         _refuse_unknown(criterion, press)
-    presses = [each.set_up(press) for each in conditions]
-    for number, condition_press in enumerate(presses):
-        _refuse_other_press(press, condition_press, conditions[number], number)
+    presses = [condition.set_up(press) for condition in conditions]
+    for number, (other, condition) in enumerate(zip(presses, conditions, strict=True)):
+        _refuse_other_press(press, other, condition.name or f"number {number}")
     bearings = tuple(dict.fromkeys(criterion.bearing for criterion in criteria if criterion.bearing is not None))
     reactions = tuple(
-        inverse_dynamics(each, condition.motion, condition.loads, bearings=bearings)
-        for each, condition in zip(presses, conditions, strict=True)
+        inverse_dynamics(other, condition.motion, condition.loads, bearings=bearings)
+        for other, condition in zip(presses, conditions, strict=True)
     )
     inertia_counts, moving = any(criterion.quantity != "shaking_force" for criterion in criteria), moving_mass(press)
     variables = _in_all(press, presses, regions, inertia_counts, [moving] * len(regions))
-    series = [
-        each
-        for number, (condition, before) in enumerate(zip(conditions, reactions, strict=True))
-        for each in _series(presses[number], condition, number, before, variables[number], criteria)
-    ]
-    signals = [signal for criterion in criteria for signal in _of_one_size([each for each in series if each.criterion == criterion])]
+    by_condition = [_series(*given, criteria) for given in zip(presses, conditions, reactions, variables, strict=True)]
+    by_criterion = zip(criteria, zip(*by_condition, strict=True), strict=True)
+    signals = [signal for criterion, series in by_criterion for signal in _signals(criterion, series)]
     # The unit of a region's variables becomes the mass that changes the criteria by about their own size.
-    shares_of_mass = _shares(variables[0], signals)
+    largest = np.max([np.abs(signal.effects).max(axis=(0, 1)) for signal in signals], axis=0) if signals else np.ones(1)
+    ends = np.cumsum([len(region.mass) for region in variables[0]])[:-1]
+    shares_of_mass = [1.0 / max(1.0, float(part.max(initial=0.0))) for part in np.split(largest, ends)]
     variables = _in_all(press, presses, regions, inertia_counts, [moving * share for share in shares_of_mass])
-    factors = np.concatenate([np.full(len(each.mass), share) for each, share in zip(variables[0], shares_of_mass, strict=True)])
+    factors = np.concatenate([np.full(len(region.mass), share) for region, share in zip(variables[0], shares_of_mass, strict=True)])
     columns, width = _columns(variables[0], len(presses))
     return BalancingProblem(
         press,
@@ -309,33 +293,26 @@ def build_problem(
         regions=variables,
         columns=columns,
         rows=_join_rows(variables, columns, width),
-        signals=tuple(replace(each, effects=_spread(each.effects * factors, columns[each.condition], width)) for each in signals),
-        mass=_masses(variables, columns, width),
-        replaced_mass=sum(each.replaced.mass for each in variables[0] if each.replaced is not None),
+        signals=tuple(replace(signal, effects=_spread(signal.effects * factors, columns[signal.condition], width)) for signal in signals),
+        mass=_masses(variables[0], columns, width),
+        replaced_mass=sum(region.replaced.mass for region in variables[0] if region.replaced is not None),
         moving_mass=moving,
     )
 
 
-def _refuse_other_press(press: Linkage, other: Linkage, condition: OperatingCondition, number: int) -> None:
+def _refuse_other_press(press: Linkage, other: Linkage, condition: str) -> None:
     """Raise if the press of an operating condition is not the same machine as the press itself."""
-    same = (
-        (press.links, other.links, "links"),
-        (press.joints, other.joints, "joints"),
-        (press.bearings, other.bearings, "bearings"),
-        (press.drivers, other.drivers, "drivers"),
-    )
-    what = next((word for own, its, word in same if own != its), None)
-    if what is not None:
-        name = condition.name or f"number {number}"
-        raise PinpressError(
-            f"operating condition {name}: its press {other.name} differs from {press.name} in: {what}. Give the same press with"
-            " another die or stroke, made from the same file or table"
-        )
+    for what in ("links", "joints", "bearings", "drivers"):
+        if getattr(press, what) != getattr(other, what):
+            raise PinpressError(
+                f"operating condition {condition}: its press {other.name} differs from {press.name} in: {what}. Give the same press with"
+                " another die or stroke, made from the same file or table"
+            )
 
 
 def refuse_no_regions(regions: Sequence[CounterweightRegion]) -> None:
     """Raise PinpressError if there are no regions."""
-    if not isinstance(regions, list | tuple) or not regions or not all(isinstance(each, CounterweightRegion) for each in regions):
+    if not isinstance(regions, list | tuple) or not regions or not all(isinstance(region, CounterweightRegion) for region in regions):
         raise PinpressError(
             "regions is not a list of CounterweightRegion: give the links that may have counterweights, e.g."
             " [CounterweightRegion('crank', radius=0.3)]"
@@ -352,13 +329,16 @@ def _refuse_unknown(criterion: Criterion, press: Linkage) -> None:
     """
     if criterion.bearing is not None and criterion.bearing not in press.bearings:
         raise UnknownNameError("bearing", criterion.bearing, press.bearings)
-    if criterion.quantity in DRIVING and any(criterion.quantity != f"driving_{each.effort}" for each in press.driver_coordinates):
-        efforts_ = (f"driver {name!r} takes a {each.effort}" for name, each in zip(press.drivers, press.driver_coordinates, strict=True))
+    if criterion.quantity not in DRIVING:
+        return
+    efforts = [coordinate.effort for coordinate in press.driver_coordinates]
+    if any(criterion.quantity != f"driving_{effort}" for effort in efforts):
+        takes = (f"driver {name!r} takes a {effort}" for name, effort in zip(press.drivers, efforts, strict=True))
         remedy = "give driving_torque for drivers that turn, driving_force for drivers that slide"
-        raise PinpressError(f"{criterion.words}: {', '.join(efforts_)}; {remedy}")
-    if isinstance(criterion, Range) and criterion.quantity in DRIVING and len(press.drivers) > 1:
-        efforts = criterion.quantity.replace("_", " ")
-        raise PinpressError(f"{press.name} has {len(press.drivers)} {efforts}s, and several have no common range: take Rms or Peak")
+        raise PinpressError(f"{criterion.words}: {', '.join(takes)}; {remedy}")
+    if isinstance(criterion, Range) and len(efforts) > 1:
+        several = criterion.quantity.replace("_", " ")
+        raise PinpressError(f"{press.name} has {len(efforts)} {several}s, and several have no common range: take Rms or Peak")
 
 
 def _in_all(
@@ -369,28 +349,26 @@ def _in_all(
     Raises:
         PinpressError: a region is not the same in all conditions, or as `region_variables`.
     """
-    variables_here = _variables(press, regions, inertia_counts, units)
-    by_press = [variables_here if each is press else _variables(each, regions, inertia_counts, units) for each in presses]
-    for other, variables in zip(presses, by_press, strict=True):
-        for here, variable_there in zip(variables_here, variables, strict=True):
-            _refuse_other_region(press, other, here, variable_there)
-    return tuple(by_press)
+    variables = _variables(press, regions, inertia_counts, units)
+    by_press = tuple(variables if other is press else _variables(other, regions, inertia_counts, units) for other in presses)
+    for other, in_other in zip(presses, by_press, strict=True):
+        for here, there in zip(variables, in_other, strict=True):
+            _refuse_other_region(press, other, here, there)
+    return by_press
 
 
 def _refuse_other_region(press: Linkage, other: Linkage, here: RegionVariables, there: RegionVariables) -> None:
     """Raise if a unit of a variable is not the same body in both presses, so that one counterweight cannot be described for both."""
-    compared = [(a.masses, b.masses) for a, b in zip(here.parts, there.parts, strict=True)]
-    compared += [(a.points, b.points) for a, b in zip(here.parts, there.parts, strict=True)]
-    compared.append(
-        tuple(press_.model.frames[press_.model.getFrameId(here.region.link, pin.BODY)].placement.homogeneous for press_ in (press, other))
-    )
+    compared = [(first.masses, second.masses) for first, second in zip(here.parts, there.parts, strict=True)]
+    compared += [(first.points, second.points) for first, second in zip(here.parts, there.parts, strict=True)]
+    compared.append((press.frame_of(here.region.link).placement.homogeneous, other.frame_of(here.region.link).placement.homogeneous))
     if here.replaced is not None and there.replaced is not None:
         compared.append((np.array([here.replaced.mass]), np.array([there.replaced.mass])))
-    if here.joint != there.joint or any(a.shape != b.shape or (np.abs(a - b) > ALIKE * np.abs(a).max()).any() for a, b in compared):
+    differs = (a.shape != b.shape or (np.abs(a - b) > 1e-12 * np.abs(a).max()).any() for a, b in compared)  # less is rounding error
+    if here.joint != there.joint or any(differs):
         raise PinpressError(
             f"{here.region.words}: operating conditions have different frames or different own masses of this link, so the region is not"
-            " the"
-            " same body in all: put the die on a link that keeps its mass, or give at, radius or corners"
+            " the same body in all: put the die on a link that keeps its mass, or give at, radius or corners"
         )
 
 
@@ -399,20 +377,25 @@ def _variables(
 ) -> tuple[RegionVariables, ...]:
     """Regions as variables; ``units``: for each region the mass per unit of its variables [kg]."""
     variables = tuple(region_variables(press, region, inertia_counts, unit) for region, unit in zip(regions, units, strict=True))
-    replaced = [each.joint for each in variables if each.replaced is not None]
-    for each in variables:
-        if each.replaced is not None and replaced.count(each.joint) > 1:
-            raise PinpressError(f"two regions replace the mass of link {shown(each.region.link)}: leave out replaces=True in one of them")
+    replacing = [part for part in variables if part.replaced is not None]
+    for part in replacing:
+        if [other.joint for other in replacing].count(part.joint) > 1:
+            raise PinpressError(f"two regions replace the mass of link {shown(part.region.link)}: leave out replaces=True in one of them")
     return variables
 
 
 class _Series(NamedTuple):
-    """The series (n, components) of a criterion in one operating condition: without counterweights, of replaced masses, and per unit of
-    each variable. ``influence`` is the largest criterion of an effect, and ``noise`` the size of rounding errors.
+    """A criterion in one operating condition.
+
+    Attributes:
+        fixed: (n, components) series without counterweights.
+        replaced: (n, components) series of the masses that regions replace.
+        effects: (n, components, variables) series per unit of each variable.
+        before: value before balancing.
+        influence: largest value of an effect.
+        noise: size of rounding errors.
     """
 
-    criterion: Criterion
-    condition: int
     fixed: Array
     replaced: Array
     effects: Array
@@ -424,79 +407,47 @@ class _Series(NamedTuple):
 def _series(
     press: Linkage,
     condition: OperatingCondition,
-    number: int,
     reactions: Reactions,
     variables: Sequence[RegionVariables],
     criteria: Sequence[Criterion],
-) -> list[_Series]:
+) -> Iterator[_Series]:
     """The series of all criteria in one operating condition."""
     inner_forces = any(not criterion.quantity.startswith("shaking") for criterion in criteria)
-    responses = [mass_response(press, condition, reactions, part, inner_forces) for each in variables for part in each.parts]
-    replaced = [points_of(press, each.region.link, each.replaced) for each in variables if each.replaced is not None]
-    replaced_responses = [mass_response(press, condition, reactions, masses, inner_forces) for masses in replaced]
-    return [_series_of(criterion, number, reactions, responses, replaced_responses) for criterion in criteria]
-
-
-def _series_of(
-    criterion: Criterion, number: int, reactions: Reactions, responses: Sequence[MassResponse], own: Sequence[MassResponse]
-) -> _Series:
-    """A criterion's series.
-
-    Args:
-        criterion: the criterion.
-        number: number of the operating condition.
-        reactions: reactions without counterweights.
-        responses: response to a unit of each variable.
-        own: response to the masses that regions replace.
-    """
-    forces: list[ForceSeries] = [reactions, *responses, *own]
-    fixed, *others = (criterion.varying(criterion.series(each)) for each in forces)
-    effects, replaced = others[: len(responses)], others[len(responses) :]
-    return _Series(
-        criterion,
-        number,
-        fixed,
-        replaced=sum(replaced, np.zeros_like(fixed)),
-        effects=np.stack(effects, axis=2),
-        before=criterion.of(fixed),
-        influence=max(criterion.of(effect) for effect in effects),
-        noise=NOISE * max(float(np.abs(criterion.vector(each)).max()) for each in forces),
-    )
-
-
-def _of_one_size(series: Sequence[_Series]) -> Iterator[Signal]:
-    """The signals of one criterion in all conditions, divided by the same size, so that the worst condition has the largest value."""
-    # If the criterion is zero before, the effect of the regions gives the size. If that is zero too, all values are rounding errors.
-    before, influence, noise = (
-        max(getattr(condition_series, name) for condition_series in series) for name in ("before", "influence", "noise")
-    )
-    size = next((size for size in (before, influence) if size > max(noise, ROUNDING * influence)), noise or 1.0)
-    for condition_series in series:
-        yield Signal(
-            condition_series.criterion,
-            condition_series.condition,
-            size,
-            (condition_series.fixed - condition_series.replaced) / size,
-            condition_series.effects / size,
+    parts = [part for region in variables for part in region.parts]
+    parts += [points_of(press, region.region.link, region.replaced) for region in variables if region.replaced is not None]
+    responses = [mass_response(press, condition, reactions, part, inner_forces) for part in parts]
+    count = sum(len(region.parts) for region in variables)
+    for criterion in criteria:
+        fixed, *others = (criterion.varying(criterion.series(forces)) for forces in (reactions, *responses))
+        yield _Series(
+            fixed,
+            replaced=sum(others[count:], np.zeros_like(fixed)),
+            effects=np.stack(others[:count], axis=2),
+            before=criterion.of(fixed),
+            influence=max(criterion.of(effect) for effect in others[:count]),
+            noise=1e-12 * max(float(np.abs(criterion.vector(forces)).max()) for forces in (reactions, *responses)),
         )
 
 
-def _shares(variables: Sequence[RegionVariables], signals: Sequence[Signal]) -> list[float]:
-    """Inverse of the largest effect of every region, at most one."""
-    largest = np.max([np.abs(signal.effects).max(axis=(0, 1)) for signal in signals], axis=0) if signals else np.ones(1)
-    ends = np.cumsum([len(each.mass) for each in variables])[:-1]
-    return [1.0 / max(1.0, float(part.max(initial=0.0))) for part in np.split(largest, ends)]
+def _signals(criterion: Criterion, series: Sequence[_Series]) -> Iterator[Signal]:
+    """The signals of a criterion in all conditions, divided by the same size, so that the worst condition has the largest value."""
+    # If the criterion is zero before, the effect of the regions gives the size. If that is zero too, all values are rounding errors.
+    before, influence, noise = (max(getattr(part, name) for part in series) for name in ("before", "influence", "noise"))
+    size = next((size for size in (before, influence) if size > max(noise, ROUNDING * influence)), noise or 1.0)
+    for number, part in enumerate(series):
+        yield Signal(criterion, number, size, (part.fixed - part.replaced) / size, part.effects / size)
 
 
 def _columns(variables: Sequence[RegionVariables], conditions: int) -> tuple[tuple[NDArray[np.intp], ...], int]:
-    """Columns of the regions' variables for every operating condition, and the number of columns. An adjusted region has separate columns
-    in
-    every condition."""
+    """Columns of the regions' variables for every operating condition, and the number of columns.
+
+    An adjusted region has separate columns in every condition.
+    """
     by_condition, width = [list[NDArray[np.intp]]() for _ in range(conditions)], 0
-    for each in variables:
-        count = len(each.mass)
+    for region in variables:
+        count = len(region.mass)
         for number, columns in enumerate(by_condition):
-            if number and each.region.reset:
+            if number and region.region.reset:
                 width += count
             columns.append(np.arange(width, width + count))
         width += count
@@ -510,10 +461,10 @@ def _spread(local: Array, columns: NDArray[np.intp], width: int) -> Array:
     return wide
 
 
-def _masses(variables: Sequence[Sequence[RegionVariables]], columns: Sequence[NDArray[np.intp]], width: int) -> Array:
+def _masses(variables: Sequence[RegionVariables], columns: Sequence[NDArray[np.intp]], width: int) -> Array:
     """(settings, width) mass per unit of each variable [kg]."""
-    settings = len(columns) if any(region.region.reset == "mass" for region in variables[0]) else 1
-    mass = np.concatenate([region.mass for region in variables[0]])
+    settings = len(columns) if any(region.region.reset == "mass" for region in variables) else 1
+    mass = np.concatenate([region.mass for region in variables])
     return np.array([_spread(mass, columns[number], width) for number in range(settings)])
 
 

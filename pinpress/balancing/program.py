@@ -19,14 +19,9 @@ from ..common.quantities import Array
 from .problem import AddedMass, BalancingProblem, Range, Rms, Signal, Target, limit_words
 
 Program = tuple[Array, tuple[Rows, ...]]  # cost and constraints
-FIRST_STATES = 24  # states of a motion with which a program starts, in addition to the extremes of each signal's parts
-VIOLATED = 1e-10  # a state violates the program if it exceeds the extreme by more, as a share of the criterion before balancing
-MOST_ROUNDS = 60  # most rounds of adding states; ten rounds are already many
 LARGEST = 10.0  # unlimited counterweights above 10 times the moving mass count as growing without limit
 OTHERS = 1e-5  # weight of the mean over all conditions, next to the worst, with adjustable counterweights
 LIGHTER = 1e-6  # value of saving the whole moving mass, as a share of the objective before: the lightest of equal optima wins
-ZERO = 1e-10  # values below this share of a criterion before balancing, or of the largest effect on it, are rounding error
-INVOLVED = 1e-6  # a limit with a smaller part in a contradiction, whose parts sum to one, is not named
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,10 +61,14 @@ def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: 
     states = {signal: _first_states(signal) for signal in problem.signals}
     total = sum(objective.values())
     shares = {target: weight / total for target, weight in objective.items()}  # so that the cost is about one
-    anew = problem.shares is None and any(each.region.reset for each in problem.regions[0])
-    light, _ = _over_all_states(
-        problem, states, lambda: _preferring_light(problem, *_program(problem, shares, limits, states, others=anew))
-    )
+    others = problem.shares is None and any(region.region.reset for region in problem.regions[0])
+
+    def preferring_light() -> Program:
+        cost, rows = _program(problem, shares, limits, states, others=others)
+        cost[: problem.size] += LIGHTER * (problem.mass.mean(axis=0) / problem.moving_mass)
+        return cost, rows
+
+    light, _ = _over_all_states(problem, states, preferring_light)
     best, rows = _over_all_states(problem, states, lambda: _program(problem, shares, limits, states))
     u, prices = light.x[: problem.size], tuple(total * price for price in best.prices)
     return ProvenOptimum(u, total * best.bound, light.residual, rows, prices)
@@ -81,24 +80,27 @@ def infeasible_limits(problem: BalancingProblem, limits: Mapping[Target, float])
     All limits are relaxed by the same share of their criteria before balancing (mass limits: of the limit or of the moving mass). The
     program finds the least possible share. The limits whose dual variables are not zero then contradict one another.
     """
-    share, parts = _least_relaxation(problem, limits)
-    names = list(dict.fromkeys(name for name, part in parts if part > INVOLVED)) or [name for name, _ in parts]
+    problem = _restrict(problem, limits)
+    states = {signal: _first_states(signal) for signal in problem.signals}
+    best, rows = _over_all_states(problem, states, lambda: _relax(*_program(problem, {}, limits, states, zero_as_equations=False)))
+    duals = [(row, float(price[0] if row.kind == CONE else price.sum())) for row, price in zip(rows, best.prices, strict=True)]
+    parts = [(row.name, part) for row, part in duals if row.name and row.unit]
+    names = list(dict.fromkeys(name for name, part in parts if part > 1e-6)) or [name for name, _ in parts]  # the parts sum to one
+    relaxed = " and ".join(f"the {name}" for name in names)
     return (
-        f"no counterweights in these regions keep {' and '.join(f'the {name}' for name in names)}: relax each limit by {100 * share:.3g} %"
+        f"no counterweights in these regions keep {relaxed}: relax each limit by {100 * best.value:.3g} %"
         " (of its criterion before balancing; a mass limit: of the limit or of the moving mass), or give larger regions"
     )
 
 
 def objective_value(problem: BalancingProblem, objective: Mapping[Target, float], u: Array) -> float:
     """The objective at values (variables,) of the variables, over all states, weighted and relative to before balancing."""
-    return sum(weight * over_conditions(problem, _values(problem, target, u)) for target, weight in objective.items())
+    return sum(weight * over_conditions(problem.shares, _values(problem, target, u)) for target, weight in objective.items())
 
 
-def over_conditions(problem: BalancingProblem, values: Sequence[float]) -> float:
-    """The value of a target over all conditions: the largest, or the weighted mean; a single value holds for all conditions."""
-    if problem.shares is None or len(values) == 1:
-        return max(values)
-    return float(problem.shares @ values)
+def over_conditions(shares: Array | None, values: Sequence[float]) -> float:
+    """The value of a target over all conditions: the largest, or the mean weighted by shares; a single value holds for all conditions."""
+    return max(values) if shares is None or len(values) == 1 else float(shares @ values)
 
 
 def _values(problem: BalancingProblem, target: Target, u: Array) -> list[float]:
@@ -106,15 +108,6 @@ def _values(problem: BalancingProblem, target: Target, u: Array) -> list[float]:
     if isinstance(target, AddedMass):
         return [float(mass - problem.replaced_mass) / problem.moving_mass for mass in problem.mass @ u]
     return [target.of(signal.at(u)) for signal in problem.signals if signal.criterion == target]
-
-
-def _least_relaxation(problem: BalancingProblem, limits: Mapping[Target, float]) -> tuple[float, list[tuple[str, float]]]:
-    """The least share by which all numerical limits (also of regions) must be relaxed, and the name and part of each limit."""
-    problem = _restrict(problem, limits)
-    states = {signal: _first_states(signal) for signal in problem.signals}
-    best, rows = _over_all_states(problem, states, lambda: _relax(*_program(problem, {}, limits, states, zero_as_equations=False)))
-    parts = [(part, float(price[0] if part.kind == CONE else price.sum())) for part, price in zip(rows, best.prices, strict=True)]
-    return best.value, [(part.name, share) for part, share in parts if part.name and part.unit]
 
 
 def _restrict(problem: BalancingProblem, targets: Collection[Target]) -> BalancingProblem:
@@ -129,34 +122,36 @@ def _over_all_states(
     problem: BalancingProblem, states: dict[Signal, Array], program: Callable[[], Program]
 ) -> tuple[Optimum, tuple[Rows, ...]]:
     """The optimum over all states. ``program`` makes the program over ``states``, to which this function adds states."""
-    for _ in range(MOST_ROUNDS):
+    for _ in range(60):  # ten rounds are already many
         cost, rows = program()
         optimum = minimise(cost, rows, remedy="give counterweights a largest mass, and limits that are neither very large nor very small")
         violated = {signal: _violated(signal, optimum.x[: problem.size], taken) for signal, taken in states.items()}
         if not any(len(more) for more in violated.values()):
             return optimum, rows
         states.update({signal: np.union1d(states[signal], more) for signal, more in violated.items()})
-    raise PinpressError(f"the optimum was not found within {MOST_ROUNDS} rounds: give fewer states, or limits of a realistic size")
+    raise PinpressError("the optimum was not found within 60 rounds: give fewer states, or limits of a realistic size")
 
 
 def _first_states(signal: Signal) -> Array:
-    """Indices of the states with which a program starts."""
+    """Indices of the states with which a program starts: 24, and the extremes of each part of the signal."""
     series = np.concatenate([signal.fixed[:, :, None], signal.effects], axis=2).reshape(len(signal.fixed), -1)
-    even = np.linspace(0, len(series) - 1, FIRST_STATES).astype(int)
+    even = np.linspace(0, len(series) - 1, 24).astype(int)
     return np.unique(np.concatenate([even, series.argmax(axis=0), series.argmin(axis=0)]))
 
 
 def _violated(signal: Signal, u: Array, states: Array) -> Array:
-    """Indices of states outside the extremes of the program's states: local maxima of a signal, and for a range also local minima."""
-    series = signal.at(u)
+    """Indices of states outside the extremes of the program's states: local maxima of a signal, and for a range also local minima.
+
+    A state is outside by 1e-10 of the criterion before balancing, or more.
+    """
     if isinstance(signal.criterion, Rms):
         return np.empty(0, int)
+    series = signal.at(u)
     sides = [series[:, 0], -series[:, 0]] if isinstance(signal.criterion, Range) else [np.linalg.norm(series, axis=1)]
     violated = []
     for side in sides:
         around = np.concatenate([[-np.inf], side, [-np.inf]])
-        top = (side >= around[:-2]) & (side >= around[2:]) & (side > side[states].max() + VIOLATED)
-        violated.append(np.flatnonzero(top))
+        violated.append(np.flatnonzero((side >= around[:-2]) & (side >= around[2:]) & (side > side[states].max() + 1e-10)))
     return np.concatenate(violated)
 
 
@@ -244,29 +239,21 @@ def _columns(problem: BalancingProblem, objective: Mapping[Target, float], other
     for target, weight in objective.items():
         conditions = len(problem.mass) if isinstance(target, AddedMass) else len(problem.conditions)
         if others and conditions > 1:
-            own_bounds = {(target, condition): width + 1 + condition for condition in range(conditions)}
-            bounds |= own_bounds
-            worst |= dict.fromkeys(own_bounds.values(), width)
-            own = [weight, *[weight * OTHERS / conditions] * conditions]
+            bounds |= {(target, condition): width + 1 + condition for condition in range(conditions)}
+            worst |= dict.fromkeys(range(width + 1, width + 1 + conditions), width)
+            weights = [weight, *[weight * OTHERS / conditions] * conditions]
         elif problem.shares is None or conditions == 1:
             bounds |= {(target, condition): width for condition in range(conditions)}
-            own = [weight]
+            weights = [weight]
         else:
             counting = np.flatnonzero(problem.shares)
             bounds |= {(target, int(condition)): width + place for place, condition in enumerate(counting)}
-            own = [weight * float(problem.shares[condition]) for condition in counting]
-        costs |= dict(enumerate(own, width))
-        width += len(own)
+            weights = [weight * float(problem.shares[condition]) for condition in counting]
+        costs |= dict(enumerate(weights, width))
+        width += len(weights)
     ranges = [signal for signal in problem.signals if isinstance(signal.criterion, Range)]
     extremes = {signal: width + 2 * i for i, signal in enumerate(ranges)}
     return _Columns(problem.size, bounds, worst, costs, extremes, width + 2 * len(ranges))
-
-
-def _preferring_light(problem: BalancingProblem, cost: Array, rows: tuple[Rows, ...]) -> Program:
-    """The program with a small cost of mass, which prefers the lightest of equally good counterweights."""
-    mass = np.zeros_like(cost)
-    mass[: problem.size] = problem.mass.mean(axis=0) / problem.moving_mass
-    return cost + LIGHTER * mass, rows
 
 
 def _relax(cost: Array, rows: tuple[Rows, ...]) -> Program:
@@ -311,7 +298,10 @@ def _below(signal: Signal, columns: _Columns, states: Array, ceiling: _Ceiling) 
         coefficients = columns.wide(nothing, {high: 1.0, high + 1: -1.0} | ceiling.slope())
         yield Rows(AT_MOST, coefficients, np.array([ceiling.number]), ceiling.name, signal.size)
     elif isinstance(signal.criterion, Rms):
-        yield _cone(columns, *_rms_factor(signal), ceiling, signal.size)
+        both = np.concatenate([signal.effects, signal.fixed[:, :, None]], axis=2)
+        both = both.reshape(-1, both.shape[2]) / np.sqrt(len(both))
+        factor = np.asarray(np.linalg.qr(both, mode="r"))  # of the same length as the whole signal
+        yield _cone(columns, factor[:, :-1], factor[:, -1], ceiling, signal.size)
     elif fixed.shape[1] == 1:
         both, right = np.concatenate([effects[:, 0], -effects[:, 0]]), np.concatenate([-fixed[:, 0], fixed[:, 0]])
         yield Rows(AT_MOST, columns.wide(both, ceiling.slope()), ceiling.number + right, ceiling.name, signal.size)
@@ -325,14 +315,6 @@ def _cone(columns: _Columns, effects: Array, fixed: Array, ceiling: _Ceiling, un
     return Rows(CONE, coefficients, np.concatenate([[ceiling.number], fixed]), ceiling.name, unit)
 
 
-def _rms_factor(signal: Signal) -> tuple[Array, Array]:
-    """Matrix (r, variables) and vector (r,) so that the length of ``vector + matrix @ u`` is the rms of a signal."""
-    both = np.concatenate([signal.effects, signal.fixed[:, :, None]], axis=2)
-    both = both.reshape(-1, both.shape[2]) / np.sqrt(len(both))
-    factor = np.asarray(np.linalg.qr(both, mode="r"))
-    return factor[:, :-1], factor[:, -1]
-
-
 def _constant_signal(signal: Signal, columns: _Columns, name: str) -> Rows:
     """Independent equations that keep a signal constant, or at zero for a peak.
 
@@ -341,9 +323,10 @@ def _constant_signal(signal: Signal, columns: _Columns, name: str) -> Rows:
     """
     effects, fixed = signal.effects.reshape(-1, signal.effects.shape[2]), signal.fixed.ravel()
     left, sizes, right = np.linalg.svd(effects, full_matrices=False)
-    kept = sizes > ZERO * max(sizes[0], 1.0)
+    rounding = 1e-10  # of the criterion before balancing, or of the largest effect on it
+    kept = sizes > rounding * max(sizes[0], 1.0)
     along = left[:, kept].T @ fixed
-    if np.abs(fixed - left[:, kept] @ along).max() > ZERO:
+    if np.abs(fixed - left[:, kept] @ along).max() > rounding:
         raise InfeasibleError(name)
     return Rows(EQUAL, columns.wide(right[kept]), -along / sizes[kept], name, signal.size)
 

@@ -20,13 +20,12 @@ from ..common import plausibility
 from ..common.arguments import any_numbers, in_unit, numbers, suitable_numbers, truth_value
 from ..common.conic_program import AT_MOST, CONE, Rows
 from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.parameters import set_field
 from ..common.quantities import Array
 from ..linkage.linkage import Linkage
 from .counterweights import PointMasses, carrying_joint, rigid_body, unit_tensor
 
 Vector = tuple[float, float, float]
-RESETS = ("", "mass", "position")
-FLAT = 1e-9  # corners closer to a plane, as a share of the press's size, count as in the plane
 
 
 @dataclass(frozen=True)
@@ -65,13 +64,23 @@ class CounterweightRegion:
     reset: str = ""
 
     def __post_init__(self) -> None:
-        for name, unit in (("mass", "kg"), *((name, "m") for name in ("at", "radius", "centre", "corners", "gyration"))):
-            object.__setattr__(self, name, in_unit(f"{self.words}: {name}", getattr(self, name), unit))
+        for name, unit in {"mass": "kg", **dict.fromkeys(("at", "radius", "centre", "corners", "gyration"), "m")}.items():
+            set_field(self, name, in_unit(f"{self.words}: {name}", getattr(self, name), unit))
         if self.at is not None:
-            object.__setattr__(self, "at", tuple(numbers(f"{self.words}: at", self.at, (3,)).tolist()))
-        object.__setattr__(self, "corners", self._checked_corners())
+            set_field(self, "at", tuple(numbers(f"{self.words}: at", self.at, (3,)).tolist()))
+        if isinstance(self.corners, list | tuple) and not self.corners:
+            set_field(self, "corners", ())
+        else:
+            corners = suitable_numbers(f"{self.words}: corners", self.corners, "points in the link's frame, (k, 3) [m]", (None, 3))
+            set_field(self, "corners", tuple(map(tuple, corners.tolist())))
         places = (self.at is not None) + (self.radius is not None) + bool(self.corners)
-        self._refuse_wrong_place(places)
+        if places > 1:
+            raise PinpressError(f"{self.words}: its place is given twice: give one of at, radius and corners")
+        truth_value(f"{self.words}: replaces", self.replaces)
+        if not places and not self.replaces:
+            raise PinpressError(
+                f"{self.words}: its place is missing: give at, radius or corners (or replaces=True, for another mass of the link itself)"
+            )
         self._refuse_wrong_mass()
         for name, length in (("radius", self.radius), ("gyration", self.gyration)):
             if length is not None:
@@ -80,24 +89,9 @@ class CounterweightRegion:
         if self.gyration and not places:
             raise PinpressError(f"{self.words}: the link keeps its own shape and radius of gyration: leave out gyration")
 
-    def _checked_corners(self) -> tuple[Vector, ...]:
-        if isinstance(self.corners, list | tuple) and not self.corners:
-            return ()
-        corners = suitable_numbers(f"{self.words}: corners", self.corners, "points in the link's frame, (k, 3) [m]", (None, 3))
-        return tuple((x, y, z) for x, y, z in corners.tolist())
-
-    def _refuse_wrong_place(self, places: int) -> None:
-        if places > 1:
-            raise PinpressError(f"{self.words}: its place is given twice: give one of at, radius and corners")
-        truth_value(f"{self.words}: replaces", self.replaces)
-        if not places and not self.replaces:
-            raise PinpressError(
-                f"{self.words}: its place is missing: give at, radius or corners (or replaces=True, for another mass of the link itself)"
-            )
-
     def _refuse_wrong_reset(self) -> None:
-        if not isinstance(self.reset, str) or self.reset not in RESETS:
-            raise PinpressError(f"{self.words}: reset is {shown(self.reset)}: give one of {', '.join(map(repr, RESETS))}")
+        if not isinstance(self.reset, str) or self.reset not in ("", "mass", "position"):
+            raise PinpressError(f"{self.words}: reset is {shown(self.reset)}: give one of '', 'mass', 'position'")
         has_shape = self.radius is not None or bool(self.corners)
         if self.reset == "mass" and has_shape:
             raise PinpressError(
@@ -158,7 +152,7 @@ def region_variables(press: Linkage, region: CounterweightRegion, inertia_counts
 
     Raises:
         UnknownNameError: the press does not have a link with this name.
-    PinpressError: the link does not move, the region has a shape in a press that is not planar, or its corners are in different planes.
+        PinpressError: the link does not move, the region has a shape in a press that is not planar, or its corners are in different planes.
     """
     if region.link not in press.links:
         raise UnknownNameError("link", region.link, press.links)
@@ -187,9 +181,10 @@ def _point_variables(press: Linkage, region: CounterweightRegion, joint: int, re
 def _shape_variables(
     press: Linkage, region: CounterweightRegion, joint: int, replaced: pin.Inertia | None, inertia_counts: bool, unit: float
 ) -> RegionVariables:
-    """A region with a shape. The variables are mass and mass moment in a circle, or masses at the corners of a polygon. If moments of
-    inertia
-    count, the moment of inertia about the centre is one more variable."""
+    """A region with a shape. The variables are mass and mass moment in a circle, or masses at the corners of a polygon.
+
+    If moments of inertia count, the moment of inertia about the centre is one more variable.
+    """
     shape = _shape(press, region, joint)
     moments = _moments(shape.corners, inertia_counts)
     own_spread = (region.gyration / shape.size) ** 2 * moments[0]
@@ -229,7 +224,7 @@ def _shape(press: Linkage, region: CounterweightRegion, joint: int) -> _RegionSh
     ends = np.array([carrying_joint(press, region.link, end, region.words)[1] for end in region.corners or [region.centre]])
     centre = ends.mean(axis=0)
     arms = (ends - centre) @ frame.T
-    if np.abs(arms[:, 2]).max() > FLAT * plane.size:
+    if np.abs(arms[:, 2]).max() > 1e-9 * plane.size:
         raise PinpressError(f"{region.words}: its corners are in different planes of motion: give all the same coordinate along the normal")
     size = float(region.radius) if region.radius is not None else float(np.linalg.norm(arms, axis=1).max())
     if not size > 0:
@@ -301,8 +296,7 @@ def points_of(press: Linkage, link: str, inertia: pin.Inertia) -> PointMasses:
 
 def _in_link(press: Linkage, link: str, masses: Array, points: Array) -> PointMasses:
     """Point masses whose points (p, 3) are given in the joint's frame; masses of zero are left out."""
-    placement = press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
-    used = masses != 0.0
+    placement, used = press.frame_of(link).placement, masses != 0.0
     used[0] |= not used.any()
     return PointMasses(link, masses[used], np.array([placement.actInv(point) for point in points[used]]))
 

@@ -20,8 +20,6 @@ from ..linkage.linkage import Linkage
 from .counterweights import Counterweight, OperatingCondition
 from .problem import Criterion, Peak, Range, Target
 
-FINER = 8  # factor for the number of states with which criteria are evaluated between a motion's states
-
 
 @dataclass(frozen=True, repr=False)
 class CriterionChange(Record):
@@ -133,7 +131,7 @@ class BalancedPress(Tabular):
             motion = condition.motion
             if motion.period_turns is None or np.ptp(motion.crank_speed) > 0:
                 return None
-            finer = cycle(press, float(motion.crank_speed[0]), points=FINER * len(motion.time))
+            finer = cycle(press, float(motion.crank_speed[0]), points=8 * len(motion.time))
             changes = [change for change in self.changes if change.condition == number]
             bearings = {change.criterion.bearing for change in changes} - {None}
             reactions = inverse_dynamics(press, finer, condition.loads, bearings=sorted(map(str, bearings)))
@@ -153,7 +151,24 @@ class BalancedPress(Tabular):
         every component of shaking force and shaking moment, without the criteria in `changes`. A rounding error counts as 0. A criterion
         that is 0 before and after in all operating conditions is left out.
         """
-        return _side_effects(self)
+        asked = {change.criterion for change in self.changes}
+        originals = [condition.set_up(self.original) for condition in self.conditions]
+        before, after = (
+            [
+                inverse_dynamics(press, reactions.motion, condition.loads)
+                for press, reactions, condition in zip(presses, measured, self.conditions, strict=True)
+            ]
+            for presses, measured in ((originals, self.reactions_before), (self.presses, self.reactions_after))
+        )
+        least_of, effects = [rounding(reactions) for reactions in before], list[CriterionChange]()
+        for criterion in _criteria_of(self.original):
+            rows = [
+                CriterionChange(criterion, number, _without_rounding(criterion, then, least), _without_rounding(criterion, now, least))
+                for number, (then, now, least) in enumerate(zip(before, after, least_of, strict=True))
+            ]
+            if criterion not in asked and any(row.before or row.after for row in rows):
+                effects += rows
+        return Records(CriterionChange, effects)
 
     def columns(self) -> dict[str, Column]:
         """A row for each criterion in each operating condition, `changes` and then `side_effects`; None where there is no value."""
@@ -161,29 +176,8 @@ class BalancedPress(Tabular):
         return changes.columns() | {"limit": [self.limits.get(change.criterion) for change in changes]}
 
 
-def _side_effects(balanced: BalancedPress) -> Records[CriterionChange]:
-    asked = {change.criterion for change in balanced.changes}
-    originals = [condition.set_up(balanced.original) for condition in balanced.conditions]
-    before, after = (
-        [
-            inverse_dynamics(press, some.motion, condition.loads)
-            for press, some, condition in zip(presses, known, balanced.conditions, strict=True)
-        ]
-        for presses, known in ((originals, balanced.reactions_before), (balanced.presses, balanced.reactions_after))
-    )
-    least_of, effects = [rounding(reactions) for reactions in before], list[CriterionChange]()
-    for criterion in _criteria_of(balanced.original):
-        rows = [
-            CriterionChange(criterion, number, _without_rounding(criterion, then, least), _without_rounding(criterion, now, least))
-            for number, (then, now, least) in enumerate(zip(before, after, least_of, strict=True))
-        ]
-        if criterion not in asked and any(row.before or row.after for row in rows):
-            effects += rows
-    return Records(CriterionChange, effects)
-
-
 def _criteria_of(press: Linkage) -> Iterator[Criterion]:
-    efforts = {f"driving_{each.effort}" for each in press.driver_coordinates}
+    efforts = {f"driving_{coordinate.effort}" for coordinate in press.driver_coordinates}
     if len(efforts) == 1:  # torques and forces have no common measure
         (effort,) = efforts
         yield Range(effort) if len(press.drivers) == 1 else Peak(effort)

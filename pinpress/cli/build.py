@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -93,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError(f"{options.file} is no table of pins: build makes a URDF of one; pinpress new press.yaml writes one")
     slide = found.press_sections().get("slide")
     try:
-        draft = building.drawn_from(found.table)
+        draft = found.drawn()
     except PinTableError as error:
         if error.sketch is not None:
             files.write(sketch, error.sketch.encode())
@@ -106,7 +107,7 @@ def run(options: argparse.Namespace) -> int:
         press = draft.press(slide=slide)
         files.write(out, draft.urdf)
     files.write(sketch, draft.sketch.encode())
-    print(check_document(str(out), draft._document(str(out), draft.urdf), slide=slide))
+    print(check_document(str(out), replace(draft._document(), file=str(out), text=draft.urdf), slide=slide))
     print("\n".join([*_other_places(draft, slide), *_estimates(draft)]))
     print(f"wrote {out} and {sketch} of {press.name}")
     return 0

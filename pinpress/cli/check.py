@@ -8,7 +8,6 @@ from ..jobs.job import read_job
 from ..jobs.sources import Source
 from ..kinematics.check import CheckResult, check
 from ..linkage.document import Finding
-from ..pin_table.building import drawn_from
 from .options import add_job_options, source_of
 
 
@@ -51,10 +50,11 @@ def run(options: argparse.Namespace) -> int:
 def _of_press(found: Source) -> CheckResult:
     given = found.press_sections()
     slide = given.get("slide")
-    if found.table is None:
-        return check(found.model, driver=given.get("drivers"), slide=slide, allow_open=given.get("allow_open", False))
     try:
-        return drawn_from(found.table).check(slide)
+        drawn = found.drawn()
+        if drawn is None:
+            return check(found.model, driver=given.get("drivers"), slide=slide, allow_open=given.get("allow_open", False))
+        return drawn.check(slide)
     except PinTableError as error:
         if error.line is None:
             raise  # there is no such file, it is no table at all, or a value is none

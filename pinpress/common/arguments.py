@@ -14,7 +14,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
 from numbers import Real
-from typing import Any, NamedTuple, TypeGuard, TypeVar, get_origin
+from typing import Any, TypeGuard, TypeVar, get_origin
 
 import numpy as np
 
@@ -66,11 +66,8 @@ _OTHERS: dict[str, Callable[[Any], bool]] = {
 _OTHERS["Iterable"] = _OTHERS["Sequence"]
 
 
-class _Kind(NamedTuple):
-    """What a parameter accepts: objects of the library's classes, by their names, and other kinds, keys of `_OTHERS`."""
-
-    classes: tuple[str, ...]
-    others: tuple[str, ...]
+_Kind = tuple[tuple[str, ...], tuple[str, ...]]
+"""What a parameter accepts: names of the library's classes, and keys of `_OTHERS`."""
 
 
 def typed(function: Function) -> Function:
@@ -127,24 +124,24 @@ def _kind(annotation: object) -> _Kind | None:
     names = [name.strip().rpartition(".")[2] for name in text.split("|")]
     classes = tuple(name for name in names if name in MAKERS)
     others = tuple(name for name in names if name in _OTHERS)
-    return _Kind(classes, others) if len(classes) + len(others) == len(names) else None
+    return (classes, others) if len(classes) + len(others) == len(names) else None
 
 
 def _check(name: str, value: object, kind: _Kind) -> None:
-    for one in type(value).__mro__:
-        if one.__name__ in kind.classes and one.__module__.startswith("pinpress."):
-            return
-    if any(_OTHERS[other](value) for other in kind.others):
+    classes, others = kind
+    if any(one.__name__ in classes and one.__module__.startswith("pinpress.") for one in type(value).__mro__):
         return
-    kind_given = "a class" if isinstance(value, type) else f"a {type(value).__name__}"
-    if kind.classes:
-        raise PinpressError(f"{name} is {kind_given}, no {kind.classes[0]}: give what {MAKERS[kind.classes[0]]} returns")
-    if "bool" in kind.others:
+    if any(_OTHERS[other](value) for other in others):
+        return
+    given = "a class" if isinstance(value, type) else f"a {type(value).__name__}"
+    if classes:
+        raise PinpressError(f"{name} is {given}, no {classes[0]}: give what {MAKERS[classes[0]]} returns")
+    if "bool" in others:
         raise PinpressError(f"{name} is {shown(value)}: give True or False")
-    if "Callable" in kind.others:
+    if "Callable" in others:
         raise PinpressError(f"{name} is {shown(value)}: give a function")
-    if "Mapping" in kind.others:
-        raise PinpressError(f"{name} is {kind_given}: give a mapping, {name}={{...}}")
+    if "Mapping" in others:
+        raise PinpressError(f"{name} is {given}: give a mapping, {name}={{...}}")
     raise PinpressError(f"{name} is one {type(value).__name__}: give a list, {name}=[...]")
 
 
@@ -222,7 +219,7 @@ def truth_value(name: str, value: object) -> bool:
 
 
 def is_whole_number(value: object) -> TypeGuard[int]:
-    """Whether a value is a whole number, of Python or of NumPy; truth values and spans of time are none."""
+    """Whether a value is a whole number of Python or NumPy, not a truth value or a span of time."""
     return isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
 
 
@@ -313,8 +310,7 @@ def numbers(name: str, values: object, shape: _Shape | None = None, *, unit: str
 
 
 def any_numbers(name: str, values: object, shape: _Shape | None = None) -> Array:
-    """The values as a new array of numbers, which may be infinite or NaN; raises as `numbers` where they are none. ``shape``: for the
-    message."""
+    """The values as a new array of numbers, which may be infinite or NaN; raises PinpressError as `numbers`. ``shape``: for the message."""
     array = _array(values)
     if isinstance(array, str):
         raise PinpressError(f"{name} is not {_shape_as_text(shape)}, but {array}: {shown(values)}")
@@ -366,7 +362,7 @@ def _array(values: Any) -> Array | str:
 
 
 def _odd(values: Iterable[Any], level: int = 1) -> bool:
-    """Whether nested lists and tuples hold what NumPy would turn into numbers without a warning, or have more levels than any array."""
+    """Whether nested lists and tuples have values that NumPy would turn into numbers without a warning, or more levels than any array."""
     return level > _DEEPEST or any(
         _odd(value, level + 1) if isinstance(value, list | tuple) else isinstance(value, bool | np.bool_ | np.ma.MaskedArray)
         for value in values

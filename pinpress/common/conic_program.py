@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 EQUAL, AT_MOST, CONE, SEMIDEFINITE = "equal", "at most", "cone", "semidefinite"
 TOLERANCE = 1e-12  # that the solver aims at, for programs scaled to numbers about one
 PROVED = 1e-8  # largest residual of the optimality conditions that is accepted
-REACH = 1e4  # sizes of unknowns up to which dual variables must show that no x fulfils the constraints
+REACH = 1e4  # dual variables must show that no x up to this size fulfils the constraints
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -103,7 +103,7 @@ class InfeasibleError(Exception):
 
 
 class UnsolvedError(PinpressError):
-    """The solver found neither a solution that is proved nor that there is none."""
+    """The solver neither found a solution with a proof nor proved that there is no solution."""
 
 
 def minimise(
@@ -130,7 +130,8 @@ def minimise(
 
     Raises:
         InfeasibleError: there is no solution.
-        UnsolvedError: neither a solution nor that there is none was found, or the solution violates the optimality conditions.
+        UnsolvedError: the solver found no solution and did not prove that there is none, or the solution violates the optimality
+            conditions.
     """
     from scipy import sparse  # to save start-up time
 
@@ -138,7 +139,8 @@ def minimise(
     for method, scaled in (("faer", False), ("qdldl", True)) if equilibrate is None else (("auto", equilibrate),):
         x, prices, status = _answer(cost, squares, rows, matrix, tolerance, method, scaled)
         if "PrimalInfeasible" in status:
-            if _proves_contradiction(rows, matrix, prices):
+            slope = float(np.abs(matrix.T @ np.concatenate(prices)).sum())
+            if -float(sum(part.bound @ z for part, z in zip(rows, prices, strict=True))) > REACH * slope:
                 raise InfeasibleError
             fault = f"{status}, which its dual variables do not prove"
         elif not (np.isfinite(x).all() and all(np.isfinite(z).all() for z in prices)):
@@ -194,12 +196,6 @@ def _answer(
 def _split(values: Array, rows: Sequence[Rows]) -> list[Array]:
     """Values of all rows, by `Rows`."""
     return np.split(values, np.cumsum([len(part.bound) for part in rows])[:-1])
-
-
-def _proves_contradiction(rows: Sequence[Rows], matrix: Matrix, prices: Sequence[Array]) -> bool:
-    """Whether dual variables show that no x of at most the size `REACH` fulfils the constraints."""
-    slope = np.abs(matrix.T @ np.concatenate(prices)).sum()
-    return -float(sum(part.bound @ z for part, z in zip(rows, prices, strict=True))) > REACH * float(slope)
 
 
 def _proved(cost: Array, squares: float, rows: Sequence[Rows], matrix: Matrix, x: Array, prices: Sequence[Array]) -> Optimum:

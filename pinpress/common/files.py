@@ -54,7 +54,7 @@ def written(path: str | os.PathLike[str], suffix: str = "") -> Iterator[Path]:
                     raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
                 if not os.access(parent, os.W_OK):
                     raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-            # not beside the path, where a kill would leave it
+            # Next to the path a kill would leave it.
             folder = tidying.enter_context(tempfile.TemporaryDirectory(prefix="pinpress-"))
         part = Path(folder, "part" + suffix)
         yield part
@@ -76,7 +76,7 @@ def refused(path: object) -> Iterator[None]:
 
 
 def _status(path: str | os.PathLike[str]) -> os.stat_result | None:
-    """Status of the file at a path, None if there is none; raises OSError if it cannot be written."""
+    """Status of the file at a path, None without a file; raises OSError if the file cannot be written."""
     try:
         status = os.stat(path)
     except FileNotFoundError:
@@ -98,7 +98,7 @@ def _stream(path: str | os.PathLike[str], before: os.stat_result) -> FileIO | No
 
 
 def _replace(target: Path, before: os.stat_result | None, content: bytes) -> None:
-    """Write a file beside the target, and give it the target's mode, owner and name."""
+    """Write a file next to the target, and give it the mode, owner and name of the target."""
     part = target.with_name(f".pinpress-{secrets.token_hex(8)}")
     try:
         descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
@@ -139,7 +139,7 @@ def _overwrite(path: str | os.PathLike[str], before: os.stat_result, content: by
 
 
 def _send(stream: FileIO, content: bytes) -> None:
-    """Write all of a content: a stream may take only a part at a time."""
+    """Write the whole content: a stream may take only a part at a time."""
     left = memoryview(content)
     while left:
         left = left[stream.write(left) :]
@@ -196,13 +196,13 @@ def uncompressed(path: str, content: bytes, most: int) -> bytes:
 
 
 def reason(error: OSError | ValueError) -> str:
-    """Why a file could not be read; of one that is not there, whether its folder has one of nearly its name."""
+    """Why a file could not be read. For a missing file: whether its folder has one of nearly the same name."""
     text = getattr(error, "strerror", None) or str(error)
     return text + alike(error.filename) if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) else text
 
 
 def alike(path: str) -> str:
-    """The words ", did you mean 'x'?" where the folder of a path that is not there has a file of nearly its name, else an empty text."""
+    """The words ", did you mean 'x'?" if the folder of a missing file has one of nearly the same name, else an empty text."""
     folder, name = os.path.split(path)
     try:
         return suggestion(name, itertools.islice(os.listdir(folder or os.curdir), 1000))  # more would take long

@@ -197,7 +197,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
             scale = np.maximum(tolerated, ROUNDINGS * h * r.start * (np.abs(smoothing) @ self.noise[:m]))
             stages = self._stages(h, jacobian, scale)
             if stages is None:
-                # A shorter step converges faster in proportion; the limits keep a step that hardly converged from changing too much.
+                # A shorter step converges faster in proportion; the limits keep a step that nearly failed from changing too much.
                 self.h_abs = h * max(0.25, min(0.7, FASTEST / max(self.pace, FASTEST)))
                 self.before, rejected = None if rejected else self.before, True
                 continue
@@ -262,7 +262,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
             settled = size <= SETTLED * min(1.0, (1 - share) / share if 0 < share < 1 else 1.0)
             settled |= ROUNDED > size > SLOWEST * before  # what does not become smaller is the rounding of stiff forces
             if size > ROUNDED and earlier < math.inf:
-                # An error may pass from one joint to the next before it is gone: two rounds tell how it becomes smaller.
+                # An error may pass from one joint to the next before it is gone: two rounds show how fast it falls.
                 self.pace = math.sqrt(size / earlier)
                 if not settled and size * self.pace ** (ROUNDS - 1 - done) > ROUNDED:
                     return None
@@ -299,14 +299,14 @@ class Collocated(DenseOutput):  # type: ignore[misc]
 
 
 def _unresolved(series: Array, scale: Array) -> float:
-    """What a step's polynomials miss between its nodes, as a share of the tolerance: the next term of their Legendre series (s + 1, k), as
-    the last ones fall off. Under stiff forces the embedded formula shows the error at the end of the step alone."""
+    """Error of a step's polynomials between its nodes, as a share of the tolerance: the next term of their Legendre series (s + 1, k), if
+    the terms go on falling. Under stiff forces the embedded formula shows only the error at the end of the step."""
     last, before = np.abs(series[-1]), np.maximum(np.abs(series[-3]), np.finfo(float).tiny)
     return float((last * np.minimum(1.0, np.sqrt(last / before)) / scale).max(initial=0.0))
 
 
 def rounding(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array) -> Array:
-    """Errors (n,) of rates by rounding, which stiff forces magnify: how far they are from a straight line beside this state.
+    """Errors (n,) of rates by rounding, which stiff forces magnify: their distance from a straight line near this state.
 
     Args:
         fun: rates (n,) at a time and vector (n,).
@@ -331,7 +331,7 @@ def slopes(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array
         noise: (n,) errors of the rates by `rounding`.
 
     The change of a small entry is at first relative to itself, not to its size, because a law may change sharply near zero. It grows until
-    the change of a rate is clear of rounding: beside a rest the rates are all rounding.
+    the change of a rate is clear of rounding: near a rest the rates are nothing but rounding errors.
     """
     m = len(sizes)
     result, moved = np.empty((len(y), m)), y.copy()

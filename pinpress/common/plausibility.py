@@ -42,8 +42,8 @@ def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRAN
 def angles(name: str, values: Array) -> None:
     """Warn of crank angles [rad], one, (n,) or (n, drivers), that are degrees of a turn or two.
 
-    Whole radians alone do not tell, as a crank may turn through many. The degrees that people write are multiples of fifteen; or several
-    multiples of five; or steps of fewer from a multiple of fifteen to another, where the last step may be left out.
+    Whole radians alone are no proof, because a crank may turn many times. People write degrees as multiples of fifteen, as several
+    multiples of five, or as smaller steps from one multiple of fifteen to another, perhaps without the last step.
     """
     largest = float(np.abs(values).max(initial=0.0))
     if not 30.0 <= largest <= 720.0 or (values % 1.0).any():
@@ -68,7 +68,7 @@ def motor(
         torque: its rated one [N m], a number or (S,).
         speed: its rated one [rad/s].
         inertia: of its rotor [kg m2], a number or (S,).
-        units: which number says its torque, in which unit.
+        units: the argument that gives its torque, and its unit.
         lossless: its constant loss [W].
     """
     start = float(np.max(np.asarray(inertia) * speed / torque))
@@ -98,13 +98,13 @@ def engagement(name: str, time: float) -> None:
 
 
 def stripping(name: str, force: float, cutting: float) -> None:
-    """Warn of a stripping force [N] that may be in kN, beside the ``cutting`` force [N]."""
+    """Warn of a stripping force [N] that is so small compared with the ``cutting`` force [N] that it may be in kN."""
     if 0.0 < force < 1e-3 * cutting:  # no sheet holds a punch by less
         caution(f"{name} is {force:g} N, beside a force of {cutting:g} N: if kN are meant, write {force:g}e3")
 
 
 def torque(name: str, value: float, holding: float) -> None:
-    """Warn of a torque at the crank [N m] that is nothing beside the one ``holding`` the slide's weight at half its stroke [N m]."""
+    """Warn of a torque at the crank [N m] far below the torque ``holding`` the weight of the slide at half its stroke [N m]."""
     if 0.0 < value < 0.005 * holding:  # friction would stop such a motor, clutch or brake
         caution(
             f"{name} is {value:.4g} N m at the crank, {100 * value / holding:.2g} % of the {holding:.4g} N m that hold the weight of the"
@@ -113,13 +113,13 @@ def torque(name: str, value: float, holding: float) -> None:
 
 
 def idle_speed(name: str, speed: float, slide: tuple[float, float], at_half: tuple[float, float]) -> None:
-    """Warn of a motor that would turn the crank at a ``speed`` [rad/s] that no press runs at, without load.
+    """Warn of a motor that would turn the idle crank at a ``speed`` [rad/s] at which no press runs.
 
     Args:
         name: of its class.
         speed: of the crank.
         slide: largest speed [m/s] and acceleration [m/s2] of the slide there.
-        at_half: those at half the speed: one that is a little too high is told as that of the run.
+        at_half: both at half the speed. A speed that is only a little too high is warned of as the speed of the run.
     """
     if speed > FASTEST or too_hard(*at_half):
         said = f", at which the acceleration of the slide reaches {slide[1] / GRAVITY:.3g} g" if too_hard(*slide) else ""
@@ -136,24 +136,24 @@ def flywheel(inertia: float, mass: float, size: float) -> None:
 
 
 def too_hard(speed: float, acceleration: float) -> bool:
-    """Whether no slide of a press moves as fast [m/s] and is accelerated as much [m/s2] at once; fast presses reach 20 to 30 g.
+    """Whether no slide of a press reaches both this speed [m/s] and this acceleration [m/s2]; fast presses reach 20 to 30 g.
 
-    One of the two does not tell: near a change point a slide jerks at the lowest speeds; very short strokes may take hard accelerations.
+    One of the two is not enough: near a change point a slide jerks at the lowest speeds; very short strokes may have high accelerations.
     """
     return speed > 3.0 and acceleration > 40 * GRAVITY
 
 
 def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, high: float, size: float, contact: bool = False) -> None:
-    """Warn of a process load that acts nowhere on the slide's stroke, or ends far above it or far off the linkage: its heights may be
-    in mm.
+    """Warn of a process load that acts nowhere on the slide's stroke, or ends far above it or far from the linkage: its heights may be in
+    mm.
 
     Args:
         load: its name.
         stretches: lower and upper ends [m], both ways.
         low: lower end of the stroke, as height above the load's datum [m]; infinite where it is not known.
-        high: upper end of the stroke, likewise [m].
+        high: upper end of the stroke, also above the datum [m].
         size: length of the linkage [m].
-        contact: whether it is one without an end, which may be met all the time, or lie a little too low to be met.
+        contact: whether the load is a contact without a lower end, which the slide may touch all the time, or just miss.
     """
     if not stretches:
         return
@@ -171,7 +171,7 @@ def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, hig
 
 
 def stepped_over(load: str, stretch: tuple[float, float], step: tuple[float, float], states: int) -> None:
-    """Warn of a process load that acts only between two states of a motion: in none of them does it show.
+    """Warn of a process load that acts only between two states of a motion and therefore changes no number.
 
     Args:
         load: its name.
@@ -187,7 +187,7 @@ def stepped_over(load: str, stretch: tuple[float, float], step: tuple[float, flo
 
 
 def onset(load: str, start: float, high: float) -> None:
-    """Warn of a process load that begins at zero above the stroke, and is in full force when the slide leaves top dead centre."""
+    """Warn of a process load that begins from zero above the stroke, so that it has its force already at top dead centre."""
     caution(f"{load} begins at {start:g} m above its datum, and the slide's stroke ends at {high:.6g} m: it begins with a jump; lower it")
 
 
@@ -202,7 +202,7 @@ def forces(load: str, largest: float, weight: float, feeble: float = 0.05) -> No
 
 
 def springs(name: str, stiffness: float, load: float, size: float) -> None:
-    """Warn of springs of a press [N/m] that yield under a ``load`` [N], the weight of the slide, as none of that ``size`` [m] does."""
+    """Warn of springs [N/m] that the ``load`` [N], the weight of the slide, deflects more than in any press of that ``size`` [m]."""
     if load > 5e-3 * size * stiffness:
         caution(
             f"{name} is {stiffness:g} N/m, which the weight of the slide, {load:.3g} N, deflects by {1e3 * load / stiffness:.3g} mm: give"
@@ -211,7 +211,7 @@ def springs(name: str, stiffness: float, load: float, size: float) -> None:
 
 
 def turning_springs(name: str, stiffness: float, moment: float) -> None:
-    """Warn of springs of a press against turning [N m/rad] that yield as none does under a ``moment`` [N m]."""
+    """Warn of springs against turning [N m/rad] that a ``moment`` [N m] turns more than in any press."""
     if moment > 1.0 * stiffness:  # [rad]
         caution(
             f"{name} is {stiffness:g} N m/rad, which the weight of the slide at the length of the linkage, {moment:.3g} N m, turns by"
@@ -220,7 +220,7 @@ def turning_springs(name: str, stiffness: float, moment: float) -> None:
 
 
 def crown(mass: float, links: float) -> None:
-    """Warn of a crown whose ``mass`` [kg] may be in t, beside that of all ``links`` [kg]."""
+    """Warn of a crown that is so light compared with all ``links`` [kg] that its ``mass`` [kg] may be in t."""
     if mass < 0.01 * links:
         caution(f"Elastic: crown_mass is {mass:g} kg, beside {links:.4g} kg of the links: if t are meant, write {mass:g}e3")
 
@@ -244,7 +244,7 @@ def modulus(value: float) -> None:
 
 
 def section(name: str, area: float, second_moment: float, length: float) -> None:
-    """Warn of a section, its area [m2] and second moment of area [m4], that no beam of this ``length`` [m] has."""
+    """Warn of an area [m2] and a second moment of area [m4] of a section that no beam of this ``length`` [m] has."""
     radius = math.sqrt(second_moment / area)
     if area > FAR**2 * length**2 or radius > length or radius < 1e-4 * length:
         said = f"area {area:g} m2 and second_moment {second_moment:g} m4 are those of no section of a link of {length:.3g} m"
@@ -252,7 +252,7 @@ def section(name: str, area: float, second_moment: float, length: float) -> None
 
 
 def mounts(weight: float, stiffness: float) -> None:
-    """Warn of mounts [N/m], all together, that yield as none do under the ``weight`` [N] that stands on them."""
+    """Warn of mounts [N/m, all together] that the ``weight`` [N] on them presses in more than any real mount."""
     if weight > 0.5 * stiffness:  # [m]: that is a vibration of 0.7 Hz
         caution(
             f"mounts: the weight of {weight:.4g} N presses them in by {1e3 * weight / stiffness:.3g} mm: give stiffness in N/m, 1e6 for"
@@ -296,8 +296,8 @@ def lean(name: str, value: float) -> None:
 
 
 def contact(load: str, force: float, depth: float, weight: float, size: float) -> None:
-    """Warn of a contact with so small a ``force`` [N] at a ``depth`` [m], beside the ``weight`` of the slide [N] and the linkage's ``size``
-    [m], that its stiffness may be in N/mm."""
+    """Warn of a contact whose ``force`` [N] at a ``depth`` [m] is so small compared with the ``weight`` of the slide [N] that its stiffness
+    may be in N/mm; ``size``: of the linkage [m]."""
     if depth > 1e-3 * size and 0.0 < force < 0.01 * weight:
         share = f"{100 * force / weight:.2g} % of the weight of the slide"
         caution(f"{load}: {depth:g} m deep its force is {force:g} N, {share}: give stiffness in N/m, 1e6 for 1 kN/mm")

@@ -20,14 +20,14 @@ def public_names(room: str, file: str) -> tuple[Look, Names, list[str]]:
 
     Args:
         room: its name, such as "pinpress.measures".
-        file: its file, beside which its stub is.
+        file: its file; the stub is in the same folder.
     """
     package = room if Path(file).stem == "__init__" else room.rpartition(".")[0]
     there, names, listed = lazy_loader.attach_stub(package, file)
 
     def look(name: str) -> Any:
         if name not in listed:
-            asked = name.startswith("__")  # by Python or a tool, which expect no answer
+            asked = name.startswith("_")  # by Python or a tool such as pytest, which expect no answer
             raise AttributeError(f"{room} has no {name!r}{'' if asked else _elsewhere(name, listed)}")
         found = there(name)
         if package != room:  # the loader keeps what it has found in the package, where it is no public name
@@ -41,20 +41,14 @@ def public_names(room: str, file: str) -> tuple[Look, Names, list[str]]:
 
 
 def _elsewhere(name: str, listed: list[str]) -> str:
-    """In which other rooms a name is, or else which name of this one is close to it."""
-    from .errors import suggestion  # only on the way to an error
-
-    rooms = [room for room, names in _rooms() if name in names]
-    return f": it is {' and '.join(f'{room}.{name}' for room in rooms)}" if rooms else suggestion(name, listed)
-
-
-def _rooms() -> list[tuple[str, set[str]]]:
-    """All rooms and the names that their stubs list."""
+    """Which other rooms have a name, or else which name of this room is close to it."""
     import ast  # only on the way to an error
 
-    found = []
+    from .errors import suggestion  # only on the way to an error
+
+    rooms = []
     for stub in sorted(PACKAGE.rglob("*.pyi")):
-        room = ".".join(stub.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
         imports = [node for node in ast.parse(stub.read_bytes()).body if isinstance(node, ast.ImportFrom)]
-        found.append((room, {each.asname or each.name for node in imports for each in node.names}))
-    return found
+        if any(name == (alias.asname or alias.name) for node in imports for alias in node.names):
+            rooms.append(".".join(stub.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__"))
+    return f": it is {' and '.join(f'{room}.{name}' for room in rooms)}" if rooms else suggestion(name, listed)

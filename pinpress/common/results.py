@@ -10,7 +10,7 @@ import importlib
 import importlib.util
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
@@ -24,16 +24,6 @@ if TYPE_CHECKING:
 
 
 _PACKAGE = __name__.partition(".")[0]
-
-
-def _descriptions(room: str) -> "Mapping[type, Callable[[Any, Any], tuple[Section, ...]]]":
-    """How the results of a room are described, by their classes: ``SECTIONS`` of its module ``described``, which is imported on demand;
-    empty if the room has none."""
-    name = f"{_PACKAGE}.{room}.described"
-    if name not in sys.modules and importlib.util.find_spec(name) is None:
-        return {}
-    found: Mapping[type, Callable[[Any, Any], tuple[Section, ...]]] = importlib.import_module(name).SECTIONS
-    return found
 
 
 class Tabular(Frozen):
@@ -59,8 +49,12 @@ class Tabular(Frozen):
         """
         for kind in type(self).__mro__:
             package, _, rest = kind.__module__.partition(".")
-            if package == _PACKAGE and (describe := _descriptions(rest.partition(".")[0]).get(kind)):
-                return describe(self, page)
+            name = f"{_PACKAGE}.{rest.partition('.')[0]}.described"
+            if package != _PACKAGE or (name not in sys.modules and importlib.util.find_spec(name) is None):
+                continue
+            if describe := importlib.import_module(name).SECTIONS.get(kind):
+                sections: tuple[Section, ...] = describe(self, page)
+                return sections
         return ()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
@@ -99,19 +93,15 @@ class Tabular(Frozen):
         return f"<{self.title}>"
 
     def __str__(self) -> str:
-        if words := self._written():
-            return f"{self.title}\n\n{words}"
+        if sections := self._sections():
+            from .outlets.text import written  # to save start-up time
+
+            if words := written(sections):
+                return f"{self.title}\n\n{words}"
         columns = self.columns()
         width = 4 + max(map(len, columns), default=0)
-        return "\n".join([self.title, *tables.table([["", "smallest", "largest"]], [width, 14]), *tables.ranges(columns, width)])
-
-    def _written(self) -> str:
-        """The figures and tables of the result as text; empty if it has none."""
-        if not (sections := self._sections()):
-            return ""
-        from .outlets.text import written  # to save start-up time
-
-        return written(sections)
+        ranges = [["", "smallest", "largest"], *([name, *tables.ends(column)] for name, column in columns.items())]
+        return "\n".join([self.title, *tables.table(ranges, [width, 14])])
 
     def _sections(self) -> "tuple[Section, ...]":
         """The sections; empty if a value is not finite or bearings are left out, which the columns show."""
@@ -134,7 +124,7 @@ class Tabular(Frozen):
         table = tables.html(self.title, columns)
         if not pictured:
             return table
-        from .outlets.sparkline import sparkline  # to save start-up time: the XML library
+        from .outlets.sparkline import sparkline  # to save start-up time
 
         return f"<div>{sparkline(columns, pictured)}{table}</div>"
 

@@ -4,7 +4,6 @@ A column is an array (n,), or a sequence with None, or a masked array, where the
 """
 
 import html as markup
-import importlib.util
 import io
 import itertools
 import math
@@ -35,7 +34,7 @@ _NAME, _NUMBER, _UNIT = 26, 12, 7  # widths of the columns of an `entry`
 
 _DIGITS = 5  # of the largest number of a table
 
-# a 0 with a minus sign, as a word of its own; where there is room before it, the sign leaves its place empty
+# A 0 with a minus sign as a separate word. If there are blanks before the sign, another one takes its place.
 _PADDED_MINUS, _MINUS = (re.compile(before + r"-(?=0(?:\.0*)?(?![\w.]))") for before in ("(?<=  )", r"(?<![^\s(\[])"))
 
 T = TypeVar("T")
@@ -62,9 +61,14 @@ def write_csv(path: str | os.PathLike[str], columns: Columns) -> None:
     Raises:
         PinpressError: a number that is not finite, or the file cannot be written.
     """
+    import csv  # to save start-up time: a millisecond
+
     _refuse_not_finite(columns)
-    lines = csv_lines(itertools.chain([columns], zip(*map(_values, columns.values()), strict=True)))
-    content = "".join(f"{line}\n" for line in lines).encode()
+    lines: list[str] = []
+    # With this line end the writer quotes texts with either of the characters that can end a line.
+    rows = itertools.chain([columns], zip(*map(_values, columns.values()), strict=True))
+    csv.writer(SimpleNamespace(write=lines.append), lineterminator="\r\n").writerows(rows)
+    content = "".join(f"{line[:-2]}\n" for line in lines).encode()
     with files.refused(path):
         compressed = os.fspath(path).lower().endswith(".gz")
     if compressed:
@@ -72,16 +76,6 @@ def write_csv(path: str | os.PathLike[str], columns: Columns) -> None:
 
         content = gzip.compress(content, mtime=0)  # no time: equal tables make equal files
     files.write(path, content)
-
-
-def csv_lines(rows: Iterable[Iterable[object]]) -> list[str]:
-    """Rows as lines of a CSV file, without line ends; a text with line feeds keeps them."""
-    import csv  # to save start-up time: a millisecond
-
-    written: list[str] = []
-    # with this line end the writer quotes texts with either of the characters that can end a line
-    csv.writer(SimpleNamespace(write=written.append), lineterminator="\r\n").writerows(rows)
-    return [line[:-2] for line in written]
 
 
 def write_mat(path: str | os.PathLike[str], columns: Columns) -> None:
@@ -107,25 +101,21 @@ def write_mat(path: str | os.PathLike[str], columns: Columns) -> None:
 
 
 def write_parquet(path: str | os.PathLike[str], columns: Columns) -> None:
-    """Write a Parquet file; what has no value is null. Whole numbers beside others become floats, numbers beside words become words.
+    """Write a Parquet file; missing values are null. Whole numbers among others become floats, numbers among words become words.
 
     Raises:
         PinpressError: the file cannot be written, or pyarrow is not installed.
     """
-    needs_pyarrow()
-    import pyarrow  # optional, and slow to import
-    import pyarrow.parquet
+    try:
+        import pyarrow  # optional, and slow to import
+        import pyarrow.parquet
+    except ImportError:
+        raise PinpressError("pyarrow is not installed: pip install 'pinpress[sweeps]'") from None
 
     with pyarrow.BufferOutputStream() as stream:
         pyarrow.parquet.write_table(pyarrow.table({name: pyarrow.array(_of_one_type(column)) for name, column in columns.items()}), stream)
         content = stream.getvalue().to_pybytes()
     files.write(path, content)
-
-
-def needs_pyarrow() -> None:
-    """Raise PinpressError if pyarrow is not installed."""
-    if importlib.util.find_spec("pyarrow") is None:
-        raise PinpressError("pyarrow is not installed: pip install 'pinpress[sweeps]'")
 
 
 def frame(columns: Columns) -> "DataFrame":
@@ -153,16 +143,6 @@ def html(title: str, columns: Columns) -> str:
     head = line("th", (GAP if name is None else name for name in across))
     body = "".join(line("td", row) for row in rows)
     return f"<table><caption>{markup.escape(title)}</caption><thead>{head}</thead><tbody>{body}</tbody></table>"
-
-
-def ranges(columns: Columns, width: int) -> list[str]:
-    """Lines of text with the smallest and the largest number of each column, or how many different words it has.
-
-    Args:
-        columns: names with units -> columns.
-        width: letters for the names.
-    """
-    return table(([name, *ends(column)] for name, column in columns.items()), [width, 14])
 
 
 def ends(column: Column) -> list[str]:
@@ -238,22 +218,36 @@ def table(rows: Iterable[Sequence[str]], widths: Sequence[int], indent: str = " 
         widths: letters of every column; a longer cell moves those after it. The last one counts for all columns that follow.
         indent: what each line begins with.
     """
-    return [
-        indent + "".join(_padded(k, cell, widths[min(k, len(widths) - 1)]) for k, cell in enumerate(without_minus(row))) for row in rows
-    ]
+    lines = []
+    for row in rows:
+        first, *others = without_minus(row)
+        places = (widths[min(k, len(widths) - 1)] for k in range(1, len(row)))
+        lines.append(indent + first.ljust(widths[0]) + "".join(cell.rjust(width) for cell, width in zip(others, places, strict=True)))
+    return lines
 
 
-def fitted(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
-    """Lines of a table whose columns are as wide as their longest cell, two letters apart."""
-    longest = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return table(rows, [longest[0], *(2 + width for width in longest[1:])] if longest else [0], indent)
+def fitted(rows: Sequence[Sequence[str]], words: Sequence[bool] | None = None, indent: str = "  ", gap: int = 2) -> list[str]:
+    """Lines of a table whose columns are as wide as their longest cell.
+
+    Args:
+        rows: cells of each line.
+        words: whether each column is flush left; the others are flush right. None: only the first one is flush left.
+        indent: start of each line.
+        gap: letters between two columns.
+    """
+    rows = [without_minus(row) for row in rows]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    left = [True, *(False for _ in widths[1:])] if words is None else words
+    lines = []
+    for row in rows:
+        cells = [cell.ljust(width) if flush else cell.rjust(width) for cell, width, flush in zip(row, widths, left, strict=False)]
+        lines.append((indent + (gap * " ").join(cells)).rstrip())
+    return lines
 
 
 def fitted_words(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
-    """Lines of a table of words: all columns flush left and as wide as their longest cell, three letters apart."""
-    rows = [without_minus(row) for row in rows]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [(indent + "   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))).rstrip() for row in rows]
+    """Lines of a table of words: all columns flush left, three letters apart."""
+    return fitted(rows, [True for _ in rows[0]] if rows else None, indent, gap=3)
 
 
 def entry(name: str, number: str, unit: str = "", remark: str = "") -> str:
@@ -284,7 +278,3 @@ def cell(value: object) -> str:
 def without_minus(row: Sequence[str]) -> list[str]:
     """The cells of a line, those behind its name without the minus sign of a 0."""
     return [*row[:1], *(_MINUS.sub("", _PADDED_MINUS.sub(" ", cell)) for cell in row[1:])]
-
-
-def _padded(column: int, cell: str, width: int) -> str:
-    return cell.rjust(width) if column else cell.ljust(width)

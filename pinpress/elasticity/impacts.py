@@ -47,7 +47,7 @@ class ImpactsByTurn(OfPress, Tabular):
         peak: (t,) largest force of the turn [N].
         depth: (t,) largest distance of the two centres less the radial clearance [m]; negative if the journal does not touch in the turn.
         impacts: (t,) number of times that the journal touches the bearing after a flight.
-        flight: (t,) share of the turn in which it does not touch [-].
+        flight: (t,) share of the turn in which the journal does not touch the bearing [-].
         orbit: (m, 2) places of the journal's centre from that of the bearing, in the two axes of the plane, over the listed turns of the
             first run [m].
     """

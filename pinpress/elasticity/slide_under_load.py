@@ -28,7 +28,7 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load, PointForce, SpringDamper, StandingLoad
 from ..loads.pneumatics import BalanceCylinder
-from .springs import Stiffness
+from .springs import Stiffness, springs_of
 from .unit_load import HeldPress, hold
 
 WINDOW = np.radians(6.0)  # on both sides of the rigid bottom dead centre, where the elastic one is looked for [rad]
@@ -128,7 +128,7 @@ def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, *, lo
         UnknownNameError: as `compliance` and `inverse_dynamics`.
         SingularityError: the linkage locks.
     """
-    held = hold(press, stiffness, motion)
+    held = hold(press, springs_of(press, stiffness), motion)
     shares = held.moved(held.in_motion(loads))
     deflection = np.sum(list(shares.values()), axis=0)
     position = motion.slide_position + deflection
@@ -162,7 +162,8 @@ def dead_centre_shift(press: Linkage, stiffness: Stiffness, *, speed: ArrayLike,
         )
     nodes = centres.bottom_angle + WINDOW * chebyshev.chebpts1(NODES)
     angles = np.append(nodes, centres.bottom_angle)
-    at_rest, in_motion = (hold(press, stiffness, servo_cycle(press, speed=w, angle=angles)) for w in (0.0, 1.0))
+    springs = springs_of(press, stiffness)
+    at_rest, in_motion = (hold(press, springs, servo_cycle(press, speed=w, angle=angles)) for w in (0.0, 1.0))
     _refuse_open_joints(at_rest, in_motion, loads, float(np.abs(speeds).max()))
     rest, turning = _total(at_rest, loads), _total(in_motion, loads)
     constant, inertia = rest, turning - rest

@@ -31,7 +31,6 @@ from .vibration import ElasticModes, natural_frequencies
 MOST_ORDERS = 10_000  # most orders of a diagram, against lists without end
 TOLERANCE = 1e-3  # error of a coordinate as a share of the largest deflection; that of peaks is some hundred times smaller
 STATES = 720  # states of a turn at which the force on the frame is taken
-MOST_ROWS = 40  # of a printed list of resonances
 
 
 @dataclass(frozen=True, repr=False)

@@ -86,9 +86,8 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
 
     Raises:
         UnknownNameError: the linkage has no such bearing or link.
-        PinpressError: the press has no slide, several drivers and a shaft that yields,
-            there is no spring or one that is not positive, or a rod or guide is not
-            as described.
+        PinpressError: the press has no slide, several drivers and a shaft that yields, there is no spring or one that is not positive, or
+            a rod or guide is not as described.
     """
     if not isinstance(press, Linkage):
         raise PinpressError(f"press is a {type(press).__name__}, no Linkage: give what load returns")
@@ -103,8 +102,10 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
         driver = press.bearings.index(press.driver)
         springs.append(Spring(SHAFT, 1 / part_stiffness("the shaft", stiffness.shaft, "N m/rad"), "shaft", ((driver, 1.0),)))
     if stiffness.frame is not None:
-        compliance = 1 / part_stiffness("the frame", stiffness.frame)
-        springs.append(Spring(FRAME, compliance, "frame", tuple(_on_crown(press)), joint=_joint(stiffness.frame)))
+        compliance, count = 1 / part_stiffness("the frame", stiffness.frame), len(press.joints)
+        # The bearings on the frame, with the signs of their forces as actions on it.
+        forces = tuple((k, 1.0 if k >= count and press.loops[k - count].joint2 == 0 else -1.0) for k in on_frame(press))
+        springs.append(Spring(FRAME, compliance, "frame", forces, joint=_joint(stiffness.frame)))
     doubt_stiffness(press, stiffness)
     if not springs:
         raise PinpressError(f"no part of {press.name} yields: give Stiffness the stiffness of at least one")
@@ -203,9 +204,3 @@ def _rod_spring(press: Linkage, rod: Rod) -> Spring:
     compliance = 1 / part_stiffness(f"rod {shown(rod.name)}", rod.stiffness)
     loads = ((one, -0.5 * signs[one]), (another, 0.5 * signs[another])) if len(signs) == 2 else ((another, signs[another]),)
     return Spring(rod.name, compliance, "rod", loads, (one, another), _joint(rod.stiffness))
-
-
-def _on_crown(press: Linkage) -> list[tuple[int, float]]:
-    """Numbers of the bearings on the frame, with the sign of their forces as actions on it."""
-    count = len(press.joints)
-    return [(k, 1.0 if k >= count and press.loops[k - count].joint2 == 0 else -1.0) for k in on_frame(press)]

@@ -1,4 +1,4 @@
-"""Matrices of a straight beam, for a link of which no finite-element model is at hand."""
+"""Matrices of a straight beam, for a link without a finite-element model."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from ..simulation.elastic.press.assembly import pins_of, rigid_inertia
 from ..simulation.elastic.press.plane import DrawnBodies
 
 STEEL = 2.1e11  # modulus of elasticity [Pa]
-ASIDE = 1e-3  # share of a beam's length by which its centre of mass may lie off its line
 
 
 @typed
@@ -63,7 +62,7 @@ def flexible_beam(
     mass, centre, inertia = rigid_inertia(drawn, body)
     length, along = abs(last - first), (last - first) / abs(last - first)
     place = (centre - first) * along.conjugate()
-    if abs(place.imag) > ASIDE * length:
+    if abs(place.imag) > 1e-3 * length:
         raise PinpressError(f"beam {shown(link)}: its centre of mass lies {1e3 * place.imag:.3g} mm beside its line: give matrices for it")
     plausibility.modulus(float(modulus))
     plausibility.section(f"beam {shown(link)}", float(area), float(second_moment), length)

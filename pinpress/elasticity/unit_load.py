@@ -121,7 +121,7 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
             angle, or a guide's moment or an arm would share forces with parallel rods.
         SingularityError: the linkage locks.
     """
-    springs_of(press, stiffness)  # refuses wrong stiffnesses before anything is computed
+    springs = springs_of(press, stiffness)
     press.refuse_several_drivers("they have no one crank angle; see slide_deflection of a motion")
     centres = dead_centres(press)
     if angle is None and press.driver_coordinates[0].turns:
@@ -129,10 +129,11 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
     elif angle is None:
         angle = np.linspace(press.branch.angles[0], press.branch.angles[-1], POINTS + 1)
     motion = servo_cycle(press, speed=0.0, angle=angle)
-    held = hold(press, stiffness, motion)
+    held = hold(press, springs, motion)
     shares = held.moved(held.unit)
     total = np.sum(list(shares.values()), axis=0)
-    bottom = _compliances_at(press, stiffness, centres.bottom_angle)
+    lowest = hold(press, springs, servo_cycle(press, speed=0.0, angle=[centres.bottom_angle]))
+    bottom = {name: float(share[0]) for name, share in lowest.moved(lowest.unit).items()}
     at_bottom = sum(bottom.values())
     if not total.min() > RIGID * max(float(total.max()), at_bottom) or not at_bottom > RIGID * total.max():
         where = motion.crank_angle[int(total.argmin())] if at_bottom > RIGID * total.max() else centres.bottom_angle
@@ -218,25 +219,17 @@ class HeldPress:
         return internal_forces(self.press, self.springs, self.motion, reactions)
 
 
-def hold(press: Linkage, stiffness: Stiffness, motion: Motion) -> HeldPress:
+def hold(press: Linkage, springs: tuple[Spring, ...], motion: Motion) -> HeldPress:
     """The elastic press in the poses of a motion.
 
     Raises:
-        UnknownNameError: as `springs_of`.
-        PinpressError: as `springs_of`, or a guide's moment or an arm would share forces with parallel rods.
+        PinpressError: a guide's moment or an arm would share forces with parallel rods.
     """
-    springs = springs_of(press, stiffness)
     held = HeldPress(press, springs, motion, sharing(press, springs))
     apart = any(part.kind == "moment" or (part.kind == "rod" and len(part.bearings) == 1) for part in springs)
     if apart and press.engine_of_one_driver.redundant(press.closed):
         _refuse_unshared(held)
     return held
-
-
-def _compliances_at(press: Linkage, stiffness: Stiffness, angle: float) -> dict[str, float]:
-    """Compliances of the parts [m/N] at one crank angle [rad]."""
-    held = hold(press, stiffness, servo_cycle(press, speed=0.0, angle=[angle]))
-    return {name: float(share[0]) for name, share in held.moved(held.unit).items()}
 
 
 def _refuse_unshared(held: HeldPress) -> None:

@@ -22,7 +22,7 @@ from .response import FrameMotion, rms_about_mean
 from .speed_response import Isolation, SpeedResponse
 from .whirl_modes import WhirlDiagram
 
-NOTHING = 1e-3  # a direction in which nothing vibrates more than this share of the largest acceleration has no chart, but its numbers
+NOTHING = 1e-3  # share of the largest acceleration below which a direction has numbers, but no chart
 MOST_MODES = 24  # of a table
 MOST_DRAWN = 12  # modes of a chart, the lowest
 MOST_MOUNTS = 8  # whose loads are drawn, those with the least
@@ -49,7 +49,7 @@ def standing(system: MountedPress, page: Reactions | None = None) -> tuple[Secti
 
 
 def _view(system: MountedPress, where: str, across: int, up: int) -> Chart:
-    """The frame, what stands aside on it, its mounts and the centre of mass of all, seen along a world axis."""
+    """The frame, its attachments, its mounts and the centre of mass of everything, seen along a world axis."""
     chains = dict[str, list[Array]]()
     for line in frame_lines(system):
         if not line.name.startswith("mount "):
@@ -67,7 +67,7 @@ def _view(system: MountedPress, where: str, across: int, up: int) -> Chart:
 
 
 def _walks(chains: Sequence[Array]) -> list[Array]:
-    """Chains of places (k, 3) as walks without a jump, one for each set that hangs together; each chain is walked there and back."""
+    """Chains of places (k, 3) as walks without a jump, a walk for each connected set; each chain is walked there and back."""
     at: dict[bytes, list[int]] = {}
     for k, chain in enumerate(chains):
         for end in chain[[0, -1]] + 0.0:  # -0.0 is the same place

@@ -60,13 +60,13 @@ class Attachment(Frozen):
 class Rotor(Checked):
     """A body that spins on a part of the frame in proportion to the crank, such as flywheel, crankshaft or the rotor of the motor.
 
-    Its mass belongs to the part's. It resists being turned about other axes than its own (gyroscopic moment), and its part feels the
-    reaction where its speed changes.
+    Its mass belongs to the part. It resists a turn about any other axis than its own (gyroscopic moment), and the part bears the reaction
+    if the speed changes.
 
     Attributes:
         inertia: moment of inertia about its axis [kg m2].
         axis: (3,) direction of its axis in world axes, given in any length; its spin is positive about it [-].
-        ratio: its speed divided by the crank's, negative where it turns the other way about ``axis`` [-].
+        ratio: its speed divided by the crank's, negative if it turns the other way about ``axis`` [-].
         on: name of the part that carries it; None: the one that carries crank and guides.
 
     Raises:

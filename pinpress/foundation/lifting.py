@@ -172,7 +172,7 @@ def motion_of_feet(system: MountedPress, coordinates: Array) -> Array:
 
 
 def _is_period(reactions: Reactions, period: float | None) -> bool:
-    """Whether a motion is one that `period_of` takes."""
+    """Whether `period_of` takes the motion as a period."""
     try:
         period_of(reactions.motion, period)
     except PinpressError:
@@ -191,7 +191,7 @@ class _Lift(NamedTuple):
 
 
 class _Course(NamedTuple):
-    """States (s, 2 n), accelerations (s, n) and forces of the mounts (s, mounts, 3) of a motion, its lifts, and how far the feet walked."""
+    """States (s, 2 n), accelerations (s, n) and forces of the mounts (s, mounts, 3) of a motion, its lifts, and the feet's walks."""
 
     states: Array
     acceleration: Array
@@ -231,8 +231,8 @@ class _Feet:
     def matrices(self, standing: NDArray[np.bool_]) -> tuple[Array, Array, float]:
         """a and b of x' = a x + b f with these feet standing, and a bound of the absolute eigenvalues of a [1/s].
 
-        In the measure of energy a is skew-symmetric but for what resists: its norm is at most the fastest frequency, which no foot that is
-        missing makes faster, and the norm of that.
+        In the measure of energy a is skew-symmetric except for the resisting matrix. Its norm is at most the highest natural frequency,
+        which a missing foot cannot raise, plus the norm of the resisting matrix.
         """
         key = standing.tobytes()
         if key not in self._matrices:
@@ -256,7 +256,7 @@ class _Feet:
         return self._steps[key]
 
     def constant(self, standing: NDArray[np.bool_], anchor: Array) -> Array:
-        """Force (n,) on the coordinates besides the linear one: loads that hovering feet lack, and pads that gripped elsewhere."""
+        """Constant force (n,) on the coordinates: missing loads of hovering feet, and forces of pads that gripped elsewhere."""
         forces = np.where(standing[:, None], self.stiffness * anchor, -self.load)
         return np.asarray(np.einsum("mk,mkj->j", forces, self.rows))
 
@@ -267,7 +267,7 @@ class _Feet:
         return np.asarray(self.load - self.stiffness * (displaced - anchor) - self.damping * moving - self.lossy * later)
 
     def holds(self, standing: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Matrix (2, mounts, 2 n) and constants (2, mounts) of two numbers, of which one is positive while a foot goes on as it does [N].
+        """Matrix (2, mounts, 2 n) and constants (2, mounts) of two numbers; one of them is positive until the foot switches [N].
 
         The first is the force of a standing foot, its negative of a hovering one; the second is the stiffness times the height above the
         unloaded pad, of a hovering one alone.
@@ -347,8 +347,8 @@ class _March:
 def _repeating(feet: _Feet, wrench: Array, interval: float) -> Array:
     """The state (2 n,) in which the linear motion, all feet standing, ends one period under forces (states, n) as it begins it.
 
-    A motion that began in that of `steady_response`, in which loss factors act otherwise, would have to settle first: its strokes would
-    differ though no foot lifts off.
+    Loss factors act in another way in `steady_response`. A motion that began in its state would have to settle first: its strokes would
+    differ although no foot lifts off.
 
     Raises:
         PinpressError: a harmonic of the force meets a natural frequency without damping.

@@ -27,7 +27,7 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..loads.link import Friction, Load, StandingLoad
-from ..pin_table.building import DrawnPress, drawn_from
+from ..pin_table.building import DrawnPress
 from ..ratings.along_motion import MotionRatings, rate_motion
 from ..ratings.permissible_force import Capacities
 from ..ratings.rating import PressRatings, rate
@@ -98,7 +98,7 @@ def read_job(found: Source, refuse: Callable[[PinpressError], Any]) -> Job:
     """
     items = found.items
     made = found.press_sections()
-    drawn = None if found.table is None else drawn_from(found.table)
+    drawn = found.drawn()
     as_drawn = _press(found, made, drawn)
     press = counted_from(as_drawn, made.get("zero", "drawn"))
     around = Around(drivers=dict(zip(press.drivers, press.driver_coordinates, strict=True)))

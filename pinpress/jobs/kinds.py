@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..balancing.problem import AXES, QUANTITIES, AddedMass, Peak, Range, Rms
-from ..balancing.regions import RESETS, CounterweightRegion
+from ..balancing.regions import CounterweightRegion
 from ..common.errors import PinpressError
 from ..common.parameters import Checked, parameter
 from ..common.quantities import CRANK
@@ -284,7 +284,7 @@ REGION = Part(
         "corners": Rows("m"),
         "gyration": Number("m"),
         "replaces": Truth(),
-        "reset": Text(RESETS[1:]),
+        "reset": Text(("mass", "position")),
     },
     without=("link",),
 )

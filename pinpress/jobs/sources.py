@@ -18,7 +18,9 @@ from ..common.reading.entries import Entry, entry_of_text, given_entries, read_e
 from ..common.reading.filling import Around, Named
 from ..linkage.loading import presses, shipped_table
 from ..pin_table.building import KEYS as OF_TABLE
+from ..pin_table.building import DrawnPress, drawn_from
 from ..pin_table.reading import PIN_TABLE, read_table
+from ..pin_table.templates import TEMPLATES
 from .grammar import JOB, SECTIONS
 
 CALL = "job(...)"  # in place of a file's name where a call gives an entry
@@ -64,6 +66,12 @@ class Source:
         """The table of pins; None where the press comes from another file."""
         own = {key: _of_table(each) for key, each in self.items.items() if key in OF_TABLE}
         return None if "file" in self.items else Entry(own, self.file, None, (), PIN_TABLE)
+
+    def drawn(self) -> DrawnPress | None:
+        """The press as its table draws it, with the parameters that were changed; None where the press comes from another file."""
+        given = {each.path.partition(".")[2]: each.now for each in self.changes if each.path.startswith("parameters.")}
+        drawn = None if self.table is None else drawn_from(self.table)
+        return drawn and replace(drawn, _given=tuple(f"{name}={value}" for name, value in given.items()))
 
     @property
     def model(self) -> str | Path:
@@ -156,7 +164,7 @@ def _top(file: str | os.PathLike[str] | None) -> Entry:
     if file is None:
         return given_entries({}, CALL, JOB)
     path = path_of("file", file)
-    if path.lower().endswith(TABLES):
+    if path.lower().endswith(TABLES) or (path in TEMPLATES and not os.path.exists(path)):  # reading says how to make a template
         return replace(_as_job(read_table(path)), line=1)
     return Entry({"file": Entry(path, path, None, ("file",), JOB)}, path, None, (), JOB)
 

@@ -266,7 +266,7 @@ def _no_slide(press: Linkage, places: Sequence[Place]) -> Iterator[Finding]:
     if press.slide is not None or len(guided) < 2:
         return
     problem = f"the frame guides {', '.join(guided)}, and none is called slide: no link has a stroke and dead centres"
-    remedy = f"call the one that works slide, or name it: load(..., slide={guided[0]!r}), on the command line --slide {guided[0]}"
+    remedy = f"call the one that works slide, or name it: load(..., slide={guided[0]!r}), in a job slide: {guided[0]}"
     yield Finding("note", press.document.called("robot", press.name), None, problem, remedy)
 
 

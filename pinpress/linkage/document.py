@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -136,13 +136,13 @@ def refuse_errors(findings: Iterable[Finding], command: str) -> None:
         raise errors[0]
 
 
-def check_command(file: str, drivers: Iterable[str] = (), slide: str | None = None, parameters: Iterable[str] = ()) -> str:
+def check_command(file: str, drivers: Sequence[str] = (), slide: str | None = None, parameters: Sequence[str] = ()) -> str:
     """The command that lists what is found in a file; ``parameters``: of a pin table, as ``r=150``."""
     import shlex  # only on the way to an error
 
-    options = [word for driver in drivers for word in ("--driver", driver)] + ([] if slide is None else ["--slide", slide])
-    options += [word for parameter in parameters for word in ("--set", parameter)]
-    return shlex.join(["pinpress", "check", file, *options])
+    options = [f"drivers={' '.join(drivers)}"] if drivers else []
+    options += ([] if slide is None else [f"slide={slide}"]) + list(parameters)
+    return shlex.join(["pinpress", "check", file, *(word for option in options for word in ("--set", option))])
 
 
 def _name_origins(element: Element, origins: Mapping[tuple[int, str], Origin], tag: str) -> None:

@@ -42,7 +42,7 @@ from .tool_point import ToolPoint, tool_point
 if TYPE_CHECKING:
     from ..engines.pinocchio.forward_dynamics import ForwardDynamics
 
-NAME_A_SLIDE = "name a link that the frame guides: load(..., slide=...) or build(..., slide=...), on the command line --slide"
+NAME_A_SLIDE = "name a link that the frame guides: load(..., slide=...) or build(..., slide=...), in a job slide: ..."
 UPRIGHT = 0.7  # cosine between the slide's axis and the vertical above which words call its ways up and down
 LEVEL = 1e-6  # cosine between a slide's axis and the vertical up to which it moves horizontally: files round directions to some six digits
 

@@ -191,7 +191,7 @@ def _without_driver(press: Linkage) -> UrdfError:
     listed, count = f"{', '.join(able[:12])}{' and others' if len(able) > 12 else ''}", free.shape[1]
     remedy = (
         f"its mobility as drawn is {count}: name what drives, {'one' if count == 1 else count} of {listed}, in a URDF by"
-        ' <transmission name="drive"><joint name="..."/></transmission>, else by load(..., driver=...), on the command line --driver'
+        ' <transmission name="drive"><joint name="..."/></transmission>, else by load(..., driver=...), in a job drivers: ...'
     )
     if not count:
         remedy = "nothing can move as it is drawn: a loop, a gear pair or a fixed joint too many"

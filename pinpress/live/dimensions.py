@@ -84,7 +84,7 @@ class _Part:
         kind: "length" or "angle" from the link's origin, or "along" a direction.
         direction: (3,) unit vector in the link's frame; of an angle the normal about which it turns.
         value: the number now [m or rad].
-        sign: 1, or -1 of one that goes the other way than the number.
+        sign: -1 if it decreases when the number increases, else 1.
     """
 
     pivots: tuple[Pivot, ...]
@@ -127,7 +127,7 @@ class LinkageDimensions:
         return LinkageDimensions(tuple(shown), tuple(able), places, tuple(scale))
 
     def pivots(self, values: Sequence[float]) -> dict[Pivot, Array]:
-        """Where the pivots are that other values of the dimensions move [m]; those that stay are left out."""
+        """Places of the pivots that other values of the dimensions move [m]; pivots that stay are left out."""
         changes = (
             (parts, scale * (value - each.value))
             for each, parts, scale, value in zip(self.shown, self._parts, self._scale, values, strict=True)
@@ -256,7 +256,7 @@ def _turned(at: Array, normal: Array, angle: float) -> Array:
 
 
 def _that_close(press: Linkage, places: Mapping[Pivot, Array], parts: Sequence[_Part]) -> Iterator[tuple[_Part, ...]]:
-    """Parts that can change alone, and those that are equal and can only change together, two or all."""
+    """Parts that can change alone, and equal parts that can only change together, two or all."""
     engine = press.engine()
     if not (isinstance(engine, PlanarEngine) and engine.plane.redundant):
         yield from ((part,) for part in parts)

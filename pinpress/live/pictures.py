@@ -1,4 +1,4 @@
-"""One picture of the window: where all links are over a period, the forces, and the curves beside them, as data of the page.
+"""One picture of the window: where all links are over a period, the forces, and the curves next to them, as data of the page.
 
 Each change of a slider makes a new picture. The shapes of the links take longest, and are made only if a window asks for them.
 """
@@ -83,7 +83,7 @@ def picture(
     Args:
         press: the press.
         operation: how it runs.
-        shown: the links as they are shown, whose shapes are kept; None to make them anew.
+        shown: the links as they are shown, whose shapes are kept; None for new shapes.
         made_up: links that are shown from their bearings, because their own shapes no longer fit, and their colours (4,).
         first: whether it is the first picture of a page, which takes the size of the press from its motion.
 
@@ -118,7 +118,7 @@ def _main_colour(link: ShownLink) -> Array:
 
 
 def _painted(link: ShownLink, colour: Array) -> ShownLink:
-    """A link with another colour in place of the one that most of its parts have."""
+    """A link with another colour in place of the colour of most of its parts."""
     old = _main_colour(link)
     parts = (replace(part, rgba=colour) if np.array_equal(part.rgba, old) else part for part in link.parts)
     return replace(link, parts=tuple(parts))
@@ -154,7 +154,7 @@ def suitable(press: Linkage, operation: Operation) -> Operation:
 
 
 def _poses(press: Linkage, at: Poses, links: Sequence[ShownLink]) -> list[str]:
-    """Poses (k, 7) of the links, as `body_poses` gives them; of one that rests (1, 7)."""
+    """Poses (k, 7) of the links, as `body_poses` gives them; (1, 7) of a link at rest."""
     paths = meshcat_commands.body_poses(press, at, [link.frame for link in links])
     shown = ((link.name, path if meshcat_commands.moves(path) else path[:1]) for link, path in zip(links, paths, strict=True))
     return [packed(path, f"the pose of {name}") for name, path in shown]

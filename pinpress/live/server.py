@@ -44,7 +44,7 @@ class Server:
     Attributes:
         url: the address of the window.
         session: the press that it shows.
-        windows: those that are open.
+        windows: open windows.
     """
 
     def __init__(self, session: Session, watch: bool) -> None:
@@ -135,7 +135,7 @@ class Server:
 
 
 class _Ours(RequestHandler):
-    """What is common to all that is served: who may ask, and what browsers are told."""
+    """What all answers have in common: who may ask, and the headers for browsers."""
 
     def initialize(self, server: Server) -> None:
         self.served_by = server
@@ -225,7 +225,7 @@ class _Socket(WebSocketHandler):
             self.send(self.served_by.session.whole())
 
     def send(self, message: Message) -> None:
-        """Send a message; a picture only if the window is not behind, else it takes the place of those that wait."""
+        """Send a message. While the window is behind, a picture takes the place of older pictures that wait."""
         if message["type"] in ("picture", "opened"):
             if self._drawing:
                 waiting = self._newest or {}

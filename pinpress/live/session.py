@@ -32,7 +32,7 @@ LONGEST = 1 << 16  # bytes of a message
 
 
 class RefusedMessageError(Exception):
-    """A message that no window of ours sends."""
+    """A message that our windows do not send."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ class Session:
         self.broken: str | None = None
         self._operation: Operation
         self._picture: Picture
-        self._hastened = 1.0  # speed that a window has chosen, as a share of the one that was given
+        self._hastened = 1.0  # speed that a window has chosen, as a share of the given speed
         self._values: list[float] = []
         self._before: list[Message] = []  # curves of the press as it was opened
         self._colours: dict[str, Array] = {}  # of the links as they were opened
@@ -155,7 +155,7 @@ class Session:
         """What is answered to a message of a window.
 
         Raises:
-            RefusedMessageError: no window of ours sends it.
+            RefusedMessageError: our windows do not send it.
         """
         message = _understood(text)
         if message["type"] == "ready":

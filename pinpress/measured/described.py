@@ -241,7 +241,7 @@ def identified(found: IdentifiedPress, page: Reactions | None = None) -> tuple[S
         low, high = found.motor_constant_interval
         figures.append(Figure("motor constant at the crank", found.motor_constant, "N m/A", f"{low:.5g} to {high:.5g}"))
     figures.append(Figure("noise of a sample", ", ".join(f"{name} {size:.3g}" for name, size in found.noise.items())))
-    values = [0.0 if abs(each.value) < 1e-6 * each.posterior else each.value for each in found.parameters]
+    values = [0.0 if abs(each.value) < each.posterior * 1e-6 else each.value for each in found.parameters]
     columns = [
         Column("", [each.name for each in found.parameters]),
         Column("before", ["" if each.before is None else f"{each.before:.5g}" for each in found.parameters]),

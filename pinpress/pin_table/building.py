@@ -124,10 +124,10 @@ class DrawnPress(Tabular):
         findings = (replace(finding, line=None) for finding in result.findings)  # the lines belong to a URDF that the user has not seen
         return replace(result, findings=Records(Finding, findings))
 
-    def _document(self) -> Document:
-        """A URDF of this press that marks links with estimated moments of inertia."""
+    def _document(self, file: str | None = None, urdf: bytes | None = None) -> Document:
+        """A URDF of this press, or the one that was written to a file; links with estimated moments of inertia are marked."""
         estimated = frozenset(link.name for link in self.parts.links if not link.inertia_given)
-        return Document(f"{self.file}{self._with_given} as URDF", self._text(), estimated=estimated)
+        return Document(file or f"{self.file}{self._with_given} as URDF", urdf or self._text(), estimated=estimated)
 
     @property
     def _with_given(self) -> str:
@@ -149,10 +149,8 @@ class DrawnPress(Tabular):
 
     def bearings(self) -> Iterator[tuple[str, str, str]]:
         """For every bearing: its name, the link that exerts its force, and the link on which the force acts."""
-        for joint in self.tree.joints:
-            yield joint.name, joint.parent, joint.child
-        for loop in self.tree.loops:
-            yield loop.name, loop.link1, loop.link2
+        for bearing in (*self.tree.joints, *self.tree.loops):
+            yield bearing.name, bearing.link1, bearing.link2
 
     def estimates(self) -> Iterator[tuple[str, str]]:
         """Names of links with their estimated values."""

@@ -112,7 +112,7 @@ def formula(entry: Entry, names: Mapping[str, float]) -> float:
     except (SyntaxError, ValueError, TypeError) as error:
         reason = " (out of a function's range)" if "domain" in str(error) else ""
         entry.refuse(f"{text!r} is not a number{reason}", _remedy(text))
-    except _UnknownNameError as error:
+    except NameError as error:
         meant = suggestion(error.args[0], [*names, *CONSTANTS, *FUNCTIONS])
         remedy = f"add it to parameters ({'now ' + ', '.join(names) if names else 'now empty'})"
         entry.refuse(f"{error.args[0]!r} in {text!r} is not a parameter{meant}", remedy)
@@ -122,10 +122,6 @@ def formula(entry: Entry, names: Mapping[str, float]) -> float:
 
 _WRITTEN = re.compile(r"(?<![\w.])\.?\d(?:[eE][-+](?=\d)|[\w.])*")  # numbers, with letters and underscores that touch them
 _PLAIN = re.compile(r"(?:\d+\.\d*|\.\d+|0|[1-9]\d*)(?:[eE][-+]?\d+)?", re.ASCII)  # unlike 0x10, 0144 and 1_000, of which Python reads some
-
-
-class _UnknownNameError(Exception):
-    """The name of no parameter."""
 
 
 def _remedy(text: str) -> str:
@@ -142,7 +138,7 @@ def _value(node: ast.expr, names: Mapping[str, float]) -> float:
     if isinstance(node, ast.Name):
         known = {**CONSTANTS, **names}
         if node.id not in known:
-            raise _UnknownNameError(node.id)
+            raise NameError(node.id)
         return known[node.id]
     if isinstance(node, ast.BinOp) and type(node.op) in _OPERATIONS:
         return _OPERATIONS[type(node.op)](_value(node.left, names), _value(node.right, names))
@@ -150,6 +146,6 @@ def _value(node: ast.expr, names: Mapping[str, float]) -> float:
         return _OPERATIONS[type(node.op)](_value(node.operand, names))
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
         if node.func.id not in FUNCTIONS:
-            raise _UnknownNameError(node.func.id)
+            raise NameError(node.func.id)
         return float(FUNCTIONS[node.func.id](*(_value(each, names) for each in node.args)))
     raise ValueError("not arithmetic")

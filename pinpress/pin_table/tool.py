@@ -57,9 +57,8 @@ def read_tool(items: Mapping[str, Entry], pins: Mapping[str, Pin], parts: Parts,
     slots = [link.guide for link in parts.links if link.guide is not None and link.guide.carrier == slide.name]
     if not any(slot.ends for slot in slots):
         return None
-    at = [joint.pin for joint in tree.joints if joint.parent == slide.name]
-    at += [loop.pin for loop in tree.loops if slide.name in (loop.link1, loop.link2)]
-    points = {name: parts.pins[name].point for name in at if name is not None}
+    bearings = (bearing for bearing in (*tree.joints, *tree.loops) if slide.name in (bearing.link1, bearing.link2))
+    points = {bearing.pin: parts.pins[bearing.pin].point for bearing in bearings if bearing.pin is not None}
     for slot in slots:
         points |= slot.ends
     middle = middle_of_outermost(points, slide.guide.direction, size_of(parts.pins))

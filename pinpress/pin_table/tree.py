@@ -24,35 +24,18 @@ from .reading import Entry
 
 
 @dataclass(frozen=True)
-class Joint:
-    """A bearing of the tree.
+class Bearing:
+    """A joint of the tree, or a bearing that closes a loop.
 
     Attributes:
         name: of the bearing.
         pin: name of its pin; None if the bearing is a guide.
-        parent: the link that carries the other one.
-        child: the link that is carried.
+        link1: the link that exerts the bearing's force; of a joint, the link that carries the other one.
+        link2: the link on which this force acts; of a joint, the link that is carried.
     """
 
     name: str
     pin: str | None
-    parent: str
-    child: str
-
-
-@dataclass(frozen=True)
-class Loop:
-    """A bearing that closes a loop.
-
-    Attributes:
-        name: of the bearing.
-        pin: name of its pin.
-        link1: the link that exerts the bearing's force.
-        link2: the link on which this force acts.
-    """
-
-    name: str
-    pin: str
     link1: str
     link2: str
 
@@ -68,8 +51,8 @@ class Tree:
         gears: name of a geared joint -> (joint that it follows, ratio of its motion to that one's).
     """
 
-    joints: tuple[Joint, ...]
-    loops: tuple[Loop, ...]
+    joints: tuple[Bearing, ...]
+    loops: tuple[Bearing, ...]
     drivers: tuple[str, ...]
     gears: dict[str, tuple[str, float]]
 
@@ -106,7 +89,7 @@ class _Growing:
         while len(self.hung) <= len(self.links):
             self._hang(*self._next())
         self._check_free_ends()
-        joints = tuple(Joint(self._joint_name(name), *self.by[name], name) for name in self.links)
+        joints = tuple(Bearing(self._joint_name(name), *self.by[name], name) for name in self.links)
         named = {joint.pin or joint.name: joint.name for joint in reversed(joints)}  # the first joint at each pin
         gears = {self._bearing(name, named): (self._bearing(leader, named), k) for name, (leader, k) in self.parts.gears.items()}
         self._refuse_without_carrier({joint.name: joint for joint in joints}, gears)
@@ -157,7 +140,7 @@ class _Growing:
             return guide.name
         return pin if len(self.at[pin]) == 2 else f"{pin}_{link}"
 
-    def _loops(self) -> Iterator[Loop]:
+    def _loops(self) -> Iterator[Bearing]:
         for pin, names in self.at.items():
             if len(names) < 2:
                 continue
@@ -166,9 +149,9 @@ class _Growing:
                 if name == reference or self.by.get(name, (None,))[0] == pin:
                     continue
                 if len(names) > 2:
-                    yield Loop(f"{pin}_{name}", pin, reference, name)
+                    yield Bearing(f"{pin}_{name}", pin, reference, name)
                 elif self.by.get(reference, (None,))[0] != pin:
-                    yield Loop(pin, pin, *sorted((reference, name), key=lambda link: (link in self.sliders, self.order.index(link))))
+                    yield Bearing(pin, pin, *sorted((reference, name), key=lambda link: (link in self.sliders, self.order.index(link))))
 
     def _bearing(self, name: str, named: dict[str, str]) -> str:
         """The joint of the tree at a driven or geared pin or guide."""
@@ -190,15 +173,15 @@ class _Growing:
             entry.refuse(f"{name} has a sign, but names of bearings have no sign", remedy)
         entry.refuse(f"no pin or guide {name}{suggestion(name, named)}", f"name one of {', '.join(named)}")
 
-    def _refuse_without_carrier(self, joints: dict[str, Joint], gears: dict[str, tuple[str, float]]) -> None:
+    def _refuse_without_carrier(self, joints: dict[str, Bearing], gears: dict[str, tuple[str, float]]) -> None:
         """Refuse a gear pair whose two axes are not on one link.
 
         Teeth mesh by angles relative to the link that carries both gears; the angles of these joints are relative to other links.
         """
         for follower, (leader, _) in gears.items():
             geared = joints[follower], joints[leader]
-            if {geared[0].parent, geared[0].child}.isdisjoint((geared[1].parent, geared[1].child)):
-                carriers = ", ".join(f"{joint.name} is between {joint.parent} and {joint.child}" for joint in geared)
+            if {geared[0].link1, geared[0].link2}.isdisjoint((geared[1].link1, geared[1].link2)):
+                carriers = ", ".join(f"{joint.name} is between {joint.link1} and {joint.link2}" for joint in geared)
                 problem = f"no link carries both axes of the gear pair {follower}, {leader}: {carriers}. The teeth would separate"
                 written = self._written("gears")
                 written = written.items("gears").get(follower, written)

@@ -16,7 +16,7 @@ from .copies import Parts
 from .links import FRAME, Link, axes_along
 from .placement import Pin, size_of
 from .tool import Tool
-from .tree import Joint, Loop, Tree
+from .tree import Bearing, Tree
 
 REACH = 2.0  # limits of a guide without travel, in sizes of the press: URDF asks for limits, and the slide must not reach them
 ENDLESS = 1e6  # limits of a guide that follows a shaft: the shaft may turn without end [m]
@@ -48,7 +48,7 @@ class _Writer:
         self.size = size_of(parts.pins) or 1.0
         self.places = {FRAME: pin.SE3.Identity()}  # frames of the links in the drawn pose
         for joint in tree.joints:
-            link = self.links[joint.child]
+            link = self.links[joint.link2]
             self.places[link.name] = pin.SE3(link.rotation, link.origin if joint.pin is None else parts.pins[joint.pin].point)
 
     def text(self) -> str:
@@ -80,48 +80,48 @@ class _Writer:
             yield f'    <tool name={quoteattr(self.tool.name)} xyz="{point}"/>'
         yield "  </link>"
 
-    def _joint(self, joint: Joint) -> list[str]:
-        link = self.links[joint.child]
+    def _joint(self, joint: Bearing) -> list[str]:
+        link = self.links[joint.link2]
         if joint.pin is None:
             return [self._guide(joint, link)]
         at = self.parts.pins[joint.pin]
         if at.axis is None:
             return self._ball(joint, link, at)
-        axis = self.places[joint.child].rotation.T @ at.axis
-        return [self._hinge(joint.name, joint.parent, joint.child, axis, self.places[joint.parent].actInv(self.places[joint.child]))]
+        axis = self.places[joint.link2].rotation.T @ at.axis
+        return [self._hinge(joint.name, joint.link1, joint.link2, axis, self.places[joint.link1].actInv(self.places[joint.link2]))]
 
     def _hinge(self, name: str, parent: str, child: str, axis: Array, place: pin.SE3) -> str:
         """A hinge, with the place of the child's frame in the parent's."""
         ends = f'<parent link="{parent}"/><child link="{child}"/>{_origin(place, self.size)}'
         return f'  <joint name="{name}" type="continuous">{ends}<axis xyz="{_vector(axis, 1.0)}"/>{self._mimic(name)}</joint>'
 
-    def _guide(self, joint: Joint, link: Link) -> str:
+    def _guide(self, joint: Bearing, link: Link) -> str:
         assert link.guide is not None
-        place = self.places[joint.child]
+        place = self.places[joint.link2]
         axis = _vector(place.rotation.T @ link.guide.direction, 1.0)
         follows = joint.name in self.tree.gears and joint.name not in self.tree.drivers
         reach = ENDLESS if follows else REACH * self.size
         lower, upper = link.guide.travel or (-reach, reach)
         limit = f'<limit lower="{_number(lower)}" upper="{_number(upper)}" effort="{_number(EFFORT)}" velocity="{_number(VELOCITY)}"/>'
-        origin = _origin(self.places[joint.parent].actInv(place), self.size)
-        ends = f'<parent link="{joint.parent}"/><child link="{joint.child}"/>{origin}'
+        origin = _origin(self.places[joint.link1].actInv(place), self.size)
+        ends = f'<parent link="{joint.link1}"/><child link="{joint.link2}"/>{origin}'
         return f'  <joint name="{joint.name}" type="prismatic">{ends}<axis xyz="{axis}"/>{limit}{self._mimic(joint.name)}</joint>'
 
-    def _ball(self, joint: Joint, link: Link, at: Pin) -> list[str]:
+    def _ball(self, joint: Bearing, link: Link, at: Pin) -> list[str]:
         """Hinges with massless crosses between them: two for a rod between two balls, so that it cannot spin; three for any other link."""
         others = [self.parts.pins[name] for name in link.pins if name != joint.pin]
         rod = len(others) == 1 and others[0].axis is None
         along = axes_along(others[0].point - at.point if others else np.array([0.0, 0.0, 1.0]))
         axes = [along[:, 1], along[:, 2]] if rod else [along[:, 1], along[:, 2], along[:, 0]]
-        lines, parent, place = [], joint.parent, self.places[joint.parent]
+        lines, parent, place = [], joint.link1, self.places[joint.link1]
         for k, axis in enumerate(axes[:-1]):
             cross = f"{joint.name}_cross{k + 1 if len(axes) > 2 else ''}"
             upright = pin.SE3(np.eye(3), at.point)
             lines.append(f'  <link name="{cross}_link">{WITHOUT_MASS}</link>')
             lines.append(self._hinge(cross, parent, f"{cross}_link", axis, place.actInv(upright)))
             parent, place = f"{cross}_link", upright
-        last = self.places[joint.child]
-        return [*lines, self._hinge(joint.name, parent, joint.child, last.rotation.T @ axes[-1], place.actInv(last))]
+        last = self.places[joint.link2]
+        return [*lines, self._hinge(joint.name, parent, joint.link2, last.rotation.T @ axes[-1], place.actInv(last))]
 
     def _mimic(self, name: str) -> str:
         if name not in self.tree.gears:
@@ -129,8 +129,9 @@ class _Writer:
         leader, ratio = self.tree.gears[name]
         return f'<mimic joint="{leader}" multiplier="{_number(ratio)}" offset="0"/>'
 
-    def _loop(self, loop: Loop) -> str:
+    def _loop(self, loop: Bearing) -> str:
         """A loop joint. Pins in the picture's plane and balls need only coincident points; a hinge in space also needs a common axis."""
+        assert loop.pin is not None
         at = self.parts.pins[loop.pin]
         hinge = at.in_space and at.axis is not None
         ends = ""

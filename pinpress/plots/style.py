@@ -46,7 +46,7 @@ DOTS = 300  # resolution of a PNG file [1/inch]
 
 @contextmanager
 def drawing(height: float) -> Iterator[Figure]:
-    """A figure to draw on, `WIDTH` wide and ``height`` high [cm], in a style of its own. It is laid out when the block ends.
+    """A figure to draw on, `WIDTH` wide and ``height`` high [cm], in our style. It is laid out when the block ends.
 
     Raises:
         PinpressError: Matplotlib is not installed.
@@ -79,12 +79,12 @@ class Panels(NamedTuple):
     own: bool
 
     def legend(self, handles: Sequence[Artist], names: Sequence[str], **where: Any) -> None:
-        """Draw a legend of all axes beside them; on given axes, whose figure may hold more, on the first."""
+        """Draw one legend of all axes next to them; on the caller's axes, whose figure may have more, on the first axes."""
         legend(self.figure if self.own else self.axes[0], handles, names, **(where if self.own else {"loc": "best"}))
 
     def align_labels(self) -> None:
-        """Align the labels of the vertical axes in a figure of ours. Axes without a label have words at their ticks, which would push the
-        labels of others away."""
+        """Align the labels of the vertical axes in our figure. Axes without a label have words at their ticks, which would push other
+        labels away."""
         if self.own:
             self.figure.align_ylabels([axes for axes in self.axes if axes.get_ylabel()])
 
@@ -94,7 +94,7 @@ def panels(ax: Axes | Iterable[Axes] | None, count: int, height: float, laid_out
     """Axes to draw on: those given, or those of a new figure.
 
     Args:
-        ax: axes of the caller, None for a figure of ours.
+        ax: axes of the caller; None for a new figure.
         count: number of charts.
         height: height of the new figure [cm].
         laid_out: function that makes the axes of the new figure.
@@ -170,7 +170,7 @@ def legend(owner: Axes | Figure, handles: Sequence[Artist], names: Sequence[str]
 def above(axes: Axes, handles: Sequence[Artist], names: Sequence[str]) -> None:
     """Draw a legend in one line above the axes, clear of the curves."""
     where = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.98), "borderaxespad": 0.2, "columnspacing": 1.4}
-    legend(axes, handles, names, ncols=len(names), **where)
+    legend(axes, handles, [name.replace("\n", " ") for name in names], ncols=len(names), **where)
 
 
 def brief(name: str, most: int = LONGEST) -> str:

@@ -1,23 +1,15 @@
-"""The permissible process force along a given motion of one or several drivers, such as two servo motors.
-
-In a state of the motion all reactions are affine in the process force F: R = R0 + F R1. R0 are those of the press with its weights, inertia
-forces and springs in this motion, R1 those of its links without mass to a force of 1 N. |R0 + F R1| = C gives the force that a capacity C
-permits. With friction |R| still crosses C once, which is found by Newton's method; see `permissible_force`.
-"""
+"""The permissible process force along a given motion of one or several drivers, such as two servo motors; see `limits`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..common.arguments import expect, typed
-from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import FrozenMapping, read_only
-from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..dynamics.applied_loads import force_on_slide
@@ -27,21 +19,8 @@ from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load
-from .permissible_force import (
-    BEARING,
-    BESIDE,
-    FURTHEST,
-    NOMINAL,
-    SAME,
-    TIE,
-    Capacities,
-    governing_names,
-    known_bearings,
-    largest_factor,
-    refuse_other_effort,
-    refuse_unrated,
-    without_masses,
-)
+from .limits import NOMINAL, Limit, affine_forces, bearing_limit, driver_limit, forces_with_friction, governing_names, without_masses
+from .permissible_force import Capacities, known_bearings, refuse_other_effort, refuse_unrated
 
 INSTEAD = {
     "nominal_height": "a motion has no single bottom dead centre; give torques, drivers={...}",
@@ -146,23 +125,44 @@ def rate_motion(
         SingularityError: the linkage locks in a state.
     """
     expect("motion", motion, Motion, "servo_cycle")
-    limits = [*_driver_limits(press, capacities), *(_bearing_limit(capacities, name) for name in known_bearings(capacities, press))]
+    limits = _limits(press, capacities)
     refuse_unrated(press, loads, friction, at_speed=True)
     refuse_motion_of_another(press, motion)
     _ = press.slide_guide  # which refuses a press without a slide
-    given = _Given(press, motion, capacities, tuple(loads), FrozenMapping(friction), engine)
-    idle = given.under(0.0)
+    bearings = tuple(capacities.bearings)
+    nominal = np.full(len(motion.crank_angle), capacities.nominal_force)
+
+    def under(force: Array) -> Reactions:
+        """Reactions to process forces (n,) [N], weights, inertia forces and the other loads."""
+        pushed = force_on_slide(press, force)
+        return inverse_dynamics(press, motion, [*loads, pushed], friction, engine=engine, bearings=bearings)
+
+    idle = under(0 * nominal)
     for limit in limits:
-        _refuse_exceeded(motion, limit, limit.size(idle))
-    permitted = _beside_friction(given, limits) if friction else _affine(given, limits, idle)
-    most = capacities.nominal_force
-    capped = {name: read_only(np.minimum(force, most)) for name, force in ({NOMINAL: np.full(given.count, most)} | permitted).items()}
+        size = limit.size(idle)
+        worst = int(size.argmax())
+        if size[worst] > limit.capacity:
+            raise PinpressError(
+                f"{limit.what} is {size[worst]:.6g} {limit.unit} at {motion.place(worst)} without a process, but the capacity is"
+                f" {limit.capacity:.6g} {limit.unit}: move more slowly, or raise the capacity"
+            )
+    if friction:
+
+        def sizes(force: Array) -> Array:
+            reactions = [under(each) for each in force]
+            return np.array([[limit.size(each) for each in reactions] for limit in limits])
+
+        permitted = forces_with_friction(limits, sizes, nominal, motion.place)
+    else:
+        unit = [force_on_slide(press, 1.0)]
+        permitted = affine_forces(limits, idle, inverse_dynamics(without_masses(press), motion, unit, engine=engine, bearings=bearings))
+    capped = {name: read_only(np.minimum(force, nominal)) for name, force in ({NOMINAL: nominal} | permitted).items()}
     return MotionRatings(
         _press=press,
         capacities=capacities,
         motion=motion,
-        loads=given.loads,
-        friction=given.friction,
+        loads=tuple(loads),
+        friction=FrozenMapping(friction),
         force=read_only(np.min(list(capped.values()), axis=0)),
         limits=FrozenMapping(capped),
         limited_by=governing_names(capped),
@@ -171,139 +171,25 @@ def rate_motion(
 
 def limits_in_words(ratings: MotionRatings) -> Inputs:
     """The capacities of a rating along a motion, by their names."""
-    given, press = ratings.capacities, ratings._press
-    rows = [("nominal force", written(given.nominal_force, "N"))]
-    rows += [(limit.name, written(limit.capacity, limit.unit)) for limit in _driver_limits(press, given)]
-    return [*rows, *((f"bearing {name}", written(force, "N")) for name, force in given.bearings.items())]
+    nominal = ratings.capacities.nominal_force
+    limits = _limits(ratings._press, ratings.capacities)
+    return [("nominal force", written(nominal, "N")), *((limit.name, written(limit.capacity, limit.unit)) for limit in limits)]
 
 
-class _Limit(NamedTuple):
-    """A capacity of a driver or bearing.
-
-    Attributes:
-        name: as in `MotionRatings.limits`.
-        what: bears it, in words.
-        capacity: largest magnitude [N or N m].
-        unit: of it.
-        reaction: gives the driving torque or bearing force (n, k) of reactions.
-    """
-
-    name: str
-    what: str
-    capacity: float
-    unit: str
-    reaction: Callable[[Reactions], Array]
-
-    def size(self, reactions: Reactions) -> Array:
-        """Magnitudes (n,) in reactions."""
-        return np.asarray(np.linalg.norm(self.reaction(reactions), axis=1))
-
-
-@dataclass(frozen=True, eq=False)
-class _Given:
-    """The arguments of `rate_motion`, checked."""
-
-    press: Linkage
-    motion: Motion
-    capacities: Capacities
-    loads: tuple[Load, ...]
-    friction: Mapping[str, Friction]
-    engine: str
-
-    @property
-    def count(self) -> int:
-        return len(self.motion.crank_angle)
-
-    @property
-    def bearings(self) -> tuple[str, ...]:
-        return tuple(self.capacities.bearings)
-
-    def under(self, force: Array | float) -> Reactions:
-        """Reactions under process forces, one or (n,) [N], beside weights, inertia forces and the other loads."""
-        loads = [*self.loads, force_on_slide(self.press, np.full(self.count, force))]
-        return inverse_dynamics(self.press, self.motion, loads, self.friction, engine=self.engine, bearings=self.bearings)
-
-
-def _affine(given: _Given, limits: Sequence[_Limit], idle: Reactions) -> dict[str, Array]:
-    """The forces (n,) that limits permit where all reactions are affine in the process force."""
-    pushed = [force_on_slide(given.press, 1.0)]
-    unit = inverse_dynamics(without_masses(given.press), given.motion, pushed, engine=given.engine, bearings=given.bearings)
-    return {limit.name: largest_factor(limit.reaction(idle), limit.reaction(unit), limit.capacity) for limit in limits}
-
-
-def _beside_friction(given: _Given, limits: Sequence[_Limit]) -> dict[str, Array]:
-    """The forces (n,) that limits permit where friction goes with weights and inertia forces too; infinite where they are beyond
-    `FURTHEST`.
-
-    Raises:
-        PinpressError: friction locks the linkage, or a smaller force than one that is permitted is not.
-    """
-    nominal = given.capacities.nominal_force
-    largest, step, found = FURTHEST * nominal, BESIDE * nominal, {}
-    furthest = given.under(largest)
-    for limit in limits:
-        limited = limit.size(furthest) > limit.capacity
-
-        def missing(force: Array, limit: _Limit = limit, limited: NDArray[np.bool_] = limited) -> tuple[Array, Array]:
-            """Shares less 1 and their slopes; of states that nothing limits what has a root of its own."""
-            share, beside = (limit.size(given.under(some)) / limit.capacity for some in (force, force + step))
-            return np.where(limited, share - 1.0, force / largest - 0.5), np.where(limited, (beside - share) / step, 1.0 / largest)
-
-        force = bracketed_roots(missing, np.zeros(given.count), np.full(given.count, largest), relative=SAME)
-        for part in (0.25, 0.5, 0.75):
-            beyond = limited & (limit.size(given.under(part * force)) > (1.0 + TIE) * limit.capacity)
-            if beyond.any():
-                place = given.motion.place(int(beyond.argmax()))
-                raise PinpressError(
-                    f"at {place} there is no single permissible force with friction: '{limit.name}' permits"
-                    f" {force[beyond.argmax()]:.6g} N, but not every smaller force. Rate the motion without friction"
-                )
-        found[limit.name] = np.where(limited, force, np.inf)
-    return found
-
-
-def _driver_limits(press: Linkage, capacities: Capacities) -> Iterator[_Limit]:
-    """The capacities of drivers; raises as `_of_drivers`."""
-    for name, capacity in _of_drivers(press, capacities).items():
-        column = press.drivers.index(name)
-        coordinate = press.driver_coordinates[column]
-
-        def torque(reactions: Reactions, column: int = column) -> Array:
-            return reactions.driving_torque.reshape(len(reactions.driving_torque), -1)[:, [column]]
-
-        kind = "torque" if coordinate.turns else "driving force"
-        yield _Limit(f"{kind} {name}", f"the driving {coordinate.effort} of {shown(name)}", capacity, coordinate.effort_unit, torque)
-
-
-def _bearing_limit(capacities: Capacities, name: str) -> _Limit:
-    def force(reactions: Reactions) -> Array:
-        return reactions.bearing_force[name]
-
-    return _Limit(BEARING + name, f"the force in bearing {shown(name)}", capacities.bearings[name], "N", force)
-
-
-def _of_drivers(press: Linkage, capacities: Capacities) -> dict[str, float]:
-    """Capacities of drivers by their names; raises as `rate_motion` where capacities are none of a motion."""
+def _limits(press: Linkage, capacities: Capacities) -> list[Limit]:
+    """The limits of drivers and bearings; raises as `rate_motion` for capacities that do not suit a motion."""
+    bearings = [bearing_limit(name, capacities.bearings[name]) for name in known_bearings(capacities, press)]
     for name, instead in INSTEAD.items():
         if getattr(capacities, name) is not None:
             raise PinpressError(f"{name} is not a capacity along a given motion: {instead}")
+    drivers = capacities.drivers
     if capacities.torque is not None:
         first = press.drivers[0]
         press.refuse_several_drivers(f"torque does not name a driver; give drivers={{{first!r}: {capacities.torque:g}}}")
         refuse_other_effort(capacities, press.driver_coordinates[0])
-        return {press.driver: capacities.torque}
+        drivers = {first: capacities.torque}
     for name in capacities.drivers:
         if name not in press.drivers:
             raise UnknownNameError("driver", name, press.drivers)
         refuse_other_effort(capacities, press.driver_coordinates[press.drivers.index(name)], name)
-    return {name: capacities.drivers[name] for name in press.drivers if name in capacities.drivers}
-
-
-def _refuse_exceeded(motion: Motion, limit: _Limit, size: Array) -> None:
-    """Raise PinpressError where reactions (n,) exceed a capacity without a process."""
-    worst = int(size.argmax())
-    if size[worst] > limit.capacity:
-        raise PinpressError(
-            f"{limit.what} is {size[worst]:.6g} {limit.unit} at {motion.place(worst)} without a process, but the capacity is"
-            f" {limit.capacity:.6g} {limit.unit}: move more slowly, or raise the capacity"
-        )
+    return [*(driver_limit(press, name, drivers[name], named=True) for name in press.drivers if name in drivers), *bearings]

@@ -28,7 +28,7 @@ from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import PointForce
-from .permissible_force import largest_factor, without_masses
+from .limits import largest_factor, without_masses
 
 DIRECTION = 1e-9  # component along the guide that a gib's normal may have
 ROUNDING = 1e-12  # forces below this share of the process force are rounding

@@ -1,16 +1,14 @@
 """The speed at which a press reaches a capacity.
 
-At a given crank angle every force of a press that turns at constant speed w is R = A w^2 + c, where A comes from inertia and c from weights
-and from process loads that depend on the slide's height alone. So w^2 at which a force reaches its capacity is the root of a quadratic
-equation.
+At a given crank angle every force of a press that turns at constant speed w is R = A w^2 + c. A comes from inertia, c from weights and from
+process loads that depend on the slide's height alone. So the w^2 at which a force reaches its capacity is the root of a quadratic equation.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -27,25 +25,10 @@ from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from ..loads.process import ProcessLoad
-from .permissible_force import (
-    BEARING,
-    NO_RATINGS,
-    TORQUE,
-    Capacities,
-    known_bearings,
-    largest_factor,
-    refuse_by_driver,
-    refuse_other_effort,
-    without_masses,
-)
+from .limits import Limit, bearing_limit, driver_limit, largest_factor, without_masses
+from .permissible_force import NO_RATINGS, Capacities, known_bearings, refuse_by_driver, refuse_other_effort
 
-SHAKING, ACCELERATION = "shaking force", "slide acceleration"
-STATES = 360  # states of a turn at which every limit is evaluated first
-AROUND = 9  # states to each round of refining about the worst state
-ROUNDS = 8  # rounds of refining; each divides the interval by four, in all from a degree to 3e-7 rad, whose square counts
-NEARLY = 1.05  # times the least squared speed: between two states a limit above this cannot fall below the least
-NOTHING = 1e-12  # forces below this share of the largest by inertia are rounding
-FAST = 100.0  # times the speed at which inertia forces are about as large as weights
+NOTHING = 1e-12  # share of the largest force by inertia, below which forces are rounding errors
 
 
 @dataclass(frozen=True, repr=False)
@@ -56,8 +39,7 @@ class PermissibleSpeed(Record, units={"speed": "rad/s", "crank_angle": "rad"}):
         speed: speed of the driver joint [rad/s].
         limited_by: the capacity that is reached: "torque", "bearing NAME", "slide acceleration" or "shaking force".
         crank_angle: crank angle at which it is reached, from 0 to the end of the period, mostly 2 pi [rad].
-        turns: turns of the driver joint from stroke to stroke, of strokes that differ the mean; for a press without a slide, those of its
-            period.
+        turns: turns of the driver joint from stroke to stroke, the mean if strokes differ; of a press without a slide, in its period.
     """
 
     speed: float
@@ -121,153 +103,105 @@ def limiting_speed(
     Args:
         press: a press with one driver.
         capacities: as for `speed_limit`.
-        torque: torque capacity at the driver joint [N m]; None: it limits nothing.
+        torque: torque capacity at the driver joint [N m]; None: no limit.
         way: 1 forwards, -1 backwards, which decides where loads act.
         loads: as for `speed_limit`, or springs without damping and constant forces.
         engine: as in `cycle`.
     """
-    turning = _TurningPress(press, capacities, torque, way, tuple(loads), engine)
-    if not turning.limits_something:
+    limits = [] if torque is None else [driver_limit(press, press.driver, torque)]
+    limits += [bearing_limit(name, capacities.bearings[name]) for name in known_bearings(capacities, press)]
+    if not limits and capacities.slide_acceleration is None and capacities.shaking_force is None:
         return None
-    step, turns = 2 * np.pi / STATES, press.period_turns
-    angle: Array = np.arange(STATES * turns, dtype=float) * step
-    first = _squared_speeds(turning, angle)
+    gravity = float(np.linalg.norm(press.model.gravity.linear))
+    fast = way * (100 * math.sqrt(gravity / press.size) if gravity else 1.0)  # inertia forces are much larger than weights
+    turning = _TurningPress(press, without_masses(press), capacities, tuple(limits), fast, tuple(loads), engine)
+
+    # All limits in 360 states of a turn. Limits above 1.05 times the least squared speed cannot fall below it between two states.
+    step, turns = 2 * np.pi / 360, press.period_turns
+    angle: Array = np.arange(360 * turns, dtype=float) * step
+    first = turning.squared_speeds(angle)
     least = min(float(square.min()) for square in first.values())
     if not math.isfinite(least):
         return None
-    names = [name for name, square in first.items() if square.min() <= NEARLY * least]
+    names = [name for name, square in first.items() if square.min() <= 1.05 * least]
     best = np.array([float(first[name].min()) for name in names])
     centre = np.array([angle[int(first[name].argmin())] for name in names])
-    offsets = np.linspace(-1.0, 1.0, AROUND)
-    for _ in range(ROUNDS):  # all at once, each about its own worst state
-        places = centre[:, None] + step * offsets
-        again = _squared_speeds(turning, places.ravel())
+    for _ in range(8):  # each round divides the interval by four, in all from a degree to 3e-7 rad, whose square counts
+        places = centre[:, None] + step * np.linspace(-1.0, 1.0, 9)
+        squares = turning.squared_speeds(places.ravel())
         for k, name in enumerate(names):
-            square = again[name].reshape(places.shape)[k]
+            square = squares[name].reshape(places.shape)[k]
             if square.min() <= best[k]:
                 best[k], centre[k] = float(square.min()), float(places[k, int(square.argmin())])
-        step *= 2 / (AROUND - 1)
+        step /= 4
     worst = int(np.argmin(best))
     return PermissibleSpeed(
         math.sqrt(best[worst]), names[worst], float(centre[worst]) % (2 * math.pi * turns), stroke_turns(press) or turns
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _TurningPress:
+class _TurningPress(NamedTuple):
     """A press that turns at constant speed under loads.
 
     Attributes:
         press: the press.
+        massless: the press with links without mass.
         capacities: capacities of its parts.
-        torque: torque capacity at the driver joint [N m]; None: it limits nothing.
-        way: 1 forwards, -1 backwards.
+        limits: limits of torque and bearings.
+        fast: a speed at which weights are small compared with inertia forces [rad/s].
         loads: loads that depend on the slide's height alone.
         engine: as in `cycle`.
     """
 
     press: Linkage
+    massless: Linkage
     capacities: Capacities
-    torque: float | None
-    way: float
+    limits: tuple[Limit, ...]
+    fast: float
     loads: tuple[Load, ...]
     engine: str
 
-    @property
-    def limits_something(self) -> bool:
-        some = self.capacities
-        return bool(some.bearings) or any(value is not None for value in (self.torque, some.slide_acceleration, some.shaking_force))
+    def squared_speeds(self, angle: Array) -> dict[str, Array]:
+        """Squares of the speeds (n,) at which each limit is reached at crank angles (n,), infinite if no speed reaches it [rad2/s2].
 
-    @cached_property
-    def massless(self) -> Linkage:
-        return without_masses(self.press)
+        Raises:
+            PinpressError: weights and loads alone exceed a capacity, or a load depends on the speed.
+        """
+        press, capacities = self.press, self.capacities
+        fast = motion_through_change_points(press, angle, self.fast, engine=self.engine)
+        still = replace(fast, crank_speed=0 * fast.crank_speed, v=0 * fast.v, a=0 * fast.a)  # in the poses of the motion
+        resting, running = (inverse_dynamics(press, motion, engine=self.engine) for motion in (still, fast))
+        loaded = self._under_loads(fast) if self.loads else None
+        largest = max(float(np.abs(force - resting.bearing_force[name]).max()) for name, force in running.bearing_force.items())
+        squares = {}
+        for limit in self.limits:
+            constant = limit.reaction(resting)
+            inertia = limit.reaction(running) - constant
+            constant = constant if loaded is None else constant + limit.reaction(loaded)
+            amount = np.linalg.norm(constant, axis=1)
+            worst = int(amount.argmax())
+            if amount[worst] > limit.capacity:
+                raise PinpressError(
+                    f"{limit.name} is {amount[worst]:.6g} {limit.unit} at crank angle {fast.shown_position[worst]:.6g} deg at any speed, by"
+                    f" weights{' and loads' if self.loads else ''}, but its capacity is {limit.capacity:.6g} {limit.unit}: raise the"
+                    " capacity, or lower the load"
+                )
+            rounding = NOTHING * largest * (press.size if limit.unit == "N m" else 1.0)
+            slope = np.where(np.abs(inertia) > rounding, inertia, 0.0) / self.fast**2
+            squares[limit.name] = largest_factor(constant, slope, limit.capacity)
+        if capacities.slide_acceleration is not None:
+            slope = fast.slide_acceleration[:, None] / self.fast**2
+            squares["slide acceleration"] = largest_factor(0 * slope, slope, capacities.slide_acceleration)
+        if capacities.shaking_force is not None:  # by inertia alone; process loads do not reach the foundation
+            shaking = running.shaking_force - resting.shaking_force
+            slope = np.where(np.abs(shaking) > NOTHING * largest, shaking, 0.0) / self.fast**2
+            squares["shaking force"] = largest_factor(0 * slope, slope, capacities.shaking_force)
+        return squares
 
-    @cached_property
-    def fast(self) -> float:
-        """A speed at which weights are small beside inertia forces [rad/s]."""
-        gravity = float(np.linalg.norm(self.press.model.gravity.linear))
-        return self.way * (FAST * math.sqrt(gravity / self.press.size) if gravity else 1.0)
-
-    def reactions(self, press: Linkage, motion: Motion, loads: Sequence[Load] = ()) -> Reactions:
-        return inverse_dynamics(press, motion, loads, engine=self.engine)
-
-    def under_loads(self, motion: Motion) -> Reactions | None:
+    def _under_loads(self, motion: Motion) -> Reactions:
         """Reactions to the loads alone."""
-        if not self.loads:
-            return None
-        found = self.reactions(self.massless, motion, self.loads)
         faster = motion_through_change_points(self.press, motion.crank_angle, 2 * self.fast, engine=self.engine)
-        again = self.reactions(self.massless, faster, self.loads)
-        if np.abs(again.driving_torque - found.driving_torque).max() > NOTHING * np.abs(found.driving_torque).max():
+        once, twice = (inverse_dynamics(self.massless, each, self.loads, engine=self.engine) for each in (motion, faster))
+        if np.abs(twice.driving_torque - once.driving_torque).max() > NOTHING * np.abs(once.driving_torque).max():
             raise PinpressError("a load depends on the slide's speed: a speed limit takes only loads that depend on height alone")
-        return found
-
-
-class _Loading(NamedTuple):
-    """A quantity with a capacity, at crank angles (n,), as vectors of k components.
-
-    Attributes:
-        name: name of the limit.
-        running: (n, k) values at the fast speed, without loads.
-        resting: (n, k) values at rest, by weights alone.
-        load: (n, k) values by loads alone, or 0.
-        capacity: largest permitted magnitude.
-        unit: unit of all these.
-        rounding: size below which the share of inertia is rounding.
-    """
-
-    name: str
-    running: Array
-    resting: Array
-    load: Array | float
-    capacity: float
-    unit: str
-    rounding: float
-
-
-def _squared_speeds(turning: _TurningPress, angle: Array) -> dict[str, Array]:
-    """Squares of the speeds (n,) at which each limit is reached at crank angles (n,), infinite where it is not [rad2/s2]."""
-    fast = motion_through_change_points(turning.press, angle, turning.fast, engine=turning.engine)
-    return {loading.name: _squared_speed(turning, fast, loading) for loading in _loadings(turning, fast)}
-
-
-def _loadings(turning: _TurningPress, fast: Motion) -> Iterator[_Loading]:
-    """All quantities that have a capacity, in a motion at the fast speed."""
-    press, capacities = turning.press, turning.capacities
-    still = replace(fast, crank_speed=0 * fast.crank_speed, v=0 * fast.v, a=0 * fast.a)  # in the poses of the motion
-    at_rest, running, loaded = turning.reactions(press, still), turning.reactions(press, fast), turning.under_loads(fast)
-    largest = max(float(np.abs(force - at_rest.bearing_force[name]).max()) for name, force in running.bearing_force.items())
-    if turning.torque is not None:
-        load = 0.0 if loaded is None else loaded.driving_torque[:, None]
-        torques = running.driving_torque[:, None], at_rest.driving_torque[:, None], load
-        yield _Loading(TORQUE, *torques, turning.torque, "N m", NOTHING * largest * press.size)
-    for name in known_bearings(capacities, press):
-        load = 0.0 if loaded is None else loaded.bearing_force[name]
-        forces = running.bearing_force[name], at_rest.bearing_force[name], load
-        yield _Loading(BEARING + name, *forces, capacities.bearings[name], "N", NOTHING * largest)
-    if capacities.slide_acceleration is not None:
-        accelerations = fast.slide_acceleration[:, None], np.zeros((len(fast.crank_angle), 1)), 0.0
-        yield _Loading(ACCELERATION, *accelerations, capacities.slide_acceleration, "m/s2", 0.0)
-    if capacities.shaking_force is not None:  # of inertia alone; process loads do not reach the foundation
-        shaking = running.shaking_force - at_rest.shaking_force
-        yield _Loading(SHAKING, shaking, np.zeros_like(shaking), 0.0, capacities.shaking_force, "N", NOTHING * largest)
-
-
-def _squared_speed(turning: _TurningPress, fast: Motion, loading: _Loading) -> Array:
-    """Squares of the speeds (n,) at which one limit is reached.
-
-    Raises:
-        PinpressError: weights and loads alone exceed the capacity.
-    """
-    inertia = loading.running - loading.resting
-    slope = np.where(np.abs(inertia) > loading.rounding, inertia, 0.0) / turning.fast**2
-    constant = loading.resting + loading.load
-    amount = np.linalg.norm(constant, axis=1)
-    worst = int(amount.argmax())
-    if amount[worst] > loading.capacity:
-        raise PinpressError(
-            f"{loading.name} is {amount[worst]:.6g} {loading.unit} at crank angle {fast.shown_position[worst]:.6g} deg at any speed, by"
-            f" weights{' and loads' if turning.loads else ''}, but its capacity is {loading.capacity:.6g} {loading.unit}: raise the"
-            " capacity, or lower the load"
-        )
-    return largest_factor(constant, slope, loading.capacity)
+        return once

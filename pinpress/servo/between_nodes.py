@@ -17,10 +17,10 @@ from ..dynamics.reactions import Reactions
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import limits as limits_
-from .conic.local_limits import torque_rates
+from .conic.bounds import peak_torque_bounds
+from .conic.local_limits import power_tangents, torque_rates
 from .conic.motion_problem import Affine, Bounded, MotionProblem, cycle_time, figures, segment_times
-from .conic.torque_curve import tangents_at_states
-from .limits import Limit
+from .conic.torque_curve import curve_tangents
 from .motion import ServoMotion, evaluated, largest_size
 
 INSIDE = 1e-7  # share of a segment by which its first and last states are moved inwards, because loads may jump at nodes
@@ -30,53 +30,24 @@ SLOW = 1e-3  # share of the top speed below which the power does not limit the m
 
 
 class FullMotion(NamedTuple):
-    """A motion by full inverse dynamics.
+    """A motion by full inverse dynamics."""
 
-    Attributes:
-        motion: the motion, with states within all segments and at rests.
-        reactions: the reactions of the motion.
-        time: (N + 1,) times at which the crank passes the nodes, or leaves them after a rest [s].
-        segment: index of the segment of each state; -1 at rests.
-    """
-
-    motion: ServoMotion
-    reactions: Reactions
-    time: Array
-    segment: NDArray[np.intp]
+    motion: ServoMotion  # the motion, with states within all segments and at rests
+    reactions: Reactions  # the reactions of the motion
+    time: Array  # (N + 1,) times at which the crank passes the nodes, or leaves them after a rest [s]
+    segment: NDArray[np.intp]  # index of the segment of each state; -1 at rests
 
 
-class Excess(NamedTuple):
-    """By how much the torque and the power of a motion exceed the drive's limits.
-
-    Attributes:
-        share: the largest excess at an instant, as a share of the limit.
-        torque: (N,) whether the torque comes near its limit in the segment.
-        power: (N,) whether the power comes near its limit in the segment.
-    """
-
-    share: float
-    torque: NDArray[np.bool_]
-    power: NDArray[np.bool_]
-
-    def join_segments(self, earlier: Excess) -> Excess:
-        """This excess, with the segments of an earlier one added."""
-        return Excess(self.share, self.torque | earlier.torque, self.power | earlier.power)
-
-
-def excess_of(problem: MotionProblem, full: FullMotion) -> Excess:
-    """By how much a motion exceeds the limits of torque and power of its drive."""
+def excess_of(problem: MotionProblem, full: FullMotion) -> tuple[float, NDArray[np.bool_]]:
+    """The largest share by which a motion exceeds the torque or the power of its drive, and (2, N) in which segments each comes near."""
     drive, moving = problem.drive, full.segment >= 0
-    shares, near = [0.0], []
     torque = np.abs(full.motion.motor_torque) / drive.peak_torque_at(full.motion.motor_speed)
     power = np.abs(full.motion.power) / (np.inf if drive.power is None else drive.power)
-    for values in (torque, power):
-        used = values[moving].reshape(-1, len(LOBATTO[0])).max(axis=1)
-        shares.append(float(used.max()) - 1.0)
-        near.append(used > NEAR)
-    return Excess(max(shares), *near)
+    used = np.stack([torque, power])[:, moving].reshape(2, -1, len(LOBATTO[0])).max(axis=2)
+    return max(0.0, float(used.max()) - 1.0), used > NEAR
 
 
-def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen: Excess) -> list[Bounded]:
+def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen: NDArray[np.bool_]) -> list[Bounded]:
     """Limits of the torque and the power at the states within segments, as tangents at a motion.
 
     The torque within a segment is linear in b at the segment's ends. The limit power / speed is convex in b, so its tangent is below it.
@@ -85,14 +56,14 @@ def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen:
         problem: the problem.
         full: the motion at which the tangents touch.
         b: (N + 1,) squares of the crank's speed at the nodes [rad2/s2].
-        chosen: the segments to limit.
+        chosen: (2, N) whether to limit the torque, and the power, in each segment.
     """
     grid, drive, motion = problem.coefficients.grid, problem.drive, full.motion
-    bounds = []
-    for name, segments in (("torque of the motor", chosen.torque), ("power", chosen.power)):
+    least_speed, bounds = SLOW * np.abs(motion.speed).max(), []
+    for power, segments in zip((None, drive.power), chosen, strict=True):
         states = np.flatnonzero((full.segment >= 0) & segments[full.segment])
-        if name == "power":
-            states = states[np.abs(motion.speed[states]) > SLOW * np.abs(motion.speed).max()]
+        if power is not None:
+            states = states[np.abs(motion.speed[states]) > least_speed]
         if not len(states):
             continue
         places = full.segment[states]
@@ -103,25 +74,14 @@ def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen:
         square = motion.speed[states] ** 2
         fast = square > SLOW * square.max()
         by_square = np.where(fast, left, 0.0) / np.where(fast, square, 1.0)
-        before, after = before + (1.0 - share) * by_square, after + share * by_square
-        fixed = fixed + np.where(fast, 0.0, left)
-        if name == "power":
-            assert drive.power is not None
-            speed = np.abs(motion.speed[states])
-            fall, level = 0.5 * drive.power / speed**3, 1.5 * drive.power / speed
-            for sign in (1.0, -1.0):
-                torque = Affine(sign * before + fall * (1.0 - share), sign * after + fall * share, sign * fixed, places)
-                bounds.append(Bounded(f"power of the motor of {drive.power:.6g} W", level, drive.power, "W", torque))
+        torque = Affine(before + (1.0 - share) * by_square, after + share * by_square, fixed + np.where(fast, 0.0, left), places)
+        speed = np.maximum(np.abs(motion.speed[states]), least_speed)
+        slopes = 0.5 * (1.0 - share) / speed, 0.5 * share / speed
+        if power is not None:
+            bounds += power_tangents(power, torque, speed, slopes)
         else:
-            assert drive.peak_torque is not None
-            most = np.full(len(places), drive.peak_torque * drive.ratio)
-            words = f"torque of the motor of {drive.peak_torque:.6g} N m"
-            torque = Affine(before, after, fixed, places)
-            if not (drive.curve_torque and drive.curve_torque[0] <= drive.peak_torque):
-                bounds.append(Bounded(words, most, drive.peak_torque, "N m", torque, both=True))
-            if drive.curve_torque is not None:
-                slow = np.maximum(np.abs(motion.speed[states]), SLOW * np.abs(motion.speed).max())
-                bounds += tangents_at_states(drive, torque, share, slow)
+            bounds += peak_torque_bounds(drive, torque)
+            bounds += [] if drive.curve_torque is None else curve_tangents(drive, torque, speed, slopes)
     return bounds
 
 
@@ -168,12 +128,11 @@ def full_motion(press: Linkage, loads: Sequence[Load], friction: Mapping[str, Fr
     return FullMotion(*evaluated_, start, segment)
 
 
-def largest_excess(problem: MotionProblem, limits: Sequence[Limit], time: float | None, full: FullMotion, b: Array) -> float:
+def largest_excess(problem: MotionProblem, time: float | None, full: FullMotion, b: Array) -> float:
     """Largest share by which the full motion exceeds a limit.
 
     Args:
         problem: the problem.
-        limits: the limits in addition to those of the drive.
         time: the user's time of a cycle, or None [s].
         full: the motion.
         b: (N + 1,) squares of the crank's speed at the nodes [rad2/s2].
@@ -192,7 +151,7 @@ def largest_excess(problem: MotionProblem, limits: Sequence[Limit], time: float 
         excesses.append(motion.rms_torque / problem.rms - 1.0)
     if problem.below is not None:
         excesses.append((cost.below + problem.feed_time) / motion.duration - 1.0)
-    for limit in limits:
+    for limit in problem.limits:
         if isinstance(limit, limits_.BearingForce):
             excesses.append(float(np.linalg.norm(reactions.bearing_force[limit.bearing], axis=1).max()) / limit.force - 1.0)
         elif isinstance(limit, limits_.TorqueRate):

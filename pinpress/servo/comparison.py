@@ -18,8 +18,6 @@ from .limits import (
     BearingForce,
     FeedWindow,
     Limit,
-    RmsTorque,
-    StateLimit,
     TorqueRate,
     checked,
     in_words,
@@ -157,17 +155,7 @@ def _broken(motion: ServoMotion, limits: Sequence[Limit]) -> list[str]:
             if above < (1 - KEPT) * limit.time:
                 texts.append(f"{in_words(limit)}: {above:.4g} s")
             continue
-        value, most = _size(motion, limit)
+        value, most = largest_size(motion, limit)
         if value > (1 + KEPT) * most:
             texts.append(f"{in_words(limit)}: {value:.4g}")
     return texts
-
-
-def _size(motion: ServoMotion, limit: StateLimit | RmsTorque) -> tuple[float, float]:
-    """The largest value of the limited quantity, and its limit."""
-    if isinstance(limit, RmsTorque):
-        most = motion.drive.rated_torque if limit.torque is None else limit.torque
-        if most is None:
-            raise PinpressError("RmsTorque has no torque, and the drive of a motion has no rated_torque: give RmsTorque(torque)")
-        return motion.rms_motor_torque, most
-    return largest_size(motion, limit)

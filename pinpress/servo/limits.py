@@ -14,8 +14,27 @@ from ..common.parameters import Checked, parameter, set_field
 from ..common.quantities import Array
 
 
+class Window(Checked):
+    """A limit that may hold between two heights of the slide only, and on one flank only."""
+
+    heights: Sequence[float] | None
+    flank: str
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        name = type(self).__name__
+        if self.heights is not None:
+            expected = "two different heights above bottom dead centre, not negative [m], e.g. (0.06, 0)"
+            heights: Array = suitable_numbers(
+                f"{name}: heights", self.heights, expected, (2,), lambda h: np.all(h >= 0) and h[0] != h[1] and np.all(h < 1e12)
+            )
+            set_field(self, "heights", tuple(heights.tolist()))
+        if not isinstance(self.flank, str) or self.flank not in ("down", "up", "both"):
+            raise PinpressError(f'{name}: flank is {shown(self.flank)}; give "down", "up" or "both"')
+
+
 @dataclass(frozen=True)
-class SlideSpeed(Checked):
+class SlideSpeed(Window):
     """Largest speed of the slide between two heights: a drawing speed, or the speed of impact.
 
     Attributes:
@@ -32,7 +51,6 @@ class SlideSpeed(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _check_window(self, self.flank)
         truth_value("SlideSpeed: constant", self.constant)
         plausibility.slide_speed("SlideSpeed: speed", self.speed)
         if self.constant and self.heights is None:
@@ -40,7 +58,7 @@ class SlideSpeed(Checked):
 
 
 @dataclass(frozen=True)
-class CrankSpeed(Checked):
+class CrankSpeed(Window):
     """Largest speed of the crank between two heights of the slide.
 
     Attributes:
@@ -53,13 +71,9 @@ class CrankSpeed(Checked):
     heights: Sequence[float] | None = None
     flank: str = "both"
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _check_window(self, self.flank)
-
 
 @dataclass(frozen=True)
-class SlideAcceleration(Checked):
+class SlideAcceleration(Window):
     """Largest acceleration of the slide, upwards and downwards.
 
     Attributes:
@@ -71,10 +85,6 @@ class SlideAcceleration(Checked):
     acceleration: float = field(metadata=parameter("m/s2", "positive"))
     heights: Sequence[float] | None = None
     flank: str = "both"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        _check_window(self, self.flank)
 
 
 @dataclass(frozen=True)
@@ -143,9 +153,8 @@ class FeedWindow(Checked):
     time: float = field(metadata=parameter("s", "positive"))
 
 
-Window = SlideSpeed | CrankSpeed | SlideAcceleration
-StateLimit = Window | CrankAcceleration  # limits that can be checked at one state of a motion
-Limit = SlideSpeed | CrankSpeed | SlideAcceleration | CrankAcceleration | BearingForce | RmsTorque | TorqueRate | FeedWindow
+StateLimit = SlideSpeed | CrankSpeed | SlideAcceleration | CrankAcceleration  # limits that can be checked at one state of a motion
+Limit = StateLimit | BearingForce | RmsTorque | TorqueRate | FeedWindow
 
 
 def checked(limits: object) -> tuple[Limit, ...]:
@@ -165,30 +174,17 @@ def span(limit: Window) -> tuple[float, float]:
     return (-np.inf, np.inf) if limit.heights is None else (min(limit.heights), max(limit.heights))
 
 
-def _check_window(limit: Window, flank: object) -> None:
-    name = type(limit).__name__
-    if limit.heights is not None:
-        expected = "two different heights above bottom dead centre, not negative [m], e.g. (0.06, 0)"
-        heights: Array = suitable_numbers(
-            f"{name}: heights", limit.heights, expected, (2,), lambda h: np.all(h >= 0) and h[0] != h[1] and np.all(h < 1e12)
-        )
-        set_field(limit, "heights", tuple(heights.tolist()))
-    if not isinstance(flank, str) or flank not in ("down", "up", "both"):
-        raise PinpressError(f'{name}: flank is {shown(flank)}; give "down", "up" or "both"')
-
-
 def in_words(limit: Limit) -> str:
     """A limit in words: "slide speed of 0.2 m/s from 60 to 0 mm"."""
-    if isinstance(limit, SlideSpeed | CrankSpeed | SlideAcceleration):
-        where = ""
-        if limit.heights is not None:
-            low, high = span(limit)
-            ends = (high, low) if limit.flank == "down" else (low, high)
-            where = f" from {1e3 * ends[0]:.6g} to {1e3 * ends[1]:.6g} mm"
-        if isinstance(limit, SlideSpeed):
-            return f"{'constant ' if limit.constant else ''}slide speed of {limit.speed:.6g} m/s{where}"
-        if isinstance(limit, CrankSpeed):
-            return f"crank speed of {limit.speed:.6g} rad/s{where}"
+    where = ""
+    if isinstance(limit, Window) and limit.heights is not None:
+        start, end = sorted(limit.heights, reverse=limit.flank == "down")
+        where = f" from {1e3 * start:.6g} to {1e3 * end:.6g} mm"
+    if isinstance(limit, SlideSpeed):
+        return f"{'constant ' if limit.constant else ''}slide speed of {limit.speed:.6g} m/s{where}"
+    if isinstance(limit, CrankSpeed):
+        return f"crank speed of {limit.speed:.6g} rad/s{where}"
+    if isinstance(limit, SlideAcceleration):
         return f"slide acceleration of {limit.acceleration:.6g} m/s2{where}"
     if isinstance(limit, CrankAcceleration):
         return f"crank acceleration of {limit.acceleration:.6g} rad/s2"

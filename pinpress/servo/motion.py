@@ -28,7 +28,7 @@ from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load
 from .drive import ServoDrive
-from .limits import CrankAcceleration, CrankSpeed, SlideSpeed, StateLimit, span
+from .limits import CrankAcceleration, CrankSpeed, RmsTorque, SlideAcceleration, SlideSpeed, StateLimit, span
 
 AMISS = 0.02  # share of the range of angles (speeds) by which they may differ from the integral of speeds (accelerations)
 MOST_STATES = 10**6
@@ -264,18 +264,19 @@ def _refuse_misfit(time: Array, angle: Array, speed: Array, acceleration: Array)
             )
 
 
-def largest_size(motion: ServoMotion, limit: StateLimit) -> tuple[float, float]:
+def largest_size(motion: ServoMotion, limit: StateLimit | RmsTorque) -> tuple[float, float]:
     """The largest absolute value of the limited quantity, within the limit's heights and flank, and the limit's value."""
+    if isinstance(limit, RmsTorque):
+        most = motion.drive.rated_torque if limit.torque is None else limit.torque
+        if most is None:
+            raise PinpressError("RmsTorque has no torque, and the drive of a motion has no rated_torque: give RmsTorque(torque)")
+        return motion.rms_motor_torque, most
     if isinstance(limit, CrankAcceleration):
         return float(np.abs(motion.acceleration).max()), limit.acceleration
     low, high = span(limit)
     down = motion.motion.slide_velocity < 0
     inside = (motion.height > low) & (motion.height < high)
     inside &= True if limit.flank == "both" else down if limit.flank == "down" else ~down
-    if isinstance(limit, SlideSpeed):
-        values, most = motion.motion.slide_velocity, limit.speed
-    elif isinstance(limit, CrankSpeed):
-        values, most = motion.speed, limit.speed
-    else:
-        values, most = motion.motion.slide_acceleration, limit.acceleration
-    return float(np.abs(values[inside]).max(initial=0.0)), most
+    most = limit.acceleration if isinstance(limit, SlideAcceleration) else limit.speed
+    values = {SlideSpeed: motion.motion.slide_velocity, CrankSpeed: motion.speed, SlideAcceleration: motion.motion.slide_acceleration}
+    return float(np.abs(values[type(limit)][inside]).max(initial=0.0)), most

@@ -24,19 +24,12 @@ MOST_PULSES = 100
 
 
 class PathLegs(NamedTuple):
-    """The path of a press's crank in one cycle.
+    """The path of a press's crank in one cycle."""
 
-    Attributes:
-        angles: (k + 1,) crank angles at the ends of the k legs, in order [rad].
-        dwells: (k,) required rest at the end of each leg [s].
-        closed: whether the crank never rests: one leg, a whole turn that ends where it starts.
-        strokes: number of parts made in a cycle.
-    """
-
-    angles: Array
-    dwells: Array
-    closed: bool
-    strokes: int = 1
+    angles: Array  # (k + 1,) crank angles at the ends of the k legs, in order [rad]
+    dwells: Array  # (k,) required rest at the end of each leg [s]
+    closed: bool  # whether the crank never rests: one leg, a whole turn that ends where it starts
+    strokes: int = 1  # number of parts made in a cycle
 
     @property
     def dwell(self) -> float:

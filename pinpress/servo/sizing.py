@@ -19,13 +19,12 @@ from .limits import Limit
 from .motion import ServoMotion
 from .motion_optimum import MotionOptimum
 from .motors import CatalogueMotor, MotorUtilisation, motor_use
-from .optimum import EXCEEDED, FEWEST_POINTS, MOST_POINTS, POINTS, best_motion, least_heat
+from .optimum import best_motion, least_heat
 from .paths import Path, Pendulum, Pulse
+from .task import EXCEEDED, FEWEST_POINTS, MOST_POINTS, POINTS
 
 LARGEST_RATIO = 1e6
 FAR = 2.0  # with a larger thermal use the motor is far too warm, and no motion is computed
-ROUGHLY, LEAST_ROUGH = 4, 64  # a motor is first tried with a quarter of the segments, but at least 64
-NEAR, CLEARLY = 0.02, 0.1  # all segments are used if thermal use exceeds 1 by less than 0.02, or other use by less than 0.1
 MARGIN = 1.0 - 2.0 * EXCEEDED  # the program gets lower limits, because a motion may exceed them between its nodes
 
 
@@ -172,7 +171,7 @@ def choose_motor(
     Motors are tried in the order of their permanent power, each with all ratios, until a motor suffices. Each motor gets the motion with
     the proved least heat. If the motor is too warm with this motion, it is too warm with any motion. If this motion exceeds the curve of
     peak torque or the top speed, the best motion within 99.9 % of both is computed. The margin is needed because a motion may exceed
-    a limit between its nodes. A motor that is clearly too warm with a quarter of the points is not tried with all of them. The notes of the
+    a limit between its nodes. A motor whose thermal use is above 2 by the bound of a quarter of the points gets no motion. The notes of the
     motion report how closely it is proved. Ratios between the given ones may be better.
 
     Args:
@@ -232,22 +231,19 @@ def _try_motor(
     drive = motor.drive(ratio, gear_inertia=gear_inertia)
     free = replace(drive, peak_torque=None, top_speed=None, curve_speed=None, curve_torque=None)
     most = POINTS if points is None else points
-    rough = max(most // ROUGHLY, LEAST_ROUGH)
+    rough = max(most // 4, 64)
     if rough < most and not isinstance(path, Pendulum | Pulse):  # a crank that turns in one direction has a known mean speed
         rms = math.sqrt(max(0.0, least_heat(press, free, loads, time, path, limits, rough)) / (time + pause)) / ratio
         mean = ratio * 2.0 * np.pi * dead_centres(press).turns / (time + pause)
         thermal = rms / float(motor.rated_torque_at(mean))
         if thermal > FAR:
             return TriedMotor(motor.name, ratio, rms, mean, thermal, None, None, None, "too warm by far"), []
-    for count in (rough, points) if rough < most else (points,):
-        best = best_motion(press, free, loads, time=time, path=path, limits=limits, points=count)
-        use = motor_use(motor, best.motion, pause=pause)
-        if use.thermal > (1.0 if count == points else 1.0 + NEAR):
-            return _row(use, best, "too warm"), []
-        if use.suffices and count == points:
-            return _row(use, best, ""), [(use, best)]
-        if max(use.peak, use.speed) > 1.0 + CLEARLY:
-            break
+    best = best_motion(press, free, loads, time=time, path=path, limits=limits, points=points)
+    use = motor_use(motor, best.motion, pause=pause)
+    if use.thermal > 1:
+        return _row(use, best, "too warm"), []
+    if use.suffices:
+        return _row(use, best, ""), [(use, best)]
     below = [MARGIN * torque for torque in drive.curve_torque or ()]
     drive = replace(drive, curve_torque=below, peak_torque=None, top_speed=MARGIN * motor.top_speed)
     try:

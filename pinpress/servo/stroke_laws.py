@@ -15,15 +15,14 @@ import numpy as np
 
 from ..common.arguments import expect, positive, typed, whole_number
 from ..common.errors import PinpressError
+from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
-from ..dynamics.applied_loads import wrap_laws
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.servo_motion import angle_on_flank
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
-from ..loads import caller_laws
 from ..loads.link import Load
-from ..loads.process import ProcessLoad, datum
+from .conic.coefficients import load_heights
 from .drive import ServoDrive
 from .laws import VDI_LAWS, MotionLaw, vdi_law
 from .limits import Limit, SlideSpeed, checked, span
@@ -49,6 +48,20 @@ class _Part(NamedTuple):
     duration: float
     at: Callable[[Array], tuple[Array, Array, Array]]
     corners: tuple[float, ...] = ()
+
+    @property
+    def way(self) -> float:
+        """Angle by which the crank turns in this part [rad]."""
+        return float(self.at(np.array([self.duration]))[0][0])
+
+    def times_at(self, angles: Array) -> Array:
+        """Times (m,) at which the crank has turned by angles (m,)."""
+
+        def off(time: Array) -> tuple[Array, Array]:
+            turned, speed, _ = self.at(time)
+            return turned - angles, speed
+
+        return bracketed_roots(off, np.zeros_like(angles), np.full_like(angles, self.duration), relative=1e-15)
 
 
 @dataclass(frozen=True)
@@ -80,12 +93,8 @@ class _Cycle:
 
     def turning(self, parts: Sequence[_Part], start: float) -> ServoMotion:
         """The motion of a full turn, or of several equal strokes, from the parts of a stroke that starts at a crank angle."""
-        return self.motion([_start_later([*parts] * self.legs.strokes, self._ahead(start))])
-
-    def _ahead(self, start: float) -> float:
-        """Angle by which the crank turns from an angle to the start of the path [rad]."""
         ahead = float(self.legs.angles[0]) - start
-        return (ahead if self.forward else -ahead) % self.way
+        return self.motion([_start_later([*parts] * self.legs.strokes, (ahead if self.forward else -ahead) % self.way)])
 
     def motion(self, legs: Sequence[Sequence[_Part]]) -> ServoMotion:
         """The motion made of the parts of each leg, with the weights of Simpson's rule over every smooth piece."""
@@ -94,8 +103,9 @@ class _Cycle:
         ways = np.sign(np.diff(self.legs.angles))
         for way, parts in zip(ways, legs, strict=True):
             for part in parts:
-                ends = np.unique([0.0, *part.corners, *self._edge_times(part, angle, way), part.duration])
-                for first, last in itertools.pairwise(ends.tolist()):
+                inner, least = np.unique([*part.corners, *self._edge_times(part, angle, way)]), 1e-12 * self.time
+                inner = inner[(np.diff(inner, prepend=0.0) > least) & (inner < part.duration - least)]
+                for first, last in itertools.pairwise([0.0, *inner.tolist(), part.duration]):
                     steps = max(FEWEST, 2 * math.ceil(0.5 * self.points * (last - first) / self.time))
                     since = np.linspace(first, last, steps + 1)
                     # forces may jump at edges and corners: the states of a piece stay on its side of them
@@ -107,30 +117,18 @@ class _Cycle:
                     weights.append((last - first) / (3 * steps) * rule)
                     times.append(time + since)
                     states.append([angle + way * gained, way * speed, way * acceleration])
-                turned = float(part.at(np.array([part.duration]))[0][0])
-                time, angle = time + part.duration, angle + way * turned
+                time, angle = time + part.duration, angle + way * part.way
         return evaluated(
             self.press, self.drive, self.loads, np.concatenate(times), np.concatenate(weights), *np.concatenate(states, axis=1)
         )[0]
 
     def _edge_times(self, part: _Part, start: float, way: float) -> list[float]:
         """The times within a part at which the crank passes an angle where a load begins or ends."""
-        from scipy.optimize import brentq  # to save start-up time
-
-        since = np.linspace(0.0, part.duration, self.points + 1)
-        angles = way * part.at(since)[0]
-        ends = np.sort(start + angles[[0, -1]])
+        ends = np.sort(start + way * np.array([0.0, part.way]))
         whole = 2 * np.pi * dead_centres(self.press).turns
         turns = np.arange(math.floor(ends[0] / whole) - 1, math.ceil(ends[1] / whole) + 1)
-        edges = (self.edges[:, None] + whole * turns).ravel() - start
-        times = []
-        for edge in edges[(edges > ends[0] - start) & (edges < ends[1] - start)].tolist():
-            k = min(int(np.searchsorted(way * angles, way * edge)), len(since) - 1)
-            if edge in (angles[k - 1], angles[k]):
-                times.append(float(since[k if edge == angles[k] else k - 1]))
-            else:
-                times.append(brentq(lambda t, edge=edge: way * float(part.at(np.array([t]))[0][0]) - edge, since[k - 1], since[k]))
-        return times
+        edges = (self.edges[:, None] + whole * turns).ravel()
+        return part.times_at(way * (edges[(edges > ends[0]) & (edges < ends[1])] - start)).tolist()
 
 
 def _constant(speed: float, duration: float) -> _Part:
@@ -154,21 +152,18 @@ def _by_law(law: MotionLaw, way: float, duration: float) -> _Part:
 def _start_later(parts: list[_Part], angle: float) -> list[_Part]:
     """The parts of a closed path, starting after the crank has turned by an angle; the parts before that come last."""
     for k, part in enumerate(parts):
-        turned = float(part.at(np.array([part.duration]))[0][0])
-        if angle < turned:
+        if angle < part.way:
             *early, late = _cut(part, angle)
             return [late, *parts[k + 1 :], *parts[:k], *early]
-        angle -= turned
+        angle -= part.way
     return parts
 
 
 def _cut(part: _Part, angle: float) -> list[_Part]:
     """The two parts of a part that is cut after the crank has turned by an angle; the uncut part if the angle is 0."""
-    from scipy.optimize import brentq  # to save start-up time
-
     if angle <= 0:
         return [part]
-    time = brentq(lambda t: float(part.at(np.array([t]))[0][0]) - angle, 0.0, part.duration, xtol=1e-15)
+    time = float(part.times_at(np.array([angle]))[0])
 
     def late(since: Array) -> tuple[Array, Array, Array]:
         turned, speed, acceleration = part.at(time + since)
@@ -229,12 +224,9 @@ def two_speed(
         PinpressError: the path has rests, heights are not within the stroke, the time is too short, or a constant crank speed already keeps
             the limit; also as `evaluate`.
     """
-    cycle = _cycle(press, drive, loads, time, path, points)
-    _refuse_rests(cycle)
-    window = _window(cycle, limit)
+    cycle, window = _slow_turn(_cycle(press, drive, loads, time, path, points), limit)
     slow, whole = window.slowest, cycle.stroke_time
     working = window.angle / slow
-    _refuse_slack(cycle, window)
     _refuse_short(cycle, working)
 
     def motion(ramp: float) -> ServoMotion:
@@ -275,11 +267,8 @@ def constant_slide_speed(
     Raises:
         PinpressError: as `two_speed`.
     """
-    cycle = _cycle(press, drive, loads, time, path, points)
-    _refuse_rests(cycle)
-    window = _window(cycle, limit)
+    cycle, window = _slow_turn(_cycle(press, drive, loads, time, path, points), limit)
     whole = cycle.stroke_time
-    _refuse_slack(cycle, window)
     working = float(window.height(0.0) - window.height(window.angle)) / limit.speed
     _refuse_short(cycle, working)
 
@@ -446,7 +435,7 @@ def _beside_window(cycle: _Cycle, window: _Window, ramp: float) -> tuple[float, 
         ]
 
     def missed(fast: float) -> float:
-        return sum(float(part.at(np.array([part.duration]))[0][0]) for part in parts(fast)[1]) - cycle.way
+        return sum(part.way for part in parts(fast)[1]) - cycle.way
 
     low = cycle.way / whole
     high = 2 * low
@@ -494,20 +483,14 @@ def _cycle(press: Linkage, drive: ServoDrive, loads: Sequence[Load], time: float
 
 def _load_edges(press: Linkage, loads: Sequence[Load]) -> Array:
     """(k,) crank angles within the slide's period at which a load begins, ends or (at dead centres) changes its law [rad]."""
-    ends = dead_centres(press)
     if not loads:
         return np.empty(0)
-    edges = [ends.bottom_angle, ends.top_angle]
-    for load in wrap_laws(loads):
-        if not isinstance(load, ProcessLoad):
-            continue
-        for downwards in (True, False):
-            for interval in load.intervals(downwards):
-                above = datum(caller_laws.as_given(load), press) - ends.bottom_position
-                heights = [height for height in (above + interval.upper, above + interval.lower) if 0 < height < ends.stroke]
-                # a crank that swings back goes down on the other flank
-                edges += [angle_on_flank(press, ends, height, flank) for height in heights for flank in (True, False)]
-    return np.unique(edges)
+    ends = dead_centres(press)
+    heights = [height for height in load_heights(press, loads) if 0 < height < ends.stroke]
+    # a crank that swings back goes down on the other flank
+    return np.unique(
+        [ends.bottom_angle, ends.top_angle, *(angle_on_flank(press, ends, h, down) for h in heights for down in (True, False))]
+    )
 
 
 def _best(motion: Callable[[float], ServoMotion], low: float, high: float) -> ServoMotion:
@@ -528,13 +511,17 @@ def _is_slack(cycle: _Cycle, window: _Window) -> bool:
     return cycle.way / cycle.stroke_time <= window.slowest
 
 
-def _refuse_slack(cycle: _Cycle, window: _Window) -> None:
+def _slow_turn(cycle: _Cycle, limit: SlideSpeed) -> tuple[_Cycle, _Window]:
+    """A cycle of full turns, and the window of heights in which it must be slower than at a constant crank speed."""
+    _refuse_rests(cycle)
+    window = _window(cycle, limit)
     if _is_slack(cycle, window):
         even = cycle.way / cycle.stroke_time * window.speed / window.slowest
         raise PinpressError(
             f"limit is {window.speed:g} m/s, but at constant crank speed the slide reaches at most {even:.4g} m/s in the window:"
             " take constant_crank_speed, or give a lower speed or less time"
         )
+    return cycle, window
 
 
 def _refuse_short(cycle: _Cycle, working: float) -> None:

@@ -20,12 +20,12 @@ LEAVE_TIME = 1.0  # time in which finished tasks may arrive after one has failed
 
 @dataclass(frozen=True)
 class Work(Generic[Result]):
-    """Pieces of work with numbers, such as the points of a sweep.
+    """Numbered pieces of work, such as the points of a sweep.
 
     Attributes:
-        call: function of a piece's number and argument, which can be sent to other processes.
-        argument: the argument of a piece by its number; asked where the sweep runs, when the piece is sent.
-        killed: what stands for the result of a piece that ends the process that it runs in.
+        call: function of the number and the argument of a piece; it can be sent to other processes.
+        argument: number of a piece -> its argument; called in the process of the sweep when the piece is sent.
+        killed: number of a piece -> its result if the piece ends the process in which it runs.
     """
 
     call: Callable[[int, Any], Result]
@@ -34,14 +34,14 @@ class Work(Generic[Result]):
 
 
 class TaskError(Exception):
-    """The executor could not carry out a task; the cause is its exception."""
+    """The executor could not carry out a task. The cause is the executor's exception."""
 
 
 class Apart(Executor):
-    """Pools of one process each, in place of a pool that broke: when a process dies, only its own task is lost."""
+    """Pools of one process each, which replace a broken pool: if a process dies, only its own task is lost."""
 
     def __init__(self, broken: ProcessPoolExecutor) -> None:
-        # The arguments of the broken pool are in its private attributes alone.
+        # Only private attributes have the arguments of the broken pool.
         self._pool = partial(ProcessPoolExecutor, 1, broken._mp_context, broken._initializer, broken._initargs)
         self.workers: int = broken._max_workers  # type: ignore[attr-defined]
         self._idle: list[ProcessPoolExecutor] = []
@@ -71,13 +71,13 @@ class Apart(Executor):
 
 
 def carry_out(work: Work[Result], numbers: Sequence[int], executor: Executor | None, in_flight: int) -> Generator[list[Result], None, None]:
-    """Results of pieces of work as they are finished: one after the other in this process, or as they arrive from an executor.
+    """Yield the results of pieces of work when they are finished: one after the other in this process, or as an executor returns them.
 
-    A task of an executor has as many pieces as take about `TASK`: at first one, then at most twice as many from task to task. A task that
-    takes longer returns early, and its remaining pieces are submitted again. When a worker dies, the pieces of all tasks that may have
-    killed it are done one by one; a piece that kills its worker with no other task beside it has ``work.killed`` as its result. A process
-    pool breaks by such a death; its work goes on in pools of one process. The pieces of a task that otherwise fails are submitted once
-    more, one by one.
+    A task of an executor has pieces for about `TASK` seconds: first one piece, then up to twice as many from task to task. A task that
+    takes longer returns early, and its remaining pieces are submitted again. If a worker dies, the pieces of all tasks that may have killed
+    it are repeated one by one. A piece that kills its worker while no other task runs has the result ``work.killed``. The death of a
+    worker breaks a process pool; then the work continues in pools of one process. If a task fails for another reason, its pieces are
+    submitted once more, one by one.
 
     Args:
         work: the work.
@@ -86,7 +86,7 @@ def carry_out(work: Work[Result], numbers: Sequence[int], executor: Executor | N
         in_flight: number of tasks submitted at a time.
 
     Raises:
-        TaskError: a task was not carried out, twice. It is raised after the results of other finished tasks.
+        TaskError: the executor failed twice to carry out a task. The results of other finished tasks come before.
     """
     if executor is None:
         for number in numbers:
@@ -101,11 +101,11 @@ def carry_out(work: Work[Result], numbers: Sequence[int], executor: Executor | N
 
 
 class _Tasks(Generic[Result]):
-    """Pieces of work in the hands of an executor; see `carry_out`."""
+    """The pieces of work that an executor carries out; see `carry_out`."""
 
     def __init__(self, executor: Executor, work: Work[Result], numbers: Sequence[int], in_flight: int) -> None:
         self._executor, self._work, self._in_flight = executor, work, in_flight
-        # Pieces to be submitted: several a task, each as a task of its own, and each of those with no other task beside it.
+        # Pieces to be submitted: several in a task; each in a separate task; each in a separate task while no other task runs.
         self._waiting, self._alone, self._suspected = deque(numbers), deque[int](), deque[int]()
         self._pending: dict[Future[tuple[list[Result], float]], list[int]] = {}
         self._finished: SimpleQueue[Future[tuple[list[Result], float]]] = SimpleQueue()
@@ -118,7 +118,7 @@ class _Tasks(Generic[Result]):
         return bool(self._pending or self._waiting or self._alone or self._suspected)
 
     def next(self) -> Iterator[list[Result]]:
-        """Results of the next task that ends, and of others where it has broken the pool."""
+        """Results of the next task that ends, and of other finished tasks if it has broken the pool."""
         numbers: list[int] = []
         carried_out = False
         try:
@@ -143,7 +143,7 @@ class _Tasks(Generic[Result]):
             self._executor.close()
 
     def _taken(self) -> list[int]:
-        """Pieces of the next task; none while a suspected piece runs, or waits until no other does."""
+        """Pieces of the next task; none while a suspected piece runs, or waits until no other task runs."""
         if self._judged is not None:
             return []
         if self._alone:
@@ -156,7 +156,7 @@ class _Tasks(Generic[Result]):
         return []
 
     def _submit(self, numbers: list[int]) -> None:
-        # Dask names a call by its arguments, and answers the same call with the error that it had before; so no two calls are the same.
+        # Dask identifies a call by its arguments, and answers an equal call with its earlier error. Therefore each call has a number.
         pieces = [(number, self._work.argument(number)) for number in numbers]
         future = self._executor.submit(run_task, self._work.call, pieces, uuid4().hex)
         self._pending[future] = numbers
@@ -184,7 +184,7 @@ class _Tasks(Generic[Result]):
             raise TaskError from error
 
     def _leave_broken_pool(self, pool: ProcessPoolExecutor, numbers: list[int]) -> Iterator[list[Result]]:
-        """Give the results that the pool has finished, and mark all its other pieces to be done one by one, by pools of one process."""
+        """Yield the finished results of the pool, and mark its other pieces to be done one by one in pools of one process."""
         wait(self._pending, timeout=LEAVE_TIME)
         for future, others in self._pending.items():
             good = future.done() and not future.cancelled() and future.exception() is None
@@ -198,7 +198,7 @@ class _Tasks(Generic[Result]):
 
 
 def run_task(call: Callable[[int, Any], Result], pieces: Sequence[tuple[int, Any]], _submission: str) -> tuple[list[Result], float]:
-    """One task: the results of pieces with their numbers (of the first few where they take long), and the time that they took [s]."""
+    """One task: the results of its pieces, or of the first few if they take long, and their time [s]."""
     results, start = [], time.perf_counter()
     for number, argument in pieces:
         results.append(call(number, argument))
@@ -208,7 +208,7 @@ def run_task(call: Callable[[int, Any], Result], pieces: Sequence[tuple[int, Any
 
 
 def _left(finished: "SimpleQueue[Future[tuple[list[Result], float]]]", count: int) -> Iterator[list[Result]]:
-    """Results of other tasks that finish soon after one has failed; in a broken pool all fail at once."""
+    """Results of other tasks that finish soon after a task has failed. In a broken pool all tasks fail at once."""
     until = time.monotonic() + LEAVE_TIME
     for _ in range(count):
         try:
@@ -220,5 +220,5 @@ def _left(finished: "SimpleQueue[Future[tuple[list[Result], float]]]", count: in
 
 
 def _killed(error: Exception) -> bool:
-    """Whether a task has killed its worker: one of a pool, or several of a Dask cluster, which then gives the task up."""
+    """Whether a task has killed its worker in a pool, or several workers of a Dask cluster, which then stops repeating the task."""
     return isinstance(error, BrokenProcessPool) or type(error).__name__ == "KilledWorker"

@@ -48,7 +48,7 @@ from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 SLOW = 1e-9  # share of the highest speed at which inertia is below rounding, but the slide still has a direction of travel
 BETWEEN = 0.37  # share of the highest speed and amplitude at which the coefficients are confirmed too
 AFFINE = 1e-9  # a quantity that differs by more than this share of its largest value is not affine
-TILES = 16  # along either axis: with fewer more states remain in each, and more take longer to prepare
+TILES = 16  # along either axis: in fewer tiles more states remain, and more tiles take longer to prepare
 LEAST = 24  # points of a tile along either axis
 Quantities = dict[str, Array]
 """Name -> (k, s) array, components by states."""
@@ -199,15 +199,17 @@ def largest(quantity: Affine, squares: Array, forces: Array, lengths: bool, stat
     for i in range(len(rows) - 1):
         for j in range(len(columns) - 1):
             here = slice(rows[i], rows[i + 1]), slice(columns[j], columns[j + 1])
-            _compare(
-                quantity,
-                np.flatnonzero(kept[i, j]),
-                squares[here[0]],
-                forces[here[1]],
-                lengths,
-                best[here],
-                None if state is None else state[here],
-            )
+            left = np.flatnonzero(kept[i, j])
+            turned = quantity.a[:, left, None] * squares[here[0]] + quantity.c[:, left, None]  # (k, states, n)
+            loaded = quantity.d[:, left, None] * forces[here[1]]  # (k, states, m)
+            value = turned[0, :, :, None] + loaded[0, :, None]
+            if lengths:
+                value *= value
+                for k in range(1, len(turned)):
+                    value += (turned[k, :, :, None] + loaded[k, :, None]) ** 2
+            best[here] = value.max(axis=0)
+            if state is not None:
+                state[here] = left[value.argmax(axis=0)]
     return np.sqrt(best, out=best) if lengths else best, state
 
 
@@ -254,7 +256,7 @@ def _cycle(
     speed: float,
     force: float | None,
 ) -> tuple[Motion, Quantities]:
-    """One period at a speed and an amplitude (None: without the load), and its quantities."""
+    """One period at a speed and an amplitude, and its quantities. Without an amplitude (None) the load is left out."""
     motion = period_at(press, speed, points)
     acting = [*loads, *(_multiplied(load, force) for load in units)] if force is not None else list(loads)
     return motion, _quantities(inverse_dynamics(press, motion, acting, bearings=bearings))
@@ -310,7 +312,7 @@ def _extremes(affine: dict[str, Affine], speeds: Array, forces: Array, angles: b
 
 
 def _named_extremes(name: str, quantity: Affine, squares: Array, forces: Array, angles: bool) -> Iterator[tuple[str, tuple[Array, Any]]]:
-    """Names of the results of one quantity, each with its values (n, m) and the states of the extremes, or None."""
+    """Names of the results of one quantity, each with its values (n, m) and the states of its extremes (None if not wanted)."""
     if name.startswith("force_"):
         yield f"peak_{name}", largest(_without_nothing(quantity, squares, forces), squares, forces, True, angles)
         return
@@ -382,37 +384,3 @@ def _remaining_states(quantity: Affine, squares: Array, forces: Array, lengths: 
         np.put_along_axis(out, judges, False, axis=1)  # the judges themselves remain
         kept[i] = ~out
     return kept
-
-
-def _compare(
-    quantity: Affine,
-    states: NDArray[np.intp],
-    squares: Array,
-    forces: Array,
-    lengths: bool,
-    best: Array,
-    state: NDArray[np.intp] | None,
-) -> None:
-    """Write the largest values of these states at the points of a tile into ``best``, and the states into ``state``.
-
-    For lengths it writes their squares.
-    """
-    turned = quantity.a[:, states, None] * squares + quantity.c[:, states, None]  # (k, states, n)
-    loaded = quantity.d[:, states, None] * forces  # (k, states, m)
-    value, other = np.empty(best.shape), np.empty(best.shape)
-    for number, here in enumerate(states):
-        np.add(turned[0, number, :, None], loaded[0, number], out=value)
-        if lengths:
-            np.multiply(value, value, out=value)
-            for k in range(1, len(turned)):
-                np.add(turned[k, number, :, None], loaded[k, number], out=other)
-                np.multiply(other, other, out=other)
-                np.add(value, other, out=value)
-        if number == 0:
-            best[...] = value
-            if state is not None:
-                state[...] = here
-        else:
-            if state is not None:
-                np.copyto(state, here, where=value > best)
-            np.maximum(best, value, out=best)

@@ -7,14 +7,14 @@ the result is then h times its derivative. The derivatives of motion and reactio
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import cast
 
 import numpy as np
 
-from ..common.errors import PinpressError, UnknownNameError
+from ..common.errors import PinpressError
 from ..common.frozen import Frozen, NamedArrays, read_only
 from ..common.products import product
 from ..common.quantities import Array, ComplexArray
@@ -50,14 +50,18 @@ class Trial(Frozen):
     Attributes:
         variables: name -> value of each variable [SI].
         motion: motion over one period at constant speed, see `cycle`.
-        positions: name of a bearing -> (n, 3) position in world axes [m].
     """
 
     variables: Mapping[str, float]
     motion: Motion
-    positions: Positions
+    _positions: Callable[[], Mapping[str, Array]]
     _press: Callable[[], Linkage]
     _reactions: Callable[[], TrialReactions]
+
+    @cached_property
+    def positions(self) -> Mapping[str, Array]:
+        """Name of a bearing -> (n, 3) position in world axes [m], computed at the first access."""
+        return self._positions()
 
     @cached_property
     def press(self) -> Linkage:
@@ -117,24 +121,6 @@ class TrialReactions(Frozen):
         if self._shaking_moment is None:
             raise PinpressError(OUT_OF_PLANE)
         return self._shaking_moment
-
-
-class Positions(Mapping[str, Array]):
-    """Name of a bearing -> world position (n, 3), computed at each access."""
-
-    def __init__(self, names: Sequence[str], at: Callable[[int], Array]) -> None:
-        self._names, self._at = names, at
-
-    def __getitem__(self, name: str) -> Array:
-        if name not in self._names:
-            raise UnknownNameError("bearing", name, self._names)
-        return read_only(self._at(self._names.index(name)))
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -200,7 +186,7 @@ class Design:
         return Trial(
             dict(self.variables),
             self.motion,
-            Positions(self.start.press.bearings, self._point),
+            partial(getattr, self, "_positions"),
             partial(getattr, self, "press"),
             partial(getattr, self, "_reactions"),
         )
@@ -216,7 +202,7 @@ class Design:
         return Trial(
             self.variables | {name: cast("float", self.variables[name] + 1j * h)},
             self._motion_towards(place, h),
-            Positions(self.start.press.bearings, partial(self._point_towards, place, h)),
+            partial(self._positions_towards, place, h),
             partial(getattr, self, "press"),
             partial(self._reactions_towards, place, h),
         )
@@ -269,8 +255,17 @@ class Design:
             _guide=guided,
         )
 
-    def _point_towards(self, place: int, h: float, bearing: int) -> Array:
-        return _complex(self._point(bearing), h, self._point_slope(bearing, place))
+    @cached_property
+    def _points(self) -> Array:
+        return np.array([self._point(bearing) for bearing in range(len(self.start.press.bearings))])
+
+    @cached_property
+    def _positions(self) -> Mapping[str, Array]:
+        return NamedArrays(self.start.press.bearings, self._points)
+
+    def _positions_towards(self, place: int, h: float) -> Mapping[str, Array]:
+        slopes = np.array([self._point_slope(bearing, place) for bearing in range(len(self._points))])
+        return NamedArrays(self.start.press.bearings, _complex(self._points, h, slopes))
 
     def _point(self, bearing: int) -> Array:
         """World position (n, 3) of a bearing [m]."""

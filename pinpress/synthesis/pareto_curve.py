@@ -27,7 +27,6 @@ from .synthesis import UNCONSTRAINED, SynthesisResult, local_optimum, state_prob
 FIRST, SECOND = "first objective", "second objective"  # names of constraints
 GIVEN = 1e-4  # an end of the curve may be worse than the best by this share of the curve's range, to improve the other objective
 SAME = 1e-7  # a smaller relative difference between both ends is rounding error: the objectives do not conflict
-MOST_DESIGNS = 1000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -93,7 +92,7 @@ def trade_off(
         PinpressError: a constraint has the name of an objective, ``designs`` is out of range, or as `synthesise`.
         UnknownNameError: the linkage does not have a bearing or link with this name.
     """
-    count = whole_number("designs", designs, 2, MOST_DESIGNS)
+    count = whole_number("designs", designs, 2, 1000)
     if not isinstance(subject_to, Mapping):
         raise PinpressError(f"subject_to is a {type(subject_to).__name__}: give a mapping from names")
     if taken := {FIRST, SECOND} & subject_to.keys():

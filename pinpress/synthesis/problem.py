@@ -16,9 +16,6 @@ from ..common.quantities import Array
 from ..derivatives.motion import STEP, Displacements, Pivots, directed, displaced
 from .design import Design, Trial
 
-STEPS = (1e-6, 1e-5, 1e-7)  # steps of the scaled variables; the second and third are tried if the first meets a kink
-SAME = 1e-3  # largest relative difference between a gradient and a difference quotient of values
-NOISE = 1e-6  # rounding error of a difference quotient, as a share of the value
 Function = Callable[[Trial], ArrayLike]
 
 
@@ -81,7 +78,7 @@ class Requirement:
             raise PinpressError(f"{self.title} returns {values.dtype} of shape {values.shape}: return a number, or an array (m,)")
         if not np.isfinite(values).all():
             raise PinpressError(
-                f"{self.title} is not finite with {_listed(trial.variables)}: return finite numbers within the variables' bounds"
+                f"{self.title} is not finite with {listed(trial.variables)}: return finite numbers within the variables' bounds"
             )
         return values
 
@@ -239,14 +236,13 @@ class Point:
 
 def missed(point: Point) -> str:
     """A text with the constraints whose bounds are missed, the worst first."""
-    violations = sorted(((point.violation(limit), limit) for limit in point.problem.limits), key=lambda each: -each[0])
-    return ", ".join(_missed_by(point.problem, limit, violation) for violation, limit in violations if violation > 0)
-
-
-def _missed_by(problem: Problem, limit: Limit, violation: float) -> str:
-    requirement = problem.requirements[limit.requirement]
-    bound = "value" if limit.side == "equal" else f"{limit.side} bound"
-    return f"{requirement.title} misses its {bound} {limit.bound:g} by {violation * requirement.scale:.4g}"
+    words = []
+    for limit in sorted(point.problem.limits, key=lambda limit: -point.violation(limit)):
+        requirement, violation = point.problem.requirements[limit.requirement], point.violation(limit)
+        bound = "value" if limit.side == "equal" else f"{limit.side} bound"
+        if violation > 0:
+            words.append(f"{requirement.title} misses its {bound} {limit.bound:g} by {violation * requirement.scale:.4g}")
+    return ", ".join(words)
 
 
 def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
@@ -262,7 +258,7 @@ def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
     problem = point.problem
     for direction in directions:
         wrong = list(range(len(problem.requirements)))
-        for step in STEPS:
+        for step in (1e-6, 1e-5, 1e-7):  # the second and third are tried if the first meets a kink
             ahead, back = (problem.at(point.z + sign * step * direction, point.design) for sign in (1.0, -1.0))
             wrong = [k for k in wrong if not _agrees(point, k, direction, (ahead.values[k] - back.values[k]) / (2 * step))]
             if not wrong:
@@ -277,8 +273,9 @@ def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
 def _agrees(point: Point, requirement: int, direction: Array, difference: Array) -> bool:
     exact, values = point.slopes[requirement] @ direction, point.values[requirement]
     size = max(np.abs(exact).max(), np.abs(difference).max())
-    return bool(np.abs(exact - difference).max() <= SAME * size + NOISE * np.abs(values).max())
+    return bool(np.abs(exact - difference).max() <= 1e-3 * size + 1e-6 * np.abs(values).max())  # the latter is rounding error
 
 
-def _listed(variables: Mapping[str, float]) -> str:
+def listed(variables: Mapping[str, float]) -> str:
+    """Names and values of variables as text."""
     return ", ".join(f"{name} = {np.real(value):.6g}" for name, value in variables.items())

@@ -16,21 +16,10 @@ import numpy as np
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..common.results import Record, Records
-from .problem import Limit, Point, Problem, missed
+from .problem import Limit, Point, Problem, listed, missed
 
 CONVERGED = 1e-6  # scaled residual of the conditions of an optimum
-DESCENTS = 12  # runs of SLSQP; each run starts with new estimates of curvature
-ROUNDS = 100  # iterations of a descent
-MOST_LOST = 10  # a descent stops after more designs that cannot be assembled, because it creeps along their border
-ALL_LOST = 30  # the search stops after more designs of all descents that cannot be assembled
-NARROWED = 0.2  # factor of the reach after a descent without progress
-SHORTEST_REACH = 1e-3  # the search stops at a shorter reach
-PRECISION = 1e-15  # change of the scaled objective at which a descent stops
-ROUNDING = 1e-12  # error with which SLSQP keeps the bounds of scaled variables
-NO_WAY = 1e6  # scaled objective of a design that cannot be assembled: the line search steps back from it
-STARTS = 16  # random starts of a global search, a power of two because of Sobol's sequence
 TOUCHED = 1e-6  # a bound counts as reached at a smaller scaled distance
-WITHOUT = 1e-9  # a variable with a smaller scaled gradient has no influence
 
 
 class Search:
@@ -55,7 +44,7 @@ class Search:
             PinpressError: no design keeps the constraints, or the search does not converge.
         """
         point, reach, lost = start, 1.0, 0
-        for _ in range(DESCENTS):
+        for _ in range(12):  # each descent starts with new estimates of curvature
             descent = _Descent(self, point, reach)
             end = descent.end()
             lost += descent.lost
@@ -64,8 +53,8 @@ class Search:
             if _better(end, point):
                 point, reach = end, min(1.0, 2.0 * reach)
             else:
-                reach *= NARROWED
-            if reach < SHORTEST_REACH or lost > ALL_LOST:
+                reach *= 0.2
+            if reach < 1e-3 or lost > 30:
                 break
         if point.widest_violation > CONVERGED:
             raise PinpressError(
@@ -73,8 +62,8 @@ class Search:
             )
         if lost:
             raise PinpressError(
-                f"the search ends at {_listed(point)}, next to designs that cannot be assembled or evaluated: {self.why}; exclude them by a"
-                " constraint on a transmission or pressure angle, or by narrower bounds"
+                f"the search ends at {listed(point.problem.values(point.z))}, next to designs that cannot be assembled or evaluated:"
+                f" {self.why}; exclude them by a constraint on a transmission or pressure angle, or by narrower bounds"
             ) from self.why
         raise PinpressError(
             f"the search does not converge: residual {optimality(point).residual:.2g} of the optimum's conditions, more than {CONVERGED:g};"
@@ -90,7 +79,7 @@ class Search:
         """
         from scipy.stats import qmc  # slow to import
 
-        spread = qmc.Sobol(len(start.z), seed=seed).random(STARTS)
+        spread = qmc.Sobol(len(start.z), seed=seed).random(16)  # a power of two, because of Sobol's sequence
         optima: list[Point] = []
         failure: PinpressError | None = None
         for z in [start.z, *spread]:
@@ -171,7 +160,10 @@ def optimality(point: Point) -> OptimalityConditions:
     shares, residual = nnls(matrix, target)
     multipliers = shares[count:] / max(shares[:count].sum(), np.finfo(float).tiny)
     slack = max((share * abs(force.slack) for share, force in zip(multipliers, forces, strict=True)), default=0.0)
-    return OptimalityConditions(max(float(residual), slack, point.widest_violation), _active(forces, multipliers, size), _idle(point))
+    scaled = [np.abs(part).max(axis=0) / requirement.scale for part, requirement in zip(point.slopes, problem.requirements, strict=True)]
+    strongest = np.max(scaled, axis=0)
+    idle = tuple(v.name for v, slope in zip(problem.variables, strongest, strict=True) if slope <= 1e-9)  # rounding error
+    return OptimalityConditions(max(float(residual), slack, point.widest_violation), _active(forces, multipliers, size), idle)
 
 
 class _CreepingError(Exception):
@@ -211,7 +203,7 @@ class _Descent:
         constraints = [self._constraint("eq", equal, False)] if equal else []
         if others or self.level:
             constraints.append(self._constraint("ineq", others, self.level))
-        options = {"maxiter": ROUNDS, "ftol": PRECISION}
+        options = {"maxiter": 100, "ftol": 1e-15}
         try:
             result = minimize(self._value, x, jac=self._slope, bounds=bounds, constraints=constraints, method="SLSQP", options=options)
             self._at(result.x)
@@ -232,7 +224,7 @@ class _Descent:
     def _at(self, x: Array) -> Point:
         """The problem at x, or at the last valid x if the linkage cannot be assembled at x."""
         z = x[: len(self.here.z)]
-        z = np.where(z < ROUNDING, 0.0, np.where(z > 1.0 - ROUNDING, 1.0, z))
+        z = np.where(z < 1e-12, 0.0, np.where(z > 1.0 - 1e-12, 1.0, z))  # SLSQP keeps bounds within rounding error
         if not np.array_equal(z, self.tried):
             self.tried = z
             point = self.search.at(z, self.here)
@@ -241,14 +233,14 @@ class _Descent:
                 self.last = point
                 return point
             self.lost += 1
-            if self.lost > MOST_LOST:
+            if self.lost > 10:  # the descent creeps along the border of designs that can be assembled
                 raise _CreepingError
         return self.last
 
     def _value(self, x: Array) -> float:
         point = self._at(x)
         if self.failed:
-            return NO_WAY
+            return 1e6  # the line search steps back from it
         return float(x[-1]) if self.level else point.objective / self.scale
 
     def _slope(self, x: Array) -> Array:
@@ -339,14 +331,3 @@ def _active(forces: list[_Force], multipliers: Array, size: float) -> Records[Ac
         sums[key] = sums.get(key, 0.0) + force.rising * share
     felt = {key: multiplier for key, multiplier in sums.items() if abs(multiplier) > TOUCHED}
     return Records(ActiveBound, (ActiveBound(*key[:3], float(multiplier * size / key[3])) for key, multiplier in felt.items()))
-
-
-def _idle(point: Point) -> tuple[str, ...]:
-    """Names of the variables that influence neither the objective nor a constraint, within rounding error."""
-    slopes = [np.abs(s).max(axis=0) / m.scale for s, m in zip(point.slopes, point.problem.requirements, strict=True)]
-    strongest = np.max(slopes, axis=0)
-    return tuple(v.name for v, slope in zip(point.problem.variables, strongest, strict=True) if slope <= WITHOUT)
-
-
-def _listed(point: Point) -> str:
-    return ", ".join(f"{name} = {value:.6g}" for name, value in point.problem.values(point.z).items())

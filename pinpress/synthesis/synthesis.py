@@ -38,15 +38,11 @@ from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .design import Design, Start
-from .problem import Function, Point, Problem, Requirement, Variable, verify_gradients
+from .problem import Function, Point, Problem, Requirement, Variable, listed, verify_gradients
 from .search import ActiveBound, Search, optimality
 
 SYNTHESISED = "_synthesised"  # end of the name of the resulting press
 UNCONSTRAINED: Mapping[str, Any] = FrozenMapping({})
-SAME = 1e-9  # largest difference between the motions of the resulting press and its trial, as a share of the linkage's size
-FINER = 8  # factor for the number of crank angles at which the result is checked
-NOTICED = 1e-3  # share of a constraint's size by which it may be missed between the crank angles of trials
-WIDE = 14  # characters of a number's column
 
 
 @typed
@@ -94,14 +90,14 @@ def synthesise(
     start = _start(press, problem, speed, points, loads)
     verify_gradients(start, [np.random.default_rng(0).uniform(0.5, 1.0, len(problem.variables))])
     search = Search(start.problem)
-    return _result_of_search(start, search, search.local(start) if method == "local" else search.best(start, seed), speed, points)
+    return _result(start, search, search.local(start) if method == "local" else search.best(start, seed), speed, points)
 
 
 def local_optimum(press: Linkage, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> SynthesisResult:
     """The optimum next to the start of a problem whose gradients are already checked. Raises as `synthesise`."""
     start = _start(press, problem, speed, points, loads)
     search = Search(start.problem)
-    return _result_of_search(start, search, search.local(start), speed, points)
+    return _result(start, search, search.local(start), speed, points)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -140,11 +136,35 @@ class SynthesisResult(Tabular):
 
     @property
     def title(self) -> str:
-        found = ", ".join(f"{name} = {value:.6g}" for name, value in self.variables.items())
-        return f"SynthesisResult of {self.press.name}: {self.start_value:.6g} to {self.value:.6g} with {found}"
+        return f"SynthesisResult of {self.press.name}: {self.start_value:.6g} to {self.value:.6g} with {listed(self.variables)}"
 
     def __str__(self) -> str:
-        return _text(self)
+        """Objective, variables and constraints with their bounds, active bounds, and checks."""
+        width, number = max(12, *(len(row.name) for row in self._rows)) + 2, 14
+        lines = [
+            f"{self.press.name}: {self.evaluations} designs judged, {self.infeasible} that could not be assembled",
+            "",
+            *tables.table([["objective", "", f"{self.start_value:.6g}", f"{self.value:.6g}"]], [width, number]),
+        ]
+        for kind in ("variable", "constraint"):
+            rows = [row for row in self._rows if row.kind == kind]
+            if rows:
+                heads = [f"{kind.capitalize()}s", "lower", "start", "found", "upper"]
+                lines += ["", *tables.table([heads], [width + 2, number], indent=""), *tables.table(map(_cells, rows), [width, number])]
+        lines += ["", "Held by" if self.active else "Held by no bound"]
+        lines += [
+            f"  {bound.name}, {'value' if bound.side == 'equal' else f'{bound.side} bound'} {bound.bound:.6g}:"
+            f" the objective changes by {bound.multiplier:.4g} times the change of the bound"
+            for bound in self.active
+        ]
+        if self.idle:
+            lines += [f"Without influence: {', '.join(self.idle)}"]
+        checks = [
+            ["conditions of the optimum", f"{self.kkt:.2g} of the objective"],
+            ["objective between crank angles", f"{self.finer_value:.6g}"],
+            ["constraints between them missed by", f"{self.missed:.2g} of their size"],
+        ]
+        return "\n".join([*lines, "", "Checks", *tables.table(checks, [max(width + number, 36), 0])])
 
     def table(self) -> Records[BoundedQuantity]:
         """A row for each variable, then for each constraint."""
@@ -222,10 +242,10 @@ def _coordinates(press: Linkage, names: tuple[str, ...]) -> Callable[..., Pivots
             raise UnknownNameError("coordinate", name, coordinates)
 
     def geometry(**values: Any) -> Pivots:
-        pivots: dict[tuple[str, str], Any] = {coordinates[name][0]: list(positions[coordinates[name][0]]) for name in values}
+        pivots: dict[tuple[str, str], Any] = {}
         for name, value in values.items():
             pivot, axis = coordinates[name]
-            pivots[pivot][axis] = value
+            pivots.setdefault(pivot, list(positions[pivot]))[axis] = value
         return pivots
 
     return geometry
@@ -242,14 +262,11 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int | None, l
         drawn = reshaped(press, problem.pivots(values))
         motion = cycle(drawn, speed, points=points)
     except (AssemblyError, SingularityError) as error:
-        listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
-        raise PinpressError(f"the start, {listed}, is not a valid press: {error}; start elsewhere") from error
+        raise PinpressError(f"the start, {listed(values)}, is not a valid press: {error}; start elsewhere") from error
     design = _close_design(drawn, motion, values, loads)
     point = problem.at(problem.scaled(values), design)
-    scaled = tuple(
-        _scale_requirement(requirement, values_) for requirement, values_ in zip(problem.requirements, point.values, strict=True)
-    )
-    return Problem(problem.variables, problem.geometry, scaled).at(point.z, design)
+    scaled = tuple(replace(part, scale=_size(part, at_start)) for part, at_start in zip(problem.requirements, point.values, strict=True))
+    return replace(problem, requirements=scaled).at(point.z, design)
 
 
 def _close_design(drawn: Linkage, motion: Motion, values: dict[str, float], loads: Sequence[Load]) -> Design:
@@ -260,73 +277,65 @@ def _close_design(drawn: Linkage, motion: Motion, values: dict[str, float], load
     return Design(Start(drawn, plane, motion, loads), values, nowhere(drawn), [], plane, *state)
 
 
-def _scale_requirement(requirement: Requirement, values: Array) -> Requirement:
-    """The requirement, scaled by the larger of the sizes of its values and its bounds."""
-    sizes = [float(np.abs(values).max()), *(abs(bound) for bound in (requirement.lower, requirement.upper) if math.isfinite(bound))]
-    return Requirement(requirement.name, requirement.function, requirement.lower, requirement.upper, max(sizes) or 1.0)
+def _size(requirement: Requirement, values: Array) -> float:
+    """The largest size of its values and bounds, which scales a requirement."""
+    bounds = [abs(bound) for bound in (requirement.lower, requirement.upper) if math.isfinite(bound)]
+    return max(float(np.abs(values).max()), *bounds, 0.0) or 1.0
 
 
-def _result_of_search(start: Point, search: Search, found: Point, speed: float, points: int | None) -> SynthesisResult:
-    """The result of a search.
-
-    Raises:
-        PinpressError: the resulting press moves in another way than its trial, because it locks between two points.
-    """
-    motion, trial = period_at(found.design.press, speed, points), found.design.motion
-    if not np.abs(motion.joint_position - trial.joint_position).max() <= SAME * (1 + found.design.plane.size):
-        raise PinpressError("the resulting press moves in another assembly than its drawn pose: give narrower bounds of the variables")
-    return _result(start, found, search, _finer(found, speed))
-
-
-def _finer(found: Point, speed: float) -> Point:
-    """The resulting design, with more crank angles.
+def _finer(optimum: Point, speed: float) -> Point:
+    """The resulting design, with eight times the crank angles.
 
     Raises:
         PinpressError: the design locks between the crank angles of its trial, or a function fails.
     """
-    design, problem = found.design, found.problem
-    drawn = replace(problem, variables=tuple(replace(variable, start=design.variables[variable.name]) for variable in problem.variables))
-    values = drawn.values(found.z)
-    press = reshaped(design.press, drawn.pivots(values))
-    motion = cycle(press, speed, points=FINER * len(design.motion.time))
-    return drawn.at(found.z, _close_design(press, motion, values, design.start.loads))
+    design, problem = optimum.design, optimum.problem
+    values = problem.values(optimum.z)
+    press = reshaped(design.press, problem.pivots(values))
+    motion = cycle(press, speed, points=8 * len(design.motion.time))
+    return problem.at(optimum.z, _close_design(press, motion, values, design.start.loads))
 
 
-def _missed_between(found: Point, finer: Point) -> tuple[float, str]:
-    """The largest excess of a constraint between the crank angles of trials, as a share of the constraint's size, and as text."""
+def _missed_between(finer: Point) -> float:
+    """The largest excess of a constraint between the crank angles of trials, as a share of the constraint's size; cautions above 1e-3."""
     worst, words = 0.0, ""
-    for requirement, values in zip(found.problem.requirements[1:], finer.values[1:], strict=True):
+    for requirement, values in zip(finer.problem.requirements[1:], finer.values[1:], strict=True):
         for bound, beyond in ((requirement.lower, requirement.lower - values.min()), (requirement.upper, values.max() - requirement.upper)):
             if beyond / requirement.scale > worst:
                 worst = float(beyond / requirement.scale)
                 words = f"{requirement.title} misses its bound {bound:g} by {beyond:.4g} between the crank angles of the trials"
-    return worst, words
-
-
-def _result(start: Point, found: Point, search: Search, finer: Point) -> SynthesisResult:
-    problem, conditions, press = found.problem, optimality(found), found.design.press
-    missed, words = _missed_between(found, finer)
-    if missed > NOTICED:
+    if worst > 1e-3:
         caution(f"{words}: give more points=")
-    constraints = {
-        requirement.name: float(values[0]) if len(values) == 1 else read_only(values)
-        for requirement, values in zip(problem.requirements[1:], found.values[1:], strict=True)
-    }
-    values = problem.values(found.z)
+    return worst
+
+
+def _result(start: Point, search: Search, optimum: Point, speed: float, points: int | None) -> SynthesisResult:
+    """The result of a search.
+
+    Raises:
+        PinpressError: the resulting press moves in another way than its trial, because it locks between two points; or as `_finer`.
+    """
+    problem, conditions, press = optimum.problem, optimality(optimum), optimum.design.press
+    motion, trial = period_at(press, speed, points), optimum.design.motion
+    if not np.abs(motion.joint_position - trial.joint_position).max() <= 1e-9 * (1 + optimum.design.plane.size):
+        raise PinpressError("the resulting press moves in another assembly than its drawn pose: give narrower bounds of the variables")
+    finer, values = _finer(optimum, speed), problem.values(optimum.z)
     rows = [BoundedQuantity(v.name, "variable", v.lower, v.start, values[v.name], v.upper) for v in problem.variables]
-    for k, requirement in enumerate(problem.requirements[1:], 1):
-        bounds = [bound if math.isfinite(bound) else None for bound in (requirement.lower, requirement.upper)]
-        nearest = (_nearest(requirement, point.values[k]) for point in (start, found))
-        rows.append(BoundedQuantity(requirement.name, "constraint", bounds[0], next(nearest), next(nearest), bounds[1]))
+    constraints: dict[str, float | Array] = {}
+    for requirement, *at_ends in zip(problem.requirements[1:], start.values[1:], optimum.values[1:], strict=True):
+        lower, upper = (bound if math.isfinite(bound) else None for bound in (requirement.lower, requirement.upper))
+        nearest = [_nearest(requirement, elements) for elements in at_ends]
+        rows.append(BoundedQuantity(requirement.name, "constraint", lower, nearest[0], nearest[1], upper))
+        constraints[requirement.name] = float(at_ends[1][0]) if len(at_ends[1]) == 1 else read_only(at_ends[1])
     return SynthesisResult(
         press=press.with_inertias(list(press.model.inertias), name=press.name.removesuffix(SYNTHESISED) + SYNTHESISED),
         variables=FrozenMapping(values),
-        value=found.objective,
+        value=optimum.objective,
         start_value=start.objective,
         constraints=FrozenMapping(constraints),
         active=conditions.active,
         idle=conditions.idle,
-        missed=missed,
+        missed=_missed_between(finer),
         finer_value=finer.objective,
         kkt=conditions.residual,
         evaluations=search.evaluations,
@@ -338,37 +347,6 @@ def _result(start: Point, found: Point, search: Search, finer: Point) -> Synthes
 def _nearest(requirement: Requirement, values: Array) -> float:
     """The element that is nearest to a bound, or furthest outside its bounds."""
     return float(values[np.argmin(np.minimum(values - requirement.lower, requirement.upper - values))])
-
-
-def _text(found: SynthesisResult) -> str:
-    """Objective, variables and constraints with their bounds, active bounds, and the residual of the conditions of the optimum."""
-    rows = found.table()
-    width = max(12, *(len(row.name) for row in rows)) + 2
-    lines = [
-        f"{found.press.name}: {found.evaluations} designs judged, {found.infeasible} that could not be assembled",
-        "",
-        *tables.table([["objective", "", f"{found.start_value:.6g}", f"{found.value:.6g}"]], [width, WIDE]),
-    ]
-    for kind in ("variable", "constraint"):
-        some = [row for row in rows if row.kind == kind]
-        if some:
-            heads = [f"{kind.capitalize()}s", "lower", "start", "found", "upper"]
-            lines += ["", *tables.table([heads], [width + 2, WIDE], indent=""), *tables.table(map(_cells, some), [width, WIDE])]
-    lines += ["", "Held by" if found.active else "Held by no bound"]
-    lines += [
-        f"  {bound.name}, {'value' if bound.side == 'equal' else f'{bound.side} bound'} {bound.bound:.6g}:"
-        f" the objective changes by {bound.multiplier:.4g} times the change of the bound"
-        for bound in found.active
-    ]
-    if found.idle:
-        lines += [f"Without influence: {', '.join(found.idle)}"]
-    rows_of_checks = [
-        ["conditions of the optimum", f"{found.kkt:.2g} of the objective"],
-        ["objective between crank angles", f"{found.finer_value:.6g}"],
-        ["constraints between them missed by", f"{found.missed:.2g} of their size"],
-    ]
-    checks = tables.table(rows_of_checks, [width + WIDE, 0])
-    return "\n".join([*lines, "", "Checks", *checks])
 
 
 def _cells(row: BoundedQuantity) -> list[str]:

@@ -46,11 +46,11 @@ from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
 from ..dynamics.reactions import Reactions
-from ..kinematics.motion import Motion
+from ..kinematics.motion import Motion, is_cycle, of_states
 from ..kinematics.poses import rotation_of
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load
-from .virtual_work import UnitForces, forces_by_cause, in_plane, unit_forces
+from .virtual_work import UnitForces, in_plane, unit_forces
 
 KNOWN_TO = 0.05  # default relative uncertainty of masses and loads
 ROUNDING = 1e-9  # a smaller force, as a share of the largest bearing force of a state, counts as rounding error
@@ -203,7 +203,11 @@ def play(
     reactions = inverse_dynamics(press, motion, loads, friction) if friction else without
     _refuse_open_moments(press, widths, reactions)
     unit = unit_forces(press, motion, without)
-    rest, moving = forces_by_cause(press, motion, loads)
+    still = np.zeros_like(motion.v.T)
+    at_rest = of_states(press, motion.joint_position.T, still, still.copy(), motion.closure_error, None)
+    rest, *moving = (
+        inverse_dynamics(press, moved, alone) for moved, alone in ((at_rest, ()), (motion, ()), *((motion, [load]) for load in loads))
+    )
     contacts, *causes = (contacts_of(press, unit, widths, by_cause) for by_cause in (reactions, rest, without, *moving))
     size = ROUNDING * np.max([np.linalg.norm(force, axis=1) for force in reactions.bearing_force.values()], axis=0)
     shares = {name: np.zeros(len(motion.v)) for name in widths}
@@ -373,17 +377,9 @@ def crossings(motion: Motion, unit: Array, force: Array) -> list[tuple[int, floa
     along_next = np.einsum("nk,nk->n", force, unit[after]) * np.einsum("nk,nk->n", force[after], unit[after])
     size = np.linalg.norm(unit, axis=1)
     crossing = (here * after_step < 0) & (along_next < 0) & (np.minimum(size, size[after]) > UNMOVED)
-    if not _whole(motion):
+    if not is_cycle(motion):  # else the first state follows the last one
         crossing[-1] = False
     return [(k, float(here[k] / (here[k] - after_step[k]))) for k in map(int, np.flatnonzero(crossing))]
-
-
-def _whole(motion: Motion) -> bool:
-    """Whether the first state follows the last one: equal steps over a period without its end, as from `cycle`."""
-    if motion.period_turns is None or motion.crank_angle.ndim > 1 or len(motion.v) < 2:
-        return False
-    steps = np.diff(motion.crank_angle)
-    return bool(np.allclose(steps, steps[0]) and np.isclose(abs(steps[0]) * len(motion.v), 2 * np.pi * motion.period_turns))
 
 
 # --------------------------------------------------------------------------------------------------------------------------- checks

@@ -197,7 +197,7 @@ def bottom_dead_centre(
         {travel.height: result for travel, result in zip(travels, scatters[3:], strict=True) if travel.unit == unit}
         for unit in ("N m", "m/s")
     )
-    return DeadCentreScatter(press, checked, *scatters[:3], torques, speeds_down, drawn, backwards)
+    return DeadCentreScatter(press, checked, scatters[0], scatters[1], scatters[2], torques, speeds_down, drawn, backwards)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- the dead centres
@@ -311,13 +311,15 @@ def _turning(points: TurningPoints, k: int, local: _Local, upwards: bool) -> Tur
     limits = points.places[: points.limits]
     travel = float(np.ptp(limits)) if len(limits) else 2 * np.pi * points.turns
     speed = float(np.ptp(points.positions)) / travel
-    ways, kind, angle_slopes = (1, -1), "dead centre", np.zeros_like(local.rate_slopes)
-    if k < points.limits:
-        ways, kind = (1,) if points.places[k] < limits.max() else (-1,), "held"
+    angle_slopes = np.zeros_like(local.rate_slopes)
+    ways: tuple[int, ...] = (1, -1)
+    if at_limit := k < points.limits:
+        ways = (1,) if points.places[k] < limits.max() else (-1,)
     elif abs(local.second) > 1e-6 * speed:  # a flatter path does not turn back at a place of first order
         angle_slopes = -local.rate_slopes / local.second
     steps = math.ceil(360 * points.turns)
-    return TurningPoint(Ending(local.start, angle_slopes, kind), upwards, ways, local.second, speed, travel / steps, steps)
+    ending = Ending(local.start, angle_slopes, "held" if at_limit else "dead centre")
+    return TurningPoint(ending, upwards, ways, local.second, speed, travel / steps, steps)
 
 
 def refuse_several_drivers(press: Linkage) -> None:

@@ -25,12 +25,7 @@ from .points import ONE_PLACE, SlideParallelism
 from .scatter import COVERAGE, LEAST_BEYOND, Scatter, widest_coverage
 from .temperatures import HeatShift
 
-CLASSES = 61  # of the presses of a sample
-MOST = 10  # dimensions with a bar of their own; more are one bar together
-ROOM = 1.08  # height of the lines beside the presses, divided by the largest class
-UNSEEN = 1e-3  # of the distance at which points are one place: a smaller misfit is rounding
 BOTTOM, TOP = "bottom dead centre", "top dead centre"
-MACHINING = "; the setting takes it away"
 
 
 # ------------------------------------------------------------------------------------------------------------------------------ scatter
@@ -54,14 +49,18 @@ def scatter(found: Scatter, page: Reactions | None = None) -> tuple[Section, ...
 def dead_centres(found: DeadCentreScatter, page: Reactions | None = None) -> tuple[Section, ...]:
     """Dead centres whose dimensions scatter, with torques and speeds at heights."""
     order = _by_share(found.height)
-    spread = [
-        Column("", [each.quantity for each in found.quantities]),
-        Column("nominal", [quantity(_places(each)).text(each.nominal, 7) for each in found.quantities]),
-        Column("standard deviation", [quantity(each.unit).text(each.sd, 4) for each in found.quantities]),
-        Column("to first order", [quantity(each.unit).text(each.first_order_sd, 4) for each in found.quantities]),
-        Column("worst corners", [_ends(each, each.corners, "and") for each in found.quantities]),
+    rows = [
+        (
+            result.quantity,
+            quantity(_places(result)).text(result.nominal, 7),
+            *(quantity(result.unit).text(sd, 4) for sd in (result.sd, result.first_order_sd)),
+            _ends(result, result.corners, "and"),
+        )
+        for result in found.quantities
     ]
-    gradients = [Column(f"{each.quantity} [{each.unit}]", [float(each.gradient[k]) for k in order]) for each in found.quantities]
+    heads = ("", "nominal", "standard deviation", "to first order", "worst corners")
+    spread = [Column(head, list(cells)) for head, cells in zip(heads, zip(*rows, strict=True), strict=True)]
+    gradients = [Column(f"{result.quantity} [{result.unit}]", result.gradient[order].tolist()) for result in found.quantities]
     share = Column(f"share of {BOTTOM}", [float(found.share[k]) for k in order], "share")
     blocks: list[Block] = [
         _shares(found.quantities),
@@ -73,7 +72,7 @@ def dead_centres(found: DeadCentreScatter, page: Reactions | None = None) -> tup
     ]
     note = f"Of {found.deviations.shape[1]} presses with lengths of their own. Bottom dead centre: {found.height.decided}."
     note += f" {found.way_down[0].upper()}{found.way_down[1:]}." if found.way_down else ""
-    figures = [replace(_band(each), name=each.quantity) for each in found.quantities]
+    figures = [replace(_band(result), name=result.quantity) for result in found.quantities]
     return (Section("Dead centres and tolerances", figures, blocks, (), note, found._press, "scatter"),)
 
 
@@ -89,7 +88,7 @@ def _ends(found: Scatter, ends: Sequence[float] | Array, between: str) -> str:
 
 
 def _band(found: Scatter) -> Figure:
-    """The band of the widest share of presses whose ends the sample can tell; of a very small sample its standard deviation."""
+    """The band of the largest share of presses whose ends are reliable in the sample; for a very small sample its standard deviation."""
     coverage = widest_coverage(found)
     if coverage is None:
         return Figure("band", found.first_order_sd, found.unit, "standard deviation to first order", kind="accuracy")
@@ -97,7 +96,7 @@ def _band(found: Scatter) -> Figure:
 
 
 def _by_share(found: Scatter) -> list[int]:
-    """Indices of the dimensions, that with the largest share first."""
+    """Indices of the dimensions, the one with the largest share first."""
     return [int(k) for k in np.argsort(-found.share, kind="stable")]
 
 
@@ -122,20 +121,17 @@ def _by_dimension(found: Scatter) -> list[Column]:
 
 
 def _shares(scatters: Sequence[Scatter]) -> Bars:
-    """Shares of the dimensions in the variances, in the order of those of the first quantity; small ones are one bar."""
+    """Shares of the dimensions in the variances, in the order of the first quantity; of more than eleven, the smallest are one bar."""
     parts, order = scatters[0].parts, _by_share(scatters[0])
-    shown = order if len(order) <= MOST + 1 else order[:MOST]
-    left = [k for k in order if k not in shown]
-    names = [parts[k].name for k in shown] + ([f"{len(left)} others"] if left else [])
-    series = {
-        each.quantity: np.array([*(each.share[k] for k in shown), *([float(each.share[left].sum())] if left else [])]) for each in scatters
-    }
+    shown, rest = (order, []) if len(order) <= 11 else (order[:10], order[10:])
+    names = [parts[k].name for k in shown] + [f"{len(rest)} others"] * bool(rest)
+    series = {result.quantity: np.append(result.share[shown], [result.share[rest].sum()] if rest else []) for result in scatters}
     return Bars("shares", "Shares of the variance", "share", names, series)
 
 
 def _presses(found: Scatter) -> Chart:
     """How many presses of the sample deviate by how much, next to the ends of the band, the worst corners and the limits."""
-    counts, edges = np.histogram(found.deviation, bins=CLASSES)
+    counts, edges = np.histogram(found.deviation, bins=61)
     share = np.repeat(counts / len(found.deviation), 2)
     reach = float(max(np.abs(found.deviation).max(), np.abs(found.corners).max(), found.limit or 0.0))
     ends = dict[str, Sequence[float]]()
@@ -144,11 +140,12 @@ def _presses(found: Scatter) -> Chart:
     ends["worst corners"] = found.corners.tolist()
     if found.limit is not None:
         ends[f"limits: {100 * found.within(found.limit):.4g} %"] = (-found.limit, found.limit)
-    column = ROOM * float(share.max()) * np.array([1.0, 0.0, 0.0, 1.0])
+    room = 1.08  # lines are a little higher than the largest class, and the chart a little wider than its lines
+    column = room * float(share.max()) * np.array([1.0, 0.0, 0.0, 1.0])
     outline = Curve("presses", share, np.repeat(edges, 2)[1:-1], np.column_stack([np.zeros_like(share), share]))
     lines = [Curve(name, column, np.repeat([low, high], 2), look="limit") for name, (low, high) in ends.items()]
     along = Along(f"deviation of {found.quantity}", found.unit)
-    reaches: tuple[float | None, float | None] = (-ROOM * reach, ROOM * reach) if reach else (None, None)
+    reaches: tuple[float | None, float | None] = (-room * reach, room * reach) if reach else (None, None)
     return Chart("presses", "Presses of the sample", "share", along, [outline, *lines], reach=reaches)
 
 
@@ -188,7 +185,7 @@ def parallelism(found: SlideParallelism, page: Reactions | None = None) -> tuple
         first_order = f"standard deviation; to first order {quantity(slope.unit).text(slope.first_order_sd, 4)}"
         figures.append(Figure(f"{slope.quantity}, scatter", slope.sd, slope.unit, first_order))
         figures.append(Figure(f"{slope.quantity}, worst corners", _ends(slope, slope.corners, "and")))
-    if found.misfit_sd.max() > UNSEEN * ONE_PLACE:
+    if found.misfit_sd.max() > 1e-3 * ONE_PLACE:  # less is rounding error
         figures.append(Figure("forced into the slide", float(found.misfit_sd.max()), "m", "standard deviation of a point off the plane"))
     if found.point_force_sd is not None and found.guide_moment_sd is not None:
         figures.append(Figure("force on a point", float(found.point_force_sd.max()), "N", "standard deviation"))
@@ -223,7 +220,7 @@ def play(found: SlidePlay, page: Reactions | None = None) -> tuple[Section, ...]
     open_ = not np.array_equal(found.lowest, found.highest)
     curves = [Curve("slide", found.offset, band=np.column_stack([found.lowest, found.highest]) if open_ else None)]
     if found.reversals and along.quantity == first.unit and page is None:  # a page lists them
-        places = np.array([each.crank_angle for each in found.reversals])
+        places = np.array([reversal.crank_angle for reversal in found.reversals])
         curves.append(Curve("force reverses", _between(along, found.offset, places), places, look="points"))
     whole: tuple[float | None, float | None] = (None, None)
     if along.values is not None and page is None:
@@ -234,13 +231,9 @@ def play(found: SlidePlay, page: Reactions | None = None) -> tuple[Section, ...]
         Chart("by_bearing", "Shares of the bearings", "m", along, [Curve(name, share) for name, share in found.by_bearing.items()]),
     ]
     if found.reversals:
-        columns = [
-            Column("bearing", [each.bearing for each in found.reversals]),
-            Column("then it is", [each.side for each in found.reversals]),
-            Column("at", [each.crank_angle for each in found.reversals], first.unit),
-            Column("slide moves by", [each.change for each in found.reversals], "m"),
-            Column("force left", [each.force for each in found.reversals], "N"),
-        ]
+        heads = {"bearing": "", "side": "", "crank_angle": first.unit, "change": "m", "force": "N"}
+        named = zip(heads.items(), ("bearing", "then it is", "at", "slide moves by", "force left"), strict=True)
+        columns = [Column(head, [getattr(row, field) for row in found.reversals], unit) for (field, unit), head in named]
         blocks.append(Table("reversals", "Forces that reverse", columns))
     note = (
         "Offset from the rigid press without clearances, positive upwards, with every bearing closed by its force. Its band: where a"
@@ -268,14 +261,11 @@ def _between(along: Along, values: Array, places: Array) -> Array:
 
 
 def _clearances(found: SlidePlay) -> Inputs:
-    """The clearances in words, those that are alike together."""
+    """The clearances as text, bearings with equal clearances together."""
     alike: dict[str, list[str]] = {}
     for name, width in found.clearance.items():
-        wide = (
-            f"{1e3 * width.across:.4g} mm over {1e3 * width.length:.4g} mm"
-            if isinstance(width, GuideClearance)
-            else f"{1e3 * width:.4g} mm"
-        )
+        guide = isinstance(width, GuideClearance)
+        wide = f"{1e3 * width.across:.4g} mm over {1e3 * width.length:.4g} mm" if guide else f"{1e3 * width:.4g} mm"
         alike.setdefault(wide, []).append(name)
     friction = [("friction in them", words) for _, words in of_friction(found.friction)] if found.friction else []
     return [("radial clearance", "; ".join(f"{', '.join(names)}: {wide}" for wide, names in alike.items())), *friction]
@@ -336,9 +326,7 @@ def _in_one_unit(lengths: Mapping[str, Sequence[float | None]]) -> list[Column]:
 def budget(found: AccuracyBudget, page: Reactions | None = None) -> tuple[Section, ...]:
     """Bottom dead centre in every condition by its parts, and its rise from the first condition."""
     kind, worst, conditions = f"{found.coordinate.unit}/s", found.worst, found.conditions
-    speeds = sorted({each.speed for each in conditions})
-    names = list(dict.fromkeys(each.condition for each in conditions))
-    parts = [part for part in (*PARTS, "crank") if any(abs(getattr(each, part)) > NEGLIGIBLE for each in conditions)]
+    parts = [part for part in (*PARTS, "crank") if any(abs(getattr(row, part)) > NEGLIGIBLE for row in conditions)]
     figures: list[Figure] = []
     if abs(found.largest_rise) > NEGLIGIBLE:
         where = f"at {quantity(kind).text(worst.speed, 4)}, {worst.condition}"
@@ -350,25 +338,26 @@ def budget(found: AccuracyBudget, page: Reactions | None = None) -> tuple[Sectio
         if widest_coverage(height) is None:
             ends = (float(height.deviation.min()), float(height.deviation.max()))
             band = Figure("machining", _ends(height, ends, "to"), where=f"{len(height.deviation)} presses")
-        figures.append(replace(band, name="machining", where=f"in {band.where}{MACHINING}", kind=""))
+        figures.append(replace(band, name="machining", where=f"in {band.where}; the setting takes it away", kind=""))
     blocks: list[Block] = []
+    speeds = np.unique([row.speed for row in conditions])
     if len(speeds) > 1:
-        along = Along(f"{found.coordinate.part} speed", kind, np.array(speeds))
-        by_speed = sorted(conditions, key=lambda each: each.speed)
+        along = Along(f"{found.coordinate.part} speed", kind, speeds)
         curves = []
-        for name in names:
-            of_it = [each for each in by_speed if each.condition == name]
-            curves.append(Curve(name, np.array([each.rise for each in of_it]), np.array([each.speed for each in of_it])))
+        for name in dict.fromkeys(row.condition for row in conditions):
+            rises = sorted((row.speed, row.rise) for row in conditions if row.condition == name)
+            at_speeds, rise = np.array(rises).T
+            curves.append(Curve(name, rise, at_speeds))
         blocks.append(Chart("rise", "Rise of bottom dead centre", "m", along, curves))
-    places = [f"{quantity(kind).text(each.speed, 4)}, {each.condition}" for each in conditions]
-    series = {part: np.array([getattr(each, part) for each in conditions]) for part in parts}
-    band_of_sum = np.array([[each.lowest, each.highest] for each in conditions])
+    places = [f"{quantity(kind).text(row.speed, 4)}, {row.condition}" for row in conditions]
+    series = {part: np.array([getattr(row, part) for row in conditions]) for part in parts}
+    band_of_sum = np.array([[row.lowest, row.highest] for row in conditions])
     blocks.append(Bars("parts", "Parts of bottom dead centre", "m", places, series, stacked=True, band=band_of_sum))
     heads = {**{part: part for part in parts}, "sum": "shift", "from": "lowest", "to": "highest", "rise": "rise"}
     columns = [
-        Column("speed", [each.speed for each in conditions], kind),
-        Column("condition", [each.condition for each in conditions]),
-        *_in_one_unit({head: [float(getattr(each, part)) for each in conditions] for head, part in heads.items()}),
+        Column("speed", [row.speed for row in conditions], kind),
+        Column("condition", [row.condition for row in conditions]),
+        *_in_one_unit({head: [float(getattr(row, part)) for row in conditions] for head, part in heads.items()}),
     ]
     blocks.append(Table("parts", "", columns))
     note = (

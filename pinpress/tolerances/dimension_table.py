@@ -156,9 +156,9 @@ def _dimension(press: Linkage, row: Mapping[str, str]) -> tuple[Dimension, float
     tolerance, sd = _number(row, "tolerance") / per, _number(row, "sd") / per if row.get("sd") else None
     options: dict[str, Any] = {"name": row.get("name") or None, "shape": row.get("shape") or "normal", "sd": sd}
     if kind == "length" and len(names) == 2:
-        return link_length(press, *names, tolerance, **options), per
+        return link_length(press, names[0], names[1], tolerance, **options), per
     if kind == "angle" and len(names) == 3:
-        return pin_angle(press, *names, tolerance, **options), per
+        return pin_angle(press, names[0], names[1], names[2], tolerance, **options), per
     if kind == "position" and len(names) in (2, 3):
         return pin_position(press, names[0], names[1], tolerance, link=names[2] if len(names) == 3 else None, **options), per
     raise PinpressError(f"{shown(row['dimension'])} is not a dimension: {WORDS}")

@@ -280,7 +280,7 @@ def pin_position(
             raise PinpressError(f"axis is {shown(axis)}: give 'x', 'y', 'z' or three numbers")
         along, called = np.array(AXES[axis]), axis
     else:
-        vector = suitable_numbers("axis", axis, "'x', 'y', 'z' or three numbers that are not all zero", (3,), lambda found: np.any(found))
+        vector = suitable_numbers("axis", axis, "'x', 'y', 'z' or three numbers that are not all zero", (3,), np.any)
         along = vector / np.abs(vector).max()  # squares of very large ones overflow
         along, called = along / np.linalg.norm(along), f"({', '.join(f'{part:g}' for part in vector)})"
     where = press.root if link is None else link
@@ -462,7 +462,7 @@ def correlation_matrix(parts: Sequence[Dimension], correlation: Mapping[tuple[st
             raise PinpressError(f"correlation: {shown(pair)} is given twice: give each pair once")
         pairs.add(frozenset(pair))
         result[place] = result[place[::-1]] = suitable_numbers(
-            f"correlation of {pair[0]} and {pair[1]}", value, "a number from -1 to 1", suits=lambda found: abs(found) <= 1.0
+            f"correlation of {pair[0]} and {pair[1]}", value, "a number from -1 to 1", suits=lambda coefficient: abs(coefficient) <= 1.0
         )
     if correlation and np.linalg.eigvalsh(result)[0] < -1e-12 * len(parts):  # less is rounding error
         raise PinpressError(

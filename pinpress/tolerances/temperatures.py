@@ -147,6 +147,7 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
     rises = _by_body(press, temperatures.rise)
     coefficients = _by_body(press, temperatures.expansion) if isinstance(temperatures.expansion, Mapping) else {}
     frame, slide = 0, press.slide_guide.joint + 1
+    assert press.slide is not None  # it has a guide
     for body, link, name, place in (
         (frame, press.root, "table", temperatures.table),
         (slide, press.slide, "face", temperatures.face),

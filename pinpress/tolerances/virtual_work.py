@@ -16,7 +16,7 @@ displaced rod would jam. A slide on springs takes the mean, weighted by the stif
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,10 +27,9 @@ from ..derivatives.motion import Displacements
 from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
 from ..dynamics.reactions import Reactions
-from ..kinematics.motion import Motion, of_states
+from ..kinematics.motion import Motion
 from ..kinematics.poses import poses
 from ..linkage.linkage import Linkage
-from ..loads.link import Load
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,14 +91,3 @@ def in_plane(press: Linkage, force: Array) -> Array:
     """A force (n, 3) without the part across the plane of a planar press, which is undetermined in rigid mechanics and does no work."""
     directions = press.engine().directions
     return np.asarray(force @ (directions.T @ directions))
-
-
-def forces_by_cause(press: Linkage, motion: Motion, loads: Sequence[Load]) -> tuple[Reactions, list[Reactions]]:
-    """The reactions under weight alone, under weight and inertia, and under weight, inertia and one load at a time.
-
-    Returns:
-        The reactions at standstill without loads, and a list: the reactions in motion without loads, then with each load.
-    """
-    still = np.zeros_like(motion.v.T)
-    at_rest = of_states(press, motion.joint_position.T, still, still.copy(), motion.closure_error, None)
-    return inverse_dynamics(press, at_rest), [inverse_dynamics(press, motion, loads_) for loads_ in ([], *([load] for load in loads))]

@@ -98,7 +98,7 @@ def pdf(page: str | os.PathLike[str], path: str | os.PathLike[str], *, time: flo
             or Chromium is missing.
     """
     time = number("time", time, "s")
-    with files.written(path, _suffix(path, [".pdf"])) as part, opened(page, (1280, 960)) as screen:  # which is laid out anew for paper
+    with files.written(path, _suffix(path, [".pdf"])) as part, opened(page, (1280, 960)) as screen:  # paper has another layout
         content = screen.printed(_within(time, screen.duration))
         with files.refused(path):
             part.write_bytes(content)
@@ -175,7 +175,7 @@ def _encoder(program: str, target: Path, rate: int) -> Iterator[Callable[[bytes]
     source = ("-f", "image2pipe", "-framerate", str(rate), "-c:v", "png", "-i", "-")
     command = [program, "-y", "-hide_banner", "-loglevel", "error", *source, *ENCODING[target.suffix], "-an", "-bitexact", str(target)]
     with tempfile.TemporaryFile() as said:
-        # In a session of its own, so that Ctrl-C does not reach it before us.
+        # In a separate session, so that Ctrl-C does not reach it first.
         process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=said, start_new_session=True)
         assert process.stdin is not None
         pipe = process.stdin
@@ -199,7 +199,7 @@ def _encoder(program: str, target: Path, rate: int) -> Iterator[Callable[[bytes]
                 raise refusal()
         finally:
             process.kill()
-            with suppress(OSError):  # frames that it has not taken
+            with suppress(OSError):  # frames that ffmpeg did not read
                 pipe.close()
             process.wait()
 
@@ -263,7 +263,7 @@ def opened(page: str | os.PathLike[str], size: tuple[int, int]) -> Iterator[Scre
     program = _program()
     if importlib.util.find_spec("playwright") is None:
         raise PinpressError("pictures, films and PDF files need Playwright, which is not installed; pip install 'pinpress[video]'")
-    # A thread of its own: Playwright's event loop cannot run inside another one, as a notebook has, and Ctrl-C must not interrupt it.
+    # In a separate thread: Playwright's event loop cannot run inside that of a notebook, and Ctrl-C must not interrupt it.
     with ThreadPoolExecutor(1) as thread:
         opening = ExitStack()
         try:

@@ -1,8 +1,8 @@
-"""What pages hold of others, with the licences that these are under and their texts.
+"""Packages that pages contain, with their licences.
 
-Pages carry Meshcat's viewer and Plotly's charts, each one script that many packages were bundled into. Meshcat's comes with a list of
-them, which leaves some out; Plotly's comes with none. What is missing stands in ``templates/licences.json``, which
-``docs/page_licences.py`` writes. Licences are SPDX expressions.
+Pages contain Meshcat's viewer and Plotly's charts. Each is one script into which many packages were bundled. Meshcat has an incomplete list
+of them, Plotly has none. The missing entries are in ``templates/licences.json``, which ``python docs/make.py page_licences`` writes.
+Licences are SPDX expressions.
 """
 
 import functools
@@ -21,10 +21,10 @@ class Part:
     """A package that is in a script of a page.
 
     Attributes:
-        name: as its registry has it.
-        version: empty where the bundle does not tell it.
+        name: its name in its registry.
+        version: empty if the bundle does not state it.
         licence: SPDX expression.
-        notice: who holds the copyright, in the package's own words; empty where ``text`` says so.
+        notice: the copyright notice of the package; empty if it is in ``text``.
         text: the licence.
     """
 
@@ -37,7 +37,7 @@ class Part:
 
 @functools.cache
 def of_meshcat(script: Path) -> tuple[Part, ...]:
-    """Those in Meshcat's viewer, ``script``: of the list beside it, and those that it leaves out or has no text of."""
+    """The packages in Meshcat's viewer, ``script``: those of the list next to it, and those that are missing there or have no text."""
     listed = json.loads(script.with_name(f"{script.name}.THIRD_PARTY_LICENSES.json").read_text("utf-8"))
     parts = {part.name: part for part in map(_part, _known()["meshcat"])}
     for each in listed:
@@ -48,15 +48,14 @@ def of_meshcat(script: Path) -> tuple[Part, ...]:
 
 @functools.cache
 def of_plotly(version: str) -> tuple[Part, ...]:
-    """Those in a version of plotly.js; where its parts are not known, those of all versions whose parts are."""
-    every = _known()["plotly"]
-    return tuple(_part(each) for each in every if version in each["in"] or version not in examined())
+    """The packages in a version of plotly.js; of an unknown version, the packages in all known versions."""
+    return tuple(_part(entry) for entry in _known()["plotly"] if version in entry["in"] or version not in examined())
 
 
 def plotly_version(head: str) -> str:
-    """The version that the comment in front of plotly.js tells; empty where it tells none."""
-    found = re.search(r"plotly\.js v([\w.-]+)", head)
-    return found[1] if found else ""
+    """The version in the comment in front of plotly.js; empty if there is none."""
+    version = re.search(r"plotly\.js v([\w.-]+)", head)
+    return version[1] if version else ""
 
 
 def examined() -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """Self-contained web pages: templates, styles and scripts put together into one file.
 
-A page is filled with text of ours, packed data, or text whose ``<`` and ``&`` are escaped: a link called ``<script>`` stays text.
+A page is filled with our templates, packed data, or text whose ``<`` and ``&`` are escaped: a link called ``<script>`` stays text.
 """
 
 import base64
@@ -41,7 +41,7 @@ class Library:
     Attributes:
         packed: the script, see `pack`.
         digest: its name in a page's security policy.
-        licence: text of its licence, and of those of all that is in it.
+        licence: texts of its licence and of the licences of all packages in it.
     """
 
     packed: str
@@ -56,7 +56,7 @@ def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[
     page's security policy names the scripts by their digests, so that no other can run.
 
     Args:
-        template: name of an HTML file; ``{{file.css}}``, ``{{file.js}}`` and ``{{file.html}}`` in it are files beside it.
+        template: name of an HTML file; ``{{file.css}}``, ``{{file.js}}`` and ``{{file.html}}`` in it are files next to it.
         title: any text.
         data: data for the page's own scripts, written as JSON.
         libraries: libraries by their names in the template.
@@ -68,7 +68,7 @@ def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[
     digests = [library.digest for library in libraries.values()]
 
     def finished(script: re.Match[str]) -> str:
-        """A script of the template, packed where it is to be; one that is filled in later stays as it is."""
+        """A script of the template, packed if its class says so; a script that is filled in later stays as it is."""
         opening, text = script[1], script[2]
         if FIELD.fullmatch(text):
             return script[0]
@@ -100,7 +100,7 @@ def write(path: str | os.PathLike[str], content: bytes) -> Path:
 
 
 def _with_files(name: str) -> str:
-    """The text of a file of `templates/` with those that it names in their places."""
+    """The text of a file of `templates/`; each file that it names is inserted at its place."""
     text = (importlib.resources.files(__package__) / "templates" / name).read_text("utf-8")
     return FILE.sub(lambda match: _with_files(match[1]), text)
 
@@ -123,9 +123,9 @@ def meshcat() -> Library:
         PinpressError: it is not installed.
     """
     script = meshcat_script()
-    own = (script.parents[1] / "LICENSE", script.with_name("main.min.js.LICENSE.txt"))
+    of_meshcat = (script.parents[1] / "LICENSE", script.with_name("main.min.js.LICENSE.txt"))
     parts = licences.together("Meshcat's viewer holds parts of others:", licences.of_meshcat(script))
-    return _library(script, "\n".join([*(path.read_text("utf-8") for path in own), parts]))
+    return _library(script, "\n".join([*(path.read_text("utf-8") for path in of_meshcat), parts]))
 
 
 def meshcat_script() -> Path:

@@ -1,6 +1,6 @@
 """A recording: one web page that shows a press turning, with everything it needs inside the file.
 
-The page holds Meshcat's viewer, the commands that build the scene, and a control bar of its own. It opens by double click,
+The page holds Meshcat's viewer, the commands that build the scene, and its control bar. It opens by double click,
 without a server or a network. World axes are in metres, with z up; a planar press stands in the x-z plane and is seen from -y.
 """
 
@@ -99,7 +99,7 @@ def scene(
         frames: key frames of the motion.
         reactions: as for `record`.
         traces: as for `record`.
-        flywheels: those that are drawn.
+        flywheels: flywheels to draw.
 
     Raises:
         PinpressError: as `record`.
@@ -107,20 +107,15 @@ def scene(
     if reactions is not None:
         _refuse_other_reactions(press, motion, reactions)
     at = poses(press, motion.joint_position[frames.states])
-    magnified, elastic = {}, elastic_run_of(motion)
-    if elastic is not None:
+    magnified = {}
+    if isinstance(motion, Run) and motion.stats.method == "elastic":  # its class would be imported with its solvers
         from .deflected import displaced, magnification  # with the equations of springs, which other pages do without
 
-        moved = elastic.displacement[frames.states]
+        moved = cast("ElasticRun", motion).displacement[frames.states]
         magnified = {"magnified": magnification(press, moved)}
         at = displaced(press, at, magnified["magnified"] * moved)
     drawn = bodies(press, motion.joint_position[frames.states], flywheels=flywheels)
     return moving(press, motion, frames, at, reactions, traces) | shapes(press, frames, at, drawn) | magnified
-
-
-def elastic_run_of(motion: Motion) -> ElasticRun | None:
-    """The motion, if it is that of a press on its springs. Its class is not asked for: it would be imported with its solvers."""
-    return cast("ElasticRun", motion) if isinstance(motion, Run) and motion.stats.method == "elastic" else None
 
 
 def shaft_flywheels(press: Linkage, given: Flywheel | Mapping[str, Flywheel] | None, results: Sequence[object]) -> list[ShaftFlywheel]:
@@ -132,7 +127,7 @@ def shaft_flywheels(press: Linkage, given: Flywheel | Mapping[str, Flywheel] | N
         results: the motion, and what else a page shows.
 
     Raises:
-        PinpressError: a flywheel for one of several drivers that is not named, or for one that slides.
+        PinpressError: a flywheel of one of several drivers without the name of the driver, or of a driver that slides.
         UnknownNameError: there is no such driver.
     """
     coupled = True
@@ -209,7 +204,7 @@ def moving(
 
 
 def shapes(press: Linkage, frames: KeyFrames, at: Poses, drawn: Sequence[ShownLink], *, animated: bool = True) -> dict[str, Any]:
-    """The part of `scene` that is the links themselves; ``drawn``: those that are shown; ``animated``: whether their motion is too."""
+    """The part of `scene` that shows the links ``drawn``; ``animated``: whether it contains their motion."""
     paths = meshcat_commands.body_poses(press, at, [body.frame for body in drawn])
     of_body = {body.name: path for body, path in zip(drawn, paths, strict=True)}
     commands = meshcat_commands.commands(drawn, of_body, frames.time)
@@ -253,9 +248,9 @@ class KeyFrames:
     Attributes:
         states: (k,) indices of states of the motion.
         time: (k,) times, 0 at the first [s].
-        crank: (k,) angles of the (first) driver [rad]; positions of one that slides [m].
+        crank: (k,) angles of the (first) driver [rad], or its positions if it slides [m].
         shown: (k,) the same as they are shown [deg or mm].
-        height: (k,) heights of the slide above bottom dead centre, or above the lowest state where there is none [m]; None without a slide.
+        height: (k,) heights of the slide above bottom dead centre, or above the lowest state if there is none [m]; None without a slide.
         above_bottom: whether heights are above bottom dead centre.
         turn: number of keys of one period, after which the linkage repeats its path; all of them where it does not.
     """
@@ -293,7 +288,7 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
     if last is not None:  # the first state once more, so that the loop has no jump
         order, time, crank = np.append(order, 0), np.append(time, last), np.append(crank, end)
         steps = np.abs(np.diff(crank))
-    turns = float(steps.sum() / (2 * np.pi if first.turns else 2 * np.ptp(crank) or 1.0))  # there and back is a turn of one that slides
+    turns = float(steps.sum() / (2 * np.pi if first.turns else 2 * np.ptp(crank) or 1.0))  # a slide goes there and back
     if turns * FEWEST_PER_TURN > MOST:
         raise PinpressError(
             f"{turns:.0f} turns are more than a recording holds ({MOST // FEWEST_PER_TURN}): record a shorter part of the motion"
@@ -348,8 +343,8 @@ def _driver(motion: Motion) -> dict[str, str]:
 
 
 def _time_back(press: Linkage, motion: Motion, time: Array) -> float | None:
-    """Time at which the first state comes again [s], one step after the last, if all joints are back then, those that turn after whole
-    turns; else None."""
+    """Time at which the first state comes again [s]: one step after the last, if all joints are back then (joints that turn, after whole
+    turns); else None."""
     x, v, a = motion.joint_position, motion.v, motion.a
     if len(time) < 3 or not motion.crank_speed.any():
         return None
@@ -390,7 +385,7 @@ def _short(values: Array) -> list[float]:
 
 
 def _legend(drawn: Sequence[ShownLink], of_body: dict[str, Array]) -> list[dict[str, str]]:
-    """The moving links, each with the colour of most of its parts; the first part of one that is made up has the link's colour."""
+    """The moving links, each with the colour of most of its parts; the first part of a made-up link has the link's colour."""
     moving = [body for body in drawn if meshcat_commands.moves(of_body[body.name])]
     parts = [body.parts if body.drawn else body.parts[:1] for body in moving]
     colours = (Counter(meshcat_commands.hexadecimal(part.rgba) for part in its).most_common(1)[0][0] for its in parts)

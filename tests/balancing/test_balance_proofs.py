@@ -13,9 +13,20 @@ from support.generators.spatial_linkages import bennett, four_bar
 from support.oracles import cassie
 
 import pinpress as pp
+from pinpress.balancing import (
+    AddedMass,
+    Counterweight,
+    CounterweightRegion,
+    OperatingCondition,
+    Peak,
+    Range,
+    Rms,
+    balance,
+    with_counterweights,
+)
 from pinpress.balancing.counterweights import PointMasses, mass_response
 
-MASS = pp.balancing.AddedMass()
+MASS = AddedMass()
 STATES = 12
 SEEDS = range(4)
 
@@ -60,11 +71,9 @@ def check_change(press, link, engine):
     masses, points = press.model.inertias[1].mass * rng.uniform(0.1, 0.5, 2), 0.5 * size * rng.normal(size=(2, 3))
     loads = [pp.loads.PointForce(link, (30.0, -20.0, 10.0), (0.1, 0.0, 0.2))]
     before = pp.inverse_dynamics(press, motion, loads)
-    weights = [pp.balancing.Counterweight(link, mass, tuple(point)) for mass, point in zip(masses, points, strict=True)]
-    after = pp.inverse_dynamics(pp.balancing.with_counterweights(press, weights), motion, loads, engine=engine)
-    found = mass_response(
-        press, pp.balancing.OperatingCondition(motion, loads), before, PointMasses(link, masses, points), inner_forces=True
-    )
+    weights = [Counterweight(link, mass, tuple(point)) for mass, point in zip(masses, points, strict=True)]
+    after = pp.inverse_dynamics(with_counterweights(press, weights), motion, loads, engine=engine)
+    found = mass_response(press, OperatingCondition(motion, loads), before, PointMasses(link, masses, points), inner_forces=True)
     force = max(np.abs(after.shaking_force).max(), *(np.abs(values).max() for values in after.bearing_force.values()))
     for name, scale in (("shaking_force", 1.0), ("shaking_moment", size), ("driving_torque", size)):
         assert np.abs(getattr(found, name) - (getattr(after, name) - getattr(before, name))).max() <= 1e-11 * scale * force, name
@@ -101,18 +110,18 @@ def test_masses_change_the_forces_of_geared_shafts(link):
 # ----------------------------------------------------------------------------------------------------------------- nothing is better
 
 ANY = (
-    pp.balancing.Range("shaking_force", "x"),
-    pp.balancing.Range("shaking_force", (1.0, 2.0, -2.0)),
-    pp.balancing.Rms("shaking_force"),
-    pp.balancing.Peak("shaking_force"),
-    pp.balancing.Rms("shaking_moment", about=(0.3, -0.2, 0.5)),
-    pp.balancing.Peak("shaking_moment", about=(0.3, -0.2, 0.5)),
-    pp.balancing.Range("driving_torque"),
-    pp.balancing.Peak("driving_torque"),
-    pp.balancing.Peak("bearing_force", bearing="crank"),
-    pp.balancing.Range("bearing_force", "z", bearing="loop_0"),
-    pp.balancing.Rms("bearing_force", bearing="crank"),
-    pp.balancing.Rms("bearing_moment", bearing="crank"),
+    Range("shaking_force", "x"),
+    Range("shaking_force", (1.0, 2.0, -2.0)),
+    Rms("shaking_force"),
+    Peak("shaking_force"),
+    Rms("shaking_moment", about=(0.3, -0.2, 0.5)),
+    Peak("shaking_moment", about=(0.3, -0.2, 0.5)),
+    Range("driving_torque"),
+    Peak("driving_torque"),
+    Peak("bearing_force", bearing="crank"),
+    Range("bearing_force", "z", bearing="loop_0"),
+    Rms("bearing_force", bearing="crank"),
+    Rms("bearing_moment", bearing="crank"),
 )
 
 
@@ -132,12 +141,7 @@ def regions_of(press, rng):
             "at": {"at": tuple(middle)},
         }[kind]
         regions.append(
-            (
-                pp.balancing.CounterweightRegion(link, mass=(0.0, most), gyration=float(rng.choice([0.0, 0.1 * size])), **place),
-                middle,
-                arms,
-                along,
-            )
+            (CounterweightRegion(link, mass=(0.0, most), gyration=float(rng.choice([0.0, 0.1 * size])), **place), middle, arms, along)
         )
     return regions
 
@@ -151,7 +155,7 @@ def random_filling(region, middle, arms, along, rng):
         points = middle + rng.dirichlet(0.3 * np.ones(len(arms)), 3) @ arms
     else:
         points = middle + region.radius * (rng.uniform(0, 1, (3, 1)) ** 0.2) * _unit(rng) @ along[:2]
-    return [pp.balancing.Counterweight(region.link, m, tuple(p), m * region.gyration**2) for m, p in zip(share, points, strict=True)]
+    return [Counterweight(region.link, m, tuple(p), m * region.gyration**2) for m, p in zip(share, points, strict=True)]
 
 
 def _unit(rng):
@@ -160,7 +164,7 @@ def _unit(rng):
 
 
 def part_of(weights, share):
-    return [pp.balancing.Counterweight(w.link, share * w.mass, w.position, share * w.inertia) for w in weights]
+    return [Counterweight(w.link, share * w.mass, w.position, share * w.inertia) for w in weights]
 
 
 @pytest.mark.one_in(9)
@@ -170,16 +174,16 @@ def test_no_counterweights_beat_the_bound(planar, number):
     press, rng = planar(number % len(SEEDS)), np.random.default_rng(number)
     criteria = (ANY[number], ANY[(5 * number + 1) % len(ANY)])[: 1 + number % 2]
     conditions = [
-        pp.balancing.OperatingCondition(swing(press)),
-        pp.balancing.OperatingCondition(swing(press), [pp.loads.PointForce(press.links[-1], rng.normal(size=(STATES, 3)) * 100)]),
+        OperatingCondition(swing(press)),
+        OperatingCondition(swing(press), [pp.loads.PointForce(press.links[-1], rng.normal(size=(STATES, 3)) * 100)]),
     ]
     regions = regions_of(press, rng)
     before = [pp.inverse_dynamics(press, case.motion, case.loads) for case in conditions]
     sizes = {m: max(m.value(r) for r in before) for m in criteria}
-    b = pp.balancing.balance(press, conditions, regions=[region for region, *_ in regions], minimise=dict.fromkeys(criteria, 1.0))
+    b = balance(press, conditions, regions=[region for region, *_ in regions], minimise=dict.fromkeys(criteria, 1.0))
 
     def worst(weights):
-        changed = pp.balancing.with_counterweights(press, weights)
+        changed = with_counterweights(press, weights)
         after = [pp.inverse_dynamics(changed, case.motion, case.loads) for case in conditions]
         return sum(max(m.value(r) for r in after) / sizes[m] for m in criteria)
 
@@ -198,48 +202,39 @@ def test_no_masses_beat_the_bound_in_space():
     motion = pp.servo_cycle(press, angle=np.linspace(-0.5, 0.5, STATES), speed=9.0)
     own = press.model.inertias[1].mass
     regions = [
-        pp.balancing.CounterweightRegion("link1", mass=(0.5, 10.0), replaces=True),
-        pp.balancing.CounterweightRegion("link2", at=(0.1, 0.1, 0.0), mass=(-0.2, 5.0), gyration=0.02),
-        pp.balancing.CounterweightRegion("link3", at=(-0.1, 0.05, 0.2), mass=(0.0, 5.0)),
+        CounterweightRegion("link1", mass=(0.5, 10.0), replaces=True),
+        CounterweightRegion("link2", at=(0.1, 0.1, 0.0), mass=(-0.2, 5.0), gyration=0.02),
+        CounterweightRegion("link3", at=(-0.1, 0.05, 0.2), mass=(0.0, 5.0)),
     ]
     body = press.model.inertias[1]
     rng = np.random.default_rng(4)
     for criterion in (
-        pp.balancing.Rms("shaking_force"),
-        pp.balancing.Peak("driving_torque"),
-        pp.balancing.Range("shaking_moment", (1.0, 1.0, 0.0)),
-        pp.balancing.Peak("bearing_force", bearing="J3"),
+        Rms("shaking_force"),
+        Peak("driving_torque"),
+        Range("shaking_moment", (1.0, 1.0, 0.0)),
+        Peak("bearing_force", bearing="J3"),
     ):
-        b = pp.balancing.balance(press, motion, regions=regions, minimise=criterion)
+        b = balance(press, motion, regions=regions, minimise=criterion)
         assert -1e-8 <= (b.value - b.bound) / b.changes[0].before <= 1e-7
         assert criterion.value(pp.inverse_dynamics(b.press, motion)) == pytest.approx(b.value, rel=1e-9)
         for _ in range(4):
             masses = [rng.uniform(*region.mass) for region in regions]
-            weights = [pp.balancing.Counterweight(r.link, m, r.at, m * r.gyration**2) for r, m in zip(regions[1:], masses[1:], strict=True)]
-            changed = pp.balancing.with_counterweights(press, weights)
+            weights = [Counterweight(r.link, m, r.at, m * r.gyration**2) for r, m in zip(regions[1:], masses[1:], strict=True)]
+            changed = with_counterweights(press, weights)
             inertias = list(changed.model.inertias)
             inertias[1] = pin.Inertia(masses[0], body.lever, body.inertia * masses[0] / own)
             assert criterion.value(pp.inverse_dynamics(changed.with_inertias(inertias), motion)) >= b.bound
     with pytest.raises(pp.PinpressError, match=r"'link2': bennett is not planar.*at="):
-        pp.balancing.balance(
-            press, motion, regions=[pp.balancing.CounterweightRegion("link2", radius=0.1)], minimise=pp.balancing.Rms("shaking_force")
-        )
+        balance(press, motion, regions=[CounterweightRegion("link2", radius=0.1)], minimise=Rms("shaking_force"))
 
 
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["jf75g_125", "thin_wall", "jf75g_125_plain"])
-@pytest.mark.parametrize(
-    "criterion",
-    [
-        pp.balancing.Range("shaking_force", "z"),
-        pp.balancing.Rms("driving_torque"),
-        pp.balancing.Peak("bearing_force", bearing="slide_guide"),
-    ],
-)
+@pytest.mark.parametrize("criterion", [Range("shaking_force", "z"), Rms("driving_torque"), Peak("bearing_force", bearing="slide_guide")])
 def test_shipped_presses_are_proved_to_rounding(name, criterion):
     press = texts.shipped(name)
-    regions = [pp.balancing.CounterweightRegion(link, radius=0.2) for link in press.links[1:]]
-    b = pp.balancing.balance(press, pp.cycle(press, 20.0, points=90), regions=regions, minimise=criterion, limits={MASS: 50.0})
+    regions = [CounterweightRegion(link, radius=0.2) for link in press.links[1:]]
+    b = balance(press, pp.cycle(press, 20.0, points=90), regions=regions, minimise=criterion, limits={MASS: 50.0})
     assert -1e-8 <= (b.value - b.bound) / b.changes[0].before <= 1e-7
     assert b.residual < 1e-8
     assert b.value < (1 - 1e-4) * b.changes[0].before
@@ -249,32 +244,30 @@ def test_shipped_presses_are_proved_to_rounding(name, criterion):
 
 
 @pytest.mark.parametrize(
-    "criterion",
-    [pp.balancing.Rms("shaking_force"), pp.balancing.Rms("driving_torque"), pp.balancing.Rms("bearing_force", bearing="D")],
-    ids=lambda m: m.words,
+    "criterion", [Rms("shaking_force"), Rms("driving_torque"), Rms("bearing_force", bearing="D")], ids=lambda m: m.words
 )
 def test_rms_of_masses_at_points_is_bounded_least_squares(criterion):
     """Columns are finite changes, by 1 kg; SciPy's active set finds the same masses, with their bounds from 0 or below to 150 kg."""
     press = texts.shipped("zxn2_3000b")
     motion = pp.cycle(press, 7.0, points=72)
     regions = [
-        pp.balancing.CounterweightRegion("crank", at=(-0.2, 0, 0.1), mass=(0, 150)),
-        pp.balancing.CounterweightRegion("crank", at=(-0.1, 0, -0.3), mass=(0, 150)),
-        pp.balancing.CounterweightRegion("coupler", at=(-0.3, 0, 0), mass=(-20, 150), gyration=0.1),
-        pp.balancing.CounterweightRegion("rocker", at=(0.2, 0, 0.5), mass=(0, 150)),
-        pp.balancing.CounterweightRegion("rod", at=(-0.2, 0, 0.1), mass=(0, 150)),
+        CounterweightRegion("crank", at=(-0.2, 0, 0.1), mass=(0, 150)),
+        CounterweightRegion("crank", at=(-0.1, 0, -0.3), mass=(0, 150)),
+        CounterweightRegion("coupler", at=(-0.3, 0, 0), mass=(-20, 150), gyration=0.1),
+        CounterweightRegion("rocker", at=(0.2, 0, 0.5), mass=(0, 150)),
+        CounterweightRegion("rod", at=(-0.2, 0, 0.1), mass=(0, 150)),
     ]
     after = [pp.inverse_dynamics(press, motion)]
     for region in regions:
-        weight = pp.balancing.Counterweight(region.link, 1.0, region.at, region.gyration**2)
-        after.append(pp.inverse_dynamics(pp.balancing.with_counterweights(press, [weight]), motion))
+        weight = Counterweight(region.link, 1.0, region.at, region.gyration**2)
+        after.append(pp.inverse_dynamics(with_counterweights(press, [weight]), motion))
     series = [criterion.series(reactions) for reactions in after]
     fixed, *others = [(s - s.mean(axis=0)).ravel() / np.sqrt(len(s)) for s in series]
     matrix = np.array([other - fixed for other in others]).T
     felt = np.linalg.norm(matrix, axis=0) > 1e-9 * np.linalg.norm(matrix)  # bearing D does not feel what the crank carries
     matrix[:, ~felt] = 0.0
     best = lsq_linear(matrix, -fixed, tuple(np.array([region.mass for region in regions]).T), method="bvls", tol=1e-14)
-    b = pp.balancing.balance(press, motion, regions=regions, minimise=criterion)
+    b = balance(press, motion, regions=regions, minimise=criterion)
     assert b.value == pytest.approx(np.sqrt(2 * best.cost), rel=1e-8)
     masses = {(weight.link, weight.position): weight.mass for weight in b.counterweights}
     found = [next((m for (link, at), m in masses.items() if link == region.link and np.allclose(at, region.at)), 0.0) for region in regions]
@@ -286,9 +279,9 @@ def test_rms_of_masses_at_points_is_bounded_least_squares(criterion):
 def test_what_a_criterion_is_larger_by_between_the_states_is_said(points):
     """The proof is that of the states; a load begins between them, and with eight times as many the range is larger."""
     press, load = texts.shipped("zxn2_3000b"), [pp.loads.DeepDrawing(1e6, 0.01)]
-    region = pp.balancing.CounterweightRegion("crank", radius=0.3, mass=(0.0, 400.0))
-    speed, wanted = 70 * pp.RPM, pp.balancing.Range("driving_torque")
-    found = pp.balancing.balance(press, pp.cycle(press, speed, points=points), regions=[region], minimise=wanted, loads=load)
+    region = CounterweightRegion("crank", radius=0.3, mass=(0.0, 400.0))
+    speed, wanted = 70 * pp.RPM, Range("driving_torque")
+    found = balance(press, pp.cycle(press, speed, points=points), regions=[region], minimise=wanted, loads=load)
     finer = pp.inverse_dynamics(found.press, pp.cycle(found.press, speed, points=8 * points), load).driving_torque
     assert found.between_states == pytest.approx((np.ptp(finer) - found.value) / found.changes[0].before, rel=1e-9)
     assert 1e-4 < found.between_states < 0.2

@@ -10,9 +10,19 @@ import pytest
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.common.tables import write_csv
+from pinpress.balancing import (
+    AddedMass,
+    BalancedPress,
+    Counterweight,
+    CounterweightRegion,
+    OperatingCondition,
+    Peak,
+    Range,
+    Rms,
+    with_counterweights,
+)
 
-X, Z, TORQUE = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z"), pp.balancing.Rms("driving_torque")
+X, Z, TORQUE = Range("shaking_force", "x"), Range("shaking_force", "z"), Rms("driving_torque")
 MOST_ON_ROCKER, MOST_X, MOST_ADDED = 250.0, 1000.0, 600.0
 DIGITS = 6e-5  # the text has five digits, prices three
 ARMS = """<robot name="arms"><link name="base"/><link name="one"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"
@@ -23,36 +33,34 @@ izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="J" type="continu
 </robot>"""
 
 
-def cases(*speeds: float) -> list[pp.balancing.OperatingCondition]:
-    return [pp.balancing.OperatingCondition(pp.cycle(shipped("zxn2_3000b"), speed * pp.RPM, points=90)) for speed in speeds]
+def cases(*speeds: float) -> list[OperatingCondition]:
+    return [OperatingCondition(pp.cycle(shipped("zxn2_3000b"), speed * pp.RPM, points=90)) for speed in speeds]
 
 
 @cache
-def pressed(rocker: float = MOST_ON_ROCKER, x: float = MOST_X, added: float = MOST_ADDED) -> pp.balancing.BalancedPress:
+def pressed(rocker: float = MOST_ON_ROCKER, x: float = MOST_X, added: float = MOST_ADDED) -> BalancedPress:
     """The six-bar under limits that all hold it back."""
     regions = [
-        pp.balancing.CounterweightRegion("crank", radius=0.3),
-        pp.balancing.CounterweightRegion("rocker", (0, rocker), radius=0.6),
-        pp.balancing.CounterweightRegion("rod", radius=0.3),
+        CounterweightRegion("crank", radius=0.3),
+        CounterweightRegion("rocker", (0, rocker), radius=0.6),
+        CounterweightRegion("rod", radius=0.3),
     ]
+    return pp.balancing.balance(shipped("zxn2_3000b"), cases(70), regions=regions, minimise=Z, limits={X: x, AddedMass(): added})
+
+
+@cache
+def at_two_speeds() -> BalancedPress:
+    regions = [CounterweightRegion("crank", radius=0.3), CounterweightRegion("rocker", radius=0.6)]
     return pp.balancing.balance(
-        shipped("zxn2_3000b"), cases(70), regions=regions, minimise=Z, limits={X: x, pp.balancing.AddedMass(): added}
+        shipped("zxn2_3000b"), cases(70, 40), regions=regions, minimise={Z: 1.0, TORQUE: 0.5}, limits={AddedMass(): MOST_ADDED}
     )
 
 
 @cache
-def at_two_speeds() -> pp.balancing.BalancedPress:
-    regions = [pp.balancing.CounterweightRegion("crank", radius=0.3), pp.balancing.CounterweightRegion("rocker", radius=0.6)]
-    return pp.balancing.balance(
-        shipped("zxn2_3000b"), cases(70, 40), regions=regions, minimise={Z: 1.0, TORQUE: 0.5}, limits={pp.balancing.AddedMass(): MOST_ADDED}
-    )
-
-
-@cache
-def tilted() -> pp.balancing.BalancedPress:
+def tilted() -> BalancedPress:
     """A symmetric press with a mass on one side: what was zero is not."""
     press = shipped("jf75g_125_symmetric")
-    region = pp.balancing.CounterweightRegion("crank_left", (5, 50), at=(0.1, 0, 0.05))
+    region = CounterweightRegion("crank_left", (5, 50), at=(0.1, 0, 0.05))
     return pp.balancing.balance(press, pp.cycle(press, 300 * pp.RPM, points=90), regions=[region], minimise=Z)
 
 
@@ -150,7 +158,7 @@ def test_operating_conditions_are_told_apart() -> None:
 def test_effects_are_those_of_the_counterweights_alone() -> None:
     """Fitted to the press anew, and all forces from the definitions."""
     balance = pressed()
-    fitted = pp.balancing.with_counterweights(shipped("zxn2_3000b"), balance.counterweights)
+    fitted = with_counterweights(shipped("zxn2_3000b"), balance.counterweights)
     before, after = (pp.inverse_dynamics(press, pp.cycle(press, 70 * pp.RPM, points=90)) for press in (shipped("zxn2_3000b"), fitted))
     expected = {"range of the driving torque": [np.ptp(some.driving_torque) for some in (before, after)]}
     for name in fitted.bearings_as_drawn:
@@ -184,23 +192,6 @@ def test_what_was_zero_before_has_no_change(tmp_path: Path) -> None:
     }
 
 
-def test_csv_and_frame_are_the_columns(tmp_path: Path) -> None:
-    balance = at_two_speeds()
-    columns = balance.columns()
-    rows = [*balance.changes, *balance.side_effects]
-    assert columns["criterion"] == [change.criterion.words for change in rows]
-    assert columns["after"] == [change.after for change in rows]
-    assert columns["condition"] == [0, 1] * (len(rows) // 2)
-    balance.to_csv(tmp_path / "balance.csv")
-    with (tmp_path / "balance.csv").open(encoding="utf-8", newline="") as file:
-        header, *lines = csv.reader(file)
-    assert header == list(columns)
-    assert lines == [["" if cell is None else str(cell) for cell in cells] for cells in zip(*columns.values(), strict=True)]
-    frame = balance.to_frame()
-    assert list(frame.columns) == list(columns)
-    assert frame["before"].tolist() == columns["before"]
-
-
 def test_limits_stand_beside_their_criteria() -> None:
     columns = pressed().columns()
     assert dict(zip(columns["criterion"], columns["limit"], strict=True))[X.words] == MOST_X
@@ -211,24 +202,15 @@ def test_counterweights_as_columns() -> None:
     balance = pressed()
     columns = balance.counterweights.columns()
     links, *numbers = columns.values()
-    made = [pp.balancing.Counterweight(link, m, (x, y, z), j) for link, m, x, y, z, j in zip(links, *numbers, strict=True)]
+    made = [Counterweight(link, m, (x, y, z), j) for link, m, x, y, z, j in zip(links, *numbers, strict=True)]
     assert made == list(balance.counterweights)
     assert list(columns) == ["link", "mass [kg]", "position_x [m]", "position_y [m]", "position_z [m]", "inertia [kg m2]"]
-
-
-def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
-    with pytest.raises(pp.PinpressError, match=r"cannot write .*nowhere"):
-        write_csv(tmp_path / "nowhere" / "balance.csv", {"criterion": []})
 
 
 def test_the_least_mass_is_an_objective_too() -> None:
     press = shipped("zxn2_3000b")
     balance = pp.balancing.balance(
-        press,
-        cases(70),
-        regions=[pp.balancing.CounterweightRegion("crank", radius=0.3)],
-        minimise=pp.balancing.AddedMass(),
-        limits={X: 4000.0},
+        press, cases(70), regions=[CounterweightRegion("crank", radius=0.3)], minimise=AddedMass(), limits={X: 4000.0}
     )
     assert "The counterweights have the least added mass, with" in str(balance)
     assert row(str(balance), "added mass, before") == ["0", "kg"]
@@ -241,10 +223,10 @@ def test_loads_count_in_the_effects() -> None:
     down, up = pp.loads.PointForce("slide", (0, 0, -1e5)), pp.loads.PointForce("frame", (0, 0, 1e5))
     (case,) = cases(70)
     balance = pp.balancing.balance(
-        press, case.motion, regions=[pp.balancing.CounterweightRegion("crank", radius=0.3, mass=(0, 100))], minimise=X, loads=[down, up]
+        press, case.motion, regions=[CounterweightRegion("crank", radius=0.3, mass=(0, 100))], minimise=X, loads=[down, up]
     )
     loaded = pp.inverse_dynamics(balance.press, balance.reactions_after[0].motion, loads=[down, up])
-    (torque,) = (effect for effect in balance.side_effects if effect.criterion == pp.balancing.Range("driving_torque"))
+    (torque,) = (effect for effect in balance.side_effects if effect.criterion == Range("driving_torque"))
     assert torque.after == pytest.approx(np.ptp(loaded.driving_torque), rel=1e-12)
     assert "90 states, 2 loads.\n" in str(balance)
 
@@ -255,11 +237,9 @@ def test_several_drivers_and_uneven_motion(tmp_path: Path) -> None:
     arms = pp.load(tmp_path / "arms.urdf")
     angle = np.linspace(0, 1, 20)
     motion = pp.servo_cycle(arms, angle=np.stack([angle, 2 * angle], axis=1), speed=np.tile([1.0, 2.0], (20, 1)))
-    balance = pp.balancing.balance(
-        arms, motion, regions=[pp.balancing.CounterweightRegion("two", at=(-0.3, 0, 0), mass=(0, 0.5))], minimise=Z
-    )
+    balance = pp.balancing.balance(arms, motion, regions=[CounterweightRegion("two", at=(-0.3, 0, 0), mass=(0, 0.5))], minimise=Z)
     (torque,) = (effect for effect in balance.side_effects if effect.criterion.quantity == "driving_torque")
     before = pp.inverse_dynamics(arms, motion).driving_torque
-    assert torque.criterion == pp.balancing.Peak("driving_torque")
+    assert torque.criterion == Peak("driving_torque")
     assert torque.before == pytest.approx(np.linalg.norm(before, axis=1).max(), rel=1e-12)
     assert "The motion: a motion of 20 states.\n" in str(balance)

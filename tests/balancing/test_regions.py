@@ -9,9 +9,10 @@ from support.generators.period_presses import five_bar, of_two_motors
 from support.generators.random_linkages import Drawing
 
 import pinpress as pp
+from pinpress.balancing import AddedMass, CounterweightRegion, Peak, Range, Rms, balance, with_counterweights
 
-TORQUE, MASS = pp.balancing.Range("driving_torque"), pp.balancing.AddedMass()
-HEAVY = pp.balancing.Rms("shaking_moment", "y")
+TORQUE, MASS = Range("driving_torque"), AddedMass()
+HEAVY = Rms("shaking_moment", "y")
 IN = 1e-6  # of a region's size: what the solver's 1e-8 of the forces may be in a place of a light counterweight
 
 
@@ -26,7 +27,7 @@ def turn(six_bar):
 
 
 def balanced(six_bar, turn, region, criterion=TORQUE, most=200.0):
-    return pp.balancing.balance(six_bar, turn, regions=[region], minimise=criterion, limits={MASS: most})
+    return balance(six_bar, turn, regions=[region], minimise=criterion, limits={MASS: most})
 
 
 @pytest.mark.one_in(3)
@@ -35,7 +36,7 @@ def balanced(six_bar, turn, region, criterion=TORQUE, most=200.0):
 @pytest.mark.parametrize("criterion", [TORQUE, HEAVY], ids=lambda m: m.words)
 def test_what_fills_a_disc_is_a_body_within_it(six_bar, turn, link, gyration, criterion):
     """Its moment of inertia about the disc's centre is that of material within the radius, and of the gyration that is asked for."""
-    region = pp.balancing.CounterweightRegion(link, radius=0.4, centre=(0.1, 0.3, -0.2), gyration=gyration)
+    region = CounterweightRegion(link, radius=0.4, centre=(0.1, 0.3, -0.2), gyration=gyration)
     for weight in balanced(six_bar, turn, region, criterion).counterweights:
         arm = np.subtract(weight.position, region.centre)
         assert weight.position[1] == pytest.approx(0.3, abs=1e-12)  # in the plane of the centre
@@ -44,12 +45,12 @@ def test_what_fills_a_disc_is_a_body_within_it(six_bar, turn, link, gyration, cr
         assert -IN <= own <= 0.4**2 - arm @ arm + IN
 
 
-@pytest.mark.parametrize("criterion", [TORQUE, HEAVY, pp.balancing.Range("shaking_force", "x")], ids=lambda m: m.words)
+@pytest.mark.parametrize("criterion", [TORQUE, HEAVY, Range("shaking_force", "x")], ids=lambda m: m.words)
 def test_what_fills_a_polygon_is_in_its_hull(six_bar, turn, criterion):
     corners = ((-0.3, 0.0, 0.1), (-0.1, 0.0, 0.4), (0.3, 0.0, 0.1), (0.0, 0.0, 0.2), (0.05, 0.0, -0.35))  # not in order, one inside
     edges = ((0, 1), (1, 2), (2, 4), (4, 0))
     for link in ("crank", "rocker"):
-        for weight in balanced(six_bar, turn, pp.balancing.CounterweightRegion(link, corners=corners), criterion).counterweights:
+        for weight in balanced(six_bar, turn, CounterweightRegion(link, corners=corners), criterion).counterweights:
             x, y, z = weight.position
             assert abs(y) <= 1e-12
             for i, j in edges:  # clockwise: the inside is on the right
@@ -61,14 +62,14 @@ def test_what_fills_a_polygon_is_in_its_hull(six_bar, turn, criterion):
 @pytest.mark.exhaustive
 def test_a_disc_is_between_polygons_inside_and_around_it(six_bar, turn):
     """Torque and moment count the spread of the material too."""
-    for criterion in (TORQUE, HEAVY, pp.balancing.Peak("bearing_force", bearing="A")):
+    for criterion in (TORQUE, HEAVY, Peak("bearing_force", bearing="A")):
         corners = [np.array([np.cos(a), 0.0, np.sin(a)]) for a in np.arange(32) * 2 * np.pi / 32]
         disc, inner, outer = (
             balanced(six_bar, turn, region, criterion)
             for region in (
-                pp.balancing.CounterweightRegion("rod", radius=0.3),
-                pp.balancing.CounterweightRegion("rod", corners=tuple(tuple(0.3 * c) for c in corners)),
-                pp.balancing.CounterweightRegion("rod", corners=tuple(tuple(0.3 * c / np.cos(np.pi / 32)) for c in corners)),
+                CounterweightRegion("rod", radius=0.3),
+                CounterweightRegion("rod", corners=tuple(tuple(0.3 * c) for c in corners)),
+                CounterweightRegion("rod", corners=tuple(tuple(0.3 * c / np.cos(np.pi / 32)) for c in corners)),
             )
         )
         before = disc.changes[0].before
@@ -86,11 +87,9 @@ def test_more_room_is_never_worse(six_bar, turn):
         {"radius": 0.25, "centre": (-0.03, 0.0, 0.04)},
         {"radius": 0.25, "centre": (-0.03, 0.0, 0.04), "mass": (0.0, 300.0)},
     ]
-    for criterion in (TORQUE, pp.balancing.Range("shaking_force", "x")):
+    for criterion in (TORQUE, Range("shaking_force", "x")):
         found = [
-            pp.balancing.balance(
-                six_bar, turn, regions=[pp.balancing.CounterweightRegion("rod", **({"mass": (0.0, 80.0)} | region))], minimise=criterion
-            )
+            balance(six_bar, turn, regions=[CounterweightRegion("rod", **({"mass": (0.0, 80.0)} | region))], minimise=criterion)
             for region in regions
         ]
         for less, more in pairwise(found):
@@ -111,11 +110,11 @@ def test_the_lightest_flywheel_is_a_rim(gyration):
     servo = pp.servo_cycle(press, angle=angle, speed=4.0, acceleration=acceleration)
     force = needed * acceleration[:, None] * np.stack([-np.sin(angle), 0 * angle, np.cos(angle)], axis=1)  # on arms of half a metre
     loads = [pp.loads.PointForce("rotor", sign * force, (0.5 * sign, 0.0, 0.0)) for sign in (1, -1)]
-    b = pp.balancing.balance(
+    b = balance(
         press,
         servo,
-        regions=[pp.balancing.CounterweightRegion("rotor", radius=radius, gyration=gyration, mass=(0.0, 100.0))],
-        minimise=pp.balancing.Peak("driving_torque"),
+        regions=[CounterweightRegion("rotor", radius=radius, gyration=gyration, mass=(0.0, 100.0))],
+        minimise=Peak("driving_torque"),
         loads=loads,
     )
     (rim,) = b.counterweights
@@ -128,17 +127,15 @@ def test_the_lightest_flywheel_is_a_rim(gyration):
 
 def test_a_room_in_place_of_the_links_own_mass(six_bar, turn):
     """The counterweight is all of the link; without a place it keeps the link's shape, centre and inertia in proportion."""
-    b = pp.balancing.balance(
-        six_bar, turn, regions=[pp.balancing.CounterweightRegion("rod", mass=(400.0, 400.0), replaces=True)], minimise=TORQUE
-    )
+    b = balance(six_bar, turn, regions=[CounterweightRegion("rod", mass=(400.0, 400.0), replaces=True)], minimise=TORQUE)
     (rod,) = b.counterweights
     assert (rod.mass, rod.inertia) == (pytest.approx(400.0), pytest.approx(5.33 * 400 / 277.68))
     assert rod.position == pytest.approx((0.24, 0.0, 0.0), abs=1e-9)
     assert b.added_mass == pytest.approx(400 - 277.68)
-    placed = pp.balancing.balance(
+    placed = balance(
         six_bar,
         turn,
-        regions=[pp.balancing.CounterweightRegion("rod", mass=(300.0, 300.0), at=(0.2, 0.0, 0.0), gyration=0.1, replaces=True)],
+        regions=[CounterweightRegion("rod", mass=(300.0, 300.0), at=(0.2, 0.0, 0.0), gyration=0.1, replaces=True)],
         minimise=TORQUE,
     )
     (rod,) = placed.counterweights
@@ -150,10 +147,10 @@ def test_a_room_in_place_of_the_links_own_mass(six_bar, turn):
 
 def test_another_room_adds_to_a_link_that_is_replaced(six_bar, turn):
     regions = [
-        pp.balancing.CounterweightRegion("rod", mass=(300.0, 300.0), replaces=True),
-        pp.balancing.CounterweightRegion("rod", mass=(50.0, 50.0), at=(-0.1, 0.0, 0.0)),
+        CounterweightRegion("rod", mass=(300.0, 300.0), replaces=True),
+        CounterweightRegion("rod", mass=(50.0, 50.0), at=(-0.1, 0.0, 0.0)),
     ]
-    b = pp.balancing.balance(six_bar, turn, regions=regions, minimise=TORQUE)
+    b = balance(six_bar, turn, regions=regions, minimise=TORQUE)
     assert [weight.mass for weight in b.counterweights] == pytest.approx([300.0, 50.0])
     assert b.press.model.inertias[six_bar.model.getJointId("E")].mass == pytest.approx(350.0)
     assert b.added_mass == pytest.approx(350 - 277.68)
@@ -161,24 +158,21 @@ def test_another_room_adds_to_a_link_that_is_replaced(six_bar, turn):
 
 def test_holes_take_mass_away(six_bar, turn):
     """Lightening holes in the rocker, and what is heavier elsewhere."""
-    vertical = pp.balancing.Range("shaking_force", "z")
-    hole = pp.balancing.CounterweightRegion("rod", at=(0.3, 0.0, 0.0), mass=(-60.0, 0.0), gyration=0.05)
-    b = pp.balancing.balance(six_bar, turn, regions=[hole], minimise=vertical)
+    vertical = Range("shaking_force", "z")
+    hole = CounterweightRegion("rod", at=(0.3, 0.0, 0.0), mass=(-60.0, 0.0), gyration=0.05)
+    b = balance(six_bar, turn, regions=[hole], minimise=vertical)
     (weight,) = b.counterweights
     assert weight.mass == pytest.approx(-60.0)
     assert weight.inertia == pytest.approx(-60 * 0.05**2)
     assert b.press.model.inertias[six_bar.model.getJointId("E")].mass == pytest.approx(277.68 - 60)
-    again = pp.inverse_dynamics(pp.balancing.with_counterweights(six_bar, b.counterweights), turn)
+    again = pp.inverse_dynamics(with_counterweights(six_bar, b.counterweights), turn)
     assert vertical.value(again) == pytest.approx(b.value, rel=1e-9)
     assert b.value < b.changes[0].before
 
 
 def test_least_masses_are_kept_and_most_not_exceeded(six_bar, turn):
-    regions = [
-        pp.balancing.CounterweightRegion("crank", radius=0.3, mass=(20.0, 50.0)),
-        pp.balancing.CounterweightRegion("coupler", radius=0.3, mass=(7.0, 9.0)),
-    ]
-    b = pp.balancing.balance(six_bar, turn, regions=regions, minimise=pp.balancing.Range("shaking_force", "x"))
+    regions = [CounterweightRegion("crank", radius=0.3, mass=(20.0, 50.0)), CounterweightRegion("coupler", radius=0.3, mass=(7.0, 9.0))]
+    b = balance(six_bar, turn, regions=regions, minimise=Range("shaking_force", "x"))
     crank, coupler = (weight.mass for weight in b.counterweights)
     assert 20 - 1e-6 <= crank <= 50 + 1e-6
     assert 7 - 1e-6 <= coupler <= 9 + 1e-6
@@ -204,12 +198,7 @@ def test_rooms_on_links_that_are_welded_together_are_in_their_own_frames():
         for link, frame in (("crank", crank), ("plate", plate)):
             inside = [tuple(float(x) for x in frame.actInv(corner)) for corner in corners]
             place = {"radius": 0.1, "centre": inside[0]} if shape == "disc" else {"corners": tuple(inside)}
-            b = pp.balancing.balance(
-                press,
-                motion,
-                regions=[pp.balancing.CounterweightRegion(link, mass=(0.0, 3.0), **place)],
-                minimise=pp.balancing.Rms("shaking_force"),
-            )
+            b = balance(press, motion, regions=[CounterweightRegion(link, mass=(0.0, 3.0), **place)], minimise=Rms("shaking_force"))
             found.append((b.value, *frame.act(np.array(b.counterweights[0].position))))
         np.testing.assert_allclose(*found, rtol=1e-6, atol=1e-7)
 
@@ -220,12 +209,9 @@ def test_regions_in_the_plane_of_two_motors():
     geared, press = five_bar(ratio), of_two_motors()
     turn = pp.cycle(geared, speed, points=72)
     motion = pp.servo_cycle(press, np.outer(turn.crank_angle, [1.0, ratio]), speed=[[speed, ratio * speed]] * 72, acceleration=0.0)
-    regions = [
-        pp.balancing.CounterweightRegion("left_crank", radius=0.08, gyration=0.02),
-        pp.balancing.CounterweightRegion("right_crank", radius=0.1),
-    ]
-    least = {pp.balancing.Range("shaking_force", "x"): 1.0, pp.balancing.Range("shaking_moment", "y"): 0.5}
-    want, found = (pp.balancing.balance(each, of, regions=regions, minimise=least) for each, of in ((geared, turn), (press, motion)))
+    regions = [CounterweightRegion("left_crank", radius=0.08, gyration=0.02), CounterweightRegion("right_crank", radius=0.1)]
+    least = {Range("shaking_force", "x"): 1.0, Range("shaking_moment", "y"): 0.5}
+    want, found = (balance(each, of, regions=regions, minimise=least) for each, of in ((geared, turn), (press, motion)))
     assert found.value == pytest.approx(want.value, rel=1e-7)
     ranges = [float(np.ptp(each.reactions_after[0].shaking_force[:, 0])) for each in (found, want)]
     assert ranges[0] == pytest.approx(ranges[1], rel=1e-5)
@@ -233,8 +219,8 @@ def test_regions_in_the_plane_of_two_motors():
 
 def test_a_region_in_millimetres_is_doubted(six_bar, turn):
     for region, said in (
-        (pp.balancing.CounterweightRegion("crank", radius=300.0), "radius is 300 m, beside a linkage of 1.86488 m: give it in m, 300e-3"),
-        (pp.balancing.CounterweightRegion("crank", at=(0.1, 0.0, 0.2), gyration=90.0), "gyration is 90 m, beside a linkage"),
+        (CounterweightRegion("crank", radius=300.0), "radius is 300 m, beside a linkage of 1.86488 m: give it in m, 300e-3"),
+        (CounterweightRegion("crank", at=(0.1, 0.0, 0.2), gyration=90.0), "gyration is 90 m, beside a linkage"),
     ):
         with pytest.warns(pp.PinpressWarning) as caught:
             balanced(six_bar, turn, region)

@@ -147,12 +147,3 @@ def test_unbalance_of_a_crank_is_its_mass_at_the_pin():
     found = classical.unbalance(texts.shipped("jf75g_125_plain"), "crank")
     np.testing.assert_allclose(found.static, [52.25 * 0.015, 0, 0], atol=1e-15)
     np.testing.assert_array_equal([found.axis, found.couple], [[0, 1, 0], [0, 0, 0]])
-
-
-# ---------------------------------------------------------------------------------------------------------------------------- bad input
-
-
-@pytest.mark.parametrize("radius", [0.0, -0.1, np.nan, np.inf, "0.1", True])
-def test_a_radius_is_positive(radius):
-    with pytest.raises(pp.PinpressError, match=r"radius of the counterweight on 'rotor' is .* give a positive number"):
-        classical.static_balance(MASSES, POSITIONS).counterweight("rotor", radius)

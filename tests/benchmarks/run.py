@@ -42,7 +42,7 @@ def main() -> None:
     if unknown := set(options.names) - set(known):
         parser.error(f"there is no benchmark {', '.join(sorted(unknown))}: the names are {', '.join(known)}")
     os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"  # before NumPy is imported
-    sys.path[:0] = [str(HERE.parents[1]), str(HERE.parent)]
+    sys.path[:0] = [str(HERE.parents[1]), str(HERE.parent), str(HERE.parents[1] / "docs")]
     for name in options.names:
         run(name, options.quick)
     if not options.names:

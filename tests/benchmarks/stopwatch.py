@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from support import markdown
+
 from pinpress.accuracy.work_precision import CLOCK, least_seconds
 
 Result = TypeVar("Result")
@@ -44,10 +46,9 @@ def ms(seconds: float) -> str:
     return f"{1e3 * seconds:.3g}" if seconds < 0.0995 else f"{1e3 * seconds:.0f}"
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+def table(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """A table in Markdown, numbers to the right."""
-    lines = [head, ["---", *["---:"] * (len(head) - 1)], *rows]
-    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
+    return markdown.table(heads, rows, len(heads))
 
 
 def compared(works: dict[str, Work], repeats: int) -> str:

@@ -358,4 +358,20 @@ def test_help_fits_a_screen_and_shows_a_job(command: str, capsys: pytest.Capture
 def test_there_are_few_commands_and_options() -> None:
     commands = _parser()[1]
     assert len(COMMANDS) == 12
-    assert set(commands) == set(["new", "build", "check", "report", "analyse", "simulate", "balance", "servo", "tolerances", "record", "view", "measured", "accuracy"])
+    assert set(commands) == set(
+        [
+            "new",
+            "build",
+            "check",
+            "report",
+            "analyse",
+            "simulate",
+            "balance",
+            "servo",
+            "tolerances",
+            "record",
+            "view",
+            "measured",
+            "accuracy",
+        ]
+    )

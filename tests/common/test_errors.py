@@ -17,7 +17,7 @@ from pinpress.common.errors import FileEntryError, UnknownScenarioError
 from pinpress.loads.caller_laws import LawError
 from pinpress.pin_table.placement import UnreachableError
 from pinpress.servo.conic.never_resting import NoTurnError
-from pinpress.servo.optimum import NoMotionError
+from pinpress.servo.conic.optimum import NoMotionError
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from support import texts
+from support.generators.pin_tables import MASSLESS, crank_slide
 
 import pinpress as pp
 from pinpress.dynamics.extremes import at_peaks
@@ -17,14 +18,9 @@ SPEED = 30 * pp.RPM
 
 def massless(angle=-37.0):
     """A slider crank without masses, drawn at an angle of the crank [deg]."""
-    return pp.build(
-        units="mm",
-        frame="O",
-        masses="none",
-        pins={"O": [0, 0], "P": {"from": "O", "length": 1e3 * R, "angle": angle}, "W": {"P": 1e3 * L, "x": 0, "side": "down"}},
-        links={"crank": {"pins": "O P"}, "rod": {"pins": "P W"}, "slide": {"pins": "W", "guide": "up"}},
-        drive="O",
-    )
+    table = crank_slide(1e3 * R, 1e3 * L, masses="none", links=MASSLESS)
+    table["pins"]["P"]["angle"] = angle
+    return pp.build(**table)
 
 
 def height(q):

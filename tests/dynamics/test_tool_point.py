@@ -79,26 +79,6 @@ def test_a_table_says_where_the_force_acts_and_a_file_keeps_it(tmp_path, tool, x
 
 
 @pytest.mark.parametrize(
-    ("keys", "words"),
-    [
-        ({"tool": "Q"}, "no pin Q"),
-        ({"tool": [1, 2, 3]}, "3 numbers"),
-        ({"tool": "M", "links": {"crank": {"pins": "O P", "mass": 40}}}, "no link is the slide"),
-    ],
-)
-def test_a_tool_that_is_no_point_is_refused(keys, words):
-    with pytest.raises(pp.PinTableError, match=words):
-        pp.build(**yoke(**keys))
-
-
-def test_a_file_with_a_tool_that_is_no_point_is_refused(tmp_path):
-    text = texts.shipped("crank_slide").text.decode().replace('<link name="slide">', '<link name="slide"><tool xyz="0 0"/>')
-    (tmp_path / "press.urdf").write_text(text, encoding="utf-8")
-    with pytest.raises(pp.UrdfError, match="2 numbers, not 3"):
-        pp.load(tmp_path / "press.urdf")
-
-
-@pytest.mark.parametrize(
     ("name", "words"),
     [
         ("eccentric_blocks", "at x = 0.0 mm, the middle of P4_left and P4_right"),

@@ -11,7 +11,7 @@ from support import texts
 import pinpress as pp
 from pinpress.balancing.classical import as_crank_slider
 from pinpress.elasticity.slide_under_load import slide_deflection
-from pinpress.elasticity.springs import Rod, Stiffness
+from pinpress.elasticity.springs import Rod, Stiffness, springs_of
 from pinpress.elasticity.unit_load import _moving_mass, compliance, hold
 
 ANGLES = np.array([0.0, 0.4, 1.3, 2.2, 3.6, 5.1])
@@ -186,6 +186,12 @@ def test_uneven_rods_side_by_side():
     np.testing.assert_allclose(found.compliance, (1 / 4e9 + 1 / paths) / np.cos(beta) ** 2, rtol=1e-9)
 
 
+def test_soft_springs_are_warned_of_once():
+    with pytest.warns(pp.PinpressWarning, match="Stiffness: the largest of bearings is 2e\\+06 N/m") as caught:
+        compliance(texts.shipped("jf75g_125_plain"), Stiffness(dict.fromkeys(("O", "P2", "P4"), 2e6)), angle=[0.0])
+    assert len(caught) == 1
+
+
 def test_guides_that_would_share_with_the_rods():
     """Symmetric halves leave nothing for the guide to hold; uneven ones would turn the slide in it."""
     press = texts.shipped("jf75g_125_symmetric")
@@ -216,7 +222,7 @@ def test_sharing_is_looked_at_in_presses_that_are_not_planar():
 
 
 def mass_of(press, stiffness, angles):
-    held = hold(press, stiffness, pp.servo_cycle(press, speed=0.0, angle=angles))
+    held = hold(press, springs_of(press, stiffness), pp.servo_cycle(press, speed=0.0, angle=angles))
     return _moving_mass(held) / np.sum(list(held.moved(held.unit).values()), axis=0) ** 2
 
 

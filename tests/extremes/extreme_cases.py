@@ -1,17 +1,14 @@
 """The table of extremes: what pinpress does where numbers, lengths, speeds, forces and positions are extreme, beside what is right.
 
-python tests/extremes/extreme_cases.py            # all cases; writes viz/extremes.md and prints it
-python tests/extremes/extreme_cases.py GROUP      # those whose group has this word in its name, printed only
+All go into viz/extremes.md; those whose group has a word in its name are only printed.
 """
 
 import math
-import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from extremes import (
     extreme_change_points,
     extreme_elastic,
@@ -23,6 +20,7 @@ from extremes import (
     extreme_stiff,
 )
 from extremes.extreme_case import Case, Outcome, short
+from make import write
 
 from pinpress import PinpressWarning
 
@@ -43,7 +41,7 @@ CASES: list[Case] = [
 PAGE = Path(__file__).resolve().parents[2] / "viz" / "extremes.md"
 INTRODUCTION = """# Extremes
 
-`python tests/extremes/extreme_cases.py` runs every case, judges it and writes this page. `tests/extremes/test_extreme_cases.py` holds every
+`python docs/make.py extreme_cases` runs every case, judges it and writes this page. `tests/extremes/test_extreme_cases.py` holds every
 case to its bound.
 
 - *expected*: each case has an expectation of its own: a closed form, a law of scaling or conservation, or the other engine or method.
@@ -88,19 +86,15 @@ def page(cases: Sequence[Case]) -> Iterator[str]:
             yield ""
 
 
-def main() -> None:
-    wanted = " ".join(sys.argv[1:]).lower()
+def main(quick: bool = False, parts: Sequence[str] = ()) -> None:
+    """Run the cases, or those of groups that have these words; ``quick``: those of noise."""
+    wanted = "noise" if quick else " ".join(parts).lower()
     lines = []
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # a warning is an outcome that the table must show
         warnings.simplefilter("ignore", PinpressWarning)  # but not that no press is like that
         for line in page([case for case in CASES if wanted in case.group.lower()]):
-            sys.stdout.write(line + "\n")
-            sys.stdout.flush()
+            print(line, flush=True)
             lines.append(line)
     if not wanted:
-        PAGE.write_text("\n".join(lines), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()
+        write(PAGE, "\n".join(lines))

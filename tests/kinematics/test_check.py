@@ -15,6 +15,7 @@ from support import texts
 from support.generators import malformed_linkages as goes
 from support.generators.malformed_linkages import AXIS, GEAR, GOES, ORIGIN_GUIDE, ROD_END, TRANSMISSION, changed, pinned, with_element
 from support.generators.malformed_urdf import INERTIAL
+from support.generators.pin_tables import crank_slide
 from support.generators.spatial_linkages import bennett, four_bar
 from support.refused_commands import refused
 
@@ -175,9 +176,7 @@ def test_gear_pairs_stand_below_the_joint_that_follows(check):
 
 def test_a_flat_dyad_is_told():
     """A crank nearly as long as the rod, cos = r / l; from a pin table."""
-    pins = {"A": [0, 0], "B": [0, -100], "C": {"x": 0, "B": 110, "side": "down"}}
-    links = {"crank": {"pins": "A B", "mass": 1}, "rod": {"pins": "B C", "mass": 1}, "slide": {"pins": "C", "guide": "up", "mass": 1}}
-    report = pp.pin_table.draft(units="mm", frame="A", pins=pins, links=links, drive="A").check()
+    report = pp.pin_table.draft(**crank_slide(rod=110)).check()
     (dyad,) = report.facts.dyads
     assert dyad.least_transmission_angle == pytest.approx(math.acos(100 / 110), abs=1e-9)
     assert "24.62         90.00            below 30 deg, as in a knuckle" in str(report)

@@ -156,14 +156,6 @@ def test_every_measure_converges_with_the_states(measure):
         assert error(360) < 1e-10
 
 
-@pytest.mark.one_in(3)
-@pytest.mark.parametrize("measure", ALL)
-def test_no_measure_depends_on_the_first_state(measure):
-    """At any place of the dead centres among the states; 1e-10 as above."""
-    values = [ALL[measure](of(crank_slide(), begin=begin)) for begin in (0.0, 0.7, np.pi, 5.0)]
-    np.testing.assert_allclose(values, values[0], rtol=1e-10)
-
-
 @examples(8)
 @given(st.lists(st.floats(-1, 1), min_size=7, max_size=7), st.floats(0.05, 0.6))
 def test_flatness_is_the_least_drop_of_any_window(coefficients, share):

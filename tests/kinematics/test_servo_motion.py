@@ -83,6 +83,12 @@ PARTS = {
 }
 
 
+def start_of(whole, part):
+    """What a part does not determine."""
+    start = {} if part.startswith("angle") else {"angle": whole["angle"][0]}
+    return start | ({"speed": whole["speed"][0]} if part == "acceleration" else {})
+
+
 @pytest.mark.one_in(7)
 @pytest.mark.parametrize("times", [even, uneven])
 @pytest.mark.parametrize("motion", MOTIONS)
@@ -92,9 +98,7 @@ def test_what_is_missing_converges_with_the_order_that_is_said(press, part, moti
     missed = []
     for states in (90, 180):
         whole = MOTIONS[motion](times(states))
-        start = {} if "angle" in names else {"angle": whole["angle"][0]}
-        start |= {"speed": whole["speed"][0]} if part == "acceleration" else {}
-        missed.append(errors(moved(press, whole, *names, **start), whole))
+        missed.append(errors(moved(press, whole, *names, **start_of(whole, part)), whole))
     for name, order in orders.items():
         coarse, fine = (error[name] for error in missed)
         assert fine < 1e-3
@@ -106,20 +110,14 @@ def test_what_is_missing_converges_with_the_order_that_is_said(press, part, moti
 @pytest.mark.parametrize("states", [32, 33])
 @pytest.mark.parametrize("repeated", [False, True])
 def test_a_closed_motion_in_equal_steps_is_derived_to_rounding(press, part, states, repeated):
-    whole = swaying(np.linspace(0.0, 1.0, states + repeated, endpoint=repeated))
+    """Also to and fro, and backwards."""
     names, _ = PARTS[part]
-    start = {} if "angle" in names else {"angle": whole["angle"][0]}
-    start |= {"speed": whole["speed"][0]} if part == "acceleration" else {}
-    motion = moved(press, whole, *names, **start, period=1.0)
-    assert max(errors(motion, whole).values()) < 1e-11
-    assert len(motion.time) == states + repeated
-
-
-def test_a_closed_motion_to_and_fro_and_one_backwards(press):
-    time = np.linspace(0.0, TURN / 5, 40, endpoint=False)
-    assert max(errors(moved(press, pendulum(time), "angle", "time", period=TURN / 5), pendulum(time)).values()) < 1e-12
-    backwards = {name: values if name == "time" else -values for name, values in swaying(np.linspace(0.0, 1.0, 40, endpoint=False)).items()}
-    assert max(errors(moved(press, backwards, "angle", "time", period=1.0), backwards).values()) < 1e-12
+    time = np.linspace(0.0, 1.0, states + repeated, endpoint=repeated)
+    backwards = {name: values if name == "time" else -values for name, values in swaying(time).items()}
+    for whole, period in ((swaying(time), 1.0), (backwards, 1.0), (pendulum(time * TURN / 5), TURN / 5)):
+        motion = moved(press, whole, *names, **start_of(whole, part), period=period)
+        assert max(errors(motion, whole).values()) < 1e-11
+        assert len(motion.time) == states + repeated
 
 
 def test_a_closed_motion_in_unequal_steps_has_no_ends(press):
@@ -174,6 +172,10 @@ def test_two_drivers():
     )
     for motion in derived:
         assert max(errors(motion, both).values()) < 2e-4
+    period = swaying(np.linspace(0.0, 1.0, 48, endpoint=False))
+    closed = pp.servo_cycle(press, np.stack([period["angle"], np.cos(2 * TURN * period["time"])], axis=1), time=period["time"], period=1.0)
+    np.testing.assert_allclose(closed.crank_acceleration[:, 0], period["acceleration"], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(closed.crank_acceleration[:, 1], -4 * TURN**2 * np.cos(2 * TURN * period["time"]), rtol=0, atol=1e-9)
     contrary = both | {"speed": both["speed"] * [1.0, 1.02]}
     with pytest.raises(pp.PinpressError, match=r"^angle and speed do not fit together over time: .* of driver slow speed is"):
         pp.servo_cycle(press, **contrary)
@@ -349,20 +351,15 @@ def test_a_contradiction_is_named_with_instant_and_both_values(press):
 
 
 @pytest.mark.parametrize("column", ["angle", "speed", "acceleration"])
-def test_one_wrong_number_is_found_where_it_stands(press, column):
+def test_a_wrong_number_is_found_where_it_stands_and_a_late_column_by_name(press, column):
     whole = swaying(np.linspace(0.0, 1.0, 201))
-    whole[column][77] += 0.01 * np.abs(whole[column]).max()
+    wrong = whole[column] + 0.01 * np.abs(whole[column]).max() * (np.arange(201) == 77)
     with pytest.raises(pp.PinpressError, match=r"\(state 7[678], ") as caught:
-        pp.servo_cycle(press, **whole)
+        pp.servo_cycle(press, **whole | {column: wrong})
     assert ("angle and" in str(caught.value)) == (column != "acceleration")
-
-
-def test_a_column_that_is_late(press):
-    whole = swaying(np.linspace(0.0, 1.0, 201))
-    for column in ("speed", "acceleration"):
-        late = np.concatenate([whole[column][:1], whole[column][:-1]])
+    if column != "angle":
         with pytest.raises(pp.PinpressError, match=f"{column} do not fit together"):
-            pp.servo_cycle(press, **(whole | {column: late}))
+            pp.servo_cycle(press, **whole | {column: np.concatenate([whole[column][:1], whole[column][:-1]])})
 
 
 def test_corners_and_jumps_are_no_contradictions(press):
@@ -639,14 +636,3 @@ def test_any_heights_are_found_again(name, parts, down):
     motion = pp.servo_cycle(press, height=above, flank="down" if down else "up", time=np.arange(len(parts)) / 10)
     np.testing.assert_allclose(motion.slide_position - ends.bottom_position, above, atol=1.01e-9 * ends.stroke)
     assert np.all(np.diff(motion.crank_angle) * (-1 if down else 1) > -1e-7)
-
-
-def test_two_drivers_over_a_period():
-    """Each angle is derived by itself: sines of different orders, to rounding."""
-    time, once = np.arange(48) / 24.0, np.pi  # two seconds
-    angle = np.stack([0.3 * np.sin(once * time), 0.2 * np.cos(2 * once * time) - 0.2], axis=1)
-    moved = pp.servo_cycle(two_cranks(), angle, time=time, period=2.0)
-    speed = np.stack([0.3 * once * np.cos(once * time), -0.4 * once * np.sin(2 * once * time)], axis=1)
-    slope = np.stack([-0.3 * once**2 * np.sin(once * time), -0.8 * once**2 * np.cos(2 * once * time)], axis=1)
-    np.testing.assert_allclose(moved.crank_speed, speed, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(moved.crank_acceleration, slope, rtol=0, atol=1e-10)

@@ -12,8 +12,10 @@ import pinpress as pp
 CRANK, COUPLER, ROCKER, FRAME = 0.143, 1.243, 0.375, math.hypot(1.25, 0.2)  # of the six-bar's first loop [m]
 
 
-def only(table: dict[str, object]) -> pp.measures.Dyad:
-    (dyad,) = pp.measures.least_transmission_angles(pp.build(**table))
+def only(**table: object) -> pp.measures.Dyad:
+    """The dyad of a press in mm that is driven at A; a four-bar unless its links are given."""
+    four_bar = {name: {"pins": two, "mass": 1} for name, two in (("crank", "A B"), ("coupler", "B C"), ("rocker", "C D"))}
+    (dyad,) = pp.measures.least_transmission_angles(pp.build(**{"units": "mm", "frame": "A D", "links": four_bar, "drive": "A"} | table))
     return dyad
 
 
@@ -36,7 +38,7 @@ def test_of_a_crank_slide(offset: float) -> None:
     """cos = (r + |e|) / l where the pin is furthest from the path of the slide's pin."""
     pins = {"A": [0, 0], "B": {"from": "A", "length": 100, "angle": 10}, "C": {"x": offset, "B": 400, "side": "down"}}
     links = {"crank": {"pins": "A B", "mass": 1}, "rod": {"pins": "B C", "mass": 1}, "slide": {"pins": "C", "guide": "up", "mass": 1}}
-    dyad = only({"units": "mm", "frame": "A", "pins": pins, "links": links, "drive": "A"})
+    dyad = only(frame="A", pins=pins, links=links)
     assert dyad.least_transmission_angle == pytest.approx(math.acos((100 + abs(offset)) / 400), abs=1e-11)
     assert abs(math.cos(dyad.crank_angle + math.radians(10)) * -math.copysign(1.0, offset or -1.0) - 1) < 1e-9 or not offset
 
@@ -52,8 +54,7 @@ def test_of_a_guide_bar() -> None:
 def test_links_that_come_into_line_have_none() -> None:
     """A parallelogram: coupler and rocker are in line where all its pins are."""
     pins = {"A": [0, 0], "D": [300, 0], "B": {"from": "A", "length": 100, "angle": 50}, "C": {"from": "D", "length": 100, "angle": 50}}
-    links = {name: {"pins": two, "mass": 1} for name, two in (("crank", "A B"), ("coupler", "B C"), ("rocker", "C D"))}
-    dyad = only({"units": "mm", "frame": "A D", "pins": pins, "links": links, "drive": "A"})
+    dyad = only(pins=pins)
     assert dyad.least_transmission_angle == 0.0
     assert math.sin(dyad.crank_angle + math.radians(50)) == pytest.approx(0.0, abs=1e-6)
 
@@ -61,8 +62,7 @@ def test_links_that_come_into_line_have_none() -> None:
 def test_as_far_as_the_crank_turns() -> None:
     """A double rocker locks where coupler and rocker are in line."""
     pins = {"A": [0, 0], "D": [200, 0], "B": {"from": "A", "length": 250, "angle": 60}, "C": {"B": 150, "D": 200, "side": "right"}}
-    links = {name: {"pins": two, "mass": 1} for name, two in (("crank", "A B"), ("coupler", "B C"), ("rocker", "C D"))}
-    dyad = only({"units": "mm", "frame": "A D", "pins": pins, "links": links, "drive": "A"})
+    dyad = only(pins=pins)
     assert dyad.least_transmission_angle < 1e-3
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support import texts
+from support.generators.pin_tables import crank_slide
 
 import pinpress as pp
 
@@ -53,15 +54,9 @@ def test_it_is_walked_where_the_lengths_are_too_different() -> None:
 
 def test_another_assembly_is_not_taken_for_it() -> None:
     """The mirror image of a crank slide has the same lengths, and its slide is above the crank: it stays there."""
-    keys = {"units": "mm", "frame": "O", "drive": "O"}
-    links = {"crank": {"pins": "O P", "mass": 20}, "rod": {"pins": "P W", "mass": 10}, "slide": {"pins": "W", "guide": "up", "mass": 100}}
-
-    def drawn(side: str) -> Any:
-        return pp.build(**keys, pins={"O": [0, 0], "P": [100, 0], "W": {"P": 400, "x": 0, "side": side}}, links=links)
-
-    above = drawn("up")
-    above.follow_beside(drawn("down"))
-    assert_allclose(pp.cycle(above, 5.0).slide_position, pp.cycle(drawn("up"), 5.0).slide_position, rtol=0, atol=1e-12)
+    above, again, below = (pp.build(**crank_slide(side=side)) for side in ("up", "up", "down"))
+    above.follow_beside(below)
+    assert_allclose(pp.cycle(above, 5.0).slide_position, pp.cycle(again, 5.0).slide_position, rtol=0, atol=1e-12)
 
 
 def test_a_driver_that_slides_keeps_its_travel() -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from support import texts
 
 import pinpress as pp
 
@@ -57,12 +58,6 @@ def rssr(axes, rod_inertia=(0.0, 0.01, 0.01), eccentricity=0.0):
     return f'<robot name="rssr">{"".join(links + joints)}{loop}<transmission name="t"><joint name="O"/></transmission></robot>'
 
 
-def loaded(folder, name, *args, **more):
-    path = folder / f"{name}.urdf"
-    path.write_text(rssr(*args, **more))
-    return pp.load(path)
-
-
 UNIVERSAL = across(ALONG)
 BALL = (*UNIVERSAL, ALONG)
 OBLIQUE = (UNIVERSAL[1], UNIVERSAL[0], (ALONG + 0.3 * UNIVERSAL[0]) / np.sqrt(1.09))  # a free motion of all three hinges
@@ -76,19 +71,19 @@ def rocker_angle(crank):
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("axes", [BALL, OBLIQUE])
-def test_the_output_angle_of_a_rod_between_balls_is_that_of_the_closed_form(tmp_path, axes):
-    press = loaded(tmp_path, "ball", axes)
+def test_the_output_angle_of_a_rod_between_balls_is_that_of_the_closed_form(axes):
+    press = texts.load(rssr(axes))
     assert (press.mobility, press.held_spins) == (1, ("A",))
     motion = pp.cycle(press, 10.0, points=48)
     found = motion.joint_position[:, press.joints.index("Q")]
     np.testing.assert_allclose(found, rocker_angle(motion.crank_angle), rtol=0, atol=1e-11)
     assert np.abs(motion.joint_position[:, press.joints.index("A")]).max() < 1e-15
-    assert "5 joints less 4 equations of loops, gear pairs and held spins" in str(pp.check(tmp_path / "ball.urdf"))
+    assert "5 joints less 4 equations of loops, gear pairs and held spins" in str(pp.check(press.file))
 
 
 @pytest.mark.exhaustive
-def test_forces_of_a_slender_rod_do_not_depend_on_how_its_spin_is_held(tmp_path):
-    presses = [loaded(tmp_path, name, axes) for name, axes in (("ball", BALL), ("oblique", OBLIQUE), ("universal", UNIVERSAL))]
+def test_forces_of_a_slender_rod_do_not_depend_on_how_its_spin_is_held():
+    presses = [texts.load(rssr(axes)) for axes in (BALL, OBLIQUE, UNIVERSAL)]
     assert [len(press.held_spins) for press in presses] == [1, 1, 0]
     found = [pp.inverse_dynamics(press, pp.cycle(press, 10.0, points=16)) for press in presses]
     scale = max(np.abs(force).max() for force in found[2].bearing_force.values())
@@ -103,28 +98,27 @@ def test_forces_of_a_slender_rod_do_not_depend_on_how_its_spin_is_held(tmp_path)
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("method", ["reduced", "constraint"])
-def test_runs_of_a_rod_between_balls(tmp_path, method):
-    ball, universal = (loaded(tmp_path, name, axes) for name, axes in (("ball", BALL), ("universal", UNIVERSAL)))
+def test_runs_of_a_rod_between_balls(method):
+    ball, universal = (texts.load(rssr(axes)) for axes in (BALL, UNIVERSAL))
     runs = [pp.simulate(press, 0.1, speed=6.0, method=method, points=7) for press in (ball, universal)]
     np.testing.assert_allclose(runs[0].crank_angle, runs[1].crank_angle, rtol=0, atol=1e-8)
     pp.inverse_dynamics(ball, runs[0])
 
 
-def test_check_says_which_spin_is_held(tmp_path):
-    loaded(tmp_path, "ball", BALL)
-    found = pp.check(tmp_path / "ball.urdf")
+def test_check_says_which_spin_is_held():
+    found = pp.check(texts.load(rssr(BALL)).file)
     assert not found.errors
     assert any("it can spin about the line of its ball" in note.problem and "held, with joint 'A'" in note.remedy for note in found.notes)
     assert str(found)
 
 
-def test_a_rod_out_of_balance_is_refused_by_name(tmp_path):
+def test_a_rod_out_of_balance_is_refused_by_name():
     with pytest.raises(pp.UrdfError, match="link 'rod' can spin about a line 12 mm from its centre of mass; its weight would turn it"):
-        loaded(tmp_path, "bent", BALL, eccentricity=0.012)
+        texts.load(rssr(BALL, eccentricity=0.012))
 
 
 def test_written_and_read_again(tmp_path):
-    press = loaded(tmp_path, "ball", BALL)
+    press = texts.load(rssr(BALL))
     pp.write_urdf(press, tmp_path / "again.urdf")
     again = pp.load(tmp_path / "again.urdf")
     assert again.held_spins == press.held_spins
@@ -132,14 +126,12 @@ def test_written_and_read_again(tmp_path):
     assert heavier.held_spins == press.held_spins
 
 
-def test_a_link_that_hangs_free_is_no_spin(tmp_path):
+def test_a_link_that_hangs_free_is_no_spin():
     text = rssr(UNIVERSAL).replace("</robot>", "")
     text += '<link name="bob"><inertial><origin xyz="0.1 0 0"/><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
     text += '</inertial></link><joint name="hang" type="continuous"><parent link="rocker"/><child link="bob"/><axis xyz="0 1 0"/></joint>'
-    path = tmp_path / "free.urdf"
-    path.write_text(text + "</robot>")
     with pytest.raises(pp.UrdfError, match="mobility is 2, but one joint drives"):
-        pp.load(path)
+        texts.load(text + "</robot>")
 
 
 SDF = """<sdf version="1.7"><model name="rssr">
@@ -159,26 +151,23 @@ MJCF = """<mujoco model="rssr"><option gravity="0 0 -9.81"/><worldbody>
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize(("ending", "text"), [("sdf", SDF), ("xml", MJCF)])
-def test_balls_of_other_formats_follow_whole_turns(tmp_path, ending, text):
+def test_balls_of_other_formats_follow_whole_turns(ending, text):
     """The axes of the links are those of the world, so that hinges about these axes would lock at 54 degrees."""
     tensor = 0.01 * (np.eye(3) - np.outer(ALONG, ALONG)) + 1e-9 * np.eye(3)
     named = {f"i{'xyz'[i]}{'xyz'[j]}": repr(float(tensor[i, j])) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))}
     places = {"q": [FRAME, OFFSET, 0.0], "a": BALL_A, "centre": 0.5 * (BALL_B - BALL_A), "way": BALL_B - BALL_A}
-    path = tmp_path / f"rssr.{ending}"
-    path.write_text(
-        text.format(
-            **{name: words(place) for name, place in places.items()},
-            rocker=ROCKER,
-            plain="<inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz></inertia>",
-            thin=f"<inertia>{''.join(f'<{name}>{value}</{name}>' for name, value in named.items())}</inertia>",
-            moments=" ".join(named.values()),
-        )
+    text = text.format(
+        **{name: words(place) for name, place in places.items()},
+        rocker=ROCKER,
+        plain="<inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz></inertia>",
+        thin=f"<inertia>{''.join(f'<{name}>{value}</{name}>' for name, value in named.items())}</inertia>",
+        moments=" ".join(named.values()),
     )
-    press = pp.load(path, driver="O")
+    press = texts.load(text, name=f"rssr.{ending}", driver="O")
     assert press.held_spins == ("A_z",)
     motion = pp.cycle(press, 10.0, points=24)
     np.testing.assert_allclose(motion.joint_position[:, press.joints.index("Q")], rocker_angle(motion.crank_angle), rtol=0, atol=1e-11)
     torque = pp.inverse_dynamics(press, motion).driving_torque
-    universal = loaded(tmp_path, "universal", UNIVERSAL)
+    universal = texts.load(rssr(UNIVERSAL))
     expected = pp.inverse_dynamics(universal, pp.cycle(universal, 10.0, points=24)).driving_torque
     np.testing.assert_allclose(torque, expected, rtol=0, atol=1e-6 * np.abs(expected).max())  # the rod has 1e-9 kg m2 about its line

@@ -61,14 +61,11 @@ def test_lamina_point_and_nothing_are_bodies(press):
     assert press.with_inertias(bodies).model.inertias[1].mass == 300.0
 
 
-def test_a_moment_below_zero_is_no_bodys():
-    """Pinocchio makes no such inertia, but may be given one in other ways."""
+def test_a_moment_below_zero_is_no_bodys_but_rounding_of_files_passes():
+    """Pinocchio makes no such inertia, but may be given one in other ways. Moments are rounded by a millionth of the largest, in three
+    links that are welded together."""
     for moments in ((-1.0, 1.0, 1.0), (-1e-4, 1.0, 1.0), (1.0, 1.0, np.inf)):
         assert first_unphysical([SOUND, SimpleNamespace(mass=3.0, lever=np.zeros(3), inertia=np.diag(moments))])[0] == 1
-
-
-def test_rounding_of_files_passes():
-    """Moments rounded by a millionth of the largest, in three links that are welded together."""
     off = np.diag([0.5, 0.5, 1.0]) + 0.5e-6 * np.diag([-1.0, -1.0, 0.0])
     total = sum(turn @ off @ turn.T for turn in (np.eye(3), np.eye(3)[[1, 2, 0]], np.eye(3)[[2, 0, 1]]))
     assert first_unphysical([inertia(moments=np.diag(off)), inertia(moments=np.diag(total))]) is None

@@ -8,7 +8,6 @@ from support.generators.malformed_linkages import DEAD, DRIVERS, GOES, MOBILITIE
 from support.generators.malformed_urdf import ELEMENTS, FILES
 
 import pinpress as pp
-from pinpress.cli.main import main
 
 CORPUS = [
     *(
@@ -41,7 +40,7 @@ def test_malformed(file, capfd, text, error, element, line, problem):
     listed = pp.check(file).errors
     first = listed[0]
     assert (first.element, first.line) == (element, line)
-    assert problem in first.problem
+    assert first.problem.partition("; it misses")[0] == problem if problem.startswith("mobility is 0") else problem in first.problem
     assert first.remedy
     said = str(first.error) + (f" ({len(listed) - 1} more: pinpress check {file} lists them)" if len(listed) > 1 else "")
     assert str(caught.value) == said
@@ -49,17 +48,6 @@ def test_malformed(file, capfd, text, error, element, line, problem):
         assert (caught.value.file, caught.value.element, caught.value.line) == (str(file), element, line)
         assert (caught.value.problem, caught.value.remedy) == (first.problem, first.remedy)
     assert capfd.readouterr() == ("", "")
-
-
-@pytest.mark.one_in(4)
-@pytest.mark.parametrize(("text", "error", "element", "line", "problem"), CORPUS[::7])
-def test_command_lists_it(file, capsys, text, error, element, line, problem):
-    assert main(["check", str(written(file, text))]) == 1
-    out, err = capsys.readouterr()
-    assert err == ""
-    place = "error: " if line is None else f"{file}:{line}: error: "
-    assert place in out
-    assert problem in re.sub(r"\s+", " ", out)
 
 
 def test_the_corpus_is_of_linkages_that_load_but_for_the_fault(file):

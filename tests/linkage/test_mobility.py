@@ -1,17 +1,14 @@
-"""Which equations belong to which loop or gear pair, and which of these a diagnosis names: these and no others."""
+"""Which equations belong to which loop or gear pair; which of these a diagnosis names is in the corpus of malformed linkages."""
 
 import numpy as np
 import pytest
 from support import texts
 from support.generators import large_linkages
-from support.generators.malformed_linkages import AXIS, GEAR, PENDULUM, STAYS, changed, pinned, with_element
+from support.generators.malformed_linkages import PENDULUM, with_element
 
 import pinpress as pp
 from pinpress.engines.constraints import Relation
 from pinpress.linkage.checks import mobility
-
-SECOND_GEAR = '<mimic joint="G" multiplier="0.1"/>'
-
 
 THIRD_SHAFT = PENDULUM.replace("</joint>", '<mimic joint="G" multiplier="3"/></joint>')
 
@@ -31,28 +28,6 @@ def test_every_equation_belongs_to_one_loop_or_gear_pair(text):
         if isinstance(each.by, Relation):
             involved = np.flatnonzero(rows.columns[list(each.turns)].any(axis=0))
             assert set(involved) == set(each.by.coefficients)
-
-
-@pytest.mark.one_in(3)
-@pytest.mark.parametrize(
-    ("text", "problem"),
-    [
-        (changed(('"spherical"', '"fixed"')), f"{STAYS}: held by loop 'W'"),
-        (changed(('name="P" type="continuous"', 'name="P" type="fixed"')), f"{STAYS}: held by loop 'W'"),
-        (changed(("<!-- guide -->", '<mimic joint="O" multiplier="0.1"/>')), f"{STAYS}: gear pair of joint 'guide' contradicts the others"),
-        (changed(("<!-- P -->", '<mimic joint="O" multiplier="-1"/>')), f"{STAYS}: gear pair of joint 'P' contradicts the others"),
-        (changed(("<!-- guide -->", SECOND_GEAR)), f"{STAYS}: gear pair of joint 'G' or gear pair of joint 'guide' contradicts the others"),
-        (
-            pinned("revolute", 'link="crank"', 'link="wheel" xyz="-0.5 0 0"', AXIS),
-            f"{STAYS}: loop 'V' or gear pair of joint 'G' contradicts the others",
-        ),
-    ],
-)
-def test_only_those_to_blame_are_named(text, problem):
-    assert GEAR in text  # beside every fault there is a gear pair
-    with pytest.raises(pp.UrdfError) as caught:
-        large_linkages.load(text)
-    assert caught.value.problem == problem
 
 
 @pytest.mark.parametrize("turned", ["1.5707963267948966 0 0", "-1.5707963267948966 0 0", "1.5707963267948966 0.3 0"])

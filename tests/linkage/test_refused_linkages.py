@@ -37,6 +37,7 @@ REFUSALS = [
         r"press.yaml: this is a table of pins, not a URDF; make .* by pp.build\(path\)",
     ),
     (lambda: texts.load(GOES.replace("loop_joint", "lop_joint")), "unknown element <lop_joint>, did you mean 'loop_joint'"),
+    (lambda: texts.load(changed(('<link name="slide">', '<link name="slide"><tool xyz="0 0"/>'))), "2 numbers, not 3"),
     # drivers
     (lambda: texts.load(NO_DRIVER), '<robot name="goes">: no driver; .*load\\(..., driver=...\\)'),
     (lambda: texts.load(NO_DRIVER, driver=()), "no driver"),

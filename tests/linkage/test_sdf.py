@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from support import texts
 from support.oracles import cassie
 
 import pinpress as pp
@@ -42,19 +43,20 @@ MODEL = """<sdf version="{version}">
 AXIS = "<axis><xyz>0 -1 0</xyz></axis>"
 
 
-@pytest.fixture
-def file(tmp_path):
-    def write(version="1.9", pose="", axis=AXIS, more="", edit=("", "")):
-        path = tmp_path / "slider.sdf"
-        path.write_text(MODEL.format(version=version, pose=pose, axis=axis, more=more).replace(*edit), encoding="utf-8")
-        return path
-
-    return write
+def file(version="1.9", pose="", axis=AXIS, more="", edit=("", "")):
+    return texts.file(MODEL.format(version=version, pose=pose, axis=axis, more=more).replace(*edit), "slider.sdf")
 
 
-@pytest.fixture
-def robot(file):
-    return lambda **of: parse(file(**of)).robot
+def robot(**of):
+    return parse(file(**of)).robot
+
+
+def bushing(frame, torque, force, damping="0 0 0"):
+    """An elastic bushing of Drake between a frame and the slide."""
+    values = {"torque_stiffness": torque, "torque_damping": damping, "force_stiffness": force, "force_damping": damping}
+    inside = "".join(f"<drake:bushing_{name}>{value}</drake:bushing_{name}>" for name, value in values.items())
+    ends = f"<drake:bushing_frameA>{frame}</drake:bushing_frameA><drake:bushing_frameC>slide</drake:bushing_frameC>"
+    return f"<drake:linear_bushing_rpy>{ends}{inside}</drake:linear_bushing_rpy>"
 
 
 def joint(robot, name):
@@ -65,7 +67,7 @@ def axis(robot, name):
     return joint(robot, name).all("axis")[0].numbers("xyz")
 
 
-def test_the_crank_slide_of_an_sdf_moves(file):
+def test_the_crank_slide_of_an_sdf_moves():
     with pytest.warns(PinpressWarning) as said:
         press = pp.load(file(), driver="O")
     assert [re.sub(r"^\S* ", "", str(each.message)).split(",")[0].split(";")[0] for each in said] == [
@@ -97,7 +99,7 @@ def test_the_crank_slide_of_an_sdf_moves(file):
         ("1.6", "", (0, 0, 1)),
     ],
 )
-def test_an_axis_is_in_the_frame_that_its_version_says(robot, version, written, expected):
+def test_an_axis_is_in_the_frame_that_its_version_says(version, written, expected):
     assert axis(robot(version=version, axis=f"<axis>{written}</axis>"), "O") == pytest.approx(tuple(expected), abs=1e-15)
 
 
@@ -109,7 +111,7 @@ def test_an_axis_is_in_the_frame_that_its_version_says(robot, version, written, 
         '<pose rotation_format="quat_xyzw">0.2 0 0 0 0 0 2</pose>',
     ],
 )
-def test_a_pose_is_relative_to_the_frame_that_it_names(file, pose):
+def test_a_pose_is_relative_to_the_frame_that_it_names(pose):
     more = '<frame name="held" attached_to="frame"><pose relative_to="__model__">0.1 0 0 0 0 0</pose></frame>'
     press = build(parse(file(more=more, edit=("<pose>0.2 0 0 0 0 0</pose>", pose))), "O", None)
     place = press.model.jointPlacements[press.model.getJointId("slide_guide")]
@@ -118,7 +120,7 @@ def test_a_pose_is_relative_to_the_frame_that_it_names(file, pose):
     assert np.abs(place.rotation - np.eye(3)).max() < 1e-15
 
 
-def test_the_model_stands_in_the_world_where_it_is_posed(file):
+def test_the_model_stands_in_the_world_where_it_is_posed():
     press = build(parse(file(pose="<pose>1 2 3 0 0 1.5708</pose>")), "O", None)
     place = press.model.jointPlacements[1]
     assert place.translation == pytest.approx(
@@ -127,7 +129,7 @@ def test_the_model_stands_in_the_world_where_it_is_posed(file):
     assert press.root == "world"
 
 
-def test_the_pose_of_a_model_is_that_of_its_placement_frame(file):
+def test_the_pose_of_a_model_is_that_of_its_placement_frame():
     """The slide, which the file draws at x = 0.2 of the model, stands where the model's pose is, a quarter turn about z."""
     named = ('<model name="slider">', '<model name="slider" placement_frame="slide">')
     press = build(parse(file(pose="<pose>1 2 3 0 0 1.5708</pose>", edit=named)), "O", None)
@@ -141,7 +143,7 @@ def test_the_pose_of_a_model_is_that_of_its_placement_frame(file):
 @pytest.mark.parametrize(
     ("word", "quarter"), [("1.5708", True), ("-3.14159", True), ("1.571", False), ("1.5709", False), ("1.570796", True)]
 )
-def test_an_angle_that_is_a_quarter_turn_to_all_its_digits_is_read_as_one(file, word, quarter):
+def test_an_angle_that_is_a_quarter_turn_to_all_its_digits_is_read_as_one(word, quarter):
     document = parse(file(edit=("<pose>0.2 0 0 0 0 0</pose>", f"<pose>0.2 0 0 0 0 {word}</pose>")))
     rotation = build(document, "O", None).model.jointPlacements[3].rotation
     off = np.abs(np.abs(rotation) - np.round(np.abs(rotation))).max()
@@ -149,7 +151,7 @@ def test_an_angle_that_is_a_quarter_turn_to_all_its_digits_is_read_as_one(file, 
     assert any("quarter turns" in remark.problem for remark in document.remarks) == quarter
 
 
-def test_a_gearbox_is_a_gear_pair_with_the_sign_of_its_axes(robot):
+def test_a_gearbox_is_a_gear_pair_with_the_sign_of_its_axes():
     more = """<link name="wheel"><inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link>
     <joint name="S" type="revolute"><parent>frame</parent><child>wheel</child><axis><xyz>0 1 0</xyz></axis></joint>
     <joint name="gear" type="gearbox"><parent>crank</parent><child>wheel</child><gearbox_ratio>2.5</gearbox_ratio>
@@ -164,7 +166,7 @@ def test_a_gearbox_is_a_gear_pair_with_the_sign_of_its_axes(robot):
     assert mimic.numbers("multiplier") + mimic.numbers("offset") == (-2, 0.2)
 
 
-def test_loops_of_drake_in_an_sdf_are_read(file):
+def test_loops_of_drake_in_an_sdf_are_read():
     loop = MODEL[MODEL.index('    <joint name="W"') : MODEL.index("    {more}")]
     ball = """<drake:ball_constraint><drake:ball_constraint_body_A>rod</drake:ball_constraint_body_A>
       <drake:ball_constraint_p_AP>0.1 0 0.2</drake:ball_constraint_p_AP><drake:ball_constraint_body_B>slide</drake:ball_constraint_body_B>
@@ -172,19 +174,14 @@ def test_loops_of_drake_in_an_sdf_are_read(file):
     (loop1,) = parse(file(edit=(loop, ball))).robot.all("loop_joint")
     assert (loop1.get("name"), loop1.get("type")) == ("ball_rod_slide", "spherical")
     assert [end.numbers("xyz") for end in loop1.children] == [(0.1, 0, 0.2), (0, 0, 0.01)]
-    bushing = """<frame name="at" attached_to="rod"><pose>0.1 0 0.2 0 0 0</pose></frame><drake:linear_bushing_rpy>
-      <drake:bushing_frameA>at</drake:bushing_frameA><drake:bushing_frameC>slide</drake:bushing_frameC>
-      <drake:bushing_torque_stiffness>1e4 0 1e4</drake:bushing_torque_stiffness>
-      <drake:bushing_torque_damping>1 0 1</drake:bushing_torque_damping>
-      <drake:bushing_force_stiffness>1e6 1e6 1e6</drake:bushing_force_stiffness>
-      <drake:bushing_force_damping>1 1 1</drake:bushing_force_damping></drake:linear_bushing_rpy>"""
-    document = parse(file(edit=(loop, bushing)))
+    at = '<frame name="at" attached_to="rod"><pose>0.1 0 0.2 0 0 0</pose></frame>'
+    document = parse(file(edit=(loop, at + bushing("at", "1e4 0 1e4", "1e6 1e6 1e6", "1 0 1"))))
     (loop2,) = document.robot.all("loop_joint")
     assert (loop2.get("type"), loop2.all("axis")[0].numbers("xyz")) == ("revolute", (0, 1, 0))
     assert [remark.severity for remark in document.remarks if "rigid bearing" in remark.problem] == ["warning"]
 
 
-def test_a_joint_that_the_tree_takes_the_other_way_round_keeps_its_angle(file):
+def test_a_joint_that_the_tree_takes_the_other_way_round_keeps_its_angle():
     more = '<joint name="weld" type="fixed"><parent>world</parent><child>slide</child></joint>'
     other = "<parent>frame</parent><child>slide</child>"
     document = parse(file(more=more, edit=(other, other)))
@@ -193,7 +190,7 @@ def test_a_joint_that_the_tree_takes_the_other_way_round_keeps_its_angle(file):
     assert any("exchange <parent> and <child>" in remark.remedy for remark in document.remarks)
 
 
-def test_a_ball_joint_of_the_tree_is_three_revolute_joints(robot):
+def test_a_ball_joint_of_the_tree_is_three_revolute_joints():
     found = robot(edit=('<joint name="P" type="revolute"', '<joint name="P" type="ball"'))
     loops = [loop.get("name") for loop in found.all("loop_joint")]
     assert loops == ["P"]  # where another joint can carry the rod, that does
@@ -206,59 +203,53 @@ def test_a_ball_joint_of_the_tree_is_three_revolute_joints(robot):
     assert [link.all("inertial")[0].all("mass")[0].numbers("value") for link in massless] == [(0.0,), (0.0,)]
 
 
-REFUSED = {
-    "version": ({"version": "2.0"}, r":1: <sdf>: unknown version '2.0' of SDF"),
-    "screw": ({"edit": ('"O" type="revolute"', '"O" type="screw"')}, r':17: <joint name="O">: joint type \'screw\' cannot be read'),
-    "misspelt type": ({"edit": ('"O" type="revolute"', '"O" type="revolut"')}, "did you mean 'revolute'"),
-    "misspelt element": ({"axis": "<axxis/>"}, r":17: <axxis> of <joint name=.O.>: unknown element <axxis>, did you mean 'axis'"),
-    "misspelt attribute": (
-        {"edit": ("<pose>0.2 0 0 0 0 0</pose>", '<pose relatve_to="rod">0 0 0 0 0 0</pose>')},
+SLIDE = "<pose>0.2 0 0 0 0 0</pose>"
+REFUSED = [
+    ({"version": "2.0"}, r":1: <sdf>: unknown version '2.0' of SDF"),
+    ({"edit": ('"O" type="revolute"', '"O" type="screw"')}, r':17: <joint name="O">: joint type \'screw\' cannot be read'),
+    ({"edit": ('"O" type="revolute"', '"O" type="revolut"')}, "did you mean 'revolute'"),
+    ({"axis": "<axxis/>"}, r":17: <axxis> of <joint name=.O.>: unknown element <axxis>, did you mean 'axis'"),
+    (
+        {"edit": (SLIDE, '<pose relatve_to="rod">0 0 0 0 0 0</pose>')},
         r":14: <pose> of <link name=.slide.>: unknown attribute 'relatve_to', did you mean 'relative_to'",
     ),
-    "attribute of an axis": ({"axis": '<axis xyz="0 -1 0"/>'}, r":17: <axis> of <joint name=.O.>: unknown attribute 'xyz'; remove it"),
-    "misspelt moment": ({"edit": ("<ixx>0.05</ixx>", "<Ixx>0.05</Ixx>")}, "unknown element <Ixx>"),
-    "no mass": ({"edit": ("<mass>15</mass>", "")}, r':11: <inertial> of <link name="rod">: has no <mass>'),
-    "comma": ({"edit": ("<mass>15</mass>", "<mass>1,5</mass>")}, r"<mass> of <link name=.rod.>: '1,5' is not a finite number"),
-    "negative mass": ({"edit": ("<mass>15</mass>", "<mass>-15</mass>")}, r':11: <inertial> of <link name="rod">: the mass -15.0'),
-    "unphysical inertia": ({"edit": ("<ixx>1</ixx>", "<ixx>5</ixx>")}, r':15: <inertial> of <link name="slide">: the largest principal'),
-    "zero axis": ({"axis": "<axis><xyz>0 0 0</xyz></axis>"}, "the axis is zero"),
-    "two numbers": ({"axis": "<axis><xyz>0 1</xyz></axis>"}, "2 numbers, not 3"),
-    "no such link": ({"edit": ("<child>rod</child>", "<child>rot</child>")}, "no frame 'rot', did you mean 'rod'|no link 'rot'"),
-    "pose in circles": ({"edit": ("<pose>0.2 0 0 0 0 0</pose>", '<pose relative_to="slide">0 0 0 0 0 0</pose>')}, "relative to itself"),
-    "pose in nothing": ({"edit": ("<pose>0.2 0 0 0 0 0</pose>", '<pose relative_to="x">0 0 0 0 0 0</pose>')}, "no frame 'x'"),
-    "model in a frame": ({"pose": '<pose relative_to="table">0 0 1 0 0 0</pose>'}, "the pose of the model is relative to 'table'"),
-    "placed by the world": (
+    ({"axis": '<axis xyz="0 -1 0"/>'}, r":17: <axis> of <joint name=.O.>: unknown attribute 'xyz'; remove it"),
+    ({"edit": ("<ixx>0.05</ixx>", "<Ixx>0.05</Ixx>")}, "unknown element <Ixx>"),
+    ({"edit": ("<mass>15</mass>", "")}, r':11: <inertial> of <link name="rod">: has no <mass>'),
+    ({"edit": ("<mass>15</mass>", "<mass>1,5</mass>")}, r"<mass> of <link name=.rod.>: '1,5' is not a finite number"),
+    ({"edit": ("<mass>15</mass>", "<mass>-15</mass>")}, r':11: <inertial> of <link name="rod">: the mass -15.0'),
+    ({"edit": ("<ixx>1</ixx>", "<ixx>5</ixx>")}, r':15: <inertial> of <link name="slide">: the largest principal'),
+    ({"axis": "<axis><xyz>0 0 0</xyz></axis>"}, "the axis is zero"),
+    ({"axis": "<axis><xyz>0 1</xyz></axis>"}, "2 numbers, not 3"),
+    ({"edit": ("<child>rod</child>", "<child>rot</child>")}, "no frame 'rot', did you mean 'rod'|no link 'rot'"),
+    ({"edit": (SLIDE, '<pose relative_to="slide">0 0 0 0 0 0</pose>')}, "relative to itself"),
+    ({"edit": (SLIDE, '<pose relative_to="x">0 0 0 0 0 0</pose>')}, "no frame 'x'"),
+    ({"pose": '<pose relative_to="table">0 0 1 0 0 0</pose>'}, "the pose of the model is relative to 'table'"),
+    (
         {"edit": ('<model name="slider">', '<model name="slider" placement_frame="w">'), "more": '<frame name="w" attached_to="world"/>'},
         ":2: <model name=.slider.>: its placement_frame 'w' stands in the world",
     ),
-    "frame of 1.6": ({"edit": ("<pose>0.2 0 0 0 0 0</pose>", '<pose frame="rod">0 0 0 0 0 0</pose>')}, "frame=... of SDF 1.5 and 1.6"),
-    "include": ({"more": "<include><uri>model://x</uri></include>"}, ":21: <include> of <model name=.slider.>: <include> in a <model>"),
-    "nested model": ({"more": '<model name="inner"/>'}, ':21: <model name="inner">: <model> in a <model> cannot be read'),
-    "static": ({"more": "<static>1</static>"}, "a static model does not move|no models that move"),
-    "link apart": ({"more": '<link name="apart"/>'}, ':21: <link name="apart">: no joint connects it'),
-    "two links": ({"more": '<link name="rod"/>'}, "the name is already that of the <link> on line 9"),
-    "prismatic loop": (
+    ({"edit": (SLIDE, '<pose frame="rod">0 0 0 0 0 0</pose>')}, "frame=... of SDF 1.5 and 1.6"),
+    ({"more": "<include><uri>model://x</uri></include>"}, ":21: <include> of <model name=.slider.>: <include> in a <model>"),
+    ({"more": '<model name="inner"/>'}, ':21: <model name="inner">: <model> in a <model> cannot be read'),
+    ({"more": "<static>1</static>"}, "a static model does not move|no models that move"),
+    ({"more": '<link name="apart"/>'}, ':21: <link name="apart">: no joint connects it'),
+    ({"more": '<link name="rod"/>'}, "the name is already that of the <link> on line 9"),
+    (
         {"more": '<joint name="X" type="prismatic"><parent>frame</parent><child>slide</child><axis/></joint>'},
         r'<joint name="X">: a prismatic joint cannot close a loop here',
     ),
-    "weightless": ({"edit": ("<pose>0.2 0 0 0 0 0</pose>", "<gravity>0</gravity>")}, "gravity acts on all links or none"),
-    "drake joint": ({"more": '<drake:joint name="x"/>'}, '<drake:joint name="x">: cannot be read'),
-    "stiff bushing": (
-        {
-            "more": "<drake:linear_bushing_rpy><drake:bushing_frameA>rod</drake:bushing_frameA><drake:bushing_frameC>slide"
-            "</drake:bushing_frameC><drake:bushing_torque_stiffness>1 0 0</drake:bushing_torque_stiffness>"
-            "<drake:bushing_torque_damping>0 0 0</drake:bushing_torque_damping>"
-            "<drake:bushing_force_stiffness>1 1 1</drake:bushing_force_stiffness>"
-            "<drake:bushing_force_damping>0 0 0</drake:bushing_force_damping></drake:linear_bushing_rpy>"
-        },
+    ({"edit": (SLIDE, "<gravity>0</gravity>")}, "gravity acts on all links or none"),
+    ({"more": '<drake:joint name="x"/>'}, '<drake:joint name="x">: cannot be read'),
+    (
+        {"more": bushing("rod", "1 0 0", "1 1 1")},
         "a bushing is elastic, and this one is neither a pin",
     ),
-}
+]
 
 
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_is_no_linkage_is_refused_by_name_and_line(file, case):
-    changed, message = REFUSED[case]
+@pytest.mark.parametrize(("changed", "message"), REFUSED)
+def test_what_is_no_linkage_is_refused_by_name_and_line(changed, message):
     with pytest.raises(UrdfError, match=message):
         pp.load(file(**changed), driver="O")
     assert pp.check(file(**changed), driver="O").errors
@@ -271,7 +262,7 @@ def test_what_is_no_linkage_is_refused_by_name_and_line(file, case):
         ('<frame name="f{}" attached_to="f{next}"/>', 999, "its pose is more than 500 frames away"),
     ],
 )
-def test_a_file_that_is_too_large_is_refused(file, each, count, message):
+def test_a_file_that_is_too_large_is_refused(each, count, message):
     more = "".join(each.format(k, next=k + 1) for k in range(count)) + f'<frame name="f{count}"/>'
     guide = '<joint name="slide_guide" type="prismatic">'
     with pytest.raises(UrdfError, match=message):
@@ -353,30 +344,29 @@ def test_the_manual_names_the_robots_that_load():
     assert all(f"`{name}` loads" in manual for name in loads)
 
 
+BODY = '<link name="{}"><inertial><mass>2</mass><inertia><ixx>.02</ixx><iyy>.02</iyy><izz>.02</izz></inertia></inertial></link>'
+HINGE = '<joint name="{}" type="{}"><parent>{}</parent><child>{}</child><axis><xyz>0 1 0</xyz><limit>{}</limit></axis></joint>'
+
+
+def arm(*elements, driver):
+    text = f'<sdf version="1.9"><model name="arm">{"".join(elements)}</model></sdf>'
+    return texts.load(text, name="arm.sdf", driver=driver)
+
+
 @pytest.mark.parametrize("none", ["1e16", "1e+16", "inf", "1.79769e+308", "1e13"])
-def test_limits_beyond_all_numbers_are_none(tmp_path, none):
+def test_limits_beyond_all_numbers_are_none(none):
     """SDF's own words for no limit, and what programs write for it; ``effort`` and ``velocity`` too."""
-    body = '<link name="{}"><inertial><mass>2</mass><inertia><ixx>.02</ixx><iyy>.02</iyy><izz>.02</izz></inertia></inertial></link>'
-    joint = (
-        '<joint name="{}" type="{}"><parent>{}</parent><child>{}</child><axis><xyz>0 1 0</xyz>'
-        f"<limit><lower>-{none}</lower><upper>{{}}</upper><effort>{none}</effort><velocity>{none}</velocity></limit></axis></joint>"
-    )
-    joints = joint.format("A", "revolute", "world", "crank", none) + joint.format("B", "prismatic", "crank", "arm", "0.5")
-    path = tmp_path / "arm.sdf"
-    path.write_text(f'<sdf version="1.9"><model name="arm">{body.format("crank")}{body.format("arm")}{joints}</model></sdf>')
-    press = pp.load(path, driver=["A", "B"])
+    limits = f"<lower>-{none}</lower><upper>{{}}</upper><effort>{none}</effort><velocity>{none}</velocity>"
+    joints = HINGE.format("A", "revolute", "world", "crank", limits.format(none))
+    joints += HINGE.format("B", "prismatic", "crank", "arm", limits.format("0.5"))
+    press = arm(BODY.format("crank"), BODY.format("arm"), joints, driver=("A", "B"))
     assert press.slots[0].unbounded
     assert press.model.upperPositionLimit[press.slots[1].start] == 0.5
     assert press.model.lowerPositionLimit[press.slots[1].start] <= -1e9
 
 
 @pytest.mark.parametrize(("tag", "text"), [("lower", "1e16"), ("lower", "inf"), ("upper", "-inf"), ("upper", "nan")])
-def test_limits_that_leave_no_way_are_refused(tmp_path, tag, text):
-    path = tmp_path / "arm.sdf"
-    path.write_text(
-        '<sdf version="1.9"><model name="arm"><link name="crank"><inertial><mass>2</mass><inertia><ixx>.02</ixx><iyy>.02</iyy>'
-        '<izz>.02</izz></inertia></inertial></link><joint name="A" type="revolute"><parent>world</parent><child>crank</child>'
-        f"<axis><xyz>0 1 0</xyz><limit><{tag}>{text}</{tag}></limit></axis></joint></model></sdf>"
-    )
+def test_limits_that_leave_no_way_are_refused(tag, text):
+    joint = HINGE.format("A", "revolute", "world", "crank", f"<{tag}>{text}</{tag}>")
     with pytest.raises(pp.PinpressError, match=f"<{tag}> of <joint name=.A.>"):
-        pp.load(path, driver="A")
+        arm(BODY.format("crank"), joint, driver="A")

@@ -11,7 +11,6 @@ from support.exploring import examples
 from support.generators.malformed_urdf import (
     CRANK_INERTIA,
     CRANK_INERTIAL,
-    CRANK_MASS,
     DRIVE,
     GUIDE,
     INERTIAL,
@@ -202,14 +201,6 @@ def test_line_is_where_the_tag_starts(file):
 def test_driver_named_twice_is_one(file):
     file.write_text(added('<transmission><joint name="guide"/><joint name="O"/></transmission>'))
     assert read(file).description.drivers == ("O", "guide")
-
-
-def test_read_raises_the_first_error_and_says_how_many_there_are(file):
-    text = edited(('value="20"', 'value="3,5"'), ('"spherical"', '"ball"'), ('xyz="0 -1 0"', 'xyz="0 2 0"'))
-    error = first_problem(file, text)
-    found = pp.check(file).errors
-    assert [each.line for each in found] == [CRANK_MASS, LINE_O, LINE_W]
-    assert str(error) == f"{found[0].error} (2 more: pinpress check {file} lists them)"
 
 
 MUTATION = st.tuples(

@@ -550,57 +550,12 @@ def test_frame_gets_a_mass(file, tmp_path, tag):
     assert written(back, tmp_path).model.inertias[0].mass == 0
 
 
-# ------------------------------------------------------------------------------------------------------------------------- the mechanics
-
-
-def peak(result):
-    return max(np.abs(values).max() for values in (*result.bearing_force.values(), *result.bearing_moment.values(), result.shaking_force))
-
-
-def assert_same_forces(press, other, motion_of):
-    """Driving torque and all bearing forces of two linkages, relative to the largest."""
-    results = [pp.inverse_dynamics(each, motion_of(each)) for each in (press, other)]
-    largest = peak(results[1])
-    np.testing.assert_allclose(results[0].driving_torque, results[1].driving_torque, rtol=0, atol=1e-12 * largest)
-    for name in press.bearings:
-        for kind in ("bearing_force", "bearing_moment"):
-            one, two = (getattr(result, kind)[name] for result in results)
-            np.testing.assert_allclose(one, two, rtol=0, atol=1e-12 * largest, err_msg=f"{kind} {name}")
-
-
-def all_changed(press, seed=5):
-    rng = np.random.default_rng(seed)
-
-    def change(model):
-        for j in range(model.njoints):
-            model.inertias[j] = some_inertia(rng, 0.1)
-        for j in range(1, model.njoints):
-            model.jointPlacements[j] = model.jointPlacements[j] * nudge(rng, 3e-3)
-        model.gravity.linear = np.array([0.1, -0.2, -9.0])
-
-    loops = [dataclasses.replace(loop, point1=loop.point1 + 1e-3, point2=loop.point2 - 2e-3) for loop in press.loops]
-    return changed(press, change, loops=tuple(loops))
-
-
-@pytest.mark.filterwarnings("ignore:.*the slide weighs")  # masses at random
-@pytest.mark.exhaustive
-def test_forces_of_the_file_are_those_of_the_changed_linkage(press, tmp_path):
-    """Whatever a linkage has worked out is worked out anew for the changed one; gravity is not in the file."""
-    rest = {"angle": np.linspace(0, 0.3, 5), "speed": np.full(5, 8.0), "acceleration": np.full(5, -3.0)}
-
-    def motion_of(linkage):
-        return pp.servo_cycle(linkage, **rest)
-
-    before = pp.inverse_dynamics(press, motion_of(press))
-    other = all_changed(press)
-    again = written(other, tmp_path, gravity=(0.1, -0.2, -9.0))
-    assert_same_forces(again, other, motion_of)
-    assert np.abs(pp.inverse_dynamics(other, motion_of(other)).driving_torque - before.driving_torque).max() > 1.0
+# ------------------------------------------------------------------------------------------------------------------------ other linkages
 
 
 @pytest.mark.filterwarnings("ignore:.*apart as drawn:pinpress.PinpressWarning")
 def test_planar_press_stays_planar(tmp_path):
-    """Its angles and lengths in the plane changed: the planar engine takes it, and the same forces come out."""
+    """Its angles and lengths in the plane changed: the planar engine takes it."""
     press, rng = texts.shipped("zxn2_3000b"), np.random.default_rng(6)
 
     def change(model):
@@ -612,32 +567,32 @@ def test_planar_press_stays_planar(tmp_path):
     again = written(other, tmp_path)
     assert "plane" in again.engines
     assert_same(again, other, welded=False)
-    assert_same_forces(again, other, lambda linkage: pp.cycle(linkage, speed=7.0, points=8))
 
 
-@pytest.mark.one_in(4)
-@pytest.mark.parametrize("name", pp.presses())
-def test_forces_with_other_inertias(name, tmp_path):
-    """Redundant presses among them, whose lengths must fit to all digits."""
-    press, rng = texts.shipped(name), np.random.default_rng(7)
-    motion = pp.cycle(press, speed=7.0, points=8)
-    before = pp.inverse_dynamics(press, motion)
+def test_forces_of_the_file_are_those_of_the_changed_linkage(tmp_path):
+    """Whatever a linkage has worked out is worked out anew for the changed one; a redundant press, whose lengths must fit to all digits.
+    Gravity is not in the file."""
+    press, rng = texts.shipped("jf75g_125_symmetric"), np.random.default_rng(7)
+    before = pp.inverse_dynamics(press, pp.cycle(press, speed=7.0, points=8)).driving_torque
 
     def change(model):
+        model.gravity.linear = np.array([0.1, -0.2, -9.0])
         for inertia in model.inertias:
             inertia.mass *= rng.uniform(0.5, 2)
             inertia.lever = inertia.lever + np.array([0.02, 0.0, -0.01])
 
     other = changed(press, change)
-    assert_same_forces(written(other, tmp_path), other, lambda linkage: pp.cycle(linkage, speed=7.0, points=8))
-    assert np.abs(pp.inverse_dynamics(other, motion).driving_torque - before.driving_torque).max() > 0.01 * peak(before) / 1e3
-
-
-PROPERTY = examples(12)
+    both = (written(other, tmp_path, gravity=(0.1, -0.2, -9.0)), other)
+    one, two = (pp.inverse_dynamics(each, pp.cycle(each, speed=7.0, points=8)) for each in both)
+    largest = max(np.abs(force).max() for force in two.bearing_force.values())
+    np.testing.assert_allclose(one.driving_torque, two.driving_torque, rtol=0, atol=1e-12 * largest)
+    for name in press.bearings:
+        np.testing.assert_allclose(one.bearing_force[name], two.bearing_force[name], rtol=0, atol=1e-12 * largest)
+    assert np.abs(two.driving_torque - before).max() > 1e-2 * np.abs(before).max()
 
 
 @pytest.mark.exhaustive
-@PROPERTY
+@examples(12)
 @given(linkages(most=3), st.integers(0, 2**32 - 1))
 def test_random_linkage(tmp_path, spec, seed):
     """Unchanged the same bytes; changed, in its plane, the same numbers; written once more, the same bytes again."""

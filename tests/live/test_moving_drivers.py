@@ -1,6 +1,5 @@
 """Presses with several drivers in the window: one moves, the others stand, and the forces are those of the whole press."""
 
-import base64
 import json
 import re
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.in_browser import floats
 from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
@@ -112,7 +112,7 @@ def test_another_driver_moves(session: Session, path: Path) -> None:
     assert (moved["moving"], moved["values"], moved["speed"]) == ("B", values, 30.0)
     press = with_moving(pp.build(path), "B", (np.radians(20.0), 0.0))
     torque = pp.inverse_dynamics(press, pp.cycle(press, 30 * pp.RPM, points=180)).driving_torque
-    shown = np.frombuffer(base64.b64decode(moved["curves"][1]["values"]), "<f4")
+    shown = floats(moved["curves"][1]["values"])
     assert_allclose(shown[:-1], torque, rtol=0, atol=1e-6 * np.abs(torque).max())
     assert ask(session, "save", name="changed.yaml", replace=True).sender["type"] == "saved"
     assert (path.parent / "changed.yaml").read_text() == TWO_SERVOS  # where drivers stand is no length
@@ -120,10 +120,10 @@ def test_another_driver_moves(session: Session, path: Path) -> None:
     assert session.whole()["moving"] == "B"
 
 
-@pytest.mark.parametrize("driver", ["C", "", None, 1, ["A"]])
-def test_what_is_no_driver_is_refused(session: Session, driver: Any) -> None:
-    with pytest.raises(RefusedMessageError, match="no driver"):
-        ask(session, "move", driver=driver)
+def test_what_is_no_driver_is_refused(session: Session) -> None:
+    for driver in ("C", "", None, 1, ["A"]):
+        with pytest.raises(RefusedMessageError, match="no driver"):
+            ask(session, "move", driver=driver)
 
 
 def test_where_a_driver_cannot_stand_is_said(tmp_path: Path) -> None:

@@ -88,34 +88,19 @@ def test_who_does_not_know_the_address_gets_nothing(window: Any) -> None:
     parts = urlsplit(window.url)
     token = parts.path.strip("/")
     assert len(token) > 30
-    for path in (
-        "/",
-        "/x/",
-        "/viewer.js",
-        f"/{token[:-1]}/",
-        f"/{token}x/",
-        f"/{token.upper()}/live.js",
-        f"//{token}/",
-        "/%00/",
-        f"/?{token}",
-    ):
+    wrong = ("/", "/x/", "/viewer.js", f"/{token[:-1]}/", f"/{token}x/", f"/{token.upper()}/live.js", f"//{token}/", "/%00/", f"/?{token}")
+    for path in wrong:
         assert get(window.url, path)[0] == 403, path
 
 
-@pytest.mark.parametrize(
-    "headers",
-    [
-        {"Origin": "http://example.com"},
-        {"Origin": "null"},
-        {"Host": "example.com"},
-        {"Host": "127.0.0.1"},
-        {"Origin": "http://127.0.0.1:1"},
-    ],
-)
-def test_other_origins_and_hosts_are_refused(window: Any, headers: dict[str, str]) -> None:
-    assert get(window.url, **headers)[0] == 403
-    with pytest.raises(HTTPClientError, match="403"):
-        talk(window.url, **headers)
+def test_other_origins_and_hosts_are_refused(window: Any) -> None:
+    for name, value in (
+        *(("Origin", origin) for origin in ("http://example.com", "null", "http://127.0.0.1:1")),
+        *(("Host", host) for host in ("example.com", "127.0.0.1")),
+    ):
+        assert get(window.url, **{name: value})[0] == 403
+        with pytest.raises(HTTPClientError, match="403"):
+            talk(window.url, **{name: value})
 
 
 def test_nothing_else_is_served(window: Any) -> None:

@@ -1,6 +1,5 @@
 """What a window is answered: the mechanics' own numbers, reasons where lengths make no press, files beside the press's own."""
 
-import base64
 import json
 import shutil
 from pathlib import Path
@@ -10,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support import texts
+from support.in_browser import floats
 
 import pinpress as pp
 from pinpress.common import files
@@ -55,10 +55,6 @@ def change(session: Session, speed: float = 70.0, **changed: float) -> Any:
     return ask(session, "set", values=values(session, **changed), speed=speed, shapes=False)
 
 
-def series(text: str, columns: int = 1) -> Any:
-    return np.frombuffer(base64.b64decode(text), "<f4").reshape(-1, columns).squeeze()
-
-
 def test_a_window_keeps_the_slide_that_is_named(tmp_path: Path) -> None:
     """That of a table with two slides, also when a slider has changed it."""
     file = tmp_path / "press.yaml"
@@ -83,13 +79,13 @@ def test_a_picture_has_the_numbers_of_the_mechanics() -> None:
     slide, torque, force = message["curves"]
     forces = np.array([np.linalg.norm(each, axis=1) for each in reactions.bearing_force.values()])
     height = motion.slide_position - pp.dead_centres(press).bottom_position
-    assert_allclose(series(torque["values"]), reactions.driving_torque[again], rtol=0, atol=1e-6 * np.abs(reactions.driving_torque).max())
-    assert_allclose(series(force["values"]), forces.max(axis=0)[again], rtol=1e-6)
-    assert_allclose(series(slide["values"]), height[again], rtol=0, atol=1e-7)
+    assert_allclose(floats(torque["values"]), reactions.driving_torque[again], rtol=0, atol=1e-6 * np.abs(reactions.driving_torque).max())
+    assert_allclose(floats(force["values"]), forces.max(axis=0)[again], rtol=1e-6)
+    assert_allclose(floats(slide["values"]), height[again], rtol=0, atol=1e-7)
     assert force["at"][:180] == [press.bearings[k] for k in forces.argmax(axis=0)]
     for bearing in message["bearings"]:
         its = reactions.bearing_force[bearing["name"]]
-        assert_allclose(series(bearing["force"], 3)[:-1], its, rtol=0, atol=1e-6 * np.abs(its).max())
+        assert_allclose(floats(bearing["force"], 3)[:-1], its, rtol=0, atol=1e-6 * np.abs(its).max())
     assert message["crank"][-1] == 360
     assert message["speed"] == 50
 
@@ -112,7 +108,7 @@ def test_it_is_the_same_press_by_whatever_way_it_is_reached() -> None:
     for crank in (150.0, 120.0, 160.0, 140.0):
         last = change(there, A_to_B=crank)
     curve = change(straight, A_to_B=140.0).everyone["curves"][1]
-    assert_allclose(series(last.everyone["curves"][1]["values"]), series(curve["values"]), rtol=1e-6, atol=1e-2)
+    assert_allclose(floats(last.everyone["curves"][1]["values"]), floats(curve["values"]), rtol=1e-6, atol=1e-2)
 
 
 @pytest.mark.one_in(2)
@@ -129,13 +125,7 @@ def test_halves_change_together(name: str) -> None:
 def test_notes_come_with_a_picture_and_not_as_warnings() -> None:
     session = of_press("crank_slide")
     assert change(session, speed=70.0).everyone["notes"] == []
-    assert "1.2e+05" in change(session, speed=120000.0).everyone["notes"][0] or change(session, speed=120000.0).everyone["notes"]
-
-
-def test_a_whole_number_of_400_digits_is_refused() -> None:
-    session = of_press("crank_slide")
-    values = [10**400, *session.whole()["values"][1:]]
-    assert "too large" in ask(session, "set", values=values, speed=70.0, shapes=False).sender["text"]
+    assert change(session, speed=120000.0).everyone["notes"] != []
 
 
 def test_a_driver_that_slides() -> None:
@@ -156,55 +146,32 @@ def good(**other: Any) -> str:
 @pytest.mark.parametrize(
     "text",
     [
-        "",
-        "[]",
-        "null",
-        '"set"',
-        "{}",
-        b"\x00\x01",
-        '{"type": "eval", "code": "1"}',
-        '{"type": ["set"]}',
-        '{"type": "save", "name": "x.urdf"}',
-        '{"type": "ready", "version": 1, "more": 2}',
-        good(shapes=1),
-        good(extra=1),
-        good().replace("60.0", "NaN"),
-        good().replace("60.0", "-Infinity"),
-        "[" * 10000,
-        good() + " " * LONGEST,
+        *("", "[]", "null", '"set"', "{}", b"\x00\x01", '{"type": "eval", "code": "1"}', '{"type": ["set"]}'),
+        *('{"type": "save", "name": "x.urdf"}', '{"type": "ready", "version": 1, "more": 2}', good(shapes=1), good(extra=1)),
+        *(good().replace("60.0", "NaN"), good().replace("60.0", "-Infinity"), "[" * 10000, good() + " " * LONGEST),
     ],
     ids=lambda text: str(text)[:40],
 )
-def test_messages_that_no_window_sends_are_refused(text: Any) -> None:
+def test_messages_that_no_window_sends_are_refused(text: Any, shared: Session) -> None:
     with pytest.raises(RefusedMessageError):
-        shared().answer(text)
+        shared.answer(text)
 
 
 @pytest.mark.parametrize(
     "other",
-    [
-        {"values": []},
-        {"values": [True] * 7},
-        {"values": ["1"] * 7},
-        {"values": [1e999] * 7},
-        {"values": None},
-        {"speed": "60"},
-        {"speed": 0},
-    ],
+    [*({"values": values} for values in ([], [True] * 7, ["1"] * 7, [1e999] * 7, [10**400] * 7, None)), {"speed": "60"}, {"speed": 0}],
+    ids=lambda other: str(other)[:40],
 )
-def test_values_that_are_no_numbers_are_refused(other: dict[str, Any]) -> None:
-    answer = shared().answer(good(**other).replace("Infinity", "1e999"))
+def test_values_that_are_no_numbers_are_refused(other: dict[str, Any], shared: Session) -> None:
+    answer = shared.answer(good(**other).replace("Infinity", "1e999"))
     assert answer.everyone is None
     assert answer.sender["type"] == "refused"
 
 
-_SHARED: list[Session] = []
-
-
+@pytest.fixture(scope="module")
 def shared() -> Session:
-    if not _SHARED:
-        _SHARED.append(of_press("crank_slide"))
-    return _SHARED[0]
+    """One for tests that change nothing."""
+    return of_press("crank_slide")
 
 
 # -------------------------------------------------------------------------------------------------------------------------------- files
@@ -226,7 +193,7 @@ def test_a_table_is_written_with_its_comments(tmp_path: Path) -> None:
     ]
     shown = session.whole()["curves"][0]
     motion = pp.cycle(pp.build(tmp_path / "other.yaml"), 5 * pp.RPM, points=180)
-    assert_allclose(np.ptp(series(shown["values"])), np.ptp(motion.slide_position), rtol=1e-3)
+    assert_allclose(np.ptp(floats(shown["values"])), np.ptp(motion.slide_position), rtol=1e-3)
 
 
 def test_a_urdf_is_written_that_loads_to_the_press_shown(tmp_path: Path) -> None:
@@ -251,42 +218,18 @@ def test_nothing_is_replaced_unasked(tmp_path: Path) -> None:
     assert "r: 95 " in path.read_text()
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "../x.yaml",
-        "/tmp/x.yaml",
-        "a/b.yaml",
-        "a\\b.yaml",
-        ".x.yaml",
-        "x.urdf",
-        "x",
-        "",
-        "x\0.yaml",
-        "C:x.yaml",
-        "x\n.yaml",
-        5,
-        None,
-        "x" * 300 + ".yaml",
-        "\u538b" * 100 + ".yaml",  # 300 bytes
-    ],
-)
-def test_files_are_written_beside_the_own_one_alone(name: Any, tmp_path: Path) -> None:
+NAMES = ["../x.yaml", "/tmp/x.yaml", "a/b.yaml", "a\\b.yaml", ".x.yaml", "x.urdf", "x", "", "x\0.yaml", "C:x.yaml", "x\n.yaml", 5, None]
+NAMES += ["x" * 300 + ".yaml", "\u538b" * 100 + ".yaml"]  # the last has 300 bytes
+
+
+def test_files_are_written_beside_the_own_one_alone(tmp_path: Path) -> None:
     (tmp_path / "in").mkdir()
     path = tmp_path / "in" / "own.yaml"
     shutil.copy(KNUCKLE, path)
-    assert ask(table_session(path), "save", name=name, replace=True).sender["type"] == "unsaved"
+    session = of_table(path)
+    for name in NAMES:
+        assert ask(session, "save", name=name, replace=True).sender["type"] == "unsaved", name
     assert [each.name for each in tmp_path.rglob("*") if each.is_file()] == ["own.yaml"]
-
-
-_TABLES: list[Session] = []
-
-
-def table_session(path: Path) -> Session:
-    """One for all, which writes nothing."""
-    if not _TABLES:
-        _TABLES.append(of_table(path))
-    return _TABLES[0]
 
 
 def test_parameters_given_are_where_the_sliders_begin(tmp_path: Path) -> None:

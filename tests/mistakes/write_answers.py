@@ -1,22 +1,18 @@
-"""Writes tests/mistakes/answers.md, what is said to every mistake of this folder and to wrong calls, and docs/mistakes.md, a choice of it.
-
-    python tests/mistakes/write_answers.py
+"""tests/mistakes/answers.md, what is said to every mistake of this folder and to wrong calls, and docs/mistakes.md, a choice of it.
 
 What is said is computed; a test holds both files to it.
 """
 
 import re
-import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
-from support import mistakes  # noqa: E402
+from make import DOCS, ROOT, write
+from support import mistakes
 
 PAGE = """\
 # What is said to everyday mistakes
 
-`python tests/mistakes/write_answers.py` writes this file. Each row names a file of this folder, or a call, the line in which it differs
+`python docs/make.py write_answers` writes this file. Each row names a file of this folder, or a call, the line in which it differs
 from the right one, and the answer, with `press` for the file's name.
 
 ## In pin tables
@@ -66,7 +62,7 @@ Functions answer wrong calls in the same way, after `press = pp.load("zxn2_3000b
 
 {calls}
 
-`python tests/mistakes/write_answers.py` writes this page.
+`python docs/make.py write_answers` writes this page.
 """
 CHOSEN = (
     "no-units.yaml",
@@ -204,6 +200,7 @@ def _plain(text: str) -> str:
     return re.sub(r"([*_|\[\]])", r"\\\1", re.sub("[<>{}]", lambda found: f"&#{ord(found[0])};", " ".join(text.split())))
 
 
-if __name__ == "__main__":
-    (ROOT / "tests" / "mistakes" / "answers.md").write_text(answers(), encoding="utf-8")
-    (ROOT / "docs" / "mistakes.md").write_text(guide(), encoding="utf-8")
+def main(quick: bool = False) -> None:
+    """Write both."""
+    write(ROOT / "tests" / "mistakes" / "answers.md", answers())
+    write(DOCS / "mistakes.md", guide())

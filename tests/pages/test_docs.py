@@ -1,17 +1,15 @@
 """The documentation says what is so: its code runs, its tables are what their scripts print, its pages are short."""
 
 import dataclasses
-import importlib.util
 import inspect
 import re
-import runpy
 import shlex
 from importlib import import_module
 from operator import attrgetter
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
+import make
 import numpy as np
 import pytest
 from support import mistakes, page_blocks
@@ -103,19 +101,9 @@ def test_every_page_with_code_is_run() -> None:
     assert with_code - {*RUN, "tour"} == set()  # the tour has a test of its own
 
 
-def script(name: str) -> ModuleType:
-    """A script of viz."""
-    spec = importlib.util.spec_from_file_location(name, ROOT / "viz" / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    made = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(made)
-    return made
-
-
 @pytest.mark.parametrize("name", rest_exhaustive(TABLES, "balancing"))
 def test_tables_are_what_their_scripts_print(name: str) -> None:
-    for table in script(name).table().split("\n\n"):
+    for table in make.load(name).table().split("\n\n"):
         assert table in text(name)
 
 
@@ -145,6 +133,8 @@ def test_names_and_files_in_sentences_exist() -> None:
     ]
     files = r"(?:python |`)((?:tests|viz|docs|pinpress)/[\w/.]*\w)"
     missing += [f"{page}: {file}" for page, words in pages.items() for file in re.findall(files, words) if not (ROOT / file).exists()]
+    made = r"python docs/make\.py (\w+)"
+    missing += [f"{page}: {name}" for page, words in pages.items() for name in re.findall(made, words) if name not in make.scripts()]
     assert missing == []
 
 
@@ -167,18 +157,18 @@ def _is_public(name: str) -> bool:
 
 def test_reference_has_every_public_name() -> None:
     """The pages are those that their script writes, and have all namespaces."""
-    scripts = runpy.run_path(str(DOCS / "reference_pages.py"))
+    scripts = make.load("reference_pages")
     written = {path.name: path.read_text(encoding="utf-8") for path in (DOCS / "reference").glob("*.md")}
-    assert written == scripts["pages"](), "python docs/reference_pages.py"
-    assert scripts["menu"]() in (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
-    assert sorted(space for _, spaces in scripts["PAGES"].values() for space in spaces.split()) == sorted(SPACES)
+    assert written == scripts.pages(), "python docs/make.py reference_pages"
+    assert scripts.menu() in (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    assert sorted(space for _, spaces in scripts.PAGES.values() for space in spaces.split()) == sorted(SPACES)
 
 
 def test_answers_to_mistakes_are_what_is_said_today() -> None:
-    script = runpy.run_path(str(ROOT / "tests" / "mistakes" / "write_answers.py"))
-    answers = script["answers"]()
-    assert (ROOT / "tests" / "mistakes" / "answers.md").read_text(encoding="utf-8") == answers, "python tests/mistakes/write_answers.py"
-    assert (DOCS / "mistakes.md").read_text(encoding="utf-8") == script["guide"](), "python tests/mistakes/write_answers.py"
+    script = make.load("write_answers")
+    answers = script.answers()
+    assert (ROOT / "tests" / "mistakes" / "answers.md").read_text(encoding="utf-8") == answers, "python docs/make.py write_answers"
+    assert (DOCS / "mistakes.md").read_text(encoding="utf-8") == script.guide(), "python docs/make.py write_answers"
     assert "|  |" not in answers, "nothing is said to a mistake"
 
 
@@ -202,11 +192,11 @@ def test_commands_of_pages_are_read(page: Path) -> None:
 
 
 def test_the_gallery_is_what_its_script_writes() -> None:
-    script = runpy.run_path(str(DOCS / "gallery_films.py"))
-    assert text("gallery") == script["page"](), "python docs/gallery_films.py page"
+    gallery_films = make.load("gallery_films")
+    assert text("gallery") == gallery_films.page(), "python docs/make.py gallery_films page"
     films = {path.stem: path.stat().st_size for path in (DOCS / "gallery").glob("*.webp")}
-    assert set(films) == {shown.table for shown in script["PRESSES"]}
-    assert max(films.values()) <= script["LIGHT"]
+    assert set(films) == {shown.table for shown in gallery_films.PRESSES}
+    assert max(films.values()) <= gallery_films.LIGHT
 
 
 def minutes(page: str) -> float:
@@ -227,12 +217,12 @@ def test_pages_of_features_have_light_pictures() -> None:
         shown = re.findall(r"!\[([^\]]*)\]\(([^)]+)\)", text(page))
         assert shown, page
         assert all(len(words) > 10 and (DOCS / path).stat().st_size <= 150_000 for words, path in shown), page
-        assert re.search(r"(python (docs|viz)/\w+\.py|python tests/(validation|mistakes)/\w+\.py|pinpress build)", text(page)), page
+        assert re.search(r"python docs/make\.py \w+|python tests/validation/\w+\.py|pinpress build", text(page)), page
 
 
 @pytest.mark.parametrize(("folder", "made_by"), [("pictures", "PICTURES"), ("drawings", "DRAWINGS")])
 def test_every_picture_of_the_guide_is_made_and_shown(folder: str, made_by: str) -> None:
-    made = {picture.__name__ for picture in runpy.run_path(str(DOCS / f"{folder}.py"))[made_by]}
+    made = {picture.__name__ for picture in getattr(make.load(folder), made_by)}
     assert {path.stem for path in (DOCS / folder).iterdir()} == made
     pages = "".join(path.read_text(encoding="utf-8") for path in DOCS.glob("*.md"))
     assert {name for name in made if f"({folder}/{name}." not in pages} == set()

@@ -3,16 +3,16 @@
 import ast
 import json
 import re
-import runpy
 from pathlib import Path
 from typing import Any
 
+import example_pages
 import pytest
 from support.sampling import rest_exhaustive
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGES = runpy.run_path(str(DOCS / "example_pages.py"))
-NAMES = tuple(PAGES["EXERCISES"])
+COMMAND = "python docs/make.py example_pages"
+NAMES = tuple(example_pages.EXERCISES)
 MISTAKES = [  # what students may write, and what they are told
     ("four_bar", "(np.angle(D - B) + angle)", "(np.angle(D - B) - angle)", "other assembly"),
     ("four_bar", "(2 * b * diagonal)", "(2 * c * diagonal)", "not closed"),
@@ -44,8 +44,8 @@ def code_cells(name: str) -> list[str]:
 @pytest.mark.parametrize("name", NAMES)
 def test_solution_finds_what_its_page_says(name: str) -> None:
     plt = pytest.importorskip("matplotlib.pyplot")
-    printed, figure = PAGES["run"](name)
-    assert PAGES["exercise_section"](name, printed) in (DOCS / "exercises.md").read_text(encoding="utf-8"), "docs/example_pages.py"
+    printed, figure = example_pages.run(name)
+    assert example_pages.exercise_section(name, printed) in (DOCS / "exercises.md").read_text(encoding="utf-8"), COMMAND
     assert figure.axes
     plt.close("all")
 
@@ -55,14 +55,14 @@ def test_every_exercise_has_picture_and_notebook() -> None:
     for kind in ("py", "svg", "ipynb"):
         assert {path.stem for path in folder.glob(f"*.{kind}")} == set(NAMES), kind
     for name in NAMES:
-        assert PAGES["parts"](name)[0].endswith("?")
-        assert (folder / f"{name}.ipynb").read_text(encoding="utf-8") == PAGES["exercise_notebook"](name), "python docs/example_pages.py"
+        assert example_pages.parts(name)[0].endswith("?")
+        assert (folder / f"{name}.ipynb").read_text(encoding="utf-8") == example_pages.exercise_notebook(name), COMMAND
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_notebook_has_gaps_and_no_solutions(name: str) -> None:
-    steps = [step for step in PAGES["steps"](name) if step.gap]
-    assert len(steps) == PAGES["script"](name).count("# End of the gap") >= 5
+    steps = [step for step in example_pages.steps(name) if step.gap]
+    assert len(steps) == example_pages.script(name).count("# End of the gap") >= 5
     text = (DOCS / "exercises" / f"{name}.ipynb").read_text(encoding="utf-8")
     for step in steps:
         assert step.hint, step.heading
@@ -72,7 +72,7 @@ def test_notebook_has_gaps_and_no_solutions(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_names_that_other_code_needs_are_asked_for(name: str) -> None:
     """A student may call everything else as he likes, and may take the page's solution of one step alone."""
-    steps = PAGES["steps"](name)
+    steps = example_pages.steps(name)
     for k, step in enumerate(steps):
         if step.gap:
             asked = re.search("# Gap: (.*)", step.code)[1]
@@ -103,7 +103,7 @@ def test_open_gaps_say_what_is_missing_and_solutions_fill_them(name: str) -> Non
     """A student who runs each step, is told what is missing, and takes the page's solution."""
     plt = pytest.importorskip("matplotlib.pyplot")
     names: dict[str, Any] = {}
-    for step, cell in zip(PAGES["steps"](name), code_cells(name), strict=True):
+    for step, cell in zip(example_pages.steps(name), code_cells(name), strict=True):
         if step.gap:
             with pytest.raises(NotImplementedError, match=f"^{step.heading}: write "):
                 exec(cell, names)
@@ -118,7 +118,7 @@ def test_open_gaps_say_what_is_missing_and_solutions_fill_them(name: str) -> Non
 def test_wrong_answers_are_told(mistake: tuple[str, str, str, str]) -> None:
     name, right, wrong, told = mistake
     plt = pytest.importorskip("matplotlib.pyplot")
-    code = PAGES["script"](name)
+    code = example_pages.script(name)
     assert right in code
     with pytest.raises(AssertionError, match=told):
         exec(code.replace(right, wrong), {})

@@ -6,7 +6,6 @@ import importlib.util
 import inspect
 import os
 import re
-import runpy
 import subprocess
 import sys
 import threading
@@ -20,6 +19,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
+import manual
 import pytest
 
 import pinpress as pp
@@ -147,9 +147,8 @@ def test_links_lead_to_places_that_exist(site: Path) -> None:
 @pytest.mark.exhaustive
 def test_manual_is_printed_with_contents_and_page_numbers(site: Path, browser: Any, tmp_path: Path) -> None:
     """A short one; the whole takes a minute."""
-    manual = runpy.run_path(str(ROOT / "docs" / "manual.py"))
     menu = [{"Start": [{"Five minutes": "start.md"}, {"The tour": "tour.md"}]}, {"Engines": "engines.md"}, {"Changelog": "CHANGELOG.md"}]
-    first = manual["write"](tmp_path / "manual.pdf", site, menu, browser)
+    first = manual.write(tmp_path / "manual.pdf", site, menu, browser)
     assert list(first) == ["start.html", "tour.html", "engines.html"]  # the changelog is left out
     assert first["start.html"] == 2  # behind the contents
     assert 2 < first["tour.html"] < first["engines.html"]

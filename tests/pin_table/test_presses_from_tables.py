@@ -11,7 +11,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from support.exploring import examples
-from support.generators.pin_tables import FOUR_BAR, crank_slide, with_link
+from support.generators.pin_tables import FOUR_BAR, MASSLESS, crank_slide, with_link
 from support.mistakes import TABLE
 
 import pinpress as pp
@@ -182,9 +182,6 @@ def test_a_plate_of_four_pins_is_two_triangles():
     link = link_of("plate", with_link("plate", **plate) | {"pins": crank_slide()["pins"] | pins, "frame": "O A B"})
     assert link.centre == pytest.approx([0.1, 0, 0.15], abs=1e-12)
     assert link.inertia[1, 1] == pytest.approx(12 * (0.2**2 + 0.3**2) / 12, rel=1e-9)
-
-
-MASSLESS = {"crank": {"pins": "O P"}, "rod": {"pins": "P W"}, "slide": {"pins": "W", "guide": "up"}}
 
 
 def test_pins_at_one_point_count_once():

@@ -121,6 +121,9 @@ REFUSALS: list[tuple[Any, str]] = [  # the keys of a call or the text of a file,
         (with_link("slide", **keys), LARGE)
         for keys in ({"mass": 1e300}, {"mass": 9, "inertia": 3 * [1e300]}, {"mass": 9, "com": [1e300, 0]}, {"box": "1e300 x 80 x 60"})
     ),
+    (crank_slide(tool="Q"), "tool: no pin Q; name a pin or a point of `pins`"),
+    (crank_slide(tool=[1, 2, 3]), r"tool: 3 numbers found; a point is \[x, z\]"),
+    (crank_slide(tool="P", links={"crank": {"pins": "O P", "mass": 40}}), "tool: no link is the slide; guide one link by the frame"),
     (crank_slide(turns="cw"), "'cw' is not a sense of rotation.*; write clockwise or counter-clockwise"),
     (crank_slide(drive="-O"), "-O has a sign.*; write O; .* turns: clockwise, or .* a negative speed"),
     (crank_slide(crank=-100), "pins: P: length: a length of -100; write 100, and turn the angle by 180"),

@@ -11,39 +11,21 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import make
 import pytest
-
-import pinpress as pp
 
 ROOT = Path(__file__).resolve().parents[2]
 BENCHMARKS = ROOT / "tests" / "benchmarks"
 RUNNER = runpy.run_path(str(BENCHMARKS / "run.py"))
 DOWNLOADS = {"install"}  # test_installed_wheel.py installs once, where this downloads every extra again
-PICTURES = {  # scripts of viz -> what each writes
-    "arrangements": ("arrangements.md", "arrangements.png"),
-    "balancing": ("balancing.png",),
-    "before_and_after": ("report.png", "comparison.png", "out/zxn2_3000b_bearings.svg"),
-    "elasticity": ("elasticity.png",),
-    "foundation": ("foundation.md", "foundation.png"),
-    "ratings": ("ratings.png",),
-    "record_presses": ("thin_wall.png", *(f"out/{name}_report.html" for name in pp.presses())),
-    "servo": ("servo.png",),
-    "synthesis": (),
-}
-IN_BROWSER = ("before_and_after", "record_presses")
-NOT_RUN = ("light",)  # what the others call
+NOT_QUICK = {"presses", "pictures"} if shutil.which("chromium") is None else set()  # these open pages
+WRITTEN = {"pictures": "live.png", "presses": "report.png", "manual": "manual.pdf"}  # script -> a file that its quick form writes
 
 
 def test_every_script_is_tried_and_described() -> None:
-    assert {path.stem for path in (ROOT / "viz").glob("*.py")} == {*PICTURES, *NOT_RUN}
     assert all(RUNNER["scripts"]().values())
-
-
-def test_no_test_outside_imports_benchmarks() -> None:
-    """They are evidence of developers; what tests need stands in tests/support."""
-    outside = [path for path in (ROOT / "tests").rglob("*.py") if BENCHMARKS not in path.parents]
-    importing = [path.name for path in outside if re.search(r"^\s*(?:from|import) benchmarks", path.read_text(encoding="utf-8"), re.M)]
-    assert importing == []
+    assert all(words for _, words in make.scripts().values())
+    assert {path.stem for path in (ROOT / "viz").glob("*.py")} <= set(make.scripts())
 
 
 @pytest.mark.exhaustive
@@ -87,32 +69,13 @@ def test_every_first_call_can_be_made(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("name", PICTURES)
-def test_scripts_write_their_pictures(
-    name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """In a copy of their folder."""
-    if name in IN_BROWSER and shutil.which("chromium") is None:
-        pytest.skip("there is no Chromium")
-    folder = tmp_path / "viz"
-    shutil.copytree(ROOT / "viz", folder, ignore=shutil.ignore_patterns("*.png", "*.md", "out", "__pycache__"))
-    for beside in ("docs", "tests", "urdf"):
-        (tmp_path / beside).symlink_to(ROOT / beside)
-    monkeypatch.setattr(sys, "path", [str(folder), *sys.path])
-    monkeypatch.delitem(sys.modules, "light", raising=False)
-    monkeypatch.setattr(sys, "argv", [str(folder / f"{name}.py")])
-    if name in IN_BROWSER:  # Playwright refuses a second browser in a process where one is open, as that of other tests is
-        paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-        command = [sys.executable, str(folder / f"{name}.py")]
-        done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=280, env={**os.environ, "PYTHONPATH": paths})
-        printed = done.stdout
-    else:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            runpy.run_path(str(folder / f"{name}.py"), run_name="__main__")
-        printed = capsys.readouterr().out
-    assert printed
-    for file in PICTURES[name]:
-        assert (folder / file).stat().st_size > 1000, file
-        if file.endswith(".md"):
-            assert (folder / file).read_text(encoding="utf-8") == (ROOT / "viz" / file).read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", sorted(set(make.scripts()) - NOT_QUICK - {"manual"}))
+def test_scripts_of_the_documentation_write_their_files(name: str, tmp_path: Path) -> None:
+    """In a process of their own, as some open a browser; the pages among the files are those of the repository."""
+    command = [sys.executable, str(ROOT / "docs" / "make.py"), name, "--quick", "--to", str(tmp_path)]
+    done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=280, env={**os.environ, "PYTHONPATH": str(ROOT)})
+    assert done.stdout
+    assert (tmp_path / WRITTEN.get(name, "")).exists()
+    for path in tmp_path.glob("*.md"):
+        places = [place for place in ROOT.glob(f"**/{path.name}") if not {".venv", "out"} & set(place.parts)]
+        assert path.read_bytes() in [place.read_bytes() for place in places]

@@ -1,4 +1,4 @@
-"""Random tests draw the same few cases every time, and new ones by the thousands where they are asked to: none has settings of its own."""
+"""Random tests draw the same few cases every time, and new ones by the thousands where they are asked to."""
 
 import os
 import re
@@ -43,8 +43,3 @@ def test_the_same_cases_or_new_ones(tmp_path: Path) -> None:
     assert set(explored) - set(first)
     (seed,) = re.findall(r"--hypothesis-seed=\d+", said)
     assert cases(tmp_path / "fourth", f"--hypothesis-profile={EXPLORE}", seed)[0] == explored
-
-
-def test_none_has_settings_of_its_own() -> None:
-    own = [path for path in HERE.rglob("*.py") if path.stem not in ("exploring", "conftest", "test_exploring")]
-    assert [name for name in own if re.search(r"\bsettings\(.*(derandomize|max_examples)", name.read_text(encoding="utf-8"))] == []

@@ -122,18 +122,28 @@ def test_an_import_upwards_or_aside_is_found(room: str, line: str, tmp_path: Pat
     assert room in said
 
 
-def test_no_test_module_imports_another() -> None:
-    """What tests share stands in `support` or in `extremes`."""
+@cache
+def tree_of_tests() -> dict[str, str]:
+    """The texts of all modules of tests, by their paths."""
     paths = sorted((ROOT / "tests").rglob("*.py"))
-    tests = {path.stem for path in paths if path.name.startswith("test_")} | {"conftest"}
-    for path in paths:
-        text = path.read_text(encoding="utf-8")
-        lines = re.findall(r"^ *(?:from|import)\b(?:[^(\n]*\([^)]*\)|.*)", text, re.MULTILINE)
-        if tests.isdisjoint(re.findall(r"\w+", "\n".join(lines))):
-            continue  # to read it all takes a hundred times as long
-        for node, _ in imports(text):
-            named = [*(alias.name for alias in node.names), getattr(node, "module", None) or ""]
-            assert not tests & {part for name in named for part in name.split(".")}, path
+    return {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in paths}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "allowed"),
+    [
+        # What tests share stands in `support` or in `extremes`.
+        pytest.param(r"^ *(from|import) [^#\n]*\b(test_\w+|conftest)\b", r"\A\Z", id="imports of test modules"),
+        # Benchmarks are evidence of developers.
+        pytest.param(r"^\s*(from|import) benchmarks", "tests/benchmarks/", id="imports of benchmarks"),
+        # Random tests draw as `support.exploring` says.
+        pytest.param(
+            r"\bsettings\(.*(derandomize|max_examples)", "exploring|conftest|test_exploring|test_layers", id="settings of Hypothesis"
+        ),
+    ],
+)
+def test_no_test_has(pattern: str, allowed: str) -> None:
+    assert [path for path, text in tree_of_tests().items() if re.search(pattern, text, re.MULTILINE) and not re.search(allowed, path)] == []
 
 
 def test_no_files_import_each_other_in_a_circle() -> None:

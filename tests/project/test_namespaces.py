@@ -1,6 +1,5 @@
 """What help says of a namespace: a short text with an example that runs, and signatures that can be read."""
 
-import importlib.util
 import inspect
 import re
 import textwrap
@@ -8,11 +7,18 @@ from operator import attrgetter
 
 import numpy as np
 import pytest
+from support.sampling import rest_exhaustive
 
 import pinpress as pp
 
 NAMESPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))]
-NEEDS = {"plots": "matplotlib", "ratings": "matplotlib", "accuracy": "matplotlib", "sweeps": "pandas"}
+NEEDS = {
+    "plots": "matplotlib",
+    "ratings": "matplotlib",
+    "accuracy": "matplotlib",
+    "sweeps": "pandas",
+    "video": "playwright imageio_ffmpeg meshcat",
+}
 SLOW = ("accuracy", "plots", "ratings", "video")  # a comparison, pictures, a browser
 LONGEST = 20  # lines of a text
 
@@ -47,32 +53,16 @@ def example(name):
     return textwrap.dedent(code)
 
 
-def run(name, names, folder, monkeypatch):
-    if name in NEEDS and importlib.util.find_spec(NEEDS[name]) is None:
-        pytest.skip(f"needs {NEEDS[name]}")
-    monkeypatch.chdir(folder)
+@pytest.mark.parametrize("name", rest_exhaustive(NAMESPACES, *(name for name in NAMESPACES if name not in SLOW)))
+def test_text_is_short_and_its_example_runs(name, names, tmp_path, monkeypatch):
+    assert 6 <= getattr(pp, name).__doc__.count("\n") <= LONGEST
+    assert f"pp.{name}." in example(name)
+    for needed in NEEDS.get(name, "").split():
+        pytest.importorskip(needed)
+    monkeypatch.chdir(tmp_path)
     if name == "plots":
         names |= names_of_plots(names["press"], names["motion"], names["reactions"])
     exec(compile(example(name), name, "exec"), names)
-
-
-@pytest.mark.parametrize("name", [name for name in NAMESPACES if name not in SLOW])
-def test_example_of_a_namespace_runs(name, names, tmp_path, monkeypatch):
-    run(name, names, tmp_path, monkeypatch)
-
-
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("name", SLOW)
-def test_slow_example_of_a_namespace_runs(name, names, tmp_path, monkeypatch):
-    if name == "video" and any(importlib.util.find_spec(each) is None for each in ("playwright", "imageio_ffmpeg", "meshcat")):
-        pytest.skip("needs pip install 'pinpress[video,recording]'")
-    run(name, names, tmp_path, monkeypatch)
-
-
-@pytest.mark.parametrize("name", NAMESPACES)
-def test_text_is_short_and_has_an_example(name):
-    assert 6 <= getattr(pp, name).__doc__.count("\n") <= LONGEST
-    assert f"pp.{name}." in example(name)
 
 
 def test_package_names_every_namespace():

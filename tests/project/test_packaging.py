@@ -124,26 +124,6 @@ def test_import_discipline(checkout, tmp_path, code, unwanted):
     assert set(unwanted.split()) & set(roots) == set()
 
 
-@pytest.mark.exhaustive
-def test_public_names_are_not_hidden_by_modules(checkout, tmp_path):
-    """A module of a public function's name would take the function's place once it is imported."""
-    code = """
-import importlib, pkgutil, types, pinpress
-for module in pkgutil.walk_packages(pinpress.__path__, "pinpress."):
-    if not module.name.endswith("__main__") and "peers." not in module.name:
-        importlib.import_module(module.name)
-spaces = [name for name in pinpress.__all__ if isinstance(getattr(pinpress, name), types.ModuleType)]
-inner = [f"{space}.{name}" for space in spaces for name in getattr(pinpress, space).__all__]
-modules = [name for name in inner if isinstance(getattr(getattr(pinpress, name.split(".")[0]), name.split(".")[1]), types.ModuleType)]
-print(*spaces, *modules)
-"""
-    spaces = (
-        "accuracy balancing derivatives drives elasticity foundation loads measured measures pin_table plots ratings servo sweeps"
-        " synthesis tolerances video"
-    )
-    assert python(checkout, code, tmp_path).split() == [*spaces.split(), "balancing.classical"]
-
-
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", PRESSES)
 def test_other_programs_open_the_shipped_files(name, capfd):

@@ -46,42 +46,21 @@ def test_every_namespace_has_its_list() -> None:
 
 @pytest.mark.parametrize("space", SPACES)
 def test_the_list_is_what_a_user_sees(space: str) -> None:
-    """`dir` shows the names of the stub and no other; each can be had, and is what stands where the stub takes it from."""
+    """`dir` shows the names of the stub and no other, each is described, and no two can be mixed up. A module that has been imported is an
+    attribute of its package: it would stand before a function of the same name."""
     namespace, names = importlib.import_module(space), listed(SPACES[space])
-    assert sorted(namespace.__all__) == sorted(names)
-    assert dir(namespace) == sorted(names)
+    assert sorted(namespace.__all__) == dir(namespace) == sorted(names)
+    assert [pair for pair in combinations(sorted(names), 2) if alike(*pair) and pair not in MEANT] == []
+    modules = {path.stem for path in (ROOT / space.replace(".", "/")).glob("*")}
+    assert modules & {name for name, source in names.items() if source.strip(".")} == set()
     package = space if hasattr(namespace, "__path__") else space.rpartition(".")[0]
-    for name, source in names.items():
-        origin = importlib.import_module(source, package)
-        assert getattr(namespace, name) is getattr(origin, name)
-
-
-@pytest.mark.parametrize("space", SPACES)
-def test_no_two_names_can_be_mixed_up(space: str) -> None:
-    names = sorted(listed(SPACES[space]))
-    assert [pair for pair in combinations(names, 2) if alike(*pair) and pair not in MEANT] == []
-
-
-@pytest.mark.parametrize("space", SPACES)
-def test_no_module_hides_a_name(space: str) -> None:
-    """A module that has been imported is an attribute of its package: it would stand before a function of the same name."""
-    folder = ROOT / space.replace(".", "/")
-    names = {name for name, source in listed(SPACES[space]).items() if source.strip(".")}
-    assert names & {path.stem for path in folder.glob("*")} == set()
-
-
-@pytest.mark.parametrize("space", SPACES)
-def test_every_name_is_described(space: str) -> None:
-    namespace = importlib.import_module(space)
     assert namespace.__doc__
-    for name in namespace.__all__:
+    for name, source in names.items():
         value = getattr(namespace, name)
-        if inspect.ismodule(value) or inspect.isroutine(value):
-            assert value.__doc__, name
-        elif inspect.isclass(value):
-            written = value.__dict__.get("__doc__") or ""
-            assert written, name
-            assert not written.startswith(f"{name}("), f"{name}: only the signature that dataclasses write"
+        assert value is getattr(importlib.import_module(source, package), name)
+        written = vars(value).get("__doc__") if inspect.isclass(value) else value.__doc__  # numbers have the text of their type
+        assert written, name
+        assert not written.startswith(f"{name}("), f"{name}: only the signature that dataclasses write"
 
 
 @pytest.mark.parametrize(

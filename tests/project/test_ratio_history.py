@@ -4,12 +4,13 @@ import json
 import math
 import re
 import runpy
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = runpy.run_path(str(ROOT / "tests" / "benchmarks" / "history" / "table.py"))
+PAGES = vars(import_module("benchmarks.history.table"))
 
 
 def test_stored_ratios_are_those_that_are_measured() -> None:
@@ -33,7 +34,7 @@ def test_every_ratio_says_what_is_beside_what() -> None:
 
 def test_contributors_are_shown_the_stored_ratios() -> None:
     page = (PAGES["HISTORY"] / "README.md").read_text(encoding="utf-8")
-    assert page == PAGES["fill"](page), "python tests/benchmarks/history/table.py"
+    assert page == PAGES["fill"](page), "python docs/make.py table"
 
 
 @pytest.mark.exhaustive

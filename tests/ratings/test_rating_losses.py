@@ -10,7 +10,8 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.loads.link import Friction, PointForce, SpringDamper
-from pinpress.ratings.permissible_force import BEARING, Capacities, without_masses
+from pinpress.ratings.limits import BEARING, without_masses
+from pinpress.ratings.permissible_force import Capacities
 from pinpress.ratings.rating import rate
 
 SPEED = 70 * pp.RPM

@@ -13,7 +13,8 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.loads.process import ConstantForce
-from pinpress.ratings.permissible_force import Capacities, governing_names, largest_factor
+from pinpress.ratings.limits import governing_names, largest_factor
+from pinpress.ratings.permissible_force import Capacities
 from pinpress.ratings.rating import rate
 
 SPEED = 90 * pp.RPM

@@ -1,26 +1,18 @@
 """What finer nodes change of a best motion, losses by the speed, and turns that take their time."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from support import texts
+from support.oracles.servo_by_hand import weightless
 
 import pinpress as pp
 from pinpress import RPM, servo
-from pinpress.servo.optimum import node_error
+from pinpress.servo.task import node_error
 
 FULL = 2 * np.pi
 HEAVY = 1e9  # inertia compared with which that of a linkage is nothing [kg m2]
 THIN = [pp.loads.DeepDrawing(20e3, 0.15)]
 SLOW_DRAWING = [servo.SlideSpeed(0.8, heights=(0.15, 0.0))]
-
-
-def weightless(name):
-    press = texts.shipped(name)
-    model = press.model.copy()
-    model.gravity.linear = np.zeros(3)
-    return dataclasses.replace(press, model=model)
 
 
 @pytest.mark.parametrize(("points", "most"), [(30, 6.0), (60, 6.0), (480, 3.0)])

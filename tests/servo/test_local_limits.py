@@ -9,10 +9,10 @@ from support import texts
 import pinpress as pp
 from pinpress import servo
 from pinpress.kinematics.cycle import motion_through_change_points
-from pinpress.servo import optimum
 from pinpress.servo.conic import local_limits
 from pinpress.servo.conic.bounds import motion_problem
-from pinpress.servo.conic.coefficients import coefficients, path_grid
+from pinpress.servo.conic.coefficients import coefficients, path_grid, path_marks
+from pinpress.servo.task import make_task
 from pinpress.simulation.reduced_model import energies
 
 PATHS = {
@@ -25,9 +25,9 @@ DRIVE = servo.ServoDrive(inertia=0.4, ratio=20.0, peak_torque=900.0, viscous=0.6
 POWER, RATE, RATIO, DRAG = 25e3, 4e4, 20.0, 0.6 * 20.0**2
 
 
-def problem_of(path, drive=DRIVE):
-    asked = optimum._make_task(texts.shipped("crank_slide"), drive, [], "heat", 3.0, PATHS[path], [], {}, 120)
-    return motion_problem(asked.coefficients, drive, asked.limits, {"heat": 1.0}, asked.time)
+def problem_of(path, drive=DRIVE, limits=()):
+    task = make_task(texts.shipped("crank_slide"), drive, [], "heat", 3.0, PATHS[path], limits, {}, 120)
+    return motion_problem(task.coefficients, drive, task.limits, {"heat": 1.0}, task.time)
 
 
 def any_motion(problem, seed):
@@ -59,7 +59,8 @@ def follow(grid):
 def test_coefficients_of_bearings_are_the_forces_of_any_motion(way):
     """The crank at any speed and acceleration, under weight and a load by height: those of inverse dynamics."""
     press, load = texts.shipped("zxn2_3000b"), pp.loads.DeepDrawing(1e6, start=0.05)
-    grid = path_grid(press, servo.Turn(backwards=way < 0).legs(press), [0.05], 40)
+    legs = servo.Turn(backwards=way < 0).legs(press)
+    grid = path_grid(legs, path_marks(press, legs, [0.05]), 40)
     found = coefficients(press, grid, [load], {}, 2.0, ["E", "slide_guide"])
     angle = (grid.angle[:-1] + found.inner * grid.step).ravel()
     speed, acceleration = way * np.random.default_rng(5).uniform(1.0, 8.0, len(angle)), np.linspace(-60.0, 90.0, len(angle))
@@ -93,10 +94,10 @@ def test_tangents_touch_limits_from_within(path, which):
     """At the motion at which they are drawn they leave what the limit leaves, with the drag of its speeds; of other motions they leave no
     more than that."""
     speeds, torques = CURVES.get(which, (None, None))
-    problem = problem_of(path, replace(DRIVE, curve_speed=speeds, curve_torque=torques))
-    limits = local_limits.LocalLimits(POWER if which == "power" else None, RATE if which == "rate" else None)
+    drive = replace(DRIVE, curve_speed=speeds, curve_torque=torques, power=POWER if which == "power" else None)
+    problem = problem_of(path, drive, [servo.TorqueRate(RATE / RATIO)] if which == "rate" else [])
     grid, base = problem.coefficients.grid, any_motion(problem, 2)
-    rows = local_limits.tangents(problem, base, limits)
+    rows = local_limits.tangents(problem, base)
     drag = DRAG * grid.way * plain(problem, base)[1]
     first, second = follow(grid)
 
@@ -120,23 +121,10 @@ def test_tangents_touch_limits_from_within(path, which):
 
 
 @pytest.mark.parametrize("path", PATHS)
-def test_first_tangents_are_drawn_where_the_power_is_kept(path):
-    """At the torques that the motion had: a segment that exceeds it is slowed down at both ends, and no other."""
-    problem = problem_of(path)
-    b = any_motion(problem, 2)
-    slower, over = local_limits._slower(problem, b, POWER), local_limits.powers(problem, b) / POWER
-    kept = np.r_[True, over <= 1] & np.r_[over <= 1, True]
-    assert 0 < kept.sum() < len(b)
-    np.testing.assert_array_equal(slower[kept], b[kept])
-    for end in (slower[:-1] / np.maximum(b[:-1], 1e-300), slower[1:] / np.maximum(b[1:], 1e-300)):
-        assert (end <= 1 / np.maximum(over, 1.0) + 1e-12).all()
-
-
-@pytest.mark.parametrize("path", PATHS)
 def test_nodes_stand_where_forces_begin_and_where_the_slide_turns_back(path):
     """On every leg, in its direction, whichever that is; a turn back at a height is an end of a leg anyhow."""
     press, blank = texts.shipped("crank_slide"), pp.loads.Blanking(1e5, 0.05, 0.02)
-    grid = optimum._make_task(press, DRIVE, [blank], "heat", 3.0, PATHS[path], [], {}, 120).coefficients.grid
+    grid = make_task(press, DRIVE, [blank], "heat", 3.0, PATHS[path], [], {}, 120).coefficients.grid
     lowest = pp.dead_centres(press).bottom_position
 
     def height(angle):

@@ -22,6 +22,28 @@ def data_in(path: Path) -> dict[str, Any]:
     return dict(json.loads(zlib.decompress(base64.b85decode(match[1]))))
 
 
+def floats(packed: str, columns: int = 1) -> Any:
+    """Numbers (n,) or vectors (n, columns) as a page is given them."""
+    numbers = np.frombuffer(base64.b64decode(packed), "<f4").astype(float)
+    return numbers if columns == 1 else numbers.reshape(-1, columns)
+
+
+def sections(path: Path) -> dict[str, Any]:
+    """The sections of a report by their titles."""
+    return {section["title"]: section for section in data_in(path)["report"]["sections"]}
+
+
+def chart(section: Any, title: str) -> Any:
+    """The chart or table of a section whose title begins so."""
+    (block,) = [block for block in section["blocks"] if block.get("title", "?").startswith(title)]
+    return block
+
+
+def curves(chart: Any) -> dict[str, tuple[Any, Any]]:
+    """Places and values of the curves of a chart by their names; places are None if they are those of the key frames."""
+    return {curve["name"]: (curve["x"] and floats(curve["x"]), floats(curve["y"])) for curve in chart["curves"]}
+
+
 def wait(page: Any, condition: str) -> None:
     """Playwright's wait_for_function would need eval, which the page's security policy refuses."""
     end = time.monotonic() + 10

@@ -1,6 +1,5 @@
 """Operating points against inverse dynamics of each, and their extremes against all states."""
 
-import csv
 import re
 
 import numpy as np
@@ -138,19 +137,12 @@ def test_an_elastic_die_pushes_in_proportion():
         agrees(found, i, j, one_by_one(SIX_BAR, found.speeds[i], [pp.loads.ElasticDie(0.02, found.forces[j])]))
 
 
-def test_table(found, tmp_path):
+def test_table(found):
     columns = found.columns()
     np.testing.assert_array_equal(columns["peak_force_A [N]"].reshape(60, 70), found.grid("peak_force_A"))
     assert (columns["speed [rad/s]"][71], columns["force [N]"][71]) == (SPEEDS[1], FORCES[1])
-    found.to_csv(tmp_path / "points.csv")
-    with open(tmp_path / "points.csv", newline="") as lines:
-        header, first, *others = csv.reader(lines)
-    assert header[:3] == ["speed [rad/s]", "force [N]", "largest_driving_torque [N m]"]
-    assert float(first[2]) == found.grid("largest_driving_torque")[0, 0]
-    assert len(others) == 60 * 70 - 1
-    assert found.to_frame()["angle_of_peak_force_A [rad]"].tolist() == found.angles["peak_force_A"].ravel().tolist()
-    found.to_parquet(tmp_path / "points.parquet")
-    assert (tmp_path / "points.parquet").stat().st_size > 0
+    assert list(columns)[:3] == ["speed [rad/s]", "force [N]", "largest_driving_torque [N m]"]
+    np.testing.assert_array_equal(columns["angle_of_peak_force_A [rad]"], found.angles["peak_force_A"].ravel())
     assert re.search(r"speeds +60 +20.0000 r/min to 100.000 r/min", str(found))
     with pytest.raises(pp.UnknownNameError, match="did you mean 'peak_force_slide_guide'"):
         found.grid("peak_force_slideguide")

@@ -27,21 +27,26 @@ def cluster(tmp_path):
         yield client, processes
 
 
+def killing(process, share):
+    """A function of the finished share that kills a process beyond a share."""
+
+    def kill(finished):
+        if finished > share and process.poll() is None:
+            process.kill()
+            process.wait()
+
+    return kill
+
+
 @pytest.mark.exhaustive
 def test_a_worker_is_killed_in_the_middle(cluster, tmp_path):
     client, (scheduler, *workers) = cluster
     file, log = tmp_path / "r.sqlite", tmp_path / "log"
-    points, killed = range(400), []
-
-    def kill(share):
-        if share > 0.4 and not killed:
-            killed.append(workers[0].pid)
-            os.kill(workers[0].pid, signal.SIGKILL)
-
+    points, function = range(400), partial(logged, log=str(log), pause=0.01)
     with within(120):
-        function = partial(logged, log=str(log), pause=0.01)
-        found = sweep(function, {"a": points}, to=file, executor=client.get_executor(), in_flight=8, progress=kill)
-    assert killed == [workers[0].pid]
+        progress = killing(workers[0], 0.4)
+        found = sweep(function, {"a": points}, to=file, executor=client.get_executor(), in_flight=8, progress=progress)
+    assert workers[0].poll() == -signal.SIGKILL
     assert found.failed == ()
     assert found.column("twice").tolist() == [2 * a for a in points]
     by = Counter(found.column("process").tolist())
@@ -52,16 +57,9 @@ def test_a_worker_is_killed_in_the_middle(cluster, tmp_path):
     assert sum(done.values()) - len(points) <= 8 * 20
     # A function that fails, and one that no worker can do.
     assert len(sweep(fails_at_odd, {"a": points}, executor=client.get_executor()).failed) == 200
-
-    def kill_the_scheduler(share):
-        if share > 0.2 and scheduler.poll() is None:
-            scheduler.kill()
-            scheduler.wait()
-
     other = tmp_path / "other.sqlite"
-    function = partial(logged, log=str(log), pause=0.01)
     with within(120), pytest.raises(pp.PinpressError, match="call the same sweep again, with a new executor"):
-        sweep(function, {"a": points}, to=other, executor=client.get_executor(), in_flight=8, progress=kill_the_scheduler)
+        sweep(function, {"a": points}, to=other, executor=client.get_executor(), in_flight=8, progress=killing(scheduler, 0.2))
     assert len(points) - len(pp.sweeps.read(other).missing) > 0.2 * len(points)
 
 
@@ -71,28 +69,16 @@ def test_a_cluster_writes_what_one_process_writes(cluster, tmp_path):
     client, (scheduler, *workers) = cluster
     grid, log = {"a": np.linspace(0.0, 1.0, 100), "b": np.linspace(0.0, 2.0, 100)}, str(tmp_path / "log")
     alone = sweep(partial(logged_at_once, log=log, pause=0.0), grid, at_once=100)
-    function, killed = partial(logged_at_once, log=log, pause=0.02), []
-
-    def kill(share):
-        if share > 0.3 and not killed:
-            killed.append(workers[0].pid)
-            os.kill(workers[0].pid, signal.SIGKILL)
-
+    function, executor = partial(logged_at_once, log=log, pause=0.02), client.get_executor()
     with within(120):
-        executor = client.get_executor()
-        found = sweep(function, grid, to=tmp_path / "r.sqlite", at_once=100, executor=executor, in_flight=8, progress=kill)
-    assert killed == [workers[0].pid]
+        progress = killing(workers[0], 0.3)
+        found = sweep(function, grid, to=tmp_path / "r.sqlite", at_once=100, executor=executor, in_flight=8, progress=progress)
+    assert workers[0].poll() == -signal.SIGKILL
     assert found.failed == ()
     assert found.column("c").tobytes() == alone.column("c").tobytes()
-
-    def kill_the_scheduler(share):
-        if share > 0.3 and scheduler.poll() is None:
-            scheduler.kill()
-            scheduler.wait()
-
     other = tmp_path / "other.sqlite"
     with within(120), pytest.raises(pp.PinpressError, match="call the same sweep again, with a new executor"):
-        sweep(function, grid, to=other, at_once=100, executor=executor, in_flight=8, progress=kill_the_scheduler)
+        sweep(function, grid, to=other, at_once=100, executor=executor, in_flight=8, progress=killing(scheduler, 0.3))
     left = len(pp.sweeps.read(other).missing)
     assert 0 < left < 7500
     before = len(Path(log).read_text().splitlines())

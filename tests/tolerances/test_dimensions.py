@@ -81,7 +81,6 @@ def test_sd_of_a_truncated_dimension_goes_over_into_the_uniform_one():
 
 def test_correlated_dimensions(press):
     parts = [tol.link_length(press, *pins, T) for pins, T in [("AB", 1e-5), ("BC", 3e-5), ("EF", 1e-5)]]
-    # , "C"), 3e-5), (("E", "F"), 1e-5))]
     tied = correlation_matrix(parts, {("AB", "EF"): -0.8})
     drawn = draw_deviations(parts, tied, 100_000, 1)
     assert np.corrcoef(drawn) == pytest.approx(tied, abs=0.015)

@@ -3,10 +3,13 @@
 from functools import cache
 
 import pytest
+import yaml
 from support import texts
+from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
 from pinpress import tolerances as tol
+from pinpress.derivatives import pivot_positions, reshaped
 from pinpress.tolerances.dimensions import check_dimensions, correlation_matrix
 
 PARALLELISM_SIDES = ("front", "back")
@@ -62,6 +65,43 @@ def parallelism(parts=None, **options):
 def single_point():
     single = texts.shipped("jf75g_125")
     return tol.parallelism(single, {"P4": [tol.link_length(single, "P2", "P4", 1e-5)]})
+
+
+@cache
+def sloped():
+    return parallelism(samples=10)
+
+
+def kept(rows, lengths=(1.0, 1.0)):
+    return sloped().kept(rows, lengths)
+
+
+@cache
+def servos():
+    press = pp.build(**yaml.safe_load(TWO_SERVOS))
+    return press, pp.servo_cycle(press, [[0.1, 0.0], [0.2, 0.0]], speed=0.0), [tol.pin_position(press, "A", "x", 1e-5)]
+
+
+@cache
+def path():
+    return pp.servo_cycle(six_bar(), [0.1, 0.2], speed=1.0)
+
+
+def scatter(parts=None, press=None, **options):
+    return tol.bottom_dead_centre(press or six_bar(), parts or [length("E", "F", 5e-5)], **options)
+
+
+def of_a_longer_rod():
+    return reshaped(six_bar(), {("F", "rod"): pivot_positions(six_bar())["F", "rod"] * 1.01})
+
+
+def across_the_plane():
+    press, together, _ = servos()
+    return scatter([tol.pin_position(press, "A", "y", 1e-5)], press, motion=together)
+
+
+def one_point_alone():
+    return scatter([tol.link_length(two_points(), "O", "P2_back", 1e-5)], two_points())
 
 
 REFUSALS = [
@@ -123,10 +163,29 @@ REFUSALS = [
     (lambda: parallelism(rods(name="rod")), "two different dimensions have the name 'rod'"),
     (lambda: parallelism(samples=10).within(-1e-5), "permissible"),
     (single_point, "hangs on one point, P4"),
+    (lambda: kept({"loaded": tol.PermissibleSlope(1e-5, force=1e5)}), "'loaded' has a force.*give point_stiffness"),
+    (lambda: kept({}), "no row"),
+    (lambda: kept({"a": 1e-5}), "'a' is a float"),
+    (lambda: kept({"a": tol.PermissibleSlope(1e-5)}, (0.0, 1.0)), "lengths"),
+    (lambda: tol.PermissibleSlope(0.0), "are 0"),
+    (lambda: tol.PermissibleSlope(1e-5, place=(1.0, 2.0, 3.0)), "place has shape"),
+    (lambda: scatter(forces={0.4: 1e6}), "a height of 400 mm is not within the stroke of 301.261 mm"),
+    (lambda: scatter(speeds={0.0: 1.0}), "height of speeds is 0.0: give one finite number, positive"),
+    (lambda: scatter(forces={0.1: 0.0}), "is 0 N"),
+    (lambda: scatter(samples=1), "samples is 1"),
+    (lambda: scatter([length("B", "C", 0.1, sd=0.5)], samples=50), "of 56 presses, worst corners included, cannot be closed at"),
+    (one_point_alone, "do not stay closed in this direction"),
+    (across_the_plane, "redundant bearings of two_servos do not stay closed"),
+    (lambda: scatter(servos()[2], servos()[0]), "has 2 drivers, so it has no dead centres.*motion=servo_cycle"),
+    (lambda: tol.allocate(servos()[0], servos()[2], None, {"height": 1e-5}), "has 2 drivers"),
+    (lambda: tol.heat(servos()[0], tol.Temperatures({"rod": 1.0})), "has 2 drivers"),
+    (lambda: scatter(servos()[2], servos()[0], motion=path()), "the motion is of zxn2_3000b with other joints"),
+    (lambda: scatter(motion=path(), speeds={0.1: 1.0}), "leave out motion"),
+    (lambda: scatter(press=of_a_longer_rod(), motion=path()), "leaves the loops of zxn2_3000b open by .* of other lengths"),
 ]
 
 
-@pytest.mark.filterwarnings("ignore:Stiffness")
+@pytest.mark.filterwarnings("ignore:Stiffness", "ignore:dimension 'BC'")
 @pytest.mark.parametrize(("call", "message"), REFUSALS, ids=[message for _, message in REFUSALS])
 def test_refusals(call, message):
     with pytest.raises(pp.PinpressError, match=message):

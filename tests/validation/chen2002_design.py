@@ -12,16 +12,12 @@ from typing import Any
 import numpy as np
 from validation.rows import FORMULA, Row, Table
 
+from pinpress import Linkage, cycle, inverse_dynamics
 from pinpress.common.quantities import Array
-from pinpress.derivatives.reshape import reshaped
-from pinpress.dynamics.inverse_dynamics import inverse_dynamics
-from pinpress.kinematics.cycle import cycle
-from pinpress.kinematics.measures import bearing_positions, pressure_angle, quick_return_ratio, speed_variation, stroke
-from pinpress.linkage.linkage import Linkage
-from pinpress.loads.process import ForceStroke
-from pinpress.synthesis.design import Trial
-from pinpress.synthesis.pareto_curve import DesignTradeOff, trade_off
-from pinpress.synthesis.synthesis import SynthesisResult, synthesise
+from pinpress.derivatives import reshaped
+from pinpress.loads import ForceStroke
+from pinpress.measures import bearing_positions, pressure_angle, quick_return_ratio, speed_variation, stroke
+from pinpress.synthesis import DesignTradeOff, SynthesisResult, Trial, synthesise, trade_off
 
 SPEED = 7.54  # speed of the crank [rad/s]
 STROKE, RATIO, DRAWN = 0.400, 1.5, 0.120  # stroke [m], time ratio and length drawn [m] of the example

@@ -16,13 +16,12 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 from validation import kong2025_as_printed
 from validation.kong2025_counterweights import PAPER, compared, priced
-from validation.pictures import Panel, draw
-from validation.rows import BEYOND, DATA, NOT, PARTLY, REPRODUCED, SOLVER, Part, Row, Table
+from validation.pictures import draw
+from validation.rows import BEYOND, DATA, NOT, PARTLY, REPRODUCED, SOLVER, Part, Row, Table, rows_from, unclaimed
 
 import pinpress as pp
 from pinpress import RPM
 from pinpress.common.quantities import Array, Values
-from pinpress.kinematics.measures import dwell_time
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -171,33 +170,35 @@ def by_belt() -> Table:
 
 
 def motion_rows() -> Iterator[Row]:
-    def end(name: str, sign: int) -> float:
-        curve = getattr(before().motion, f"slide_{name}")
-        return float(curve.max() if sign > 0 else curve.min())
+    """Extremes over the turn, and the crank angles at which they are."""
 
-    def place(name: str, sign: int) -> float:
-        return largest_at(before().motion, sign * getattr(before().motion, f"slide_{name}"))
+    def ours() -> list[float]:
+        motion, ends = before().motion, pp.dead_centres(before().press)
+        position, velocity, acceleration = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
+        values = [position.max(), position.min(), ends.stroke, velocity.max(), velocity.min(), acceleration.max(), acceleration.min()]
+        values += [ends.bottom_angle / SPEED, np.degrees(ends.bottom_angle), ends.top_angle / SPEED, np.degrees(ends.top_angle)]
+        places = [largest_at(motion, curve) for curve in (velocity, -velocity, acceleration, -acceleration)]
+        return [*values, *places, pp.measures.dwell_time(pp.cycle(before().press, SPEED, points=720), 1e-3)]
 
-    def dead(name: str) -> float:
-        return float(getattr(pp.dead_centres(before().press), name))
-
-    yield Row("highest position [m]", "-0.6583", lambda: end("position", 1), 0.1)
-    yield Row("lowest position [m]", "-0.9595", lambda: end("position", -1), 0.1)
-    yield Row("stroke [m]", "0.3012", lambda: dead("stroke"), 0.1)
-    yield Row("highest speed upwards [m/s]", "1.3910", lambda: end("velocity", 1), 0.1)
-    yield Row("highest speed downwards [m/s]", "-1.4690", lambda: end("velocity", -1), 0.1)
-    yield Row("largest acceleration upwards [m/s2]", "8.7040", lambda: end("acceleration", 1), 0.1)
-    yield Row("largest acceleration downwards [m/s2]", "-17.8620", lambda: end("acceleration", -1), 0.1)
-    yield Row("bottom dead centre [s]", "0.8", lambda: dead("bottom_angle") / SPEED, 0.5, places=4)
-    yield Row("bottom dead centre, crank angle [deg]", "334.52482", lambda: math.degrees(dead("bottom_angle")), 1e-5, SOLVER)
-    yield Row("top dead centre [s]", "", lambda: dead("top_angle") / SPEED, places=4)
-    yield Row("top dead centre, crank angle [deg]", "155.49688", lambda: math.degrees(dead("top_angle")), 1e-5, SOLVER)
-    yield Row("highest speed upwards, crank angle [deg]", "97.95280", lambda: place("velocity", 1), 1e-4, SOLVER)
-    yield Row("highest speed downwards, crank angle [deg]", "209.97711", lambda: place("velocity", -1), 1e-4, SOLVER)
-    yield Row("largest acceleration upwards, crank angle [deg]", "250.75276", lambda: place("acceleration", 1), 1e-4, SOLVER)
-    yield Row("largest acceleration downwards, crank angle [deg]", "158.46272", lambda: place("acceleration", -1), 1e-4, SOLVER)
-    dwell = "time within 1 mm of bottom dead centre [s]"
-    yield Row(dwell, "", lambda: dwell_time(pp.cycle(before().press, SPEED, points=720), 1e-3), places=4)
+    return rows_from(
+        ours,
+        ("highest position [m]", "-0.6583", 0.1),
+        ("lowest position [m]", "-0.9595", 0.1),
+        ("stroke [m]", "0.3012", 0.1),
+        ("highest speed upwards [m/s]", "1.3910", 0.1),
+        ("highest speed downwards [m/s]", "-1.4690", 0.1),
+        ("largest acceleration upwards [m/s2]", "8.7040", 0.1),
+        ("largest acceleration downwards [m/s2]", "-17.8620", 0.1),
+        ("bottom dead centre [s]", "0.8", 0.5, "", 4),
+        ("bottom dead centre, crank angle [deg]", "334.52482", 1e-5, SOLVER),
+        ("top dead centre [s]", "", None, "", 4),
+        ("top dead centre, crank angle [deg]", "155.49688", 1e-5, SOLVER),
+        ("highest speed upwards, crank angle [deg]", "97.95280", 1e-4, SOLVER),
+        ("highest speed downwards, crank angle [deg]", "209.97711", 1e-4, SOLVER),
+        ("largest acceleration upwards, crank angle [deg]", "250.75276", 1e-4, SOLVER),
+        ("largest acceleration downwards, crank angle [deg]", "158.46272", 1e-4, SOLVER),
+        ("time within 1 mm of bottom dead centre [s]", "", None, "", 4),
+    )
 
 
 def mass_rows() -> Iterator[Row]:
@@ -231,16 +232,14 @@ def table_rows(*names: str) -> Iterator[Row]:
 
 
 def torque_rows() -> Iterator[Row]:
-    def bottom() -> int:
-        return int(before().motion.slide_position.argmin())
-
-    def flatness() -> float:
-        slope = np.abs(np.gradient(before().moment, before().motion.time))
-        return float(100 * slope[bottom()] / slope.max())
+    def at_bottom() -> list[float]:
+        turn = before()
+        bottom, slope = int(turn.motion.slide_position.argmin()), np.abs(np.gradient(turn.moment, turn.motion.time))
+        return [turn.moment[bottom], 100 * slope[bottom] / slope.max()]
 
     yield from table_rows(MOMENT)
-    yield Row("M_b at bottom dead centre, before [N m]", "", lambda: before().moment[bottom()], places=0)
-    yield Row("its slope there, by the steepest [%]", "", flatness, places=1)
+    names = "M_b at bottom dead centre, before [N m]", "its slope there, by the steepest [%]"
+    yield from rows_from(at_bottom, (names[0], "", None, "", 0), (names[1], "", None, "", 1))
 
 
 def torque_extremes() -> Table:
@@ -249,18 +248,17 @@ def torque_extremes() -> Table:
 
 
 def bearing_rows() -> Iterator[Row]:
-    def reach(bearing: str, low: bool) -> float:
-        size = np.linalg.norm(before().reactions.bearing_force[bearing], axis=1)
-        return float(100 * (size.min() if low else size[before().motion.slide_position.argmin()]) / size.max())
+    def changes() -> list[float]:
+        return [change(before().component(name, axis), after().component(name, axis)) for name in "ABCDEF" for axis in AXES]
 
-    for pin_name in "ABCDEF":
-        for axis in AXES:
-            words = f"{pin_name}, {axis}, change of the range [%]"
-            yield Row(words, "", lambda at=(pin_name, axis): change(before().component(*at), after().component(*at)), places=2)
-    for pin_name in "ABC":
-        at_bottom, least = f"{pin_name}, force at bottom dead centre by its peak [%]", f"{pin_name}, smallest force by its peak [%]"
-        yield Row(at_bottom, "", lambda name=pin_name: reach(name, False), places=1)
-        yield Row(least, "", lambda name=pin_name: reach(name, True), places=1)
+    def shares() -> list[float]:
+        sizes = [np.linalg.norm(before().reactions.bearing_force[name], axis=1) for name in "ABC"]
+        bottom = before().motion.slide_position.argmin()
+        return [float(100 * force / size.max()) for size in sizes for force in (size[bottom], size.min())]
+
+    yield from rows_from(changes, *unclaimed((f"{name}, {axis}, change of the range [%]" for name in "ABCDEF" for axis in AXES), 2))
+    kinds = "force at bottom dead centre", "smallest force"
+    yield from rows_from(shares, *unclaimed((f"{name}, {kind} by its peak [%]" for name in "ABC" for kind in kinds), 1))
 
 
 def bearing_extremes() -> Table:
@@ -345,24 +343,20 @@ def both() -> list[CurveParts]:
 
 def weight_rows() -> Iterator[Row]:
     """Which of the printed numbers hold the crank's weight, which (18) leaves out, and what the printed equations give."""
-    for words, weight in (("with G1", 1.0), ("without G1", 0.0)):
-        ours = f"rms deviation from tables 2 and 3, {words}, our inertias [%]"
-        yield Row(ours, "", lambda weight=weight: rms_deviation(both(), weight, np.ones(4)), places=2)
-        yield Row(
-            f"rms deviation from tables 2 and 3, {words}, inertias zero [%]",
-            "",
-            lambda weight=weight: rms_deviation(both(), weight, np.zeros(4)),
-            places=2,
-        )
-        yield Row(
-            f"rms deviation from tables 2 and 3, {words}, the best of all inertias [%]",
-            "",
-            lambda weight=weight: least_deviation(both(), weight),
-            places=2,
-        )
-    by_10 = "acceleration of the slide by (10) as printed"
-    yield Row(f"largest {by_10} [m/s2]", "8.7040", lambda: kong2025_as_printed.slide_acceleration(before().press).max(), places=4)
-    yield Row(f"smallest {by_10} [m/s2]", "-17.8620", lambda: kong2025_as_printed.slide_acceleration(before().press).min(), places=4)
+
+    def deviations() -> list[float]:
+        by_shares = [[rms_deviation(both(), weight, share * np.ones(4)) for share in (1.0, 0.0)] for weight in (1.0, 0.0)]
+        return [each for weight, pair in zip((1.0, 0.0), by_shares, strict=True) for each in (*pair, least_deviation(both(), weight))]
+
+    def ends() -> list[float]:
+        curve = kong2025_as_printed.slide_acceleration(before().press)
+        return [curve.max(), curve.min()]
+
+    inertias = "our inertias", "inertias zero", "the best of all inertias"
+    words = (f"rms deviation from tables 2 and 3, {g1}, {which} [%]" for g1 in ("with G1", "without G1") for which in inertias)
+    yield from rows_from(deviations, *unclaimed(words, 2))
+    by_10 = "acceleration of the slide by (10) as printed [m/s2]"
+    yield from rows_from(ends, (f"largest {by_10}", "8.7040"), (f"smallest {by_10}", "-17.8620"))
 
 
 def changes() -> Table:
@@ -405,29 +399,30 @@ def centre_of_mass(name: str) -> Array:
 
 
 def balance_rows() -> Iterator[Row]:
-    def centre(axis: int) -> float:
-        return change(centre_of_mass(NAMES["before"])[:, axis], centre_of_mass(NAMES["after"])[:, axis])
+    def ours() -> list[float]:
+        centres = [centre_of_mass(name) for name in NAMES.values()]
+        forces = [turn.reactions.shaking_force for turn in (before(), after())]
+        return [change(one[:, axis], two[:, axis]) for one, two in (centres, forces) for axis in (0, 2)]
 
-    def force(axis: int) -> float:
-        return change(before().reactions.shaking_force[:, axis], after().reactions.shaking_force[:, axis])
-
-    yield Row("range of the centre of mass, x, change [%]", "-52.2437", lambda: centre(0), 0.2)
-    yield Row("range of the centre of mass, y, change [%]", "-8.9392", lambda: centre(2))
-    yield Row("range of the shaking force, x, change [%]", "-49.4824", lambda: force(0))
-    yield Row("range of the shaking force, y, change [%]", "-2.7584", lambda: force(2), 1.0)
+    return rows_from(
+        ours,
+        ("range of the centre of mass, x, change [%]", "-52.2437", 0.2),
+        ("range of the centre of mass, y, change [%]", "-8.9392"),
+        ("range of the shaking force, x, change [%]", "-49.4824"),
+        ("range of the shaking force, y, change [%]", "-2.7584", 1.0),
+    )
 
 
 def shaking_rows() -> Iterator[Row]:
-    def by_point_masses() -> float:
-        press = pp.balancing.with_counterweights(before().press, PAPER)
-        return float(np.ptp(pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=720)).shaking_moment[:, 1]))
+    def ours() -> list[float]:
+        turns = [state(name, POINTS, gravity) if not gravity else state(name) for gravity in (0.0, 9.81) for name in NAMES.values()]
+        weighted = pp.balancing.with_counterweights(before().press, PAPER)
+        reactions = [*(turn.reactions for turn in turns), pp.inverse_dynamics(weighted, pp.cycle(weighted, SPEED, points=720))]
+        return [float(np.ptp(each.shaking_moment[:, 1])) for each in reactions]
 
-    for words, gravity in (("inertia alone", 0.0), ("with the weights", 9.81)):
-        for when, name in NAMES.items():
-            quantity = f"range of the shaking moment about D, {words}, {when} [N m]"
-            turn = (name, POINTS, gravity) if not gravity else (name,)
-            yield Row(quantity, "", lambda turn=turn: np.ptp(state(*turn).reactions.shaking_moment[:, 1]), places=0)
-    yield Row("the same, by counterweights as point masses, after [N m]", "", by_point_masses, places=0)
+    kinds = [f"{words}, {when}" for words in ("inertia alone", "with the weights") for when in NAMES]
+    names = [f"range of the shaking moment about D, {kind} [N m]" for kind in kinds]
+    return rows_from(ours, *unclaimed([*names, "the same, by counterweights as point masses, after [N m]"], 0))
 
 
 def frame_extremes() -> Table:
@@ -455,8 +450,11 @@ def free_run(inertia: float) -> pp.Run:
 def run_rows() -> Iterator[Row]:
     for inertia, angle, speed in ((2000.0, "13.0853886242", "7.1703212858"), (500.0, "-0.57766521797", "7.4974476849")):
         words = f"flywheel {inertia:g} kg m2: crank"
-        yield Row(f"{words} angle after 2 s [rad]", angle, lambda inertia=inertia: free_run(inertia).crank_angle[-1], 1e-6, SOLVER)
-        yield Row(f"{words} speed after 2 s [rad/s]", speed, lambda inertia=inertia: free_run(inertia).crank_speed[-1], 1e-6, SOLVER)
+        yield from rows_from(
+            lambda inertia=inertia: [free_run(inertia).crank_angle[-1], free_run(inertia).crank_speed[-1]],
+            (f"{words} angle after 2 s [rad]", angle, 1e-6, SOLVER),
+            (f"{words} speed after 2 s [rad/s]", speed, 1e-6, SOLVER),
+        )
 
 
 # ----------------------------------------------------------------------------------------------------------------------- all together
@@ -540,7 +538,7 @@ MAIN: dict[str, tuple[str, ...]] = {
 def torque_picture() -> "Figure":
     """Driving torque before and after balancing; dashes: the extremes of table 2."""
     curves = {when: (turn.motion.time, turn.moment / 1e3) for when, turn in (("before", before()), ("after", after()))}
-    return draw("time [s]", [Panel("M_b [kN m]", curves, [value / 1e3 for pair in PRINTED[MOMENT] for value in pair])], 6.0)
+    return draw("time [s]", "M_b [kN m]", curves, [value / 1e3 for pair in PRINTED[MOMENT] for value in pair], high=7.0)
 
 
 PICTURES = {"kong2025_torque": torque_picture}

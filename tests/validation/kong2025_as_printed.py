@@ -9,10 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pinpress.common.quantities import RPM, Array
-from pinpress.kinematics.cycle import cycle
-from pinpress.kinematics.measures import bearing_positions
-from pinpress.linkage.linkage import Linkage
+from pinpress import RPM, Linkage, cycle
+from pinpress.common.quantities import Array
+from pinpress.measures import bearing_positions
 
 SPEED = 70 * RPM
 POINTS = 720

@@ -9,17 +9,9 @@ from dataclasses import dataclass
 
 from validation.rows import Table
 
-from pinpress.balancing.counterweights import Counterweight, with_counterweights
-from pinpress.balancing.optimum import balance
-from pinpress.balancing.problem import AddedMass, Criterion, Range, Target
-from pinpress.balancing.regions import CounterweightRegion
-from pinpress.balancing.result import BalancedPress
-from pinpress.common.quantities import RPM
-from pinpress.dynamics.inverse_dynamics import inverse_dynamics
-from pinpress.dynamics.reactions import Reactions
-from pinpress.kinematics.cycle import cycle
-from pinpress.kinematics.motion import Motion
-from pinpress.linkage.linkage import Linkage
+from pinpress import RPM, Linkage, Motion, Reactions, cycle, inverse_dynamics
+from pinpress.balancing import AddedMass, BalancedPress, Counterweight, CounterweightRegion, Range, balance, with_counterweights
+from pinpress.balancing.problem import Criterion, Target
 
 SPEED = 70 * RPM
 POINTS = 720

@@ -1,7 +1,6 @@
-"""Our curves in the axes of a document's figure, with its printed numbers as grey dashes and crosses."""
+"""Our curves in the axes of a document's figure, with its printed numbers as grey dashes."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,39 +11,26 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True, eq=False)
-class Panel:
-    """One pair of axes.
-
-    Attributes:
-        label: label of the upright axis, with its unit.
-        curves: name -> (x, y), both (n,).
-        levels: values of the upright axis that the document prints.
-        logarithmic: whether the upright axis is logarithmic.
-    """
-
-    label: str
-    curves: dict[str, tuple[Array, Array]]
-    levels: Sequence[float] = ()
-    logarithmic: bool = False
-
-
-def draw(across: str, panels: Sequence[Panel], high: float) -> "Figure":
-    """Panels below each other, which share the axis with the label ``across``, each ``high`` [cm]."""
-    with drawing(1.0 + high * len(panels)) as figure:
-        axes = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
-        for ax, panel in zip(axes, panels, strict=True):
-            grid(ax, panel.label)
-            for k, (name, (x, y)) in enumerate(panel.curves.items()):
-                ax.plot(x, y, color=COLOURS[k % len(COLOURS)], linestyle=LINES[k % len(LINES)], label=name)
-            for level in panel.levels:
-                ax.axhline(level, color=GREY, linestyle=(0, (2, 2)), linewidth=0.9)
-            if panel.logarithmic:
-                ax.set_yscale("log")
-            if len(panel.curves) > 1:
-                ax.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(panel.curves))
-        axes[-1].set_xlabel(across)
-        figure.align_ylabels()
+def draw(
+    across: str,
+    up: str,
+    curves: Mapping[str, tuple[Array, Array]],
+    levels: Sequence[float] = (),
+    logarithmic: bool = False,
+    high: float = 7.5,
+) -> "Figure":
+    """Curves by their names, (x, y) both (n,), over axes with these labels; ``levels``: values of the upright axis that are printed;
+    ``high``: of the picture [cm]."""
+    with drawing(high) as figure:
+        axes = figure.subplots()
+        grid(axes, up)
+        for k, (name, (x, y)) in enumerate(curves.items()):
+            axes.plot(x, y, color=COLOURS[k % len(COLOURS)], linestyle=LINES[k % len(LINES)], label=name)
+        for level in levels:
+            axes.axhline(level, color=GREY, linestyle=(0, (2, 2)), linewidth=0.9)
+        axes.set_yscale("log" if logarithmic else "linear")
+        axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(curves))
+        axes.set_xlabel(across)
     return figure
 
 

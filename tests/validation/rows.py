@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
+from support.markdown import table
+
 from pinpress.common.errors import PinpressError
 
 FORMULA, SOLVER = "formula", "solver"  # sources of numbers that the document does not print itself
@@ -118,8 +120,13 @@ class Part:
         blocks = [f"### {self.title}", f"{self.verdict[0].upper()}{self.verdict[1:]}. {self.note}".strip()]
         if self.rows:
             blocks.append(table_of([row.cells() for row in self.rows], ("", *HEADS)))
-        tables = [table() for table in self.tables]
-        return "\n\n".join(blocks + [markdown(table.heads, table.rows) for table in tables])
+        computed = [compute() for compute in self.tables]
+        return "\n\n".join(blocks + [table(each.heads, each.rows) for each in computed])
+
+
+def unclaimed(names: Iterable[str], places: int) -> Iterator[tuple[Any, ...]]:
+    """Rows of results that no document prints, as `rows_from` takes them."""
+    return ((name, "", None, "", places) for name in names)
 
 
 def rows_from(compute: Callable[[], Sequence[float | str]], *rows: tuple[Any, ...]) -> Iterator[Row]:
@@ -135,17 +142,10 @@ def rows_of(parts: Iterable[Part]) -> list[Row]:
     return [row for part in parts for row in part.rows]
 
 
-def markdown(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown."""
-    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
-    lines += [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in rows]
-    return "\n".join(lines)
-
-
 def table_of(cells: Sequence[Sequence[str]], heads: Sequence[str]) -> str:
     """A table of rows in Markdown, without the columns that are empty."""
     kept = [k for k, head in enumerate(heads) if not head or any(row[k] for row in cells)]
-    return markdown([heads[k] for k in kept], [[row[k] for k in kept] for row in cells])
+    return table([heads[k] for k in kept], [[row[k] for k in kept] for row in cells])
 
 
 def counted(parts: Sequence[Part]) -> str:
@@ -172,8 +172,8 @@ def fill(page: str, parts: Sequence[Part], main: Mapping[str, Sequence[str]]) ->
         if missing := [name for name in names if [row.quantity for row in by_number[number]].count(name) != 1]:
             raise PinpressError(f"{number} must have each of these quantities once: {', '.join(missing)}")
         chosen += [(number, row) for row in by_number[number] if not names or row.quantity in names]
-    table = table_of([(number, *row.cells()) for number, row in chosen], ("place", "", *HEADS))
-    text, replaced = BLOCK.subn(lambda marks: f"{marks[1]}\n{counted(parts)}\n\n{table}\n\n{marks[2]}", page)
+    main_table = table_of([(number, *row.cells()) for number, row in chosen], ("place", "", *HEADS))
+    text, replaced = BLOCK.subn(lambda marks: f"{marks[1]}\n{counted(parts)}\n\n{main_table}\n\n{marks[2]}", page)
     if replaced != 1:
         raise PinpressError("the page needs a line <!-- rows: ... --> and behind it a line <!-- end of rows -->, once")
     return text

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from support import markdown
 from support.sampling import rest_exhaustive
 from validation import (
     chen2002,
@@ -218,7 +219,7 @@ def test_refuses_a_tolerance_of_words():
 
 
 def test_table_escapes_bars():
-    assert rows.markdown(("a",), [("|x|",)]) == "| a |\n|---|\n| \\|x\\| |"
+    assert markdown.table(("a",), [("|x|",)]) == "| a |\n|---|\n| \\|x\\| |"
 
 
 @pytest.mark.exhaustive

@@ -43,7 +43,7 @@ def test_zhang_search_in_closed_form():
 
 def test_zhang_masses_change_a_press_as_they_should():
     """`ranges` from three presses against a press with these masses, and against the shipped one."""
-    opposed = zhang2007_balancing.presses()["jf75g_125"]
+    opposed = zhang2007_balancing.opposed()
     masses = np.array([[130.0, 1100.0], [113.31, 1045.0]])
     found = zhang2007_balancing.ranges(opposed)(masses)
     changed = zhang2007_balancing.turning(zhang2007_balancing.with_masses(opposed, 130.0, 1100.0)).shaking_force[:, 2]
@@ -83,7 +83,7 @@ def test_zhang_other_lengths_in_closed_form():
     masses = np.array([[113.31, 1045.0], [100.0, 1000.0]])
     found = zhang2007_balancing.closed_form_ranges(zhang2007_balancing.LENGTHS["inferred"], masses)
     assert found == pytest.approx([closed_form_range(*each) for each in masses], rel=1e-12)
-    assert found == pytest.approx(zhang2007_balancing.ranges(zhang2007_balancing.presses()["jf75g_125"])(masses), rel=1e-4)
+    assert found == pytest.approx(zhang2007_balancing.ranges(zhang2007_balancing.opposed())(masses), rel=1e-4)
 
 
 def test_zhang_equations_without_small_terms_are_near_the_exact_one():
@@ -162,7 +162,7 @@ def test_zhang_window_of_blanking_has_two_readings():
 
 def test_zhang_forces_on_the_frame_balance():
     """Mechanism and die together put the shaking force on the frame."""
-    press = zhang2007_balancing.presses()["jf75g_125_symmetric"]
+    press = zhang2007_balancing.symmetric()
     load = zhang2007_runs.laws(1250e3)["drawing"]
     found = zhang2007_runs.frame_forces(press, load)
     stroke = zhang2007_runs.run(press, load, 0.205, 2001)
@@ -194,7 +194,7 @@ def test_zhang_printed_loads_are_those_of_5_7():
 
 
 def test_zhang_lateral_forces_of_two_shafts_cancel():
-    press = zhang2007_balancing.presses()["jf75g_125_symmetric"]
+    press = zhang2007_balancing.symmetric()
     found = zhang2007_runs.frame_forces(press, zhang2007_runs.laws(1250e3)["blanking"])
     assert np.abs(found.lateral).max() < 1e-9 * 1250e3
     # each rod carries half of the process force, at its slope
@@ -208,7 +208,7 @@ def test_zhang_lateral_forces_of_two_shafts_cancel():
 @pytest.mark.parametrize("name", zhang2007_runs.PEAKS)
 def test_zhang_five_strokes(name):
     """Five forces in five turns, whether the press makes them in a second or not; 1250 N hardly show beside what moves."""
-    press, load = zhang2007_balancing.presses()["jf75g_125_symmetric"], zhang2007_runs.laws(1250e3)[name]
+    press, load = zhang2007_balancing.symmetric(), zhang2007_runs.laws(1250e3)[name]
     found = zhang2007_runs.five_strokes(press, load)
     acting = np.abs(found.vertical) > 0.5 * 1250e3
     begins, ends = (int((np.diff(acting.astype(int)) == way).sum()) for way in (1, -1))
@@ -224,7 +224,7 @@ def test_zhang_five_strokes(name):
 def test_zhang_searches_end_where_their_methods_do():
     """The simplex ends at the optimum of an independent solver; a search along the coordinates stalls in the valley: at its end every step
     along one mass leads up, and one along the valley down."""
-    opposed = zhang2007_balancing.presses()["jf75g_125"]
+    opposed = zhang2007_balancing.opposed()
     objective = zhang2007_balancing.ranges(opposed)
     found = zhang2007_search.searches(objective)
     for each in found.values():

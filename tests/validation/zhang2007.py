@@ -13,7 +13,7 @@ import numpy as np
 from validation import zhang2007_arrangements as arrangements
 from validation import zhang2007_balancing as balancing
 from validation import zhang2007_parts, zhang2007_runs, zhang2007_vibration
-from validation.pictures import Panel, draw
+from validation.pictures import draw
 from validation.rows import BEYOND, CONFIRMED, DATA, FINDINGS, NOT, UNPRINTED, Part, Row, rows_from
 from validation.zhang2007_search import searches_rows
 
@@ -202,8 +202,7 @@ def search_picture() -> "Figure":
     steps = np.arange(1.0, len(balancing.SEARCH) + 1)
     ours = balancing.ranges(balancing.opposed())(np.array([step[:2] for step in balancing.SEARCH]))
     curves = {"Zhang 2007": (steps, np.array([float(step[2]) for step in balancing.SEARCH])), "pinpress, same masses": (steps, ours)}
-    panel = Panel("range of the vertical force [N]", curves, (balancing.proved()[1],), logarithmic=True)
-    return draw("step of the search", [panel], 6.5)
+    return draw("step of the search", "range of the vertical force [N]", curves, (balancing.proved()[1],), logarithmic=True)
 
 
 PICTURES = {"zhang2007_search": search_picture}

@@ -25,16 +25,16 @@ from validation.zhang2007_balancing import (
     vertical,
 )
 
-from pinpress.balancing import classical
-from pinpress.balancing.comparison import compare_conditions
-from pinpress.balancing.counterweights import Counterweight, OperatingCondition, with_counterweights
-from pinpress.balancing.problem import Range
-from pinpress.balancing.regions import CounterweightRegion
-from pinpress.common.quantities import RPM
-from pinpress.kinematics.cycle import cycle
-from pinpress.linkage.linkage import Linkage
-from pinpress.linkage.loading import load
-from pinpress.pin_table.building import build
+from pinpress import RPM, Linkage, build, cycle, load
+from pinpress.balancing import (
+    Counterweight,
+    CounterweightRegion,
+    OperatingCondition,
+    Range,
+    classical,
+    compare_conditions,
+    with_counterweights,
+)
 
 KNUCKLE_CRANK = 0.014679  # crank radius of the double knuckle [m]
 DIES = (0.0, 200.0, 400.0)  # upper dies [kg]; ours

@@ -4,7 +4,7 @@ The lengths are inferred. The machines of chapter 1 and other upper dies stand i
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from validation.rows import FORMULA, SOLVER, Row, Table, rows_from
@@ -66,21 +66,12 @@ JOINTS = {"auxiliary_rod": "P3", "counterweight": "counterweight_guide"}
 
 
 @cache
-def presses() -> dict[str, pp.Linkage]:
-    """The plain, the opposed and the symmetric press by their names, under our gravity, as the thesis prints none."""
-    return {f"jf75g_125{kind}": pp.load(f"jf75g_125{kind}", gravity=(0, 0, -GRAVITY)) for kind in ("_plain", "", "_symmetric")}
+def press(kind: str) -> pp.Linkage:
+    """The JF75G-125 of a kind, under our gravity, as the thesis prints none."""
+    return pp.load(f"jf75g_125{kind}", gravity=(0, 0, -GRAVITY))
 
 
-def plain() -> pp.Linkage:
-    return presses()["jf75g_125_plain"]
-
-
-def opposed() -> pp.Linkage:
-    return presses()["jf75g_125"]
-
-
-def symmetric() -> pp.Linkage:
-    return presses()["jf75g_125_symmetric"]
+plain, opposed, symmetric = partial(press, "_plain"), partial(press, ""), partial(press, "_symmetric")
 
 
 @cache
@@ -144,16 +135,21 @@ def rotor_rows() -> Iterator[Row]:
 def slide_rows() -> Iterator[Row]:
     angle = np.radians(np.arange(POINTS) * 360.0 / POINTS)
     formula = SPEED**2 * RADIUS * (np.cos(angle) + RADIUS / LENGTH * np.cos(2 * angle))  # (3.2.2)
+    degrees = (0, 60, 120, 180)
+    places = [each * POINTS // 360 for each in degrees]
 
-    def acceleration() -> Array:
-        return turning(plain()).motion.slide_acceleration
+    def ours() -> list[float]:
+        motion = turning(plain()).motion
+        error = np.abs(formula - motion.slide_acceleration).max()
+        return [*motion.slide_acceleration[places], error, 1e3 * np.ptp(motion.slide_position)]
 
-    for degrees in (0, 60, 120, 180):
-        k = degrees * POINTS // 360
-        words = f"acceleration at {degrees} deg from bottom dead centre [m/s2]"
-        yield Row(words, f"{formula[k]:.4f}", lambda k=k: acceleration()[k], 0.05, FORMULA)
-    yield Row("largest error of (3.2.2) over the turn [m/s2]", "", lambda: np.abs(formula - acceleration()).max(), places=4)
-    yield Row("stroke [mm]", "", lambda: 1e3 * np.ptp(turning(plain()).motion.slide_position), places=2)
+    names = (f"acceleration at {each} deg from bottom dead centre [m/s2]" for each in degrees)
+    return rows_from(
+        ours,
+        *((name, f"{formula[k]:.4f}", 0.05, FORMULA) for name, k in zip(names, places, strict=True)),
+        ("largest error of (3.2.2) over the turn [m/s2]", "", None, "", 4),
+        ("stroke [mm]", "", None, "", 2),
+    )
 
 
 def complete_rows() -> Iterator[Row]:
@@ -230,12 +226,18 @@ def guide_rows() -> Iterator[Row]:
 
 
 def symmetric_rows() -> Iterator[Row]:
-    yield Row("range of the lateral shaking force, opposed [N]", "", lambda: lateral(opposed()), places=1)
-    yield Row("range of the lateral shaking force, symmetric [N]", "0", lambda: lateral(symmetric()), 0, FORMULA)
-    yield Row("range of the tilting moment, opposed [N m]", "", lambda: tilting(opposed()), places=1)
-    yield Row("range of the tilting moment, symmetric [N m]", "0", lambda: tilting(symmetric()), 0, FORMULA)
-    yield Row("range of the vertical shaking force, opposed [N]", "", lambda: vertical(opposed()), places=2)
-    yield Row("range of the vertical shaking force, symmetric [N]", "", lambda: vertical(symmetric()), places=2)
+    def ours() -> list[float]:
+        return [measure(press()) for measure in (lateral, tilting, vertical) for press in (opposed, symmetric)]
+
+    return rows_from(
+        ours,
+        ("range of the lateral shaking force, opposed [N]", "", None, "", 1),
+        ("range of the lateral shaking force, symmetric [N]", "0", 0, FORMULA),
+        ("range of the tilting moment, opposed [N m]", "", None, "", 1),
+        ("range of the tilting moment, symmetric [N m]", "0", 0, FORMULA),
+        ("range of the vertical shaking force, opposed [N]", "", None, "", 2),
+        ("range of the vertical shaking force, symmetric [N]", "", None, "", 2),
+    )
 
 
 # ---------------------------------------------------------------------------------------------------------- chapter 5, masses and forces

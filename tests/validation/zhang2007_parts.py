@@ -8,22 +8,11 @@ import numpy as np
 from validation.rows import Row, rows_from
 from validation.zhang2007_balancing import SPEED, plain
 
-from pinpress.common.quantities import RPM, Array
-from pinpress.drives.motors import ServoMotor
-from pinpress.dynamics.inverse_dynamics import inverse_dynamics
-from pinpress.elasticity.guide_surfaces import eight_way_guide, guide_contact
-from pinpress.elasticity.springs import Elastic, PreloadedJoint, Stiffness
-from pinpress.elasticity.unit_load import compliance
-from pinpress.kinematics.cycle import cycle
-from pinpress.kinematics.motion import Motion
-from pinpress.kinematics.slide_path import dead_centres
-from pinpress.loads.hydraulics import ImpactDamper, orifice_coefficient
-from pinpress.loads.link import Friction
-from pinpress.loads.pneumatics import BalanceCylinder
-from pinpress.loads.process import Blanking, ProcessLoad
-from pinpress.loads.shearing import RateSensitiveBlanking
-from pinpress.simulation.elastic.run import ElasticRun
-from pinpress.simulation.simulate import simulate
+from pinpress import RPM, ElasticRun, Motion, cycle, dead_centres, inverse_dynamics, simulate
+from pinpress.common.quantities import Array
+from pinpress.drives import ServoMotor
+from pinpress.elasticity import Elastic, PreloadedJoint, Stiffness, compliance, eight_way_guide, guide_contact
+from pinpress.loads import BalanceCylinder, Blanking, Friction, ImpactDamper, ProcessLoad, RateSensitiveBlanking, orifice_coefficient
 
 NOMINAL = 1250e3  # [N]
 BEARINGS = {"O": 3e9, "P2": 4e9, "P4": 4e9, "slide_guide": 2e9}  # springs of `jf75g_125_plain`, assumed [N/m]

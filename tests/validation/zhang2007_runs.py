@@ -27,20 +27,11 @@ from validation.zhang2007_balancing import (
     weight,
 )
 
-from pinpress.common.quantities import RPM, Array
-from pinpress.drives.motors import ConstantTorque
-from pinpress.drives.slip_clutch import SlipClutchMotor
-from pinpress.drives.transmission import Flywheel, Geared
-from pinpress.dynamics.inverse_dynamics import inverse_dynamics
-from pinpress.kinematics.cycle import cycle
-from pinpress.kinematics.servo_motion import servo_cycle
-from pinpress.linkage.linkage import Linkage
-from pinpress.loads.contacts import Impact, TwoSidedStop
-from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, TimeForce, step
-from pinpress.simulation.duty import duty_cycle
-from pinpress.simulation.run import Run
-from pinpress.simulation.simulate import simulate
-from pinpress.simulation.steady_state import steady_state
+from pinpress import RPM, Linkage, Run, cycle, inverse_dynamics, servo_cycle, simulate, steady_state
+from pinpress.common.quantities import Array
+from pinpress.drives import ConstantTorque, Flywheel, Geared, SlipClutchMotor
+from pinpress.loads import Blanking, ConstantForce, DeepDrawing, Impact, ProcessLoad, TimeForce, TwoSidedStop, step
+from pinpress.measures import duty_cycle
 
 FLYWHEEL_INERTIA = 136.0  # [kg m2]
 TORQUE = 567.0  # M_d of (4.3.3) [N m]
@@ -220,26 +211,27 @@ def run(press: Linkage, load: ProcessLoad | TimeForce, duration: float = 0.2, po
 
 def law_rows() -> Iterator[Row]:
     """Figs 5-8 to 5-10: the load laws over the slide's height."""
-    half = 0.5 * (START_HEIGHT + BREAK_HEIGHT)
-    for words, expected, name, height in (
+    half, sine = 0.5 * (START_HEIGHT + BREAK_HEIGHT), 1250 * np.sin(np.pi / 4)
+    cases = (
         ("piling, at bottom dead centre: F [kN]", 1250.0, "piling", 0.0),
-        ("blanking, half-way: F sin(pi / 4) [kN]", 1250 * np.sin(np.pi / 4), "blanking", half),
+        ("blanking, half-way: F sin(pi / 4) [kN]", sine, "blanking", half),
         ("blanking, at break-through: F [kN]", 1250.0, "blanking", BREAK_HEIGHT),
-        ("drawing, a quarter of the way: F sin(pi / 4) [kN]", 1250 * np.sin(np.pi / 4), "drawing", 0.75 * START_HEIGHT),
+        ("drawing, a quarter of the way: F sin(pi / 4) [kN]", sine, "drawing", 0.75 * START_HEIGHT),
         ("drawing, half-way: F [kN]", 1250.0, "drawing", 0.5 * START_HEIGHT),
-    ):
-
-        def ours(name: str = name, height: float = height) -> float:
-            return float(on_slide(laws(NOMINAL)[name], np.array([height]))[0]) / 1e3
-
-        yield Row(words, f"{expected:.3f}", ours, 1e-3, FORMULA)
+    )
+    return rows_from(
+        lambda: [float(on_slide(laws(NOMINAL)[name], np.array([height]))[0]) / 1e3 for *_, name, height in cases],
+        *((words, f"{expected:.3f}", 1e-3, FORMULA) for words, expected, *_ in cases),
+    )
 
 
 def step_rows() -> Iterator[Row]:
     """Fig. 5-12: the cubic with zero slopes at both ends."""
-    for x, expected in ((0.05, 0.0), (0.125, 0.15625), (0.15, 0.5), (0.175, 0.84375), (0.25, 1.0)):
-        words, within = f"5 STEP(x, 0.1, 0, 0.2, 1) at {x:g}", 1e-3 if expected else 0
-        yield Row(words, f"{5 * expected:.6f}", lambda x=x: 5 * float(step(x, 0.1, 0.0, 0.2, 1.0)), within, FORMULA)
+    cases = {0.05: 0.0, 0.125: 0.15625, 0.15: 0.5, 0.175: 0.84375, 0.25: 1.0}
+    return rows_from(
+        lambda: [5 * float(step(x, 0.1, 0.0, 0.2, 1.0)) for x in cases],
+        *((f"5 STEP(x, 0.1, 0, 0.2, 1) at {x:g}", f"{5 * y:.6f}", 1e-3 if y else 0, FORMULA) for x, y in cases.items()),
+    )
 
 
 def contact_rows() -> Iterator[Row]:
@@ -251,11 +243,13 @@ def contact_rows() -> Iterator[Row]:
         (touched,) = (interval for interval in load.intervals(speed < 0) if interval.lower < height <= interval.upper)
         return float(touched.acting(touched.force(height, speed)))
 
-    by_hand = k * (d / 2) ** e + c / 2 * 0.1, k * 1e-3**e - c * 0.1
-    yield Row("IMPACT, 0.25 mm deep, 0.1 m/s downwards [N]", f"{by_hand[0]:.2f}", lambda: force(below, -d / 2, -0.1), 1e-3, FORMULA)
-    yield Row("IMPACT, 1 mm deep, 0.1 m/s upwards [N]", f"{by_hand[1]:.2f}", lambda: force(below, -1e-3, 0.1), 1e-3, FORMULA)
-    words = "BISTOP, 0.25 mm beyond its upper stop, 0.1 m/s upwards [N]"
-    yield Row(words, f"{-by_hand[0]:.2f}", lambda: force(both, 0.03 + d / 2, 0.1), 1e-3, FORMULA)
+    pressed, leaving = k * (d / 2) ** e + c / 2 * 0.1, k * 1e-3**e - c * 0.1
+    return rows_from(
+        lambda: [force(below, -d / 2, -0.1), force(below, -1e-3, 0.1), force(both, 0.03 + d / 2, 0.1)],
+        ("IMPACT, 0.25 mm deep, 0.1 m/s downwards [N]", f"{pressed:.2f}", 1e-3, FORMULA),
+        ("IMPACT, 1 mm deep, 0.1 m/s upwards [N]", f"{leaving:.2f}", 1e-3, FORMULA),
+        ("BISTOP, 0.25 mm beyond its upper stop, 0.1 m/s upwards [N]", f"{-pressed:.2f}", 1e-3, FORMULA),
+    )
 
 
 def case_rows(name: str) -> Iterator[Row]:

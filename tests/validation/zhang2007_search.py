@@ -9,7 +9,7 @@ from validation.rows import Row
 from validation.zhang2007_balancing import SEARCH, opposed, proved, ranges
 
 from pinpress.common.quantities import Array
-from pinpress.sweeps.experiments import full_factorial, latin_hypercube
+from pinpress.sweeps import full_factorial, latin_hypercube
 
 MASSES = {"m5": (0.0, 150.0), "m6": (900.0, 1200.0)}  # of auxiliary rod and counterweight, within which is searched; ours [kg]
 COUNT, LEVELS = 1000, 32  # points of a search at random; levels of each mass of one on a grid

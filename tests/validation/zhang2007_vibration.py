@@ -11,20 +11,11 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from pinpress import foundation
-from pinpress.common.errors import PinpressError
-from pinpress.common.quantities import RPM, Array
-from pinpress.drives.transmission import Flywheel
-from pinpress.dynamics.inverse_dynamics import inverse_dynamics
-from pinpress.dynamics.reactions import Reactions
+from pinpress import RPM, Linkage, Motion, PinpressError, Reactions, cycle, foundation, inverse_dynamics, load, simulate
+from pinpress.common.quantities import Array
+from pinpress.drives import Flywheel
 from pinpress.foundation import Attachment, Frame, FrameMotion, Mount, MountedPress, Rotor, RubberPad, SpeedResponse
-from pinpress.kinematics.cycle import cycle
-from pinpress.kinematics.motion import Motion
-from pinpress.linkage.linkage import Linkage
-from pinpress.linkage.loading import load
-from pinpress.loads.link import PointForce
-from pinpress.loads.process import ConstantForce
-from pinpress.simulation.simulate import simulate
+from pinpress.loads import ConstantForce, PointForce
 
 BED = Frame(mass=8000, centre=(0, 0, -1.0), inertia=(3000, 2500, 3000))
 # The crown weighs 7 t with what stands aside on it: the flywheel on the crankshaft's end, whose 940 kg and 136 kg m2 the thesis prints,

@@ -44,7 +44,7 @@ def test_what_stands_inside_meshcats_parts_is_named_too(part: str, trace: str, f
 
 
 def test_plotlys_parts_are_those_of_its_version() -> None:
-    """A bundle whose parts nobody has looked up is not shipped: python docs/page_licences.py with both versions writes the list."""
+    """A bundle whose parts nobody has looked up is not shipped: python docs/make.py page_licences with both versions writes the list."""
     assert licences.plotly_version(pages.plotly_head()) in licences.examined()
 
 

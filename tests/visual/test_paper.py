@@ -17,7 +17,6 @@ import pinpress as pp
 from pinpress.cli.main import main
 from pinpress.visual.film import Screen, pdf
 
-SPEED = 70 * pp.RPM
 MILLIMETRE = 96 / 25.4  # pixels of a page
 COLUMN, HEIGHT = 180 * MILLIMETRE, (297 - 14 - 17) * MILLIMETRE  # of what is printed on A4
 LAYOUT = """() => [...document.querySelectorAll(".chart:not(.table), .bearing, .figures, #stage")].map(part => {
@@ -26,20 +25,10 @@ LAYOUT = """() => [...document.querySelectorAll(".chart:not(.table), .bearing, .
 })"""
 
 
-@pytest.fixture(scope="module")
-def press() -> Any:
-    return texts.shipped("zxn2_3000b")
-
-
-@pytest.fixture(scope="module")
-def report(press: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return pp.report(press, pp.cycle(press, speed=SPEED, points=24), tmp_path_factory.mktemp("paper") / "out.html")
-
-
 @pytest.fixture
-def on_paper(report: Path, view: Callable[..., Any]) -> Iterator[Any]:
+def on_paper(small_report: Path, view: Callable[..., Any]) -> Iterator[Any]:
     """The report as it is while it is printed."""
-    page = view(report, "#t=0.2", (1000, 500))
+    page = view(small_report, "#t=0.2", (1000, 500))
     page.emulate_media(color_scheme="dark")
     before = page.evaluate("[document.body.innerText, document.querySelector('.plot').clientWidth]")
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
@@ -53,7 +42,7 @@ def on_paper(report: Path, view: Callable[..., Any]) -> Iterator[Any]:
 
 
 @pytest.mark.exhaustive
-def test_a_page_is_laid_out_for_paper(on_paper: Any, press: Any) -> None:
+def test_a_page_is_laid_out_for_paper(on_paper: Any) -> None:
     for part in on_paper.evaluate(LAYOUT):
         assert part["left"] >= 0
         assert part["right"] <= COLUMN + 0.5
@@ -61,7 +50,7 @@ def test_a_page_is_laid_out_for_paper(on_paper: Any, press: Any) -> None:
     assert on_paper.evaluate("plots().every(plot => Math.abs(plot._fullLayout.width - plot.clientWidth) < 1)")
     titles = on_paper.evaluate("[...document.querySelectorAll('.bearing h3')].map(title => title.textContent)")
     shown = [title.split(" [")[0] for title in titles if title.startswith("Force in")]
-    assert shown == [f"Force in {name}" for name in press.bearings_as_drawn]
+    assert shown == [f"Force in {name}" for name in texts.shipped("zxn2_3000b").bearings_as_drawn]
     assert on_paper.evaluate("getComputedStyle(document.body).color") == "rgb(29, 39, 48)"  # of the light theme
     for control in ("#toolbar", "#play", "#slider", "#rate", ".choice", ".modebar-container", "canvas"):
         assert not on_paper.locator(control).first.is_visible(), control
@@ -79,10 +68,10 @@ def test_a_page_is_laid_out_for_paper(on_paper: Any, press: Any) -> None:
 
 
 @pytest.mark.exhaustive
-def test_a_pdf_has_the_pages_that_its_charts_fill(report: Path, tmp_path: Path) -> None:
+def test_a_pdf_has_the_pages_that_its_charts_fill(small_report: Path, tmp_path: Path) -> None:
     if importlib.util.find_spec("playwright") is None:
         pytest.skip("needs playwright")
-    content = pdf(report, tmp_path / "report.pdf", time=0.2).read_bytes()
+    content = pdf(small_report, tmp_path / "report.pdf", time=0.2).read_bytes()
     assert b"Date" not in content  # the same page gives the same bytes
     assert content.startswith(b"%PDF")
     assert 6 <= len(re.findall(rb"/Type\s*/Page\b", content)) <= 12
@@ -91,12 +80,12 @@ def test_a_pdf_has_the_pages_that_its_charts_fill(report: Path, tmp_path: Path) 
 
 
 @pytest.mark.exhaustive
-def test_a_browser_prints_the_whole_report_from_its_command_line(report: Path, tmp_path: Path) -> None:
+def test_a_browser_prints_the_whole_report_from_its_command_line(small_report: Path, tmp_path: Path) -> None:
     """`chromium --print-to-pdf` prints when the page has loaded: by then it is unpacked."""
     if (program := shutil.which("chromium")) is None:
         pytest.skip("needs chromium")
     out = tmp_path / "report.pdf"
-    command = [program, "--headless", *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={out}", report.as_uri()]
+    command = [program, "--headless", *FLAGS, f"--user-data-dir={tmp_path / 'profile'}", f"--print-to-pdf={out}", small_report.as_uri()]
     subprocess.run(command, check=True, capture_output=True, timeout=200)
     assert 6 <= len(re.findall(rb"/Type\s*/Page\b", out.read_bytes())) <= 12
 

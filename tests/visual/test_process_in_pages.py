@@ -1,6 +1,5 @@
 """Process loads in recordings and reports: the arrow on the slide, force over height, work, and the inputs that a page states."""
 
-import base64
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,20 +8,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support import texts
-from support.in_browser import data_in
+from support.in_browser import chart, curves, data_in, floats, sections
 
 import pinpress as pp
 from pinpress.simulation.run import inputs_of
 
 SPEED = 70 * pp.RPM
 LOAD = pp.loads.DeepDrawing(1.5e6, 0.04, 0.002)
-CHARTS = """() => Object.fromEntries([...document.querySelectorAll('.chart')].filter(box => box.querySelector('.plot')).map(box => [
-    box.querySelector('h3').textContent, box.querySelector('.plot').data.map(({ x, y }) => [[...x], [...y]]),
-]))"""
-STATED = """() => [...document.querySelectorAll('.inputs')].map(box => [
-    box.querySelector('h3')?.textContent ?? '',
-    [...box.querySelectorAll('dt')].map(name => [name.textContent, name.nextSibling.textContent]),
-])"""
 VALUE = """([time, title]) => {
     seek(time);
     const box = [...document.querySelectorAll('.chart')].find(box => box.querySelector('h3')?.textContent.startsWith(title));
@@ -35,10 +27,6 @@ ARROW = """time => {
     const tip = group.position.clone().addScaledVector(along, shaft.scale.y + head.scale.y);
     return { shown: group.visible, foot: group.position.toArray(), tip: tip.toArray() };
 }"""
-
-
-def numbers(words: str) -> Any:
-    return np.frombuffer(base64.b64decode(words), "<f4")
 
 
 @pytest.fixture(scope="module")
@@ -63,11 +51,6 @@ def written(press: Any, pressed: Any, ratings: Any, tmp_path_factory: pytest.Tem
     return pp.report(press, pressed.motion, path, reactions=pressed, before=idle, results=[ratings])
 
 
-@pytest.fixture
-def page(written: Path, shared_view: Callable[..., Any]) -> Any:
-    return shared_view(written, (1000, 500))
-
-
 def height(press: Any, motion: Any) -> Any:
     """[mm]"""
     return 1e3 * (motion.slide_position - pp.dead_centres(press).bottom_position)
@@ -75,7 +58,7 @@ def height(press: Any, motion: Any) -> Any:
 
 def test_the_force_acts_on_the_slide(press: Any, pressed: Any, tmp_path: Path) -> None:
     data = data_in(pp.record(press, pressed.motion, tmp_path / "out.html", reactions=pressed))
-    force, place = (numbers(data["process"][name]).reshape(-1, 3) for name in ("force", "place"))
+    force, place = (floats(data["process"][name], 3) for name in ("force", "place"))
     assert_allclose(force[:-1], np.outer(pressed.process_force, [0, 0, 1]), rtol=1e-6)
     assert_allclose(place[:-1, 2], pressed.motion.slide_position, rtol=1e-6)
     others = [*pressed.bearing_force.values(), pressed.shaking_force]
@@ -85,7 +68,8 @@ def test_the_force_acts_on_the_slide(press: Any, pressed: Any, tmp_path: Path) -
 
 
 @pytest.mark.exhaustive
-def test_the_arrow_pushes_the_slide_up(page: Any, pressed: Any) -> None:
+def test_the_arrow_pushes_the_slide_up(written: Path, shared_view: Callable[..., Any], pressed: Any) -> None:
+    page = shared_view(written, (1000, 500))
     most = int(pressed.process_force.argmax())
     arrow = page.evaluate(ARROW, float(pressed.motion.time[most]))
     assert arrow["shown"]
@@ -95,21 +79,20 @@ def test_the_arrow_pushes_the_slide_up(page: Any, pressed: Any) -> None:
     assert "process force" in page.inner_text("#labels")
 
 
-@pytest.mark.exhaustive
-def test_force_over_height(page: Any, press: Any, pressed: Any, ratings: Any) -> None:
-    charts = page.evaluate(CHARTS)
-    (process, permissible) = charts["Force over the height [kN]"]
-    assert_allclose(process[0][:-1], height(press, pressed.motion), rtol=1e-5, atol=1e-4)
-    assert_allclose(process[1][:-1], pressed.process_force / 1e3, rtol=1e-6)
-    assert_allclose(permissible[0], 1e3 * ratings.height, rtol=1e-6)
-    assert_allclose(permissible[1], ratings.force / 1e3, rtol=1e-6)
-    assert len(charts["Process force [kN]"]) == 1  # the idle press has none to be dashed
-    assert f"{pressed.process_work / 1e3:.3f} kJ" in page.inner_text(".figures")
-
-
-@pytest.mark.exhaustive
-def test_a_page_states_its_inputs(page: Any, press: Any, pressed: Any) -> None:
-    stated = {title: dict(rows) for title, rows in page.evaluate(STATED)}
+def test_force_over_height_work_and_inputs(written: Path, press: Any, pressed: Any, ratings: Any) -> None:
+    report = data_in(written)["report"]
+    over_height = chart(sections(written)["Process"], "Force over the height")
+    assert over_height["unit"] == "kN"
+    drawn = curves(over_height)
+    assert_allclose(drawn["process force"][0][:-1], height(press, pressed.motion), rtol=1e-5, atol=1e-4)
+    assert_allclose(drawn["process force"][1][:-1], pressed.process_force / 1e3, rtol=1e-6)
+    assert_allclose(drawn["permissible force"][0], 1e3 * ratings.height, rtol=1e-6)
+    assert_allclose(drawn["permissible force"][1], ratings.force / 1e3, rtol=1e-6)
+    (process,) = chart(sections(written)["Process"], "Process force")["curves"]
+    assert process["before"] is None  # the idle press has none to be dashed
+    figures = {figure["name"]: figure["value"] for figure in report["figures"]}
+    assert figures["work of the process"] == f"{pressed.process_work / 1e3:.3f} kJ"
+    stated = {inputs["title"]: dict(inputs["rows"]) for inputs in report["inputs"]}
     assert stated[""] == dict(inputs_of(pressed)) | {"nominal force": "3000 kN", "nominal height": "13 mm"}
     assert stated[""]["load"] == "DeepDrawing(force=1500 kN, start=40 mm, end=2 mm)"
     assert stated["Dashed curves"]["loads"] == "none but weight"
@@ -166,7 +149,7 @@ def test_a_step_of_the_load_is_drawn_as_a_step(steps: Path, stepped: Any) -> Non
     charts = [block for section in report["sections"] for block in section["blocks"]]
     charts += [bearing["components"] for block in charts if block["kind"] == "bearings" for bearing in block["bearings"]]
     lines = [(chart, curve) for chart in charts if chart["kind"] == "lines" and chart["follows"] == "frames" for curve in chart["curves"]]
-    drawn = {(chart["title"], curve["name"]): (numbers(curve["x"]), numbers(curve["y"])) for chart, curve in lines if curve["x"]}
+    drawn = {(chart["title"], curve["name"]): (floats(curve["x"]), floats(curve["y"])) for chart, curve in lines if curve["x"]}
     x, torque = drawn["Driving torque", "driving torque"]
     ends, edge = np.flatnonzero((np.diff(x) < 1e-4) & (np.abs(np.diff(torque)) > 1.0))
     assert x[edge : edge + 2] == pytest.approx(318.9603436797, abs=1e-4)
@@ -179,16 +162,16 @@ def test_a_step_of_the_load_is_drawn_as_a_step(steps: Path, stepped: Any) -> Non
     uses = [block for block in charts if block.get("title") == "Process force by permissible force"]
     assert len(uses) == 2
     for use in uses:
-        assert numbers(use["curves"][0]["y"])[edge] == 0.0 < numbers(use["curves"][0]["y"])[edge + 1]
+        assert floats(use["curves"][0]["y"])[edge] == 0.0 < floats(use["curves"][0]["y"])[edge + 1]
     for over_height in (block for block in charts if block.get("follows") == "height"):
         for curve in (curve for curve in over_height["curves"] if curve["name"] == "process force"):
-            height, force = numbers(curve["x"]), numbers(curve["y"])
+            height, force = floats(curve["x"]), floats(curve["y"])
             step = np.flatnonzero(np.diff(force))
             assert height[[*step, *step + 1]] == pytest.approx(30.0, abs=1e-4)
-    assert_allclose(numbers(report["before"]), x)
+    assert_allclose(floats(report["before"]), x)
     for _, curve in lines:
         if curve["before"]:
-            assert np.array_equal(numbers(curve["before"]), numbers(curve["y"])), curve["name"]
+            assert np.array_equal(floats(curve["before"]), floats(curve["y"])), curve["name"]
 
 
 @pytest.mark.exhaustive

@@ -1,6 +1,5 @@
 """Reports, opened in a real browser with the network off: charts that show what was computed and follow the recording."""
 
-import base64
 import importlib.util
 import itertools
 import re
@@ -13,9 +12,9 @@ import pytest
 from numpy.testing import assert_allclose
 from support import texts
 from support.generators.hostile import NAMES, load_hostile
-from support.generators.small_linkages import bolted, two_cranks
+from support.generators.small_linkages import two_cranks
 from support.generators.spatial_linkages import bennett
-from support.in_browser import data_in, seek, wait
+from support.in_browser import data_in, floats, seek, wait
 
 import pinpress as pp
 
@@ -59,10 +58,6 @@ def page(written: Path, shared_view: Callable[..., Any]) -> Any:
 
 
 def test_a_press_has_its_charts(page: Any, result: Any) -> None:
-    see_charts(page, result)
-
-
-def see_charts(page: Any, result: Any) -> None:
     """Curves of the page against the arrays; the view's fixture sees to it that nothing went wrong in the page."""
     motion = result.motion
     curves = page.evaluate(CURVES)
@@ -224,13 +219,8 @@ def test_a_press_of_many_links_has_its_charts(tmp_path: Path) -> None:
     for bearing in bearings:
         force = result.bearing_force[bearing["name"]]
         unit = {"N": 1.0, "kN": 1e3, "MN": 1e6}[bearing["unit"]]
-        assert_allclose(unit * floats(bearing["frame"]).reshape(-1, 2)[:-1], force[:, [0, 2]], atol=1e-6 * peak)
+        assert_allclose(unit * floats(bearing["frame"], 2)[:-1], force[:, [0, 2]], atol=1e-6 * peak)
     assert len(blocks[-1]["rows"]) > 10
-
-
-def floats(packed: str) -> Any:
-    """Numbers as a page is given them."""
-    return np.frombuffer(base64.b64decode(packed), "<f4")
 
 
 @pytest.mark.exhaustive
@@ -307,10 +297,6 @@ def test_hostile_names_are_text(tmp_path: Path, view: Callable[..., Any]) -> Non
     assert f"Force in {NAMES['P']}" in page.inner_text("#charts")
 
 
-def test_same_input_same_bytes(written: Path, press: Any, result: Any, tmp_path: Path) -> None:
-    assert pp.report(press, result.motion, tmp_path / "again.html", reactions=result).read_bytes() == written.read_bytes()
-
-
 def test_what_cannot_be_compared(press: Any, result: Any, tmp_path: Path) -> None:
     run = pp.simulate(press, 1.0, speed=SPEED, flywheel=pp.drives.Flywheel(2000.0))
     with pytest.raises(pp.PinpressError, match="before is over time, the motion over crank angle"):
@@ -325,19 +311,6 @@ def test_what_rigid_mechanics_leaves_open_is_said(tmp_path: Path) -> None:
         sections = data_in(pp.report(press, motion, tmp_path / "out.html"))["report"]["sections"]
         bearings = [bearing for section in sections for block in section["blocks"] for bearing in block.get("bearings", ())]
         assert any("force" in bearing["open"] for bearing in bearings) is expected
-
-
-def test_tilted_press_has_whole_polar_diagrams(press: Any, result: Any) -> None:
-    """A force in a tilted plane is as long in the polar diagram as it is."""
-    from pinpress.dynamics.described import loci
-
-    tilted = bolted(press, "0.4 0.3 0.7", gravity=(0, 0, 0))
-    its = pp.inverse_dynamics(tilted, pp.cycle(tilted, speed=SPEED, points=36))
-    for name, force in its.bearing_force.items():
-        (found,) = loci(its, [name])
-        assert found.axes == ("h", "u")
-        for path in (found.world, found.own):
-            assert_allclose(np.linalg.norm(path, axis=1), np.linalg.norm(force, axis=1), rtol=1e-9, atol=1e-4)
 
 
 def test_run_under_loads_needs_its_reactions(tmp_path: Path) -> None:
@@ -405,12 +378,6 @@ def test_without_an_extra(missing: str, extra: str, press: Any, result: Any, tmp
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == missing else find(name))
     with pytest.raises(pp.PinpressError, match=re.escape(f"pip install 'pinpress[{extra}]'")):
         pp.report(press, result.motion, tmp_path / "out.html", reactions=result)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_path_that_cannot_be_written(press: Any, result: Any, tmp_path: Path) -> None:
-    with pytest.raises(pp.PinpressError, match="cannot write"):
-        pp.report(press, result.motion, tmp_path / "missing" / "out.html", reactions=result)
     assert list(tmp_path.iterdir()) == []
 
 

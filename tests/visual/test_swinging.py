@@ -1,6 +1,5 @@
-"""Pages in which a press swings in its vibrations."""
+"""Pages in which a press swings in its vibrations, and links drawn on their springs."""
 
-import base64
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -9,13 +8,14 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
-from support.in_browser import data_in, wait
+from support.in_browser import data_in, floats, wait
 from support.texts import shipped
 
 import pinpress as pp
 from pinpress.elasticity import Elastic, ElasticModes, Stiffness, flexible_beam, natural_frequencies
+from pinpress.kinematics.poses import poses
 from pinpress.pin_table.templates import template
-from pinpress.visual.deflected import SEEN
+from pinpress.visual.deflected import SEEN, displaced, magnification
 from pinpress.visual.swinging import on_springs
 
 
@@ -43,7 +43,7 @@ def test_modes_over_the_turn(recorded: tuple[Path, ElasticModes]) -> None:
     np.testing.assert_allclose(found[:, -1], frequency[0], rtol=1e-5)  # a turn ends as it began
     assert [mode["name"] for mode in data["modes"]] == ["mode 1", "mode 2", "mode 3"]
     assert [data["time"][k * found.shape[1]] for k in range(3)] == pytest.approx([mode["start"] for mode in data["modes"]])
-    line = np.frombuffer(base64.b64decode(data["bends"][0]["nodes"]), "<f4").reshape(3, found.shape[1], 9, 3)
+    line = floats(data["bends"][0]["nodes"]).reshape(3, found.shape[1], 9, 3)
     sag = np.linalg.norm(line[:, :, 4] - 0.5 * (line[:, :, 0] + line[:, :, 8]), axis=2)
     np.testing.assert_allclose(sag[:, ::12], 0.0, atol=1e-6)
     bending = int(modes.strain_energy["main_rod"][0, :3].argmax())
@@ -79,7 +79,7 @@ def test_a_link_that_turns_about_its_centre_alone(tmp_path: Path) -> None:
     data = data_in(pp.record_modes(press, modes, tmp_path / "modes.html", lowest=1))
     assert "yields: slide_guide turning 100 %" in data["modes"][0]["words"]
     for place in data["places"]:
-        assert np.abs(np.ptp(np.frombuffer(base64.b64decode(place), "<f4").reshape(-1, 3), axis=0)).max() < 1e-6
+        assert np.abs(np.ptp(floats(place, 3), axis=0)).max() < 1e-6
 
 
 def test_modes_in_space(tmp_path: Path) -> None:
@@ -141,8 +141,7 @@ def bent_lines(data: Any, keys: int) -> dict[str, list[np.ndarray]]:
     """Nodes (modes, keys, k, 3) of the lines of a page, by their names."""
     found: dict[str, list[np.ndarray]] = {}
     for each in data["bends"]:
-        nodes = np.frombuffer(base64.b64decode(each["nodes"]), "<f4")
-        found.setdefault(each["link"], []).append(nodes.reshape(len(data["modes"]), keys, -1, 3))
+        found.setdefault(each["link"], []).append(floats(each["nodes"]).reshape(len(data["modes"]), keys, -1, 3))
     return found
 
 
@@ -210,3 +209,23 @@ def test_a_mode_is_chosen_and_repeated(recorded: tuple[Path, ElasticModes], shar
     page.evaluate("setPlaying(false)")
     assert page.evaluate("[modeAt(now), Number(element('slider').min)]") == [2, 42]
     assert page.inner_text("#time").startswith("mode 3")
+
+
+def test_displacements_put_links_where_they_are() -> None:
+    """Without magnification the slide's origin is at the elastic slide position, and a bearing is as wide open as its force says."""
+    press, speed, stiffness = shipped("jf75g_125_plain"), 300 * pp.RPM, 2e7
+    elastic = pp.elasticity.Elastic(pp.elasticity.Stiffness(dict.fromkeys(press.bearings, stiffness), moments={"slide_guide": 2e6}), 0.0)
+    run = pp.steady_state(press, speed, drive=pp.drives.PrescribedSpeed(speed), elastic=elastic, points=25)
+    assert isinstance(run, pp.ElasticRun)
+    at = displaced(press, poses(press, run.joint_position), run.displacement)
+    slide = press.model.frames[press.model.getFrameId("slide")]
+    np.testing.assert_allclose(at.points(slide.parentJoint, slide.placement.translation)[:, 2], run.slide_position, rtol=0, atol=1e-12)
+    crank, rod = (press.joints.index(name) + 1 for name in ("O", "P2"))
+    gap = at.points(rod, np.zeros(3)) - at.points(crank, press.model.jointPlacements[rod].translation)
+    np.testing.assert_allclose(run.bearing_force["P2"], -stiffness * gap, rtol=0, atol=1e-6 * stiffness * np.abs(gap).max())
+
+
+@pytest.mark.parametrize(("share", "factor"), [(1e-3, 50.0), (0.011, 2.0), (0.2, 1.0), (0.0, 1.0), (3e-6, 10000.0)])
+def test_magnification_is_a_round_number(share: float, factor: float) -> None:
+    press = shipped("crank_slide")
+    assert magnification(press, np.full((3, 3, 3), share * press.size)) == factor

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support import texts
 
 import pinpress as pp
 from pinpress.plots import style
@@ -111,15 +110,9 @@ def test_paper_and_page_agree() -> None:
     assert [colour.lower() for colour in style.COLOURS] == curves()["light"]
 
 
-@pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    press = texts.shipped("crank_slide")
-    return pp.report(press, pp.cycle(press, speed=SPEED, points=24), tmp_path_factory.mktemp("themes") / "out.html")
-
-
 @pytest.mark.exhaustive
-def test_a_page_turns_dark_with_the_system(report: Path, view: Callable[..., Any]) -> None:
-    page = view(report, "#t=0", (1000, 500))
+def test_a_page_turns_dark_with_the_system(small_report: Path, shared_view: Callable[..., Any]) -> None:
+    page = shared_view(small_report, (1000, 500))
     ask = """() => ['body', '.chart', '.plot .js-line', '.plot .xtick text', '.legend i'].map(what => {
         const look = getComputedStyle(document.querySelector(what));
         return [look.backgroundColor, look.color, look.stroke, look.fill];
@@ -135,8 +128,8 @@ def test_a_page_turns_dark_with_the_system(report: Path, view: Callable[..., Any
 
 
 @pytest.mark.exhaustive
-def test_keys_and_names(report: Path, view: Callable[..., Any]) -> None:
-    page = view(report, "#t=0", (1000, 500))
+def test_keys_and_names(small_report: Path, view: Callable[..., Any]) -> None:
+    page = view(small_report, "#t=0", (1000, 500))
     reached = []
     for _ in range(7):
         page.keyboard.press("Tab")
@@ -165,8 +158,10 @@ def test_keys_and_names(report: Path, view: Callable[..., Any]) -> None:
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("size", [(390, 844), (667, 375), (320, 640)])
-def test_nothing_is_buried_on_a_phone(size: tuple[int, int], report: Path, view: Callable[..., Any]) -> None:
-    page = view(report, "#t=0", size)
+def test_nothing_is_buried_on_a_phone(size: tuple[int, int], small_report: Path, shared_view: Callable[..., Any]) -> None:
+    page = shared_view(small_report, size)
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.wait_for_timeout(300)  # until the charts have their width
     assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
     view_box, header, footer = page.evaluate(
         "['#view', 'header', 'footer'].map(what => document.querySelector(what).getBoundingClientRect().toJSON())"

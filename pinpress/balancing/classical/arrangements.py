@@ -30,10 +30,7 @@ from ...linkage.text import MOMENTS, tag
 from ..counterweights import combine_inertias, rigid_body, with_counterweights, with_die
 from .crank_slider import CENTRED, CrankSlider, approximate_balance, as_crank_slider, harmonic_coefficients
 
-SPARE = 0.1  # distance of the counterweight's limits beyond its travel, in auxiliary crank radii
 SIDES = ("left", "right")
-HIGHEST_ORDER = 100  # of balance shafts
-BELOW_ROUNDING = 1e-15  # rounding of a zero in turned frames, as a share of a quantity's size
 
 
 @typed
@@ -136,7 +133,7 @@ def with_balance_shafts(
     arm, distance = positive("radius", radius, "m"), positive("shaft_distance", shaft_distance, "m")
     for name, value in (("radius", arm), ("shaft_distance", distance)):
         plausibility.length(f"with_balance_shafts: {name}", value, press.size)
-    checked_orders = [whole_number("orders", order, 1, HIGHEST_ORDER) for order in orders]
+    checked_orders = [whole_number("orders", order, 1, 100) for order in orders]
     if not checked_orders or len(set(checked_orders)) < len(checked_orders) or any(order % 2 and order > 1 for order in checked_orders):
         raise PinpressError(f"orders is {shown(orders)}: give orders of a crank-slider (1, 2, 4, 6 and so on), each once")
     rotating = approximate_balance(press, arm if crank_radius is None else crank_radius, share=0.0)
@@ -178,7 +175,12 @@ def mirrored(press: Linkage, shaft_distance: float) -> Linkage:
     distance, drawn = positive("shaft_distance", shaft_distance, "m"), plan_of(press)
     plausibility.length("mirrored: shaft_distance", distance, press.size)
     guided = [body.link for body in drawn.bodies if body.limits and body.parent == drawn.frame]
-    shaft = _shaft(press, drawn)
+    crank = next(body for body in drawn.bodies if body.joint == drawn.driver)
+    if crank.parent != drawn.frame or drawn.slide is None:
+        raise PinpressError(
+            f"{press.name} has no crank on the frame, or no slide: give a crank-slider, or the result of with_opposed_balancer()"
+        )
+    shaft = np.asarray(crank.place.translation)
     across = _across(press, drawn, guided, shaft)
     return press_of(
         replace(_double_plan(drawn, guided, shaft, across, distance), name=f"{press.name}_symmetric"),
@@ -286,14 +288,30 @@ def plan_of(press: Linkage) -> PressPlan:
         at_q, at_v = model.idx_qs[j], model.idx_vs[j]
         travel = float(model.lowerPositionLimit[at_q]) - start, float(model.upperPositionLimit[at_q]) - start
         limits = (*travel, float(model.upperEffortLimit[at_v]), float(model.velocityLimit[at_v]))
-        placement = model.frames[model.getFrameId(links[j], pin.BODY)].placement
-        place, inertia = pin.SE3(drawn_poses.rotation[j, 0], drawn_poses.position[j, 0]) * placement, placement.actInv(model.inertias[j])
-        parent, direction = links[int(model.parents[j])], placement.rotation.T @ axis.direction
-        bodies.append(PlanBody(links[j], place, inertia, name, parent, direction, () if axis.turns else limits))
-    pins = [PlanPin(k.name, k.type, links[k.joint1], links[k.joint2], drawn_poses.points(k.joint1, k.point1)[0]) for k in press.loops]
-    normal, gravity = plane.normal, tuple(model.gravity.linear.tolist())
-    size = press.size
-    return PressPlan(press.name, links[0], model.inertias[0], tuple(bodies), tuple(pins), press.driver, press.slide, normal, gravity, size)
+        placement = press.frame_of(links[j]).placement
+        bodies.append(
+            PlanBody(
+                links[j],
+                pin.SE3(drawn_poses.rotation[j, 0], drawn_poses.position[j, 0]) * placement,
+                placement.actInv(model.inertias[j]),
+                name,
+                links[int(model.parents[j])],
+                placement.rotation.T @ axis.direction,
+                () if axis.turns else limits,
+            )
+        )
+    return PressPlan(
+        press.name,
+        links[0],
+        model.inertias[0],
+        tuple(bodies),
+        tuple(PlanPin(k.name, k.type, links[k.joint1], links[k.joint2], drawn_poses.points(k.joint1, k.point1)[0]) for k in press.loops),
+        press.driver,
+        press.slide,
+        plane.normal,
+        tuple(model.gravity.linear.tolist()),
+        press.size,
+    )
 
 
 def press_of(plan: PressPlan, comment: str) -> Linkage:
@@ -335,8 +353,15 @@ def _auxiliary(
     main: CrankSlider, crank_radius: float, rod_length: float | None, rod_mass: float | None, rod_inertia: float | None
 ) -> CrankSlider:
     """The auxiliary crank-slider; arguments as in `with_opposed_balancer`."""
-    radius, length, mass = _auxiliary_sizes(main, crank_radius, rod_length, rod_mass)
+    radius = positive("crank_radius", crank_radius, "m")
+    plausibility.length("with_opposed_balancer: crank_radius", radius, main.crank_radius + main.rod_length)
     scale = radius / main.crank_radius
+    length = main.rod_length * scale if rod_length is None else positive("rod_length", rod_length, "m")
+    if not length > radius:
+        raise PinpressError(
+            f"rod_length is {length:g} m, but crank_radius is {radius:g} m: give a longer rod, for a full turn of the crank"
+        )
+    mass = main.rod_mass / scale if rod_mass is None else positive("rod_mass", rod_mass, "kg")
     similar = main.rod_inertia * mass / main.rod_mass * (length / main.rod_length) ** 2
     # A centre off the line gives a mass moment, which times the crank radius must equal that of the main rod.
     share = complex(main.rod_share.real, main.rod_share.imag * main.rod_mass / (scale * mass))
@@ -365,28 +390,16 @@ def _auxiliary(
     )
 
 
-def _auxiliary_sizes(
-    main: CrankSlider, crank_radius: float, rod_length: float | None, rod_mass: float | None
-) -> tuple[float, float, float]:
-    """Crank radius [m], rod length [m] and rod mass [kg] of the auxiliary crank-slider."""
-    radius = positive("crank_radius", crank_radius, "m")
-    plausibility.length("with_opposed_balancer: crank_radius", radius, main.crank_radius + main.rod_length)
-    scale = radius / main.crank_radius
-    length = main.rod_length * scale if rod_length is None else positive("rod_length", rod_length, "m")
-    if not length > radius:
-        raise PinpressError(
-            f"rod_length is {length:g} m, but crank_radius is {radius:g} m: give a longer rod, for a full turn of the crank"
-        )
-    return radius, length, main.rod_mass / scale if rod_mass is None else positive("rod_mass", rod_mass, "kg")
-
-
 def _with_auxiliary(drawn: PressPlan, main: CrankSlider, auxiliary: CrankSlider) -> PressPlan:
     """The plan of a crank-slider with an auxiliary crank-slider on its crank, whose slide is the counterweight.
 
     Both crank-sliders have the same drawn angle and opposite directions.
     """
     crank, slide = drawn.body(main.crank), drawn.body(main.slide)
-    added = _auxiliary_crank(crank, auxiliary)
+    normal, into = np.cross(auxiliary.direction, auxiliary.across), crank.place.rotation.T
+    flat = 0.5 * (np.eye(3) + np.outer(normal, normal))  # tensor of a lamina in the plane, of unit inertia
+    centre = crank.place.actInv(auxiliary.point(auxiliary.crank_centre * auxiliary.drawn_crank))
+    added = rigid_body(auxiliary.crank_mass, centre, auxiliary.crank_inertia * (into @ flat @ into.T))
     end = auxiliary.point(complex(auxiliary.drawn_reach))
     return replace(
         drawn,
@@ -397,14 +410,6 @@ def _with_auxiliary(drawn: PressPlan, main: CrankSlider, auxiliary: CrankSlider)
         ),
         pins=(*drawn.pins, PlanPin("counterweight_pin", "spherical", auxiliary.rod, auxiliary.slide, end)),
     )
-
-
-def _auxiliary_crank(crank: PlanBody, auxiliary: CrankSlider) -> pin.Inertia:
-    """Inertia of the auxiliary crank in the frame of the crank that it is part of."""
-    normal, into = np.cross(auxiliary.direction, auxiliary.across), crank.place.rotation.T
-    flat = 0.5 * (np.eye(3) + np.outer(normal, normal))  # tensor of a lamina in the plane, of unit inertia
-    centre = crank.place.actInv(auxiliary.point(auxiliary.crank_centre * auxiliary.drawn_crank))
-    return rigid_body(auxiliary.crank_mass, centre, auxiliary.crank_inertia * (into @ flat @ into.T))
 
 
 def _auxiliary_rod(auxiliary: CrankSlider) -> PlanBody:
@@ -419,21 +424,11 @@ def _auxiliary_rod(auxiliary: CrankSlider) -> PlanBody:
 def _counterweight(frame: str, slide: PlanBody, auxiliary: CrankSlider, end: Array) -> PlanBody:
     """The counterweight, guided parallel to the slide, with its centre of mass at its pin, whose place is ``end`` (3,) [m]."""
     up = float(np.sign(auxiliary.direction @ slide.place.rotation @ slide.axis))
-    spare, distance = (1 + SPARE) * auxiliary.crank_radius, auxiliary.drawn_reach
-    low, high = sorted(up * (auxiliary.rod_length + sign * spare - distance) for sign in (-1, 1))
+    reach = 1.1 * auxiliary.crank_radius  # its limits are a little beyond its travel
+    low, high = sorted(up * (auxiliary.rod_length + sign * reach - auxiliary.drawn_reach) for sign in (-1, 1))
     weight = rigid_body(auxiliary.slide_mass, np.zeros(3), slide.inertia.inertia * (auxiliary.slide_mass / slide.inertia.mass))
     place = pin.SE3(slide.place.rotation, end)
     return PlanBody(auxiliary.slide, place, weight, "counterweight_guide", frame, slide.axis, (low, high, *slide.limits[2:]))
-
-
-def _shaft(press: Linkage, drawn: PressPlan) -> Array:
-    """A point (3,) on the shaft of the crank, in world axes [m]."""
-    crank = next(body for body in drawn.bodies if body.joint == drawn.driver)
-    if crank.parent != drawn.frame or drawn.slide is None:
-        raise PinpressError(
-            f"{press.name} has no crank on the frame, or no slide: give a crank-slider, or the result of with_opposed_balancer()"
-        )
-    return np.asarray(crank.place.translation)
 
 
 def _across(press: Linkage, drawn: PressPlan, guided: Sequence[str], shaft: Array) -> Array:
@@ -445,14 +440,14 @@ def _across(press: Linkage, drawn: PressPlan, guided: Sequence[str], shaft: Arra
     assert drawn.slide is not None
     slide = drawn.body(drawn.slide)
     ends = [(k.name, link, k.point) for k in drawn.pins for link in (k.link1, k.link2) if link in guided]
-    ends += [(each.joint, each.parent, each.place.translation) for each in drawn.bodies if each.parent in guided]
+    ends += [(body.joint, body.parent, body.place.translation) for body in drawn.bodies if body.parent in guided]
     along = slide.place.rotation @ slide.axis
     to_slide = next((point - shaft for _, link, point in ends if link == slide.link), along)
     across = np.cross(drawn.normal, along) * (1.0 if to_slide @ along > 0 else -1.0)
-    for each in map(drawn.body, guided):
-        if abs(each.place.rotation @ each.axis @ across) > CENTRED:
+    for body in map(drawn.body, guided):
+        if abs(body.place.rotation @ body.axis @ across) > CENTRED:
             raise PinpressError(
-                f"{press.name}: joint {each.joint!r} does not guide in the direction of the slide: give a press with one direction of"
+                f"{press.name}: joint {body.joint!r} does not guide in the direction of the slide: give a press with one direction of"
                 " guides"
             )
     for name, _, point in ends:
@@ -483,29 +478,32 @@ def _double_plan(drawn: PressPlan, shared: Sequence[str], shaft: Array, across: 
         point = point + shift
         return point if side == "left" else point - 2 * ((point - shaft) @ across) * across
 
-    def half(body_: PlanBody, side: str) -> PlanBody:
+    def half(body: PlanBody, side: str) -> PlanBody:
         # The frame of a mirrored link keeps its axes, so that points and axes in it are mirrored.
-        to = body_.place.rotation.T @ across
+        to = body.place.rotation.T @ across
         mirror = np.eye(3) if side == "left" else np.eye(3) - 2 * np.outer(to, to)
-        whole = body_.inertia
+        whole = body.inertia
         return PlanBody(
-            named(body_.link, side),
-            pin.SE3(body_.place.rotation, moved(body_.place.translation, side)),
+            named(body.link, side),
+            pin.SE3(body.place.rotation, moved(body.place.translation, side)),
             rigid_body(0.5 * whole.mass, mirror @ whole.lever, 0.5 * mirror @ whole.inertia @ mirror),
-            f"{body_.joint}_{side}",
-            named(body_.parent, side),
-            mirror @ body_.axis,
-            body_.limits,
-            f"{drawn.driver}_left" if body_.joint == drawn.driver and side == "right" else None,
+            f"{body.joint}_{side}",
+            named(body.parent, side),
+            mirror @ body.axis,
+            body.limits,
+            f"{drawn.driver}_left" if body.joint == drawn.driver and side == "right" else None,
         )
 
-    kept = [body_ for body_ in drawn.bodies if body_.link in shared]
-    halves = [half(body_, side) for side in SIDES for body_ in drawn.bodies if body_.link not in shared]
-    pins = [(body_, side) for side in SIDES for body_ in drawn.pins]
+    kept = [body for body in drawn.bodies if body.link in shared]
+    halves = [half(body, side) for side in SIDES for body in drawn.bodies if body.link not in shared]
     return replace(
         drawn,
         bodies=(*halves, *kept),
-        pins=tuple(PlanPin(f"{k.name}_{s}", k.type, named(k.link1, s), named(k.link2, s), moved(k.point, s)) for k, s in pins),
+        pins=tuple(
+            PlanPin(f"{k.name}_{side}", k.type, named(k.link1, side), named(k.link2, side), moved(k.point, side))
+            for side in SIDES
+            for k in drawn.pins
+        ),
         driver=f"{drawn.driver}_left",
     )
 
@@ -530,13 +528,13 @@ def _joint(body: PlanBody, place: pin.SE3, size: float) -> str:
     return tag("joint", {"name": body.joint, "type": "prismatic" if body.limits else "continuous"}, content)
 
 
-def _loop(each: PlanPin, places: Mapping[str, pin.SE3], normal: Array, size: float) -> str:
+def _loop(closing: PlanPin, places: Mapping[str, pin.SE3], normal: Array, size: float) -> str:
     """A loop joint whose two ends have the world's axes in the drawn pose."""
-    place = pin.SE3(np.eye(3), each.point)
-    ends = (("link1", each.link1), ("link2", each.link2))
+    place = pin.SE3(np.eye(3), closing.point)
+    ends = (("link1", closing.link1), ("link2", closing.link2))
     content = "".join(tag(end, {"link": link} | _placement(places[link].actInv(place), size)) for end, link in ends)
-    content += tag("axis", {"xyz": _write_numbers(normal, 1.0)}) if each.type == "revolute" else ""
-    return tag("loop_joint", {"name": each.name, "type": each.type}, content)
+    content += tag("axis", {"xyz": _write_numbers(normal, 1.0)}) if closing.type == "revolute" else ""
+    return tag("loop_joint", {"name": closing.name, "type": closing.type}, content)
 
 
 def _placement(place: pin.SE3, size: float) -> dict[str, str]:
@@ -544,5 +542,5 @@ def _placement(place: pin.SE3, size: float) -> dict[str, str]:
 
 
 def _write_numbers(numbers: Array | list[float], size: float = 0.0) -> str:
-    """Numbers as text; numbers that are rounding, relative to a size, are written as zero."""
-    return " ".join(repr(float(number) if abs(number) > BELOW_ROUNDING * size else 0.0) for number in numbers)
+    """Numbers as text; numbers below 1e-15 of a size are rounding errors of turned frames, and are written as zero."""
+    return " ".join(repr(float(number) if abs(number) > 1e-15 * size else 0.0) for number in numbers)

@@ -26,11 +26,6 @@ from ..counterweights import Counterweight
 from .rotor import Correction
 
 CENTRED = 1e-9  # a smaller offset of the slide's line from the shaft, as a share of the linkage's size, is rounding error
-LARGEST_RATIO = 1 - 1e-9  # largest ratio of crank radius to rod length; nearer to 1 the series below has millions of terms
-SMALLEST_TERM = 1e-18  # smallest term of that series, divided by its first
-ROUNDING = 1e-12  # harmonics below this share of the largest bearing force are rounding error
-UNCHANGED = 1e-9  # a harmonic that changes by less than this share of its amplitude is unchanged
-SAME_SPEED = 1e-9  # speeds are equal up to this relative difference
 LINE, SPACE = ("along", "across"), "xyz"  # parts of a complex number and of a vector in a table
 
 
@@ -141,10 +136,8 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
     Raises:
         PinpressError: the press is not a centred crank-slider; the message names the difference.
     """
-    plane, drawn_poses = (
-        press.plane_or_refuse(str(_refusal(press, "it is not planar, or has several drivers"))),
-        poses(press, press.closed[None]),
-    )
+    plane = press.plane_or_refuse(str(_refusal(press, "it is not planar, or has several drivers")))
+    drawn_poses = poses(press, press.closed[None])
     crank, rod, slide = _bodies(press)
     shaft, crank_pin, slide_pin = _pins(press, plane, drawn_poses, crank, rod, slide)
     radius, length = complex(to_complex(plane, crank_pin - shaft)), complex(to_complex(plane, slide_pin - crank_pin))
@@ -162,6 +155,11 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
         """Centre of mass from a pin, along the line of the link's pins."""
         return complex(to_complex(plane, drawn_poses.points(body, inertias[body].lever)[0] - pin)) * abs(line) / line
 
+    def inertia(body: int) -> float:
+        """Moment of inertia about the plane's normal through the centre of mass."""
+        normal = plane.frames[body - 1][2]
+        return float(normal @ inertias[body].inertia @ normal)
+
     return CrankSlider(
         crank=press.link_of(crank),
         rod=press.link_of(rod),
@@ -173,8 +171,8 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
         slide_mass=float(inertias[slide].mass),
         crank_centre=centre(crank, shaft, radius),
         rod_centre=centre(rod, crank_pin, length),
-        crank_inertia=_inertia(plane, press, crank),
-        rod_inertia=_inertia(plane, press, rod),
+        crank_inertia=inertia(crank),
+        rod_inertia=inertia(rod),
         drawn_angle=float(np.angle(radius / towards)),
         shaft=shaft,
         direction=direction,
@@ -202,14 +200,14 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
         PinpressError: the ratio is not between 0 and 1, or orders is not a whole number of at least 1.
     """
     ratio = positive("ratio of crank radius to rod length", ratio, "-")
-    if not ratio <= LARGEST_RATIO:
+    largest = 1 - 1e-9  # nearer to 1 the series has millions of terms
+    if not ratio <= largest:
         raise PinpressError(
-            f"ratio is {shown(ratio)}, too large for a full turn, in which the crank must be shorter than the rod: give at most"
-            f" {LARGEST_RATIO!r}"
+            f"ratio is {shown(ratio)}, too large for a full turn, in which the crank must be shorter than the rod: give at most {largest!r}"
         )
     orders = whole_number("orders", orders, 1, 10**5)
     root = ratio / (1 + np.sqrt((1 - ratio) * (1 + ratio)))
-    base, terms = root**2, 2 + int(np.log(SMALLEST_TERM) / (4 * np.log(root)))
+    base, terms = root**2, 2 + int(np.log(1e-18) / (4 * np.log(root)))  # down to 1e-18 of the first term
     binomials = np.concatenate([[1.0], np.cumprod(1.5 / np.arange(1, terms + orders // 2) - 1)])  # of 1/2
     powers = binomials[:terms] * base ** (2 * np.arange(terms))
     coefficients = np.zeros(orders + 1)
@@ -323,12 +321,12 @@ def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -
         expect("reactions", reactions, Reactions, "inverse_dynamics")
     press, (speed, speed_after) = before._press, (np.abs(reactions.motion.crank_speed).max() for reactions in (before, after))
     normal = press.plane_or_refuse(f"{press.name} is not planar: take the harmonics of its shaking force axis by axis").normal
-    if not abs(speed_after - speed) <= SAME_SPEED * speed:
+    if not abs(speed_after - speed) <= 1e-9 * speed:
         raise PinpressError("before and after have different speeds, but forces grow with speed squared: give both the same speed")
     drawn_poses, along = poses(press, press.closed[None]), press.slide_direction
     axes = np.array([along, np.cross(normal, along)])
     shaft = drawn_poses.position[press.driver_indices[0] + 1, 0]
-    (first, least1), (second, least2) = (_amplitudes(each, axes, normal, shaft, orders) for each in (before, after))
+    (first, least1), (second, least2) = (_amplitudes(reactions, axes, normal, shaft, orders) for reactions in (before, after))
     none = np.zeros(3)
     quantities = (("force along the slide", "N"), ("force across the slide", "N"), ("tilting moment", "N m"))
     return Records(
@@ -368,12 +366,6 @@ def _pins(press: Linkage, plane: Plane, at: Poses, crank: int, rod: int, slide: 
     return shaft + ((crank_pin - shaft) @ plane.normal) * plane.normal, crank_pin, slide_pin
 
 
-def _inertia(plane: Plane, press: Linkage, body: int) -> float:
-    """Moment of inertia of a body about its centre of mass, about the plane's normal [kg m2]."""
-    normal = plane.frames[body - 1][2]
-    return float(normal @ press.model.inertias[body].inertia @ normal)
-
-
 def _refusal(press: Linkage, problem: str) -> PinpressError:
     """The error that a press is not a centred crank-slider."""
     return PinpressError(
@@ -391,8 +383,7 @@ def _correction(press: Linkage, main: CrankSlider, link: str, centre: complex, p
 
     ``centre`` [m] and ``product`` [kg m] are complex numbers from the shaft in the drawn pose, as of `CrankSlider.point`.
     """
-    body = press.model.frames[press.model.getFrameId(link)].parentJoint
-    drawn_poses = poses(press, press.closed[None])
+    body, drawn_poses = press.frame_of(link).parentJoint, poses(press, press.closed[None])
     into = drawn_poses.rotation[body, 0].T
     return Correction(into @ (main.point(product) - main.shaft), into @ (main.point(centre) - drawn_poses.position[body, 0]))
 
@@ -410,17 +401,16 @@ def _amplitudes(
             f"the motion of {reactions.motion.linkage} does not have a full period of {2 * orders * turns + 1} states: use cycle(...,"
             " points=...)"
         )
-    least = ROUNDING * max(float(np.abs(each).max()) for each in (force, *reactions.bearing_force.values()))
-    by_order = {
-        int(o) if o.is_integer() else float(o): amplitude for o, amplitude in zip(spectrum.orders[1:], spectrum.amplitude[1:], strict=True)
-    }
-    return by_order, (least, least, least * reactions._press.size)
+    least = 1e-12 * max(float(np.abs(values).max()) for values in (force, *reactions.bearing_force.values()))
+    by_order = zip(spectrum.orders[1:].tolist(), spectrum.amplitude[1:], strict=True)
+    limits = least, least, least * reactions._press.size
+    return {int(order) if order.is_integer() else order: amplitude for order, amplitude in by_order}, limits
 
 
 def _change(before: float, after: float, least: float) -> str:
     """The word for a change of an amplitude, as in `HarmonicChange`; below ``least`` an amplitude is rounding error."""
     if after <= least:
         return "none" if before <= least else "cancelled"
-    if abs(after - before) <= max(least, UNCHANGED * before):
+    if abs(after - before) <= max(least, 1e-9 * before):
         return "unchanged"
     return "reduced" if after < before else "raised"

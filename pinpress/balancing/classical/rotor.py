@@ -22,8 +22,6 @@ from ...common.results import Record, Records
 from ...linkage.linkage import Linkage
 from ..counterweights import Counterweight
 
-ALONG_Y = np.array([0.0, 1.0, 0.0])  # the shaft's axis in the frames of our presses' cranks
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Correction(Record, units={"product": "kg m", "centre": "m"}, parts={"product": "xyz", "centre": "xyz"}):
@@ -170,7 +168,9 @@ def unbalance(press: Linkage, link: str) -> RotorUnbalance:
     """
     if not isinstance(link, str) or link not in press.links:
         raise UnknownNameError("link", link, press.links)
-    rotors = _rotors(press)
+    # A link that is welded to another one has another frame, and is not a rotor of its own.
+    turning = [j for j, axis in enumerate(press.axes, 1) if axis.turns and press.model.parents[j] == 0]
+    rotors = {press.link_of(joint): joint for joint in turning}
     if link not in rotors:
         raise PinpressError(f"link {shown(link)} does not turn on the frame: give one of {', '.join(rotors) or 'no links in this press'}")
     joint = rotors[link]
@@ -186,15 +186,10 @@ def _of_masses(masses: ArrayLike, positions: ArrayLike) -> RotorUnbalance:
     mass, position = numbers("balancing of a rotor: masses", masses), numbers("balancing of a rotor: positions", positions)
     if mass.ndim != 1 or position.shape != (len(mass), 3):
         raise PinpressError(f"masses has shape {mass.shape}, positions {position.shape}: give (k,) masses and (k, 3) positions")
-    radii = position * (1.0 - ALONG_Y)
+    axis = np.array([0.0, 1.0, 0.0])
+    radii = position * (1.0 - axis)
     with np.errstate(all="ignore"):  # a correction that is not finite is refused
-        return RotorUnbalance(ALONG_Y.copy(), mass @ radii, (mass * position[:, 1]) @ radii)
-
-
-def _rotors(press: Linkage) -> dict[str, int]:
-    """Name of a link that turns on the frame -> its joint, without links that are welded to it, which have other frames."""
-    turning = [j for j, axis in enumerate(press.axes, 1) if axis.turns and press.model.parents[j] == 0]
-    return {press.link_of(joint): joint for joint in turning}
+        return RotorUnbalance(axis, mass @ radii, (mass * position[:, 1]) @ radii)
 
 
 def _correction(product: Array, centre: Array) -> Correction:

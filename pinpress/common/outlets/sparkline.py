@@ -7,7 +7,7 @@ axes take the colour of the notebook's text, so that they are seen on light and 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from xml.etree.ElementTree import Element, SubElement, tostring
+from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")  # Okabe and Ito
 MOST_CURVES = len(COLOURS)
 LONGEST = 46  # most letters of a line; more are cut off
 LETTER = 6.2  # mean width of a letter [pixels]
-FONT = {"font-family": "sans-serif", "font-size": "11"}
 
 
 def sparkline(columns: Columns, names: Sequence[str]) -> str:
@@ -37,19 +36,27 @@ def sparkline(columns: Columns, names: Sequence[str]) -> str:
         return ""
     low, high = _ends(np.concatenate(curves))
     across = LEFT + WIDTH * _share(x, *_ends(x[valued]))
-    root = _sheet(f"{', '.join(names[1:])} over {names[0]}")
-    _axes(root, low, high)
-    for curve, colour in zip(curves, COLOURS, strict=False):
-        _curve(root, across, TOP + HEIGHT * (1 - _share(curve, low, high)), colour)
-    _names(root, names[1:])
-    _write(root, LEFT, TOP, f"{high:.3g}", "end", below=4)
-    _write(root, LEFT, TOP + HEIGHT, f"{low:.3g}", "end", below=4)
+    right, bottom = LEFT + WIDTH, TOP + HEIGHT
+    axis = 'fill="none" stroke="currentColor" stroke-opacity="0.4"'
+    parts = [f'<path d="M{LEFT} {TOP} V{bottom} H{right}" {axis}/>']
+    if low < 0 < high:
+        zero = TOP + HEIGHT * (1 - float(_share(np.zeros(1), low, high)[0]))
+        parts.append(f'<path d="M{LEFT} {zero:.1f} H{right}" {axis} stroke-dasharray="3 3"/>')
+    parts += [_curve(across, TOP + HEIGHT * (1 - _share(curve, low, high)), colour) for curve, colour in zip(curves, COLOURS, strict=False)]
+    place = float(LEFT)
+    for name, colour in zip(names[1:], COLOURS, strict=False):  # the names side by side above the curves, as far as there is room
+        words = _brief(name)
+        if place > LEFT and place + LETTER * len(words) > right:
+            break
+        parts.append(_text(place, TOP - 7, words, "start", f' style="fill:{colour}"'))
+        place += LETTER * len(words) + 12
     first, last = _ends(x[valued])
-    bottom = TOP + HEIGHT + 14
-    _write(root, LEFT, bottom, f"{first:.3g}", "start")
-    _write(root, LEFT + WIDTH, bottom, f"{last:.3g}", "end")
-    _write(root, LEFT + WIDTH / 2, bottom, names[0], "middle")
-    return tostring(root, encoding="unicode")
+    parts += [_text(LEFT - 4, TOP + 4, f"{high:.3g}", "end"), _text(LEFT - 4, bottom + 4, f"{low:.3g}", "end")]
+    parts += [_text(LEFT, bottom + 14, f"{first:.3g}", "start"), _text(right, bottom + 14, f"{last:.3g}", "end")]
+    parts.append(_text(LEFT + WIDTH / 2, bottom + 14, _brief(names[0]), "middle"))
+    width, height, label = right + RIGHT, bottom + BOTTOM, escape(f"{', '.join(names[1:])} over {names[0]}")
+    size = f'width="{width}" height="{height}" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="11"'
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {size} fill="currentColor" role="img" aria-label="{label}">{"".join(parts)}</svg>'
 
 
 def _numbers(column: object) -> Array:
@@ -68,32 +75,15 @@ def _share(values: Array, low: float, high: float) -> Array:
     return np.asarray(np.where(np.isfinite(values), (values / 2 - low / 2) / span if span else 0.5, np.nan))
 
 
-def _sheet(words: str) -> Element:
-    width, height = LEFT + WIDTH + RIGHT, TOP + HEIGHT + BOTTOM
-    size = {"width": str(width), "height": str(height), "viewBox": f"0 0 {width} {height}"}
-    return Element(
-        "svg", {"xmlns": "http://www.w3.org/2000/svg", **size, **FONT, "fill": "currentColor", "role": "img", "aria-label": words}
-    )
-
-
-def _axes(root: Element, low: float, high: float) -> None:
-    """A frame's left and lower sides, and a line at zero."""
-    look = {"fill": "none", "stroke": "currentColor", "stroke-opacity": "0.4"}
-    SubElement(root, "path", {"d": f"M{LEFT} {TOP} V{TOP + HEIGHT} H{LEFT + WIDTH}", **look})
-    if low < 0 < high:
-        zero = TOP + HEIGHT * (1 - float(_share(np.zeros(1), low, high)[0]))
-        SubElement(root, "path", {"d": f"M{LEFT} {zero:.1f} H{LEFT + WIDTH}", **look, "stroke-dasharray": "3 3"})
-
-
-def _curve(root: Element, across: Array, down: Array, colour: str) -> None:
+def _curve(across: Array, down: Array, colour: str) -> str:
     """A line through all states with numbers; of many states in each pixel only the highest and lowest."""
     kept = np.concatenate([_extremes(part, down) for part in np.array_split(np.arange(len(down)), min(len(down), WIDTH))])
     path, drawing = "", False
     for x, y in zip(across[kept], down[kept], strict=True):
-        there = bool(np.isfinite(x) and np.isfinite(y))
-        path += f"{'L' if drawing else 'M'}{x:.1f} {y:.1f}" if there else ""
-        drawing = there
-    SubElement(root, "path", {"d": path, "fill": "none", "stroke": colour, "stroke-width": "1.6", "stroke-linejoin": "round"})
+        visible = bool(np.isfinite(x) and np.isfinite(y))
+        path += f"{'L' if drawing else 'M'}{x:.1f} {y:.1f}" if visible else ""
+        drawing = visible
+    return f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="1.6" stroke-linejoin="round"/>'
 
 
 def _extremes(part: NDArray[np.intp], values: Array) -> NDArray[np.intp]:
@@ -103,23 +93,10 @@ def _extremes(part: NDArray[np.intp], values: Array) -> NDArray[np.intp]:
     return np.unique([part[0], part[values[part].argmin()], part[values[part].argmax()], part[-1]])
 
 
-def _names(root: Element, names: Sequence[str]) -> None:
-    """The curves' names side by side above them, as far as there is room."""
-    left, room = float(LEFT), float(LEFT + WIDTH)
-    for name, colour in zip(names, COLOURS, strict=False):
-        words = _brief(name)
-        if left > LEFT and left + LETTER * len(words) > room:
-            break
-        _write(root, left, TOP - 7, words, "start").set("style", f"fill:{colour}")
-        left += LETTER * len(words) + 12
-
-
 def _brief(words: str) -> str:
+    words = " ".join(words.split())
     return words if len(words) <= LONGEST else f"{words[: LONGEST - 1]}…"
 
 
-def _write(root: Element, x: float, y: float, words: str, anchor: str, below: float = 0.0) -> Element:
-    at = {"x": f"{x - (4 if below else 0):.1f}", "y": f"{y + below:.1f}", "text-anchor": anchor}
-    text = SubElement(root, "text", at)
-    text.text = _brief(" ".join(words.split()))
-    return text
+def _text(x: float, y: float, words: str, anchor: str, style: str = "") -> str:
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{style}>{escape(words)}</text>'

@@ -53,7 +53,7 @@ def value(figure: Figure, digits: int) -> tuple[str, str]:
 
 
 def remark(figure: Figure, digits: int) -> str:
-    """What stands behind a number: its limit with the share that is used up, and its place."""
+    """The words after a number: its limit and its place."""
     if figure.limit is None or isinstance(figure.value, str):
         return figure.where
     scale = quantity(figure.quantity).scale([figure.value, figure.limit], digits=digits)
@@ -67,25 +67,20 @@ def lines(table: Table, digits: int = DIGITS) -> list[str]:
     heads, rows = cells(table, digits)
     words = [all(cell is None or isinstance(cell, str) for cell in column.cells) for column in table.columns]
     shown = tables.shortened(rows, table.most)
-    written = [tables.without_minus(row) for row in ([heads] if any(heads) else []) + [row for row in shown if row is not None]]
-    widths = [max(map(len, column)) for column in zip(*written, strict=True)]
-    found = []
-    for row in written:
-        parts = [cell.ljust(width) if left else cell.rjust(width) for cell, width, left in zip(row, widths, words, strict=True)]
-        found.append(("  " + "  ".join(parts)).rstrip())
+    found = tables.fitted(([heads] if any(heads) else []) + [row for row in shown if row is not None], words)
     if None in shown:
         found.insert(len(found) - table.most // 2, f"  {tables.GAP}")
     return [*found, *([f"  {table.note}"] if table.note else [])]
 
 
 def cells(table: Table, digits: int = DIGITS) -> tuple[list[str], list[list[str]]]:
-    """Heads with units and rows of cells as they are to be read: one unit and one number of decimals a column, or a row."""
+    """Heads with units and rows of cells as text: one unit and one number of decimals for each column, or for each row."""
     columns = [_column(column, digits) for column in (_with_units_of_rows(table, digits) if table.quantities else table.columns)]
     return [head for head, _ in columns], [list(row) for row in zip(*(column for _, column in columns), strict=True)]
 
 
 def _with_units_of_rows(table: Table, digits: int) -> list[Column]:
-    """The columns of a table whose rows have quantities, with its numbers as words; rows of one name have one unit and its decimals."""
+    """The columns of a table whose rows have quantities, with numbers as text. Rows of one name have one unit and number of decimals."""
     first, *others = table.columns
     numbers: dict[object, list[float]] = {name: [] for name in first.cells}
     for column in others:

@@ -55,7 +55,7 @@ def _too_far_open(press: Linkage) -> Iterator[Finding]:
     for each in _loops(_open_beyond(press, 0.1)):  # a tenth of the linkage's length, as the documentation of `load` says
         problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
         likely = _read_otherwise(press, each) or "correct its points or the lengths"
-        remedy = f"{likely}; allow_open=True (--allow-open) closes it even so, and moves {_largest_move(press)}"
+        remedy = f"{likely}; allow_open=True (in a job allow_open: yes) closes it even so, and moves {_largest_move(press)}"
         yield Finding.of(UrdfError(press.file, mobility.element(press, each), each.by.line, problem, remedy))
 
 

@@ -1,5 +1,5 @@
 "use strict";
-// What is shown of a file that makes no press: why. The page is loaded anew as soon as the file is mended.
+// The reason why a file makes no press. The page is loaded again as soon as the file is mended.
 const text = document.getElementById("broken");
 text.textContent = JSON.parse(document.getElementById("data").textContent).text;
 const socket = new WebSocket(new URL("socket", location.href).href.replace(/^http/, "ws"));

@@ -109,7 +109,7 @@ function limitDrawing() {
   };
 }
 
-// ---- curves: slide, torque and largest bearing force, beside those of the press as it was opened ----
+// ---- curves: slide, torque and largest bearing force, with those of the press as it was opened ----
 let overTime;  // of a driver that goes to and fro
 const abscissa = () => overTime ? data.time : data.crank;
 

@@ -32,6 +32,7 @@ from ..limits import (
 )
 from .coefficients import Coefficients, segment_means
 from .motion_problem import Affine, Bounded, MotionProblem, inner_affine, rest_below
+from .optimum import NoMotionError
 from .program import Solution, first_sizes, solve
 from .torque_curve import hull_bounds
 
@@ -91,7 +92,7 @@ def caution_flank(press: Linkage, limits: Sequence[Limit], loads: Sequence[Load]
 
 
 def motion_problem(
-    c: Coefficients, drive: ServoDrive, limits: Sequence[Limit], weights: dict[str, float], time: float | None
+    c: Coefficients, drive: ServoDrive, limits: Sequence[Limit], weights: Mapping[str, float], time: float | None
 ) -> MotionProblem:
     """The problem of these limits and of those of the drive.
 
@@ -99,8 +100,9 @@ def motion_problem(
         PinpressError: the path has no part in a window, a constant speed goes through a dead centre, or the drive cannot hold a rest.
     """
     all_ = np.arange(len(c.grid.step))
-    problem = MotionProblem(c, drive, weights, time, time_name="cycle time" if time is None else f"cycle time of {time:.6g} s")
-    bounds = [*_of_drive(c, drive), *hull_bounds(problem)]
+    name = "cycle time" if time is None else f"cycle time of {time:.6g} s"
+    problem = MotionProblem(c, drive, weights, time, tuple(limits), time_name=name)
+    bounds = [*_of_drive(problem), *hull_bounds(problem)]
     for limit in limits:
         if isinstance(limit, SlideSpeed):
             bounds.append(_slide_speed(c, limit))
@@ -121,7 +123,11 @@ def motion_problem(
         elif isinstance(limit, BearingForce):
             bounds += [_bearing_force(c, limit, k) for k in range(2)]
         elif isinstance(limit, RmsTorque):
-            problem = _with_rms(problem, drive, limit)
+            torque = drive.rated_torque if limit.torque is None else limit.torque
+            if torque is None:
+                raise PinpressError("RmsTorque has no torque, and the drive has no rated_torque: give one of them [N m]")
+            rms = min(torque * drive.ratio, problem.rms or np.inf)
+            problem = replace(problem, rms=rms, rms_name=f"rms torque of the motor of {rms / drive.ratio:.6g} N m")
         elif isinstance(limit, FeedWindow):
             if problem.below is not None:
                 raise PinpressError("limits have two feed windows: give one FeedWindow")
@@ -130,23 +136,25 @@ def motion_problem(
     return replace(problem, bounds=tuple(bounds))
 
 
-def _of_drive(c: Coefficients, drive: ServoDrive) -> list[Bounded]:
-    """The limits of the drive."""
-    bounds, n = [], len(c.grid.step)
+def _of_drive(problem: MotionProblem) -> list[Bounded]:
+    """The convex limits of the drive."""
+    c, drive = problem.coefficients, problem.drive
     if drive.peak_torque is not None:
         _refuse_to_hold(c, drive, float(drive.peak_torque_at(0.0)))
-    if drive.peak_torque is not None and not (drive.curve_torque and drive.curve_torque[0] <= drive.peak_torque):
-        inertia = (c.inertia + drive.crank_inertia) / 2.0
-        step = c.grid.step
-        torque = Affine(-inertia[:-1] / step, inertia[1:] / step, c.mean_torque, np.arange(n))
-        most = np.full(n, drive.peak_torque * drive.ratio)
-        name = f"torque of the motor of {drive.peak_torque:.6g} N m"
-        bounds.append(Bounded(name, most, drive.peak_torque, "N m", torque, both=True, drag=drive.crank_drag))
+    bounds = peak_torque_bounds(drive, problem.mean_torque(), drive.crank_drag)
     if drive.top_speed is not None:
         nodes = np.flatnonzero(~c.grid.rest)
         most = np.full(len(nodes), (drive.top_speed / drive.ratio) ** 2)
         bounds.append(Bounded(_speed_name(drive.top_speed), most, drive.top_speed, "rad/s", nodes=nodes, power=2.0))
     return bounds
+
+
+def peak_torque_bounds(drive: ServoDrive, torque: Affine, drag: float = 0.0) -> list[Bounded]:
+    """The limit of a torque by the drive's peak torque; none if the drive's curve of torque is below it. For ``drag`` see `Bounded`."""
+    if drive.peak_torque is None or (drive.curve_torque and drive.curve_torque[0] <= drive.peak_torque):
+        return []
+    name, most = f"torque of the motor of {drive.peak_torque:.6g} N m", np.full(len(torque.segments), drive.peak_torque * drive.ratio)
+    return [Bounded(name, most, drive.peak_torque, "N m", torque, both=True, drag=drag)]
 
 
 def _refuse_to_hold(c: Coefficients, drive: ServoDrive, peak: float) -> None:
@@ -157,16 +165,6 @@ def _refuse_to_hold(c: Coefficients, drive: ServoDrive, peak: float) -> None:
                 f"the drive cannot hold the press at rest at crank angle {np.degrees(angle):.6g} deg: its motor gives {peak:.6g} N m, but"
                 f" {abs(torque) / drive.ratio:.6g} N m are needed; give a larger peak_torque or ratio, or a rest elsewhere"
             )
-
-
-def _with_rms(problem: MotionProblem, drive: ServoDrive, limit: RmsTorque) -> MotionProblem:
-    torque = drive.rated_torque if limit.torque is None else limit.torque
-    if torque is None:
-        raise PinpressError("RmsTorque has no torque, and the drive has no rated_torque: give one of them [N m]")
-    rms = torque * drive.ratio
-    if problem.rms is not None:
-        rms = min(rms, problem.rms)
-    return replace(problem, rms=rms, rms_name=f"rms torque of the motor of {rms / drive.ratio:.6g} N m")
 
 
 def _segments(c: Coefficients, limit: Window) -> NDArray[np.bool_]:
@@ -221,17 +219,11 @@ def _bearing_force(c: Coefficients, limit: BearingForce, place: int) -> Bounded:
 
 
 class SpeedTimes(NamedTuple):
-    """The least time of a cycle within limits of speed, for an arbitrarily strong drive.
+    """The least time of a cycle within limits of speed, for an arbitrarily strong drive."""
 
-    Attributes:
-        by_limit: name of a limit -> time for its part of the path [s]; where several limits hold, the slowest counts.
-        least: least time of a cycle, with the rests and the feed window [s].
-        reachable: whether a motion may take exactly this time: limits hold on the whole path, and the crank never rests.
-    """
-
-    by_limit: Mapping[str, float]
-    least: float
-    reachable: bool
+    by_limit: Mapping[str, float]  # name of a limit -> time for its part of the path [s]; where several limits hold, the slowest counts
+    least: float  # least time of a cycle, with the rests and the feed window [s]
+    reachable: bool  # whether a motion may take exactly this time: limits hold on the whole path, and the crank never rests
 
     @property
     def words(self) -> str:
@@ -239,17 +231,17 @@ class SpeedTimes(NamedTuple):
         return _listed([f"{name} ({time:.4g} s)" for name, time in self.by_limit.items()])
 
 
-def speed_times(problem: MotionProblem, limits: Sequence[Limit]) -> SpeedTimes:
+def speed_times(problem: MotionProblem) -> SpeedTimes:
     """The times that limits of speed take along a path, by quadrature."""
     c, n = problem.coefficients, len(problem.coefficients.grid.step)
     travel = np.abs(np.stack([c.travel[:-1], *c.inner_travel, c.travel[1:]], axis=1))  # (N, 4)
     slowness: dict[str, Array] = {}  # times by crank angle [s/rad]
     if problem.drive.top_speed is not None:
         slowness[_speed_name(problem.drive.top_speed)] = np.full((n, 4), problem.drive.ratio / problem.drive.top_speed)
-    for each in limits:
-        if isinstance(each, SlideSpeed | CrankSpeed):
-            of_limit = travel / each.speed if isinstance(each, SlideSpeed) else np.full((n, 4), 1.0 / each.speed)
-            slowness[in_words(each)] = np.where(_segments(c, each)[:, None], of_limit, 0.0)
+    for limit in problem.limits:
+        if isinstance(limit, SlideSpeed | CrankSpeed):
+            of_limit = travel / limit.speed if isinstance(limit, SlideSpeed) else np.full((n, 4), 1.0 / limit.speed)
+            slowness[in_words(limit)] = np.where(_segments(c, limit)[:, None], of_limit, 0.0)
     if not slowness:
         return SpeedTimes({}, problem.resting, False)
     every = np.stack(list(slowness.values()))
@@ -264,14 +256,14 @@ def speed_times(problem: MotionProblem, limits: Sequence[Limit]) -> SpeedTimes:
     return SpeedTimes(named, least, bool(c.grid.legs.closed and every.max(axis=0).min() > 0))
 
 
-def refuse_short(problem: MotionProblem, limits: Sequence[Limit], press_name: str) -> None:
-    """Raise PinpressError if the cycle is too short for the limits of speed, even with an arbitrarily strong drive.
+def refuse_short(problem: MotionProblem) -> None:
+    """Raise NoMotionError if the cycle is too short for the limits of speed, even with an arbitrarily strong drive.
 
     A program without a limit of the torque does not detect this: its speeds outside the windows grow without bound.
     """
     if problem.time is None:
         return
-    taken = speed_times(problem, limits)
+    taken = speed_times(problem)
     if problem.time > taken.least * (1.0 + AS_LONG if not taken.reachable else 1.0 - AS_LONG) or not taken.by_limit:
         return
     beside = [
@@ -281,9 +273,9 @@ def refuse_short(problem: MotionProblem, limits: Sequence[Limit], press_name: st
     with_ = f", with {' and '.join(beside)}" if beside else ""
     remedy = _remedy(problem, problem.time_name) if any(bound.quantity is not None for bound in problem.bounds) else ""
     more = f"; with all limits {remedy} would do" if remedy else ""
-    raise PinpressError(
-        f"no motion of {press_name} keeps the {problem.time_name} and the {taken.words} together: even with the strongest drive these"
-        f" speeds take {taken.least:.4g} s{with_}; give a longer time, or higher speeds{more}"
+    raise NoMotionError(
+        f"no motion of {problem.coefficients.press_name} keeps the {problem.time_name} and the {taken.words} together: even with the"
+        f" strongest drive these speeds take {taken.least:.4g} s{with_}; give a longer time, or higher speeds{more}"
     )
 
 
@@ -298,11 +290,11 @@ def _listed(names: Sequence[str]) -> str:
 # ---------------------------------------------------------------------------------------------------------------------- contradictions
 
 
-def contradiction(problem: MotionProblem, press_name: str) -> PinpressError:
+def contradiction(problem: MotionProblem) -> NoMotionError:
     """The error that names the limits that contradict one another, and by how much each limit alone must be relaxed."""
-    together = _let_out(problem, None)
+    together, press_name = _let_out(problem, None), problem.coefficients.press_name
     if together is None:
-        return PinpressError(
+        return NoMotionError(
             f"no motion of {press_name} keeps all limits, even if all of them are relaxed: a constant slide speed is impossible on this"
             " path, or numbers differ too much in size; remove limits one by one"
         )
@@ -310,7 +302,7 @@ def contradiction(problem: MotionProblem, press_name: str) -> PinpressError:
     remedies = [words for name in involved if (words := _remedy(problem, name))]
     names = _listed(involved)
     remedy = f"{' or '.join(remedies)} would do; " if remedies else ""
-    return PinpressError(
+    return NoMotionError(
         f"no motion of {press_name} keeps the {names} together: {remedy}relax all {len(involved)} by {100 * together.relaxed:.3g} %"
         if len(involved) > 1
         else f"no motion of {press_name} keeps the {names}: {remedy}relax this limit by {100 * together.relaxed:.3g} %"
@@ -342,14 +334,7 @@ def _kind(name: str) -> str:
 
 def _let_out(problem: MotionProblem, name: str | None) -> Solution | None:
     """The least share by which all limits, or the limit with this name, must be relaxed; None if the solver found no answer."""
-    sizes = first_sizes(problem)
-    for attempt in range(2):
-        try:
-            return solve(problem, sizes, (lambda each: each == name) if name else lambda _: True)
-        except InfeasibleError:
-            return None
-        except UnsolvedError:
-            if attempt:
-                return None
-            sizes = sizes.with_torques(10.0)
-    return None
+    try:
+        return solve(problem, first_sizes(problem), (lambda each: each == name) if name else lambda _: True)
+    except (InfeasibleError, UnsolvedError):
+        return None

@@ -40,21 +40,14 @@ APART = 1e-7  # crank angles closer than this count as one place [rad]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PathGrid:
-    """Nodes of a path, N segments between them.
+    """Nodes of a path, N segments between them."""
 
-    Attributes:
-        legs: the path.
-        angle: (N + 1,) crank angles of the nodes, one after the other [rad].
-        leg: (N,) leg of each segment.
-        share: (N + 1,) how far along its leg a node is, 0 to 1; at a rest 0.
-        rest: (N + 1,) whether the crank rests at the node.
-    """
-
-    legs: PathLegs
-    angle: Array
-    leg: NDArray[np.intp]
-    share: Array
-    rest: NDArray[np.bool_]
+    legs: PathLegs  # the path
+    marks: Sequence[Array]  # of each leg, crank angles in its order at which nodes must stand [rad]
+    angle: Array  # (N + 1,) crank angles of the nodes, one after the other [rad]
+    leg: NDArray[np.intp]  # (N,) leg of each segment
+    share: Array  # (N + 1,) how far along its leg a node is, 0 to 1; at a rest 0
+    rest: NDArray[np.bool_]  # (N + 1,) whether the crank rests at the node
 
     @property
     def step(self) -> Array:
@@ -73,30 +66,19 @@ class PathGrid:
 
 
 class PathMotion(NamedTuple):
-    """An approximate motion along a path.
+    """An approximate motion along a path."""
 
-    Attributes:
-        way_gone: (m,) way of the crank from the start of the path [rad].
-        b: (m,) square of its speed there [rad2/s2].
-    """
-
-    way_gone: Array
-    b: Array
+    way_gone: Array  # (m,) way of the crank from the start of the path [rad]
+    b: Array  # (m,) square of its speed there [rad2/s2]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BearingCoefficients:
-    """Force of a bearing at the inner places of segments: by_acceleration x acceleration + by_square x b + fixed, world axes.
+    """Force of a bearing at the inner places of segments: by_acceleration x acceleration + by_square x b + fixed, world axes."""
 
-    Attributes:
-        by_acceleration: (2, N, 3) [N s2/rad].
-        by_square: (2, N, 3) [N s2/rad2].
-        fixed: (2, N, 3), with the process [N].
-    """
-
-    by_acceleration: Array
-    by_square: Array
-    fixed: Array
+    by_acceleration: Array  # (2, N, 3) [N s2/rad]
+    by_square: Array  # (2, N, 3) [N s2/rad2]
+    fixed: Array  # (2, N, 3), with the process [N]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,55 +87,37 @@ class Coefficients:
 
     The inner places follow Gauss's rule over the time of an approximate motion. Without such a motion they follow a motion whose b rises
     from rests in proportion to the distance, and is constant on a path without rests.
-
-    Attributes:
-        grid: the nodes.
-        inertia: (N + 1,) M at the nodes [kg m2].
-        inner: (2, N) inner places, as shares of the segments' steps.
-        inner_inertia: (2, N) M there [kg m2].
-        inner_slope: (2, N) dM/d(crank angle) there [kg m2/rad].
-        inner_torque: (2, N) G + F there [N m].
-        mean_torque: (N,) mean of G + F over the crank angle of a segment [N m].
-        travel: (N + 1,) way of the slide by crank angle at the nodes [m/rad].
-        inner_travel: (2, N) the same at the inner places [m/rad].
-        inner_bend: (2, N) its derivative there [m/rad2].
-        height: (N + 1,) height of the slide above bottom dead centre [m].
-        holding: (k,) torque that holds the press at the end of each leg [N m].
-        bearings: forces of bearings by their names.
     """
 
-    grid: PathGrid
-    inertia: Array
-    inner: Array
-    inner_inertia: Array
-    inner_slope: Array
-    inner_torque: Array
-    mean_torque: Array
-    travel: Array
-    inner_travel: Array
-    inner_bend: Array
-    height: Array
-    holding: Array
-    bearings: Mapping[str, BearingCoefficients]
+    press_name: str  # name of the press
+    grid: PathGrid  # the nodes
+    inertia: Array  # (N + 1,) M at the nodes [kg m2]
+    inner: Array  # (2, N) inner places, as shares of the segments' steps
+    inner_inertia: Array  # (2, N) M there [kg m2]
+    inner_slope: Array  # (2, N) dM/d(crank angle) there [kg m2/rad]
+    inner_torque: Array  # (2, N) G + F there [N m]
+    mean_torque: Array  # (N,) mean of G + F over the crank angle of a segment [N m]
+    travel: Array  # (N + 1,) way of the slide by crank angle at the nodes [m/rad]
+    inner_travel: Array  # (2, N) the same at the inner places [m/rad]
+    inner_bend: Array  # (2, N) its derivative there [m/rad2]
+    height: Array  # (N + 1,) height of the slide above bottom dead centre [m]
+    holding: Array  # (k,) torque that holds the press at the end of each leg [N m]
+    bearings: Mapping[str, BearingCoefficients]  # forces of bearings by their names
 
 
-def path_grid(press: Linkage, legs: PathLegs, heights: Iterable[float], points: int) -> PathGrid:
-    """Nodes along a path.
+def path_marks(press: Linkage, legs: PathLegs, heights: Iterable[float]) -> list[Array]:
+    """Of each leg, the crank angles at which the slide turns back or is at a height above bottom dead centre [m], in their order [rad]."""
+    positions = np.array([*heights], float) + dead_centres(press).bottom_position
+    return [_marks(press, start, end, positions) for start, end in itertools.pairwise(legs.angles.tolist())]
 
-    Args:
-        press: the press.
-        legs: the path.
-        heights: heights above bottom dead centre at which nodes are to stand, besides where the slide turns back [m].
-        points: number of segments; some more where nodes must stand at given places.
-    """
+
+def path_grid(legs: PathLegs, marks: Sequence[Array], points: int) -> PathGrid:
+    """Nodes along a path with this number of segments, and some more because of the `path_marks`."""
     ways = np.abs(np.diff(legs.angles))
-    bottom = dead_centres(press).bottom_position
-    wanted = np.array([*heights], float) + bottom
     angles, leg, share = [legs.angles[:1]], [], [np.zeros(1)]
-    for k, (start, end) in enumerate(zip(legs.angles[:-1], legs.angles[1:], strict=True)):
-        marks = _marks(press, start, end, wanted)
+    for k, (start, end) in enumerate(itertools.pairwise(legs.angles.tolist())):
         count = max(4, round(points * ways[k] / ways.sum()))
-        nodes = _grade_nodes(start, end, marks, count, legs.closed)
+        nodes = _grade_nodes(start, end, marks[k], count, legs.closed)
         angles.append(nodes[1:])
         leg.append(np.full(len(nodes) - 1, k))
         share.append(np.append(((nodes - start) / (end - start))[1:-1], 0.0))
@@ -161,7 +125,7 @@ def path_grid(press: Linkage, legs: PathLegs, heights: Iterable[float], points: 
     rest = np.zeros(len(angle), bool)
     if not legs.closed:
         rest[np.cumsum([0, *map(len, leg)])] = True
-    return PathGrid(legs, angle, np.concatenate(leg), np.concatenate(share), rest)
+    return PathGrid(legs, marks, angle, np.concatenate(leg), np.concatenate(share), rest)
 
 
 def load_heights(press: Linkage, loads: Sequence[Load]) -> list[float]:
@@ -240,6 +204,7 @@ def coefficients(
     work = process_work(loads, press, turning).reshape(-1, 3).sum(axis=1)
     inertia = accelerated.driving_torque - at_rest.driving_torque
     return Coefficients(
+        press_name=press.name,
         grid=grid,
         inertia=inertia[::3],
         inner=inner,

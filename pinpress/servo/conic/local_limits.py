@@ -15,9 +15,7 @@ which limits d. The next round starts with these narrower ranges.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +23,8 @@ from numpy.typing import NDArray
 from ...common.conic_program import InfeasibleError, UnsolvedError
 from ...common.errors import PinpressError
 from ...common.quantities import Array
-from .motion_problem import Affine, Bounded, MotionProblem, RelaxedPower, segment_times
+from .motion_problem import Affine, Bounded, Index, MotionProblem, RelaxedPower, below_tangents, segment_times
+from .optimum import optimum
 from .program import Sizes, Solution, sizes_of, solve
 from .torque_curve import curve_tangents, curve_use
 
@@ -39,37 +38,17 @@ NARROW = 1.02  # a range of b whose ends have a smaller ratio is not narrowed fu
 NEAR = 0.97  # a segment that uses more than this share of the power counts as loaded
 SLOWER = 0.8, 0.7, 0.6, 0.5, 0.3  # factors of b, tried in turn if tangents at b leave no motion
 RATE = "a rate of torque of {:.6g} N m/s"
-NAME = "power of the motor of {:.6g} W"
-
-
-class LocalLimits(NamedTuple):
-    """Limits that are not convex.
-
-    Attributes:
-        power: largest power [W], or None.
-        rate: largest rate of the torque at the crank [N m/s], or None.
-        proved: whether to compute a bound for all motions within the power.
-    """
-
-    power: float | None
-    rate: float | None
-    proved: bool = True
 
 
 def within_local_limits(
-    problem: MotionProblem,
-    free: Solution,
-    limits: LocalLimits,
-    optimum: Callable[[MotionProblem], Solution],
-    start: Array | None = None,
+    problem: MotionProblem, free: Solution, proved: bool = True, start: Array | None = None
 ) -> tuple[Solution, MotionProblem, list[str]]:
     """Find a motion within limits that are not convex, with a bound for all motions within them.
 
     Args:
         problem: the problem without these limits.
         free: the optimum of this problem.
-        limits: the limits.
-        optimum: solves a convex problem; raises PinpressError if there is no solution.
+        proved: whether to compute a bound for all motions within the power.
         start: (N + 1,) b of the motion at which the first tangents touch, or None.
 
     Returns:
@@ -78,45 +57,29 @@ def within_local_limits(
     Raises:
         PinpressError: no motion within the power or the rate was found.
     """
-    power, proved = limits.power, limits.proved
-    powerful = power is not None and powers(problem, free.b).max() > power * (1.0 + KEPT)
-    if not exceeds_limits(problem, free.b, limits):
+    words, power = words_of(problem, free.b), problem.drive.power
+    if not words:
         return free, problem, []
-    words = words_of(problem, limits, free.b)
     them, are = ("them", "are") if len(words) > 1 else ("it", "is")
-    answer, limited, settled = _by_tangents(problem, free, limits, optimum, " and ".join(words), start)
-    if not powerful or power is None or not proved:
-        gap = (answer.value - free.bound) / abs(answer.value)
-        note = (
-            f"{' and '.join(words)} {are} not convex: the motion keeps {them} and is the best of its neighbours; no motion, even without"
-            f" {them}, is better by more than {100 * gap:.2g} %{settled}"
-        )
-        return replace(answer, bound=free.bound), limited, [note]
+    answer, limited, settled = _by_tangents(problem, free, " and ".join(words), start)
+    kept = f"{' and '.join(words)} {are} not convex: the motion keeps {them} and is the best of its neighbours; no motion"
+    if not proved or power is None or not exceeds_power(problem, free.b):
+        answer = replace(answer, bound=free.bound)
+        return answer, limited, [f"{kept}, even without {them}, is better by more than {100 * answer.gap:.2g} %{settled}"]
     bound, rounds, loaded = _bound(problem, free, answer, power)
-    gap = (answer.value - bound) / abs(answer.value)
+    answer = replace(answer, bound=bound)
     how = f"by {rounds} rounds of enclosing the speeds of {loaded} nodes" if rounds else "by one relaxed program"
-    more = "; fewer points= give a smaller gap" if loaded and not rounds and gap > PROVED else ""
-    note = (
-        f"{' and '.join(words)} {are} not convex: the motion keeps {them} and is the best of its neighbours; no motion is better by more"
-        f" than {100 * gap:.2g} %, proved {how}{more}{settled}"
-    )
-    return replace(answer, bound=bound), limited, [note]
+    more = "; fewer points= give a smaller gap" if loaded and not rounds and answer.gap > PROVED else ""
+    return answer, limited, [f"{kept} is better by more than {100 * answer.gap:.2g} %, proved {how}{more}{settled}"]
 
 
-def _by_tangents(
-    problem: MotionProblem,
-    free: Solution,
-    limits: LocalLimits,
-    optimum: Callable[[MotionProblem], Solution],
-    words: str,
-    start: Array | None,
-) -> tuple[Solution, MotionProblem, str]:
+def _by_tangents(problem: MotionProblem, free: Solution, words: str, start: Array | None) -> tuple[Solution, MotionProblem, str]:
     """The best motion of its neighbours within the limits, its last convex problem, and a text if the rounds did not converge."""
-    b = start if start is not None else free.b if limits.power is None else _slower(problem, free.b, limits.power)
+    b = start if start is not None else free.b if problem.drive.power is None else _slower(problem, free.b, problem.drive.power)
     answer, limited, value, slower = None, problem, np.inf, 0
     settled = "" if start is not None else f"; {MOST_ROUNDS} rounds of tangents did not converge, so a neighbour may be better"
     for _ in range(MOST_ROUNDS if start is None else FEW_ROUNDS):
-        limited = replace(problem, bounds=(*problem.bounds, *tangents(problem, b, limits)))
+        limited = replace(problem, bounds=(*problem.bounds, *tangents(problem, b)))
         try:
             answer = optimum(limited)
         except PinpressError as error:
@@ -141,69 +104,69 @@ def _by_tangents(
     return answer, limited, settled
 
 
-def tangents(problem: MotionProblem, b: Array, limits: LocalLimits) -> list[Bounded]:
-    """Convex limits that lie within these limits, by tangents at a motion."""
-    rows = [] if problem.drive.curve_torque is None else curve_tangents(problem, b)
-    rows += [] if limits.power is None else _power_tangents(problem, b, limits.power)
-    return rows + ([] if limits.rate is None else _rate_tangents(problem, b, limits.rate))
+def tangents(problem: MotionProblem, b: Array) -> list[Bounded]:
+    """Convex limits that lie within the limits of power, curve of torque and rate of torque, by tangents at a motion."""
+    drive, (torque, speed) = problem.drive, problem.with_drag(b)
+    first, last = (np.divide(0.25, root, out=np.zeros_like(root), where=root > 0) for root in (np.sqrt(b[:-1]), np.sqrt(b[1:])))
+    rows = [] if drive.curve_torque is None else curve_tangents(drive, torque, speed, (first, last))
+    rows += [] if drive.power is None else power_tangents(drive.power, torque, speed, (first, last))
+    return rows + ([] if problem.rate is None else _rate_tangents(problem, b, problem.rate))
 
 
-def exceeds_limits(problem: MotionProblem, b: Array, limits: LocalLimits) -> bool:
-    """Whether a motion exceeds one of the limits."""
-    return bool(words_of(problem, limits, b))
+def power_tangents(power: float, torque: Affine, speed: Array, slopes: tuple[Array, Array]) -> list[Bounded]:
+    """Torques below tangents of power / speed; for ``speed`` and ``slopes`` see `below_tangents`."""
+    return below_tangents(torque, power / speed, power / speed**2, speed, slopes, (f"power of the motor of {power:.6g} W", power, "W"))
 
 
-def words_of(problem: MotionProblem, limits: LocalLimits, b: Array | None = None) -> list[str]:
-    """The limits as text; with b only the limits that this motion exceeds."""
-    power, rate, drive = limits.power, limits.rate, problem.drive
-    texts = []
-    if power is not None and (b is None or powers(problem, b).max() > power * (1.0 + KEPT)):
-        texts.append(f"a power of {power:.6g} W")
+def words_of(problem: MotionProblem, b: Array | None = None) -> list[str]:
+    """The limits that are not convex as text; with b only the limits that this motion exceeds."""
+    drive, texts = problem.drive, []
+    if drive.power is not None and (b is None or exceeds_power(problem, b)):
+        texts.append(f"a power of {drive.power:.6g} W")
     if drive.curve_torque is not None and (b is None or curve_use(problem, b).max() > 1.0 + KEPT):
         texts.append("a torque below the motor's curve")
-    if rate is not None and (b is None or torque_rates(problem, b).max() > rate * (1.0 + KEPT)):
-        texts.append(RATE.format(rate / problem.drive.ratio))
+    if problem.rate is not None and (b is None or torque_rates(problem, b).max() > problem.rate * (1.0 + KEPT)):
+        texts.append(RATE.format(problem.rate / drive.ratio))
     return texts
+
+
+def exceeds_power(problem: MotionProblem, b: Array) -> bool:
+    """Whether a motion exceeds the largest power of the drive."""
+    return problem.drive.power is not None and bool(powers(problem, b).max() > problem.drive.power * (1.0 + KEPT))
 
 
 def powers(problem: MotionProblem, b: Array) -> Array:
     """(N,) largest absolute mean torque of each segment times its mean speed [W]."""
-    speed = 0.5 * (np.sqrt(b[1:]) + np.sqrt(b[:-1]))
-    torque = problem.mean_torque().at(b) + problem.drive.crank_drag * problem.coefficients.grid.way * speed
-    return np.abs(torque) * speed
+    torque, speed = problem.with_drag(b)
+    return np.abs(torque.at(b)) * speed
 
 
 def torque_rates(problem: MotionProblem, b: Array) -> Array:
     """(N,) absolute change of mean torque from a segment to the next / time between their middles [N m/s]; 0 over rests."""
-    pairs = _Pairs(problem)
-    times = segment_times(problem.coefficients, b)
-    torque = problem.mean_torque().at(b)
-    change = np.abs(torque[pairs.second] - torque[pairs.first]) / (0.5 * (times[pairs.first] + times[pairs.second]))
-    return np.asarray(np.append(change, 0.0))
+    first, second = _pairs(problem)
+    times, torque = segment_times(problem.coefficients, b), problem.mean_torque().at(b)
+    return np.asarray(np.append(np.abs(torque[second] - torque[first]) / (0.5 * (times[first] + times[second])), 0.0))
 
 
-class _Pairs:
+def _pairs(problem: MotionProblem) -> tuple[Index, Index]:
     """Segments that follow one another without a dwell between them."""
-
-    def __init__(self, problem: MotionProblem) -> None:
-        grid = problem.coefficients.grid
-        n = len(grid.step)
-        first = np.arange(n if grid.legs.closed else n - 1)
-        second = (first + 1) % n
-        kept = (grid.leg[first] == grid.leg[second]) | (grid.legs.dwells[grid.leg[first]] == 0)
-        self.first, self.second = first[kept], second[kept]
+    grid = problem.coefficients.grid
+    n = len(grid.step)
+    first = np.arange(n if grid.legs.closed else n - 1)
+    second = (first + 1) % n
+    kept = (grid.leg[first] == grid.leg[second]) | (grid.legs.dwells[grid.leg[first]] == 0)
+    return first[kept], second[kept]
 
 
 def _rate_tangents(problem: MotionProblem, b: Array, rate: float) -> list[Bounded]:
     """Changes of torque below the tangent of rate x time between the middles of two segments, which is convex in b."""
-    pairs, mean, grid = _Pairs(problem), problem.mean_torque(), problem.coefficients.grid
+    (first, second), mean, grid = _pairs(problem), problem.mean_torque(), problem.coefficients.grid
     speed, h = np.sqrt(b), np.abs(grid.step)
     total = speed[1:] + speed[:-1]
     times = 2.0 * h / total
     with np.errstate(divide="ignore"):  # at a rest b is no variable
         slopes = [np.where(each > 0, -h / (total**2 * each), 0.0) for each in (speed[:-1], speed[1:])]
-    first, second, bounds = pairs.first, pairs.second, []
-    half = 0.5 * rate
+    bounds, half = [], 0.5 * rate
     level = half * sum(times[k] - slopes[0][k] * b[k] - slopes[1][k] * b[k + 1] for k in (first, second))
     for sign in (1.0, -1.0):
         before = -sign * mean.before[first] - half * slopes[0][first]
@@ -219,23 +182,6 @@ def _slower(problem: MotionProblem, b: Array, power: float) -> Array:
     over = np.maximum(powers(problem, b) / power, 1.0)
     nodes = np.maximum(np.append(over, 1.0), np.append(1.0, over))
     return np.where(problem.coefficients.grid.rest, 0.0, b / nodes)
-
-
-def _power_tangents(problem: MotionProblem, b: Array, power: float) -> list[Bounded]:
-    """Limits of driving and braking torque by the tangent of the torque that the power allows; with the drive's drag at the speed of b."""
-    speed = np.sqrt(b)
-    total = speed[1:] + speed[:-1]
-    allowed = 2.0 * power / total
-    with np.errstate(divide="ignore"):  # at a rest b is no variable
-        slopes = [np.where(each > 0, -power / (total**2 * each), 0.0) for each in (speed[:-1], speed[1:])]
-    level = allowed - slopes[0] * b[:-1] - slopes[1] * b[1:]
-    mean, bounds = problem.mean_torque(), []
-    drag = 0.5 * problem.drive.crank_drag * problem.coefficients.grid.way * total
-    for sign in (1.0, -1.0):
-        before, after = sign * mean.before - slopes[0], sign * mean.after - slopes[1]
-        quantity = Affine(before, after, sign * (mean.fixed + drag), mean.segments)
-        bounds.append(Bounded(NAME.format(power), level, power, "W", quantity))
-    return bounds
 
 
 # ------------------------------------------------------------------------------------------------------------- a bound for all motions

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..drive import ServoDrive
+from ..limits import Limit, TorqueRate
 from .coefficients import Coefficients
 
 Index = NDArray[np.intp]
@@ -23,22 +24,14 @@ class Affine(NamedTuple):
     """A quantity of each of m segments that is affine in b at the segment's ends: before b_i + after b_{i+1} + fixed.
 
     A quantity that belongs to two segments also has last x b at one more node.
-
-    Attributes:
-        before: (m,).
-        after: (m,).
-        fixed: (m,).
-        segments: (m,) indices of the segments.
-        last: (m,) or None.
-        last_nodes: (m,) indices of these nodes, or None.
     """
 
-    before: Array
-    after: Array
-    fixed: Array
-    segments: Index
-    last: Array | None = None
-    last_nodes: Index | None = None
+    before: Array  # (m,)
+    after: Array  # (m,)
+    fixed: Array  # (m,)
+    segments: Index  # (m,) indices of the segments
+    last: Array | None = None  # (m,) or None
+    last_nodes: Index | None = None  # (m,) indices of these nodes, or None
 
     def at(self, b: Array) -> Array:
         """(m,) values, for b (N + 1,) at the nodes."""
@@ -55,37 +48,44 @@ def inner_affine(c: Coefficients, place: int, by_acceleration: Array, by_square:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bounded:
-    """A named limit: a quantity of segments (an `Affine`), or b at nodes (``nodes``), is at most a bound, or equal to it.
+    """A named limit: a quantity of segments (an `Affine`), or b at nodes (``nodes``), is at most a bound, or equal to it."""
 
-    Attributes:
-        name: the limit as text.
-        most: (m,) the bound, proportional to limit^power.
-        limit: the user's number, in ``unit``.
-        unit: unit of the limit.
-        quantity: the quantity of segments; None for b at nodes.
-        nodes: (m,) indices of nodes, where ``quantity`` is None.
-        power: see ``most``: 2 for a speed, whose square is bounded.
-        equal: whether the quantity equals the bound.
-        both: whether the negative quantity is bounded too.
-        drag: part of c_i + c_{i+1} that is added to the quantity, in the sense of the crank's way: the drag of the drive.
-        by_speed: part of half of c_i + c_{i+1} that is added to the quantity and to its negative: a bound that falls with the speed.
-        total: whether the sum of the quantity over the segments is bounded, by the first bound.
-        length: of a vector of forces, quantities of its two further components; then its length is bounded.
-    """
-
-    name: str
-    most: Array
-    limit: float
-    unit: str
-    quantity: Affine | None = None
-    nodes: Index = field(default_factory=lambda: np.empty(0, np.intp))
-    power: float = 1.0
-    equal: bool = False
-    both: bool = False
-    drag: float = 0.0
+    name: str  # the limit as text
+    most: Array  # (m,) the bound, proportional to limit^power
+    limit: float  # the user's number, in ``unit``
+    unit: str  # unit of the limit
+    quantity: Affine | None = None  # the quantity of segments; None for b at nodes
+    nodes: Index = field(default_factory=lambda: np.empty(0, np.intp))  # (m,) indices of nodes, where ``quantity`` is None
+    power: float = 1.0  # see ``most``: 2 for a speed, whose square is bounded
+    equal: bool = False  # whether the quantity equals the bound
+    both: bool = False  # whether the negative quantity is bounded too
+    drag: float = 0.0  # part of c_i + c_{i+1} that is added to the quantity, in the sense of the crank's way: the drag of the drive
+    # part of half of c_i + c_{i+1} that is added to the quantity and to its negative: a bound that falls with the speed
     by_speed: float = 0.0
-    total: bool = False
-    length: tuple[Affine, ...] = ()
+    total: bool = False  # whether the sum of the quantity over the segments is bounded, by the first bound
+    length: tuple[Affine, ...] = ()  # of a vector of forces, quantities of its two further components; then its length is bounded
+
+
+def below_tangents(
+    torque: Affine, allowed: Array, fall: Array, speed: Array, slopes: tuple[Array, Array], limit: tuple[str, float, str]
+) -> list[Bounded]:
+    """A torque and its negative below the tangent of what a limit allows, which is convex in b.
+
+    Args:
+        torque: the torque of m segments.
+        allowed: (m,) torque that the limit allows at the motion at which the tangent touches [N m].
+        fall: (m,) by how much it falls with the speed there [N m s/rad].
+        speed: (m,) speed there: the mean of the speeds at the ends of a segment, or the root of b within it [rad/s].
+        slopes: (m,) derivatives of this speed by b at the beginning and at the end of the segment.
+        limit: name, number and unit of the limit.
+    """
+    name, number, unit = limit
+    level = allowed + 0.5 * fall * speed  # the tangent of a root has half its value at b = 0
+    before, after = (fall * slope for slope in slopes)
+    both = (
+        Affine(sign * torque.before + before, sign * torque.after + after, sign * torque.fixed, torque.segments) for sign in (1.0, -1.0)
+    )
+    return [Bounded(name, level, number, unit, quantity) for quantity in both]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -94,59 +94,44 @@ class RelaxedPower:
 
     The torque of a segment is at most power x relaxed time / step. If b lies in a known range, the chord of 1 / speed over this range
     limits the relaxed time.
-
-    Attributes:
-        power: largest power [W].
-        least: (N + 1,) lower bounds of b at the nodes for every better motion; 0 if unknown [rad2/s2].
-        most: (N + 1,) upper bounds of b at the nodes for every better motion; infinite if unknown [rad2/s2].
     """
 
-    power: float
-    least: Array
-    most: Array
+    power: float  # largest power [W]
+    least: Array  # (N + 1,) lower bounds of b at the nodes for every better motion; 0 if unknown [rad2/s2]
+    most: Array  # (N + 1,) upper bounds of b at the nodes for every better motion; infinite if unknown [rad2/s2]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MotionProblem:
-    """The problem: find the motion along a path with the least objective within limits.
+    """The problem: find the motion along a path with the least objective within limits."""
 
-    Attributes:
-        coefficients: the coefficients of the press.
-        drive: the drive.
-        weights: weights of "heat" [1/(N2 m2 s)], "time" [1/s], "energy" [1/J], "peak" [1/(N m)] in the objective.
-        time: largest time of a cycle [s]; None: only the objective or other limits restrict it.
-        bounds: limits that are each proportional to one number.
-        rms: largest root mean square of the torque at the crank [N m], or None.
-        below: (N,) whether a segment is outside the feed window, or None.
-        feed_time: time of the feed window [s].
-        power: a largest power, relaxed, or None.
-        ceiling: largest objective allowed, or None.
-        rolled_at: (N + 1,) b of the motion at whose speeds losses use the tangents of the root of b, an upper bound; None: losses use c, a
-            lower bound.
-        time_name: the limit of time as text.
-        rms_name: the limit of rms torque as text.
-        feed_name: the feed window as text.
-    """
-
-    coefficients: Coefficients
-    drive: ServoDrive
-    weights: Mapping[str, float]
-    time: float | None
-    bounds: tuple[Bounded, ...] = ()
-    rms: float | None = None
-    below: NDArray[np.bool_] | None = None
-    feed_time: float = 0.0
-    power: RelaxedPower | None = None
-    ceiling: float | None = None
+    coefficients: Coefficients  # the coefficients of the press
+    drive: ServoDrive  # the drive
+    weights: Mapping[str, float]  # weights of "heat" [1/(N2 m2 s)], "time" [1/s], "energy" [1/J], "peak" [1/(N m)] in the objective
+    time: float | None  # largest time of a cycle [s]; None: only the objective or other limits restrict it
+    limits: tuple[Limit, ...] = ()  # the limits in addition to those of the drive
+    bounds: tuple[Bounded, ...] = ()  # limits that are each proportional to one number
+    rms: float | None = None  # largest root mean square of the torque at the crank [N m], or None
+    below: NDArray[np.bool_] | None = None  # (N,) whether a segment is outside the feed window, or None
+    feed_time: float = 0.0  # time of the feed window [s]
+    power: RelaxedPower | None = None  # a largest power, relaxed, or None
+    ceiling: float | None = None  # largest objective allowed, or None
+    # (N + 1,) b of the motion at whose speeds losses use the tangents of the root of b, an upper bound; None: losses use c, a lower
+    # bound
     rolled_at: Array | None = None
-    time_name: str = "cycle time"
-    rms_name: str = "rms torque"
-    feed_name: str = "feed window"
+    time_name: str = "cycle time"  # the limit of time as text
+    rms_name: str = "rms torque"  # the limit of rms torque as text
+    feed_name: str = "feed window"  # the feed window as text
 
     @property
     def inertia(self) -> float:
         """Inertia of the drive at the crank [kg m2]."""
         return self.drive.crank_inertia
+
+    @property
+    def rate(self) -> float | None:
+        """Largest rate of the torque at the crank [N m/s], or None."""
+        return min((limit.rate * self.drive.ratio for limit in self.limits if isinstance(limit, TorqueRate)), default=None)
 
     def inner_torques(self) -> tuple[Affine, Affine]:
         """Torques at the two inner places of the segments, without the drag of the drive."""
@@ -181,6 +166,11 @@ class MotionProblem:
         inertia = (c.inertia + self.inertia) / 2.0
         return Affine(-inertia[:-1] / step, inertia[1:] / step, c.mean_torque, np.arange(len(step)))
 
+    def with_drag(self, b: Array) -> tuple[Affine, Array]:
+        """Mean torque over the segments with the drag of the drive at the speeds of a motion, and these mean speeds (N,) [rad/s]."""
+        torque, speed = self.mean_torque(), 0.5 * (np.sqrt(b[1:]) + np.sqrt(b[:-1]))
+        return torque._replace(fixed=torque.fixed + self.drive.crank_drag * self.coefficients.grid.way * speed), speed
+
     @property
     def resting(self) -> float:
         """Time of the required rests of the path [s]."""
@@ -193,21 +183,13 @@ class MotionProblem:
 
 
 class Figures(NamedTuple):
-    """What a motion costs, computed from b alone.
+    """What a motion costs, computed from b alone."""
 
-    Attributes:
-        time: time of moving and of the required rests [s].
-        heat: integral of the squared torque over time [N2 m2 s].
-        energy: energy drawn [J].
-        peak: largest torque at the ends of the segments [N m].
-        below: time outside the feed window [s].
-    """
-
-    time: float
-    heat: float
-    energy: float
-    peak: float
-    below: float
+    time: float  # time of moving and of the required rests [s]
+    heat: float  # integral of the squared torque over time [N2 m2 s]
+    energy: float  # energy drawn [J]
+    peak: float  # largest torque at the ends of the segments [N m]
+    below: float  # time outside the feed window [s]
 
 
 def segment_times(coefficients: Coefficients, b: Array) -> Array:

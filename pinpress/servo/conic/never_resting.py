@@ -27,22 +27,18 @@ from ...common.conic_program import InfeasibleError, UnsolvedError
 from ...common.errors import PinpressError
 from ...common.quantities import Array
 from .coefficients import PathMotion
-from .local_limits import LocalLimits, tangents, words_of
+from .local_limits import tangents, words_of
 from .motion_problem import Affine, Bounded, MotionProblem, segment_times
-from .program import Sizes, Solution, first_sizes, sizes_of, solve
+from .optimum import optimum
+from .program import Solution, first_sizes, sizes_of, solve
 
 SHORT = 1e-5  # share by which a cycle may be shorter than the given time
 LATE, TOO_LATE = 1e-5, 1e-4  # a smaller excess of the time ends the rounds; a larger excess after the rounds is refused
 SETTLED, NEARLY = 1e-4, 1e-3  # a smaller change of the value ends the rounds; a note reports a larger change after the rounds
 SLOWEST = 0.1  # least speed of the crank, as a share of its mean speed or of the limit of speed there
 NO_HURRY = 10.0  # share by which a program may exceed the time
-ROUGH, FINE, CLOSE = 1e-5, 1e-7, 1e-9  # tolerances: of the proof's programs, whose bounds are far apart, of rounds, and of infeasibility
 COARSE, FINER = 36, 4  # segments of the coarse path, and the factor for the next path
-MANY_ROUNDS, SOME_ROUNDS, FEW_ROUNDS = (
-    40,
-    12,
-    3,
-)  # of tangents on the coarse path, the next one and the last; more while the time is not met
+MANY_ROUNDS, SOME_ROUNDS, FEW_ROUNDS = 40, 12, 3  # of tangents on the coarse path, the next one and the last; more if the time is not met
 
 
 class NoTurnError(PinpressError):
@@ -50,92 +46,81 @@ class NoTurnError(PinpressError):
 
 
 class TimedTurn(NamedTuple):
-    """A motion that takes its time.
+    """A motion that takes its time."""
 
-    Attributes:
-        answer: the last program's solution.
-        limited: this program's problem.
-        change: relative change of the value in the last round.
-    """
-
-    answer: Solution
-    limited: MotionProblem
-    change: float
+    answer: Solution  # the last program's solution
+    limited: MotionProblem  # this program's problem
+    change: float  # relative change of the value in the last round
 
     @property
     def as_motion(self) -> PathMotion:
         return PathMotion(self.limited.coefficients.grid.way_gone, self.answer.b)
 
-
-def is_shorter(problem: MotionProblem, b: Array, time: float) -> bool:
-    """Whether a motion takes less than this time [s]."""
-    return bool(segment_times(problem.coefficients, b).sum() < time * (1.0 - SHORT))
+    @property
+    def time(self) -> float:
+        """Time of the turn [s]."""
+        return time_of(self.limited, self.answer.b)
 
 
 class CoarseTurn(NamedTuple):
-    """A motion that takes its time on a coarse path, the start for every finer path.
+    """A motion that takes its time on a coarse path, the start for every finer path."""
 
-    Attributes:
-        turn: the motion.
-        gap: no turn on this path is better by more than this share [-]; infinite if no bound was found.
-    """
-
-    turn: TimedTurn
-    gap: float
+    turn: TimedTurn  # the motion
+    gap: float  # no turn on this path is better by more than this share [-]; infinite if no bound was found
 
 
-def coarse_turn(coarse: MotionProblem, faster: float, limits: LocalLimits) -> CoarseTurn:
+def time_of(problem: MotionProblem, b: Array) -> float:
+    """Time of a turn [s]."""
+    return float(segment_times(problem.coefficients, b).sum())
+
+
+def is_shorter(problem: MotionProblem, b: Array) -> bool:
+    """Whether a motion takes less than the problem's time."""
+    return problem.time is not None and time_of(problem, b) < problem.time * (1.0 - SHORT)
+
+
+def coarse_turn(coarse: MotionProblem, faster: float) -> CoarseTurn:
     """The best motion found that takes the problem's time on a coarse path, with a bound for all that do.
 
     Args:
         coarse: the problem.
         faster: time of the best turn if it may be faster [s].
-        limits: limits that are not convex, in addition to the time.
 
     Raises:
         NoTurnError: the search found no such turn.
     """
-    assert coarse.time is not None
     bound, passing = _bound_past_mean_speed(_never_resting(coarse))
-    best = None
     starts = [_even(coarse), *([] if passing is None else [passing])]
-    if limits.power is not None or limits.rate is not None or coarse.rms is not None:  # an even speed may be far from what they allow
-        cool = coarse if coarse.rms is None else replace(coarse, rms=None, weights={"heat": 1.0})
+    if coarse.drive.power is not None or coarse.rate is not None or coarse.rms is not None:  # they may not allow an even speed
+        cool = replace(coarse, drive=replace(coarse.drive, power=None), limits=(), rms=None)
+        cool = cool if coarse.rms is None else replace(cool, weights={"heat": 1.0})
         with contextlib.suppress(NoTurnError):
-            starts.append(_rounds(cool, starts[0], LocalLimits(None, None, False), MANY_ROUNDS).answer.b)
+            starts.append(_rounds(cool, starts[0], MANY_ROUNDS).answer.b)
+    turns = []
     for start in starts:
-        try:
-            turn = _rounds(coarse, start, limits, MANY_ROUNDS)
-        except NoTurnError:
-            continue
-        best = turn if best is None or turn.answer.value < best.answer.value else best
-    if best is None:
+        with contextlib.suppress(NoTurnError):
+            turns.append(_rounds(coarse, start, MANY_ROUNDS))
+    if not turns:
         raise NoTurnError(
             f"no turn that takes {coarse.time:.6g} s was found, though one may exist; a faster turn of {faster:.6g} s needs less: give"
             " this time, wider limits, or path=servo.Stop(), which pauses"
         )
-    if bound > best.answer.value + FINE * abs(best.answer.value):  # the solver denied a motion that exists
+    best = min(turns, key=lambda turn: turn.answer.value)
+    if bound > best.answer.value + 1e-7 * abs(best.answer.value):  # the solver denied a motion that exists
         bound = -np.inf
     return CoarseTurn(best, max(0.0, (best.answer.value - bound) / abs(best.answer.value)))
 
 
 def turn_in_time(
-    problem: MotionProblem,
-    free: Solution,
-    limits: LocalLimits,
-    coarse: CoarseTurn,
-    at: Callable[[int | None, PathMotion | None], MotionProblem],
-    optimum: Callable[[MotionProblem], Solution],
+    problem: MotionProblem, free: Solution, coarse: CoarseTurn, at: Callable[[int | None, PathMotion], MotionProblem]
 ) -> tuple[Solution, MotionProblem, list[str]]:
     """The best motion found that takes the problem's time, with a bound for all that do.
 
     Args:
         problem: the problem, with the most time of a cycle.
         free: the optimum of this problem, a faster turn.
-        limits: limits that are not convex, in addition to the time.
         coarse: the motion on a coarse path.
         at: makes the problem again with this number of segments (None: unchanged), for motions near this one.
-        optimum: solves a convex problem; raises PinpressError if there is no solution.
 
     Returns:
         As `within_local_limits`.
@@ -145,10 +130,10 @@ def turn_in_time(
     """
     size, turn = len(problem.coefficients.grid.step), coarse.turn
     if size > 2 * FINER * COARSE:
-        turn = _refine(at(FINER * COARSE, turn.as_motion), turn, limits, SOME_ROUNDS)
+        turn = _refine(at(FINER * COARSE, turn.as_motion), turn, SOME_ROUNDS)
     if size > 2 * COARSE:
         problem = at(None, turn.as_motion)
-        turn = _refine(problem, turn, limits, FEW_ROUNDS)
+        turn = _refine(problem, turn, FEW_ROUNDS)
         free = optimum(problem)  # a bound holds only for values of the same coefficients
     _refuse_late(problem, turn)
     bound, proof = free.bound, "proved by the faster turn"
@@ -156,50 +141,47 @@ def turn_in_time(
     if carried > bound:
         rough = coarse.turn.answer.value / turn.answer.value
         where = f", where the objective is {rough:.3g} times as large," if size > 2 * COARSE else ""
-        segments = len(coarse.turn.limited.coefficients.grid.step)
         bound = carried
         proof = (
-            f"proved on a path of {segments} segments{where} for all turns that pass their mean speed in one segment and may be faster in"
-            " all others"
+            f"proved on a path of {len(coarse.turn.limited.coefficients.grid.step)} segments{where} for all turns that pass their mean"
+            " speed in one segment and may be faster in all others"
         )
     answer = replace(turn.answer, bound=bound)
-    return answer, turn.limited, [_in_words(problem, free, turn, answer.gap, limits, proof)]
+    return answer, turn.limited, [_in_words(problem, free, turn, answer.gap, proof)]
 
 
-def turn_near(problem: MotionProblem, free: Solution, limits: LocalLimits, start: Array) -> tuple[Solution, MotionProblem, list[str]]:
+def turn_near(problem: MotionProblem, free: Solution, start: Array) -> tuple[Solution, MotionProblem, list[str]]:
     """The best motion that takes the problem's time, near b (N + 1,) of an approximate motion, with the bound of faster turns.
 
     Args and errors are those of `turn_in_time`.
     """
-    turn = _rounds(problem, start, limits, FEW_ROUNDS)
+    turn = _rounds(problem, start, FEW_ROUNDS)
     _refuse_late(problem, turn)
     answer = replace(turn.answer, bound=free.bound)
     note = (
         f"a turn that takes {problem.time:.6g} s is not convex: the motion is the best of its neighbours; a faster turn of"
-        f" {segment_times(problem.coefficients, free.b).sum():.4g} s would need {100 * answer.gap:.2g} % less a stroke"
+        f" {time_of(problem, free.b):.4g} s would need {100 * answer.gap:.2g} % less a stroke"
     )
     return answer, turn.limited, [note]
 
 
-def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) -> TimedTurn:
+def _rounds(problem: MotionProblem, b: Array, rounds: int) -> TimedTurn:
     """Find the motion by tangents, starting from an approximate motion."""
     assert problem.time is not None
     whole, best, value, least_late = _never_resting(problem), None, np.inf, np.inf
-    b = _scale_to_time(problem, b)
     for k in range(max(3 * rounds, MANY_ROUNDS)):  # beyond `rounds` while the time is not met
-        rows = [_time_tangent(problem, b, problem.time), *tangents(problem, b, limits)]
-        limited = replace(whole, bounds=(*whole.bounds, *rows))
-        answer = _try_to_solve(replace(_with_end(limited), rolled_at=b), sizes_of(problem, b), FINE)
-        if not isinstance(answer, Solution):
+        b = _scale_to_time(problem, b)
+        limited = replace(whole, bounds=(*whole.bounds, _time_tangent(problem, b, problem.time), *tangents(problem, b)))
+        try:
+            answer = solve(replace(_with_end(limited), rolled_at=b), sizes_of(problem, b))
+        except (InfeasibleError, UnsolvedError):
             break
         turn = TimedTurn(answer, replace(limited, time=None), abs(value - answer.value) / abs(answer.value))
-        value = answer.value
-        late = float(segment_times(problem.coefficients, answer.b).sum()) / problem.time - 1.0
+        b, value, late = answer.b, answer.value, turn.time / problem.time - 1.0
         if late <= max(LATE, least_late):  # a later round may miss the time again: keep the round that met it best
             best, least_late = turn, late
         if late <= LATE and (turn.change <= SETTLED or k + 1 >= rounds):
             break
-        b = _scale_to_time(problem, answer.b)
     if best is None:
         raise NoTurnError(
             f"no turn that takes {problem.time:.6g} s was found, though one may exist: give another time, wider limits, or"
@@ -226,25 +208,24 @@ def _with_end(problem: MotionProblem) -> MotionProblem:
     )
 
 
-def _refuse_late(problem: MotionProblem, found: TimedTurn) -> None:
-    taken = float(segment_times(problem.coefficients, found.answer.b).sum())
-    if problem.time is not None and abs(taken / problem.time - 1.0) > TOO_LATE:
+def _refuse_late(problem: MotionProblem, turn: TimedTurn) -> None:
+    if problem.time is not None and abs(turn.time / problem.time - 1.0) > TOO_LATE:
         raise NoTurnError(
-            f"no turn that takes {problem.time:.6g} s was found, though one may exist; a turn of {taken:.6g} s was found: give this time,"
-            " or path=servo.Stop(), which pauses"
+            f"no turn that takes {problem.time:.6g} s was found, though one may exist; a turn of {turn.time:.6g} s was found: give this"
+            " time, or path=servo.Stop(), which pauses"
         )
 
 
-def _refine(problem: MotionProblem, found: TimedTurn, limits: LocalLimits, most: int) -> TimedTurn:
+def _refine(problem: MotionProblem, turn: TimedTurn, most: int) -> TimedTurn:
     """The motion on a finer path."""
-    way, b = found.as_motion
-    return _rounds(problem, np.interp(problem.coefficients.grid.way_gone, way, b), limits, most)
+    way, b = turn.as_motion
+    return _rounds(problem, np.interp(problem.coefficients.grid.way_gone, way, b), most)
 
 
 def _scale_to_time(problem: MotionProblem, b: Array) -> Array:
     """b, scaled so that the motion takes its time."""
     assert problem.time is not None
-    return b * (float(segment_times(problem.coefficients, b).sum()) / problem.time) ** 2
+    return b * (time_of(problem, b) / problem.time) ** 2
 
 
 def _mean_square(problem: MotionProblem) -> float:
@@ -304,45 +285,31 @@ def _bound_past_mean_speed(problem: MotionProblem) -> tuple[float, Array | None]
         before = Affine(np.array([-1.0 / mean]), np.zeros(1), np.array([2.0]), np.array([k]))
         rows = Bounded("", np.ones(1), 1.0, "", before), Bounded("", np.array([mean]), 1.0, "", nodes=np.array([k + 1]))
         passing = replace(problem, bounds=(*problem.bounds, *rows))
-        optimum = _try_to_solve(passing, sizes, ROUGH)
-        if not isinstance(optimum, Solution):  # only a tight tolerance proves that there is no motion
-            optimum = _try_to_solve(passing, first_sizes(problem), CLOSE)
-        if optimum is None:
+        try:
+            best = solve(passing, sizes)
+        except InfeasibleError:
             continue
-        if isinstance(optimum, UnsolvedError):
+        except UnsolvedError:
             return -np.inf, motion
-        sizes = sizes_of(problem, optimum.b)
-        if optimum.bound < least:
-            least, motion = optimum.bound, optimum.b
+        sizes = sizes_of(problem, best.b)
+        if best.bound < least:
+            least, motion = best.bound, best.b
     return (least, motion) if motion is not None else (-np.inf, None)
 
 
-def _try_to_solve(problem: MotionProblem, sizes: Sizes, tolerance: float) -> Solution | UnsolvedError | None:
-    """The optimum; None if the solver proved that no motion keeps the limits."""
-    failed: UnsolvedError | None = None
-    for times in (1.0, 3.0):
-        try:
-            return solve(problem, sizes.with_torques(times), tolerance=tolerance)
-        except InfeasibleError:
-            return None
-        except UnsolvedError as error:
-            failed = error
-    return failed
-
-
-def _in_words(problem: MotionProblem, free: Solution, found: TimedTurn, gap: float, limits: LocalLimits, proof: str) -> str:
-    b, faster = found.answer.b, segment_times(problem.coefficients, free.b).sum()
-    beside = words_of(problem, limits)
+def _in_words(problem: MotionProblem, free: Solution, turn: TimedTurn, gap: float, proof: str) -> str:
+    b, faster = turn.answer.b, time_of(problem, free.b)
+    beside = words_of(problem)
     kept = f", with {' and '.join(beside)}," if beside else ""
     slow = int(b.argmin())
     floor = (
-        f"; the crank is slowest at {np.degrees(found.limited.coefficients.grid.angle[slow]):.4g} deg, at a tenth of its mean speed or of"
+        f"; the crank is slowest at {np.degrees(problem.coefficients.grid.angle[slow]):.4g} deg, at a tenth of its mean speed or of"
         " the limit there; a slower crank would count as a rest"
         if b[slow] < 1.01 * SLOWEST**2 * _mean_square(problem)
         else ""
     )
-    settled = "" if found.change <= NEARLY else f"; the last round of tangents still changed the value by {100 * found.change:.2g} %"
-    less = 100 * (1.0 - free.value / found.answer.value)
+    settled = "" if turn.change <= NEARLY else f"; the last round of tangents still changed the value by {100 * turn.change:.2g} %"
+    less = 100 * (1.0 - free.value / turn.answer.value)
     return (
         f"a turn that takes {problem.time:.6g} s{kept} is not convex, since a faster turn of {faster:.4g} s would need {less:.2g} % less"
         f" a stroke: the motion is the best of its neighbours; no turn in this time is better by more than {100 * gap:.2g} %, {proof}"

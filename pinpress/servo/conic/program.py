@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.conic_program import AT_MOST, CONE, EQUAL, Rows, minimise
+from ...common.conic_program import AT_MOST, CONE, EQUAL, Rows, UnsolvedError, minimise
 from ...common.quantities import Array
 from .motion_problem import Affine, Bounded, Index, MotionProblem, RelaxedPower, figures, objective, rest_below
 
@@ -33,23 +33,12 @@ REMEDY = "give limits, inertia and time of a realistic size, or another number o
 
 
 class Sizes(NamedTuple):
-    """Sizes by which unknowns and cones are scaled.
+    """Sizes by which unknowns and cones are scaled."""
 
-    Attributes:
-        b: (N + 1,) size of b at the nodes; 0 at rests.
-        torque: of torques [N m].
-        torques: (N,) of the torque of each segment [N m].
-        speed: of the crank [rad/s].
-    """
-
-    b: Array
-    torque: float
-    torques: Array
-    speed: float
-
-    def with_torques(self, times: float) -> Sizes:
-        """These sizes, with torques scaled by a factor."""
-        return self._replace(torque=times * self.torque, torques=times * self.torques)
+    b: Array  # (N + 1,) size of b at the nodes; 0 at rests
+    torque: float  # of torques [N m]
+    torques: Array  # (N,) of the torque of each segment [N m]
+    speed: float  # of the crank [rad/s]
 
 
 def first_sizes(problem: MotionProblem) -> Sizes:
@@ -93,24 +82,15 @@ def sizes_of(problem: MotionProblem, b: Array) -> Sizes:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution:
-    """An optimum and its proof.
+    """An optimum and its proof."""
 
-    Attributes:
-        b: (N + 1,) at the nodes [rad2/s2].
-        value: objective of b.
-        bound: no motion along these nodes has a lower objective.
-        prices: name of a limit -> the objective falls by this much for each unit by which the limit is relaxed.
-        where: name of a limit -> (N + 1,) or (N,) bool, nodes or segments at which the limit is active.
-        relaxed: share by which limits are relaxed, of a program that relaxes limits.
-        parts: name of a limit -> its part in the contradiction, of a program that relaxes limits.
-    """
-
-    b: Array
-    value: float
-    bound: float
-    prices: Mapping[str, float]
-    where: Mapping[str, NDArray[np.bool_]]
-    relaxed: float = 0.0
+    b: Array  # (N + 1,) at the nodes [rad2/s2]
+    value: float  # objective of b
+    bound: float  # no motion along these nodes has a lower objective
+    prices: Mapping[str, float]  # name of a limit -> the objective falls by this much for each unit by which the limit is relaxed
+    where: Mapping[str, NDArray[np.bool_]]  # name of a limit -> (N + 1,) or (N,) bool, nodes or segments at which the limit is active
+    relaxed: float = 0.0  # share by which limits are relaxed, of a program that relaxes limits
+    # name of a limit -> its part in the contradiction, of a program that relaxes limits
     parts: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -415,7 +395,6 @@ def solve(
     sizes: Sizes,
     let_out: Callable[[str], bool] | None = None,
     extreme: tuple[int, float] | None = None,
-    tolerance: float = TOLERANCE,
 ) -> Solution:
     """The optimum, or with ``let_out`` the least share by which limits with these names must be relaxed.
 
@@ -424,12 +403,18 @@ def solve(
         sizes: sizes that scale the problem.
         let_out: name of a limit -> whether it may be relaxed.
         extreme: a node, and a sign 1 or -1: minimise sign x b at this node instead of the objective.
-        tolerance: tolerance of the solver; value and bound are correct for any tolerance.
 
     Raises:
         InfeasibleError: no motion keeps the limits.
-        UnsolvedError: the solver found no answer.
+        UnsolvedError: the solver found no answer, neither with these sizes nor with torques of three times this size.
     """
+    try:
+        return _solve(problem, sizes, let_out, extreme)
+    except UnsolvedError:
+        return _solve(problem, sizes._replace(torque=3.0 * sizes.torque, torques=3.0 * sizes.torques), let_out, extreme)
+
+
+def _solve(problem: MotionProblem, sizes: Sizes, let_out: Callable[[str], bool] | None, extreme: tuple[int, float] | None) -> Solution:
     program = _Program(problem, sizes, let_out)
     cost, fixed = program.write(), program.fixed_cost()
     if extreme is not None:
@@ -437,7 +422,7 @@ def solve(
         cost, fixed = np.zeros(program.width), 0.0
         cost[program.column[node]] = sign * sizes.b[node]
     scale = float(np.abs(cost).max())
-    optimum = minimise(cost / scale, program.rows, tolerance=tolerance, equilibrate=False, within=np.inf, remedy=REMEDY)
+    optimum = minimise(cost / scale, program.rows, tolerance=TOLERANCE, equilibrate=False, within=np.inf, remedy=REMEDY)
     x = optimum.x
     # b without a column is 0; rounding errors of the solver must not make b negative
     b = np.where(program.column < 0, 0.0, np.maximum(x[program.column], 1e-12) * sizes.b)

@@ -15,19 +15,14 @@ import numpy as np
 
 from ...common.quantities import Array
 from ..drive import ServoDrive
-from .motion_problem import Affine, Bounded, MotionProblem
+from .motion_problem import Affine, Bounded, MotionProblem, below_tangents
 
 
 class TorqueLine(NamedTuple):
-    """Largest torque at the crank: torque - fall x size of the crank's speed.
+    """Largest torque at the crank: torque - fall x size of the crank's speed."""
 
-    Attributes:
-        torque: [N m].
-        fall: not negative [N m s/rad].
-    """
-
-    torque: float
-    fall: float
+    torque: float  # [N m]
+    fall: float  # not negative [N m s/rad]
 
 
 def curve_name(drive: ServoDrive) -> str:
@@ -48,45 +43,24 @@ def hull_bounds(problem: MotionProblem) -> list[Bounded]:
 
 def curve_use(problem: MotionProblem, b: Array) -> Array:
     """(N,) mean torque / torque of the curve at the mean speed, of each segment [-]."""
-    drive = problem.drive
-    speed = 0.5 * (np.sqrt(b[1:]) + np.sqrt(b[:-1]))
-    torque = problem.mean_torque().at(b) + drive.crank_drag * problem.coefficients.grid.way * speed
-    return np.asarray(np.abs(torque) / (drive.ratio * drive.peak_torque_at(drive.ratio * speed)))
+    drive, (torque, speed) = problem.drive, problem.with_drag(b)
+    return np.asarray(np.abs(torque.at(b)) / (drive.ratio * drive.peak_torque_at(drive.ratio * speed)))
 
 
-def curve_tangents(problem: MotionProblem, b: Array) -> list[Bounded]:
-    """Mean torques of segments below tangents of the curve at a motion; the drag of the drive counts at the speed of b."""
-    drive, mean, speed = problem.drive, problem.mean_torque(), np.sqrt(b)
-    total = speed[1:] + speed[:-1]
-    drag = 0.5 * drive.crank_drag * problem.coefficients.grid.way * total
+def curve_tangents(drive: ServoDrive, torque: Affine, speed: Array, slopes: tuple[Array, Array]) -> list[Bounded]:
+    """Torques below tangents of the curve at speeds; for ``speed`` and ``slopes`` see `below_tangents`."""
+    runs: list[list[TorqueLine]] = []  # parts of the curve that bend upwards
+    for line in _lines(_points(drive)):
+        if runs and line.fall <= runs[-1][-1].fall:
+            runs[-1].append(line)
+        else:
+            runs.append([line])
     bounds = []
-    for torque, fall in _active_lines(drive, 0.5 * total):
-        # at a rest b is no variable
-        slopes = [np.divide(-0.25 * fall, each, out=np.zeros_like(each), where=each > 0) for each in (speed[:-1], speed[1:])]
-        level = torque - 0.5 * fall * total - slopes[0] * b[:-1] - slopes[1] * b[1:]
-        for sign in (1.0, -1.0):
-            quantity = Affine(sign * mean.before - slopes[0], sign * mean.after - slopes[1], sign * (mean.fixed + drag), mean.segments)
-            bounds.append(Bounded(curve_name(drive), level, max(drive.curve_torque or (0.0,)), "N m", quantity))
-    return bounds
-
-
-def tangents_at_states(drive: ServoDrive, torque: Affine, share: Array, speed: Array) -> list[Bounded]:
-    """Torques at states within segments below tangents of the curve at their speeds.
-
-    Args:
-        drive: the drive.
-        torque: of each state, its drag included.
-        share: (m,) place of each state in its segment, as a share of the step [-].
-        speed: (m,) absolute speed of the crank at these states, not 0 [rad/s].
-    """
-    bounds = []
-    for most, fall in _active_lines(drive, speed):
-        slope = 0.5 * fall / speed
-        level = most - 0.5 * fall * speed
-        for sign in (1.0, -1.0):
-            before, after = sign * torque.before + slope * (1.0 - share), sign * torque.after + slope * share
-            quantity = Affine(before, after, sign * torque.fixed, torque.segments)
-            bounds.append(Bounded(curve_name(drive), level, max(drive.curve_torque or (0.0,)), "N m", quantity))
+    for run in runs:
+        torques, falls = np.array(run).T
+        active = (torques[:, None] - falls[:, None] * speed).argmax(axis=0)
+        allowed, limit = torques[active] - falls[active] * speed, (curve_name(drive), max(drive.curve_torque or (0.0,)), "N m")
+        bounds += below_tangents(torque, allowed, falls[active], speed, slopes, limit)
     return bounds
 
 
@@ -113,19 +87,3 @@ def _lines(points: list[tuple[float, float]]) -> list[TorqueLine]:
         fall = max(0.0, (y - y2) / (x2 - x))
         lines.append(TorqueLine(y + fall * x, fall))
     return lines
-
-
-def _active_lines(drive: ServoDrive, speed: Array) -> list[tuple[Array, Array]]:
-    """Torques (m,) and falls (m,) of the lines that limit the torque at speeds (m,), one for each part of the curve that bends upwards."""
-    runs: list[list[TorqueLine]] = []
-    for line in _lines(_points(drive)):
-        if runs and line.fall <= runs[-1][-1].fall:
-            runs[-1].append(line)
-        else:
-            runs.append([line])
-    found = []
-    for run in runs:
-        torques, falls = (np.array([line[k] for line in run])[:, None] for k in range(2))
-        chosen = (torques - falls * speed).argmax(axis=0)
-        found.append((torques[chosen, 0], falls[chosen, 0]))
-    return found

@@ -90,7 +90,8 @@ class _States(NamedTuple):
 
     def of(self, sets: NDArray[np.intp]) -> _States:
         """Some of these sets."""
-        return _States(*(values[..., sets] for values in self))
+        coordinates = self.x[:, sets], self.first[:, sets], self.second[:, sets]
+        return _States(*coordinates, self.deviations[:, sets], self.closed[sets])
 
     def driven(self, shapes: Shapes, by: Array | float) -> _States:
         """These sets, with their drivers moved by ``by``."""

@@ -19,15 +19,15 @@ SI = ("N", "N m")  # units whose prefix is that of all values of a kind
 
 def _extremes(shown: Shown) -> list[ExtremeValues]:
     """The extremes, with the slide's height above bottom dead centre in place of its position."""
-    found = []
+    values = []
     for value in extremes(shown.reactions):
         if value.quantity == "slide position" and shown.bottom is not None:
             height = 1e3 * (shown.motion.slide_position - shown.bottom)
             smallest, largest = (1e3 * (1e-3 * each - shown.bottom) for each in (value.smallest, value.largest))
             rms = float(np.sqrt(np.mean(height**2)))
             value = replace(value, quantity=HEIGHT, smallest=smallest, largest=largest, rms=rms)
-        found.append(value)
-    return found
+        values.append(value)
+    return values
 
 
 def table_of_extremes(shown: Shown, before: Shown | None) -> dict[str, Any]:

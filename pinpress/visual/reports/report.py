@@ -50,10 +50,10 @@ def report(
     show slide height, velocity and acceleration; driving torque, crank speed where it is not constant, and where the energy of a stroke
     goes; every bearing and guide force, its magnitude, components, and polar diagrams in the world's axes and in those of the link on which
     it acts; moments in guides; shaking force with its harmonics, and shaking moment. Under process loads, charts show the process
-    force over the crank angle and over the slide's height. For a run, a chart shows the motor's torque over the speed, beside the motor's
+    force over the crank angle and over the slide's height. For a run, a chart shows the motor's torque over the speed, with the motor's
     curve. A table lists the extremes, see `measures.extremes`. Curves have the recording's key frames, at most 360 a turn, and the states
-    on both sides of each step of the load. For an `ElasticRun` these forces are those of the rigid press; a section of its own has the
-    forces of the springs beside them, the slide's depth, and the places where loads begin and end.
+    on both sides of each step of the load. For an `ElasticRun` these forces are those of the rigid press; a separate section compares them
+    with the forces of the springs, and has the slide's depth, and the places where loads begin and end.
 
     Args:
         press: As for `record`.

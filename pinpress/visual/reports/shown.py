@@ -31,9 +31,9 @@ class Shown:
         press: The linkage.
         reactions: Reactions to its motion.
         frames: Key frames of the motion.
-        bottom: Slide position at bottom dead centre [m]; None where there is none.
+        bottom: Slide position at bottom dead centre [m]; None without a dead centre.
         drawn: Reactions whose states the curves show: these reactions, or these with the states on both sides of each step of the load.
-        states: (c,) indices of the curves' states in `drawn`: those of the key frames, and the states beside steps.
+        states: (c,) indices of the curves' states in `drawn`: those of the key frames, and both states at each step of the load.
         time: (c,) their times, 0 at the first [s].
         along: (c,) quantity over which the curves are drawn, in its unit.
     """
@@ -82,7 +82,7 @@ class Shown:
 
     @property
     def heights(self) -> Array | None:
-        """(k,) heights of the slide above bottom dead centre at the key frames [mm]; None where there is none."""
+        """(k,) heights of the slide above bottom dead centre at the key frames [mm]; None without a dead centre."""
         if self.frames.height is None or not self.frames.above_bottom:
             return None
         return np.asarray(1e3 * self.frames.height)
@@ -93,12 +93,12 @@ def as_shown(reactions: Reactions, frames: KeyFrames) -> Shown:
     rounding(reactions)  # which refuses forces that are not finite
     press = reactions._press
     bottom = -math.inf if press.slide is None else turning_points(press)[0]
-    motion, found = reactions.motion, at_peaks(reactions)
-    beside = np.flatnonzero([bool(remark) for remark in found.remarks])  # the states on both sides of each step of the load
-    drawn = found.reactions if len(beside) else reactions
+    motion, peaks = reactions.motion, at_peaks(reactions)
+    beside = np.flatnonzero([bool(remark) for remark in peaks.remarks])  # the states on both sides of each step of the load
+    drawn = peaks.reactions if len(beside) else reactions
     states, time, crank = frames.states, frames.time, frames.crank
     if len(beside):
-        its, angle = drawn.motion.time, drawn.motion.crank_angle.reshape(len(found.remarks), -1)[:, 0]
+        its, angle = drawn.motion.time, drawn.motion.crank_angle.reshape(len(peaks.remarks), -1)[:, 0]
         states = np.append(np.searchsorted(its, motion.time[states]), beside)
         time, crank = np.append(time, its[beside] - motion.time[0]), np.append(crank, angle[beside])
         order = np.argsort(time, kind="stable")

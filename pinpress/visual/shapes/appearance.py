@@ -21,7 +21,7 @@ from ...linkage.writing import is_ballast
 from .solids import Box, Cylinder, Part, Plate, Shape, Sphere, TriangleMesh, part, read_mesh
 from .stand_ins import ShaftFlywheel, made_up_parts
 
-MOST_SHAPES, MOST_TRIANGLES = 5000, 1_000_000  # in all links together; a page with more hardly opens in a browser
+MOST_SHAPES, MOST_TRIANGLES = 5000, 1_000_000  # in all links together; a browser can barely open a page with more
 STAND_IN = "stand_in"  # name of visuals that pinpress wrote for other programs; here shapes are made up again, as lengths may have changed
 
 

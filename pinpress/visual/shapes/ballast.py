@@ -1,4 +1,4 @@
-"""What masses look like: solids of steel of that mass, for counterweights, slides and flywheels."""
+"""Solids of steel that stand for masses: counterweights, slides and flywheels."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def besides(body: BodyMass, solids: Sequence[MadeUpSolid]) -> Ballast:
 
 
 def outside(point: Array, pins: Array, directions: Array) -> float:
-    """Distance of a point from the convex outline of pins (k, 3), 0 within it, as far as directions (d, 3) tell it [m]."""
+    """Distance of a point from the convex outline of pins (k, 3), measured along directions (d, 3); 0 within the outline [m]."""
     return max(0.0, float(np.max(directions @ point - np.max(directions @ pins.T, axis=1))))
 
 

@@ -1,4 +1,4 @@
-"""The skeleton of plain shapes: where the links' bearings are in the drawn pose."""
+"""The skeleton of made-up shapes: the bearings of the links in the drawn pose."""
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -24,7 +24,7 @@ class PlacedBearing:
 
     Attributes:
         kind: "pin", "ball" (only in space; it turns about all axes), "guide" (it slides) or "weld".
-        links: the links of the two sides that need plain shapes; None for a side whose link does not.
+        links: the links of the two sides; None for a side whose link needs no made-up shapes.
         on_frame: whether each side is fixed to the frame.
         points: (2, 3) places of the two sides [m].
         axis: (3,) unit vector; without meaning for a ball and a weld in space.
@@ -72,17 +72,17 @@ class BearingLayout:
     """Bearings in the drawn pose, world axes.
 
     Attributes:
-        links: the links that need plain shapes, in document order.
-        on_frame: those of them that are the frame, or fixed to it.
+        links: the links that need made-up shapes, in document order.
+        on_frame: those of these links that are the frame, or fixed to it.
         placements: link -> (4, 4) placement of its frame, of all links.
         bearings: joints, then cut loops.
         normal: (3,) normal of a planar linkage, towards the viewer; None for a linkage in space.
         welded: link -> origin (3,) at which it is welded to others, for links whose body has visuals of other links [m].
-        masses: link -> its mass, for links that have one; without what was added to it since the linkage was read.
-        added: link -> what was added to its mass since.
+        masses: link -> its mass, if it has one; without counterweights that were added since the linkage was read.
+        added: link -> the counterweight that was added since.
         cranks: links that turn fully on the frame, or are driven there.
-        turning: joints of all these links, also of those with visuals.
-        slide: the slide, if it needs plain shapes; else None.
+        turning: joints of all such links, also of links with visuals.
+        slide: the slide, if it needs made-up shapes; else None.
         upwards: (3,) unit vector along which the slide's position grows; None without a slide.
         size: size of the linkage [m].
     """
@@ -176,7 +176,7 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], adde
         press: the linkage.
         travel: (2, nv) lowest and highest positions of the joints [rad or m].
         drawn: links that have visuals.
-        added: what was added to masses since the linkage was read, by the joint.
+        added: counterweights that were added since the linkage was read, by the joint.
 
     Raises:
         PinpressError: the drawn pose is not finite.

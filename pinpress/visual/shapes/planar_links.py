@@ -1,6 +1,6 @@
 """Plain shapes of the links of a planar linkage, made up from their bearings and masses.
 
-Links are bars, plates, webs, discs and blocks, each in a layer of its own along the normal, so that they pass each other. The frame stands
+Links are bars, plates, webs, discs and blocks, each in a separate layer along the normal, so that they pass each other. The frame stands
 behind, then come the links that it carries on pins, then the others, and in front the slides in their gibs. Lengths are true, except for
 the offsets of the layers along the normal; these are about the true heights of the links.
 """
@@ -35,7 +35,7 @@ class PlanarLinks:
         layout: bearings and masses in the drawn pose.
         normal: (3,) normal of the linkage, towards the viewer.
         width: width of a bar [m].
-        down: (3,) unit vector in the plane that points down, as far as it can.
+        down: (3,) unit vector in the plane that points as far down as possible.
     """
 
     def __init__(self, layout: BearingLayout, normal: Array) -> None:
@@ -104,7 +104,7 @@ class PlanarLinks:
         return middle - half, middle + half
 
     def height(self, bearing: PlacedBearing, side: int) -> float:
-        """Height at which a link meets its bearing; where the link has visuals, the true one."""
+        """Height at which a link meets its bearing; the true height if the link has visuals."""
         link, height = bearing.links[side], float(bearing.points[side] @ self.normal)
         if link is None:
             return height
@@ -198,7 +198,7 @@ class PlanarLinks:
     # Slides and collars
 
     def _slide(self, link: str, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
-        """A block that holds all that the link joins, and a block of its mass on the side away from the linkage."""
+        """A block that holds all bearings of the link, and a block of its mass on the side away from the linkage."""
         (low, high), across = self._holding(link, guide)
         sideways = (across[0] + across[1]) / 2 * self.across(guide)
         heights = [self.height(bearing, side) for bearing, side in self.layout.ends(link)]
@@ -209,8 +209,8 @@ class PlanarLinks:
             yield self.box(guide.points[1] + at * guide.axis + sideways, guide.axis, middle, size)
 
     def _block(self, link: str, guide: PlacedBearing) -> tuple[tuple[float, float, float], float] | None:
-        """Size of the block of a slide's mass along the guide, across it and along the normal, and its place along the guide [m]; None for
-        one without much more mass than what it hangs on."""
+        """Size of the block of a slide's mass along the guide, across it and along the normal, and its place along the guide [m]; None if
+        the block that holds the bearings already has about this mass."""
         (low, high), across = self._holding(link, guide)
         heights = [self.height(bearing, side) for bearing, side in self.layout.ends(link)]
         wide, thick = float(np.ptp(across)), float(np.ptp(heights)) + THICKNESS * self.width
@@ -224,7 +224,7 @@ class PlanarLinks:
         return size, float(end + side * (size[0] / 2 - 0.3 * self.width))
 
     def away(self, link: str, guide: PlacedBearing) -> float:
-        """1 where a guided link has the rest of the linkage behind it along its guide's axis, -1 where it has it ahead."""
+        """1 if the rest of the linkage is behind a guided link along its guide's axis, -1 if it is ahead."""
         joined = [b.points[side] for b, side in self.layout.ends(link) if b is not guide]
         pivots = [b.points[0] for b in self.layout.bearings if b.kind != "guide" and any(b.on_frame)]
         if pivots:
@@ -250,7 +250,7 @@ class PlanarLinks:
         return np.array(ends), np.array([min(across[0], middle - wide / 2), max(across[1], middle + wide / 2)])
 
     def _holding(self, link: str | None, guide: PlacedBearing) -> tuple[Array, Array]:
-        """(2,) ends along its guide of the block that holds all that a link joins, and (2,) across it, from the guide's point [m]."""
+        """(2,) ends along its guide of the block that holds all bearings of a link, and (2,) across it, from the guide's point [m]."""
         nodes = [self.layout.flat(guide.points[1])]
         if link is not None:
             nodes += [
@@ -265,7 +265,7 @@ class PlanarLinks:
     # Counterweights and pins
 
     def _counterweights(self, link: str, body: list[MadeUpSolid]) -> Iterator[MadeUpSolid]:
-        """What was added to the link's mass; and where the centre of mass is outside of the pins, the steel that puts it there."""
+        """An added counterweight, and if the centre of mass is outside of the pins, the steel that puts it there."""
         weights = [self.layout.added[link]] if link in self.layout.added else []
         mass = self.layout.masses.get(link)
         if mass is not None and self.guide(link) is None and link not in self._collars:

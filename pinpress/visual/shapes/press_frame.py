@@ -126,7 +126,7 @@ class _Frame:
         return _Span(*sorted((start + sense * swept.low, start + sense * swept.high)))
 
     def _beams(self, up: Array, right: Array, columns: _Span, high: float) -> Iterator[tuple[_Span, _Span]]:
-        """Beams from column to column, and as far as the pivots are: along and across. The highest is the crown."""
+        """Spans along and across of the beams, which join the columns and reach all pivots. The highest beam is the crown."""
         w = self.width
         groups: list[list[tuple[float, float]]] = []
         for level, across in sorted((float(at @ up), float(at @ right)) for at in self.pivots):

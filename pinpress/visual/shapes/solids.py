@@ -27,7 +27,7 @@ from ...common.quantities import Array
 from ...linkage.element import Element, tree
 
 KINDS = "STL (.stl), Wavefront (.obj) or COLLADA (.dae)"
-MOST_TRIANGLES = 500_000  # a page with more would hardly open in a browser
+MOST_TRIANGLES = 500_000  # a browser can barely open a page with more
 MOST_CORNERS = 1000  # corners of one polygon
 MOST_NODES = 10_000  # nodes of a COLLADA scene, every instance counted
 DEEPEST_NODES = 200
@@ -210,7 +210,7 @@ class Part:
 
 
 def part(shape: Shape, placement: Array, rgba: Array | tuple[float, ...]) -> Part:
-    """Make a part with arrays of its own."""
+    """Make a part with copies of these arrays."""
     return Part(shape, read_only(np.array(placement, dtype=float)), read_only(np.array(rgba, dtype=float)))
 
 
@@ -292,7 +292,7 @@ def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Tria
 
 
 def _loaded(kind: str, content: bytes) -> Any:
-    """The unscaled mesh of a file's content. Raises UnfitError where there is none."""
+    """The unscaled mesh of a file's content. Raises UnfitError if it cannot be read."""
     import coal  # part of Pinocchio, but seldom needed
 
     with tempfile.TemporaryDirectory(prefix="pinpress-") as folder:

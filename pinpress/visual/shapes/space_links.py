@@ -70,7 +70,7 @@ def _body(layout: BearingLayout, link: str, nodes: Array) -> Iterator[MadeUpSoli
 
 
 def _counterweights(layout: BearingLayout, link: str, nodes: Array, body: list[MadeUpSolid]) -> Iterator[MadeUpSolid]:
-    """Balls of steel: what was added to the link's mass; and where the centre of mass is outside of the bearings, what puts it there."""
+    """Balls of steel: an added counterweight, and if the centre of mass is outside of the bearings, the weight that puts it there."""
     w, mass = layout.width, layout.masses.get(link)
     weights = [layout.added[link]] if link in layout.added else []
     guided = any(bearing.kind == "guide" for bearing, _ in layout.ends(link))
@@ -85,7 +85,7 @@ def _counterweights(layout: BearingLayout, link: str, nodes: Array, body: list[M
 
 
 def _lowest(layout: BearingLayout, guide: PlacedBearing) -> tuple[Array, float]:
-    """The direction from the linkage along a guide, and how far the places that its link joins reach there, from its point [m]."""
+    """The direction away from the linkage along a guide, and how far the link on the guide reaches in it, from the guide's point [m]."""
     pivots = [bearing.points[0] for bearing in layout.bearings if bearing.kind != "guide" and any(bearing.on_frame)]
     ahead = float((guide.points[1] - np.mean(pivots, axis=0)) @ guide.axis) if pivots else 0.0
     if abs(ahead) < layout.width and layout.upwards is not None:

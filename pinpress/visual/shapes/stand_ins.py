@@ -117,7 +117,7 @@ def _colours() -> Iterator[Colour]:
 def _weights_on_drawn(
     press: Linkage, layout: BearingLayout, drawn: Collection[str], added: Mapping[int, AddedBallast]
 ) -> dict[str, list[MadeUpSolid]]:
-    """What was added to the masses of links with visuals, on the first of those that are welded together."""
+    """Counterweights that were added to links with visuals; of links that are welded together the first has them."""
     weights = {}
     for joint, weight in added.items():
         frames = [f for f in press.model.frames if f.type == pin.BODY and f.parentJoint == joint and f.name in drawn]

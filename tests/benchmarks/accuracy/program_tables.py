@@ -2,9 +2,11 @@
 
 import csv
 import re
-from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
+
+from make import write
+from support import markdown
 
 import pinpress as pp
 from pinpress.accuracy.scenes import SPEED_LAW
@@ -75,8 +77,8 @@ def table() -> str:
     ]
     cannot = {row["method"]: row["cannot"] for file in LINKAGES for row in rows_of(file) if row["cannot"]}
     tables = [
-        _table(["360 crank angles", *(cell for words in LINKAGES.values() for cell in (words, "error"))], lines),
-        _table(["program", "what it cannot do"], ((NAMES.get(method, method), words) for method, words in cannot.items())),
+        markdown.table(["360 crank angles", *(cell for words in LINKAGES.values() for cell in (words, "error"))], lines),
+        markdown.table(["program", "what it cannot do"], ((NAMES.get(method, method), words) for method, words in cannot.items())),
         _free_run(),
         _least_times(
             "two turns at work, least time",
@@ -99,13 +101,13 @@ def in_short() -> str:
     """The table of the README: time and error of a turn of each linkage, a program a row."""
     head = ["a turn, all forces", *(cell for words in LINKAGES.values() for cell in (words, "error"))]
     programs = {**PROGRAMS, NAMES["pinocchio"]: ("pinocchio",)}
-    return _table(head, ((words, *(cell for row in _turns(of) for cell in _time_and_error(row))) for words, of in programs.items()))
+    return markdown.table(head, ((words, *(cell for row in _turns(of) for cell in _time_and_error(row))) for words, of in programs.items()))
 
 
 def in_paper() -> str:
     """The table of the article: a turn of each linkage, a program a row."""
     rows = ((words, *(_time_and_error(row)[0] for row in _turns(methods))) for words, methods in PROGRAMS.items())
-    return _table(["program", *LINKAGES.values()], rows)
+    return markdown.table(["program", *LINKAGES.values()], rows)
 
 
 def _turns(methods: tuple[str, ...]) -> list[Row | None]:
@@ -126,7 +128,7 @@ def _free_run() -> str:
             cells += ["not reached", "", ""] if row is None else [_time(row), _share(row["force_error"]) if row["force_error"] else "", gap]
         lines.append((NAMES.get(method, method), *cells))
     heads = [cell for error in RUN for cell in (f"to {error:.0e} rad", "force error", "loop gap")]
-    return _table(["free run of two turns, least time", *heads], lines)
+    return markdown.table(["free run of two turns, least time", *heads], lines)
 
 
 def _least_times(title: str, columns: dict[str, tuple[str, float, str]], first: int = 0) -> str:
@@ -138,7 +140,7 @@ def _least_times(title: str, columns: dict[str, tuple[str, float, str]], first: 
         tried = {head: any(row["method"] == method for row in rows) for head, rows in scenes.items()}
         cells = (_time(best[head][method]) if method in best[head] else "not reached" if tried[head] else "left out" for head in columns)
         lines.append((NAMES.get(method, method), *cells))
-    return _table([title, *columns], lines)
+    return markdown.table([title, *columns], lines)
 
 
 def _group(file: str, group: str) -> list[Row]:
@@ -171,10 +173,6 @@ def _share(value: float | str) -> str:
     return f"{float(value):.0e}".replace("-", HYPHEN)
 
 
-def _table(head: list[str], rows: Iterable[Iterable[str]]) -> str:
-    return "\n".join([f"| {' | '.join(head)} |", "|---" * len(head) + "|", *(f"| {' | '.join(row)} |" for row in rows)])
-
-
 def picture() -> None:
     """viz/accuracy.png from viz/accuracy.csv: a panel for the turn and for each scene."""
     rows = [row for row in rows_of("accuracy.csv") if row["group"] not in ("proximal settings", "reduced table")]
@@ -186,4 +184,4 @@ def picture() -> None:
         errors = (float(row[name]) if row[name] else None for name in ("error", "force_error"))
         measurements.append(Measurement(row["group"], row["method"], row["setting"], None, _seconds(row), *errors))
     measured = WorkPrecision("ZXN2-3000(B)", "70 r/min, 360 crank angles", "", groups, Records(Measurement, measurements), ())
-    pp.plots.save(pp.accuracy.plot(measured), VIZ / "accuracy.png")
+    write(VIZ / "accuracy.png", pp.accuracy.plot(measured))

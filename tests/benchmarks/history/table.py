@@ -1,6 +1,4 @@
-"""Ratios of run times from commit to commit, as asv has stored them: the table and the picture of README.md in this folder.
-
-    python tests/benchmarks/history/table.py
+"""Ratios of run times from commit to commit, as asv has stored them: the table and the picture of README.md in that folder.
 
 Each line of the picture is pinpress against a peer that stays, as `ratios.py` describes.
 """
@@ -11,9 +9,9 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
+from make import write
 from matplotlib.figure import Figure
-
-import pinpress as pp
+from support import markdown
 
 HISTORY = Path(__file__).resolve().parent
 ENTRY = "track_"
@@ -42,12 +40,11 @@ def ratio(found: dict[str, Any], name: str) -> float | None:
 
 def table() -> str:
     """The ratios of all commits, a commit a row."""
-    lines = [f"| commit | {' | '.join(name.replace('_', ' ') for name in words())} |", "|---" * (1 + len(words())) + "|"]
+    rows = []
     for found in stored():
         ratios = (ratio(found, name) for name in words())
-        cells = ["" if each is None else f"{each:.3g}" for each in ratios]
-        lines.append(f"| {found['commit_hash'][:7]}, {_day(found)} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        rows.append((f"{found['commit_hash'][:7]}, {_day(found)}", *("" if each is None else f"{each:.3g}" for each in ratios)))
+    return markdown.table(("commit", *(name.replace("_", " ") for name in words())), rows)
 
 
 def picture() -> Figure:
@@ -80,8 +77,8 @@ def fill(page: str) -> str:
     return f"{before}<!-- table -->\n{table()}\n{end}{after}"
 
 
-if __name__ == "__main__":
-    pp.plots.save(picture(), HISTORY / "ratios.png")
+def main(quick: bool = False) -> None:
+    """Write both."""
+    write(HISTORY / "ratios.png", picture())
     page = HISTORY / "README.md"
-    page.write_text(fill(page.read_text(encoding="utf-8")), encoding="utf-8")
-    print(table())
+    write(page, fill(page.read_text(encoding="utf-8")))

@@ -64,7 +64,23 @@ def test_orders_of_a_running_press(capsys, tmp_path):
     (tmp_path / "job.yaml").write_text(JOB)
     (tmp_path / "points.csv").write_text("channel,x,y,z,direction\ntop [m/s2],0.8,0.6,1.2,z\n")
     points, out_folder = ["--points", str(tmp_path / "points.csv")], tmp_path / "out"
-    assert main(["measured", "vibration", str(tmp_path / "run.csv"), *points, "--angle", "crank [deg]", "--orders", "4", "--out", str(out_folder)]) == 0
+    assert (
+        main(
+            [
+                "measured",
+                "vibration",
+                str(tmp_path / "run.csv"),
+                *points,
+                "--angle",
+                "crank [deg]",
+                "--orders",
+                "4",
+                "--out",
+                str(out_folder),
+            ]
+        )
+        == 0
+    )
     out, _ = capsys.readouterr()
     record = pp.measured.vibration(str(tmp_path / "run.csv"), tmp_path / "points.csv", angle="crank [deg]")
     assert str(record.order_spectra(4)) in out

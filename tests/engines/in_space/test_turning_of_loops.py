@@ -9,7 +9,6 @@ from support.generators.spatial_linkages import Drawing, four_bar
 
 import pinpress as pp
 from pinpress.loads.link import Friction
-from pinpress.simulation.bearing_model import _Sampling
 
 ENGINES = ("space", "pinocchio")
 
@@ -63,18 +62,6 @@ def lid():
         '<axis xyz="0 1 0"/></loop_joint>'
     )
     return SPATIAL.replace("</robot>", f"{link}{hinge}{other}</robot>")
-
-
-def test_what_friction_does_to_no_force_is_no_rounding_to_be_resolved():
-    """Friction of a hinge that is shut would change couples alone. What is left of its forces is rounding, which no polynomials resolve."""
-    press = texts.load(lid())
-    sampling = _Sampling(press, np.arange(len(press.bearings)), [])
-    angles = (0.01 * np.arange(8)[:, None] + 0.01 * (0.5 + 0.5 * np.cos(np.linspace(np.pi, 0, 14)))).ravel()
-    values = sampling.rows(angles)
-    count = len(press.bearings)
-    parts = values[count:].reshape(-1, count, 3, len(angles))
-    assert not parts[3 + press.bearings.index("A")].any()
-    assert parts[3 + press.bearings.index("P")].any()
 
 
 def test_a_shut_lid_takes_no_power():

@@ -1,44 +1,28 @@
 """Linkages in space on springs: against the plane, the rigid limit, closed forms and other programs."""
 
-import tempfile
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
-from support.texts import FILES, shipped
+from support.presses.presses_on_springs import PINS, rssp, springs
+from support.texts import shipped
 
 import pinpress as pp
 from pinpress.kinematics.poses import poses
-from pinpress.pin_table.templates import template
 from pinpress.simulation.elastic.press import assembly, space, turning
 from pinpress.simulation.elastic.press.assembly_in_space import press_in_space
 from pinpress.simulation.elastic.press.sprung_press import reference_motion
 
 SPEED = 100 * pp.RPM
-PINS = ("O", "B_cross", "B", "slide_guide")  # of the template, with its crank O, rod and slide
-
-
-@cache
-def rssp():
-    """The template: a rod with a universal joint at the crank and a ball at the slide."""
-    path = Path(tempfile.mkdtemp(dir=FILES)) / "rssp.yaml"
-    path.write_bytes(template("rssp"))
-    return pp.build(path)
-
-
-def springs(press, stiffness, pins=PINS, **more):
-    moments = dict.fromkeys(pins, 0.1 * stiffness)
-    return pp.elasticity.Elastic(pp.elasticity.Stiffness(dict.fromkeys(press.bearings, stiffness), moments=moments), **more)
 
 
 @cache
 def idle(stiffness, points=37):
-    return stroke(rssp(), SPEED, springs(rssp(), stiffness), points=points)
+    return stroke(rssp(), SPEED, springs(rssp(), stiffness, PINS), points=points)
 
 
 def stroke(press, speed, elastic, **more):
@@ -86,7 +70,7 @@ def test_start_without_vibration_in_space():
     rigid = pp.inverse_dynamics(rssp(), pp.servo_cycle(rssp(), angle=[0.7], speed=SPEED))
     drive, left = pp.drives.PrescribedSpeed(SPEED), []
     for stiffness in (1e9, 2e9):
-        run = simulated(rssp(), 1e-4, angle=0.7, speed=SPEED, drive=drive, elastic=springs(rssp(), stiffness), points=2)
+        run = simulated(rssp(), 1e-4, angle=0.7, speed=SPEED, drive=drive, elastic=springs(rssp(), stiffness, PINS), points=2)
         left.append(max(np.abs(run.bearing_force[name][0] - rigid.bearing_force[name][0]).max() for name in rssp().bearings))
     assert np.log2(left[0] / left[1]) == pytest.approx(1.0, abs=0.05)
     assert left[1] < 2e-3 * max(np.abs(rigid.bearing_force[name]).max() for name in rssp().bearings)
@@ -96,7 +80,7 @@ def test_displacements_are_what_stretches_the_springs():
     """A point of a link moves by its centre of mass and its turn. What is between the two sides of a bearing is its force by its stiffness;
     at the universal joint the springs of both its pins stand in a row. A cross without mass moves with its carrier."""
     press, stiffness = rssp(), 1e8
-    drive, elastic = pp.drives.PrescribedSpeed(SPEED), springs(press, stiffness)
+    drive, elastic = pp.drives.PrescribedSpeed(SPEED), springs(press, stiffness, PINS)
     run = simulated(press, 1e-3, angle=0.7, speed=SPEED, drive=drive, elastic=elastic, points=3)
     placed = poses(press, run.joint_position)
 
@@ -184,7 +168,7 @@ def test_energy_in_space():
 def test_derivatives_in_space():
     """Of springs, dampers and inertia forces, by central differences, where links are displaced and turned far more than they are."""
     press = rssp()
-    sprung, random = in_space(press, springs(press, 1e9)), np.random.default_rng(3)
+    sprung, random = in_space(press, springs(press, 1e9, PINS)), np.random.default_rng(3)
     place, rates, _ = sprung.geometry.rigid(pp.servo_cycle(press, angle=[0.4, 2.0], speed=3.0))
     y = sprung.free_coordinates(place) + 1e-2 * random.normal(size=(2, sprung.free))
     v = sprung.free_rates(rates) + random.normal(size=y.shape)
@@ -260,7 +244,7 @@ def test_rotor_on_its_bearing_whirls_as_its_closed_form_says():
 @pytest.mark.exhaustive
 def test_motion_in_space_beside_dop853():
     """A crank that runs freely with its flywheel while a force pulls the rod aside."""
-    press, elastic = rssp(), springs(rssp(), 2e6)
+    press, elastic = rssp(), springs(rssp(), 2e6, PINS)
     drive, flywheel, until = pp.drives.ConstantTorque(20.0), pp.drives.Flywheel(5.0), 0.005
     loads = [pp.loads.PointForce("rod", (300.0, 500.0, 0.0), (0.0, 0.0, -0.2))]
     run = simulated(press, until, speed=SPEED, drive=drive, flywheel=flywheel, loads=loads, elastic=elastic, tolerance=1e-7)

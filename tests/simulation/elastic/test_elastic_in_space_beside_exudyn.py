@@ -5,16 +5,13 @@ is not twisted. Exudyn's `ObjectConnectorRigidBodySpringDamper` takes angles of 
 universal joint it has not; so it gets that law as a function.
 """
 
-import tempfile
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from support.texts import FILES
+from support.presses.presses_on_springs import PINS, rssp, stiffness_of
 
 import pinpress as pp
-from pinpress.pin_table.templates import template
 
 TORQUE, SPEED, STIFFNESS = 50.0, 100 * pp.RPM, 2e8
 STEP = 8e-6  # of Exudyn's Runge-Kutta method of order 4 [s]
@@ -26,12 +23,8 @@ UNTIL = 0.022  # three swings of the lowest vibration [s]
 @pytest.mark.exhaustive
 def test_press_in_space_beside_exudyn():
     """From the same state, under a torque: places and turns of all links at the end."""
-    path = Path(tempfile.mkdtemp(dir=FILES)) / "rssp.yaml"
-    path.write_bytes(template("rssp"))
-    press = pp.build(path)
-    moments = dict.fromkeys(("O", "B_cross", "B", "slide_guide"), 0.1 * STIFFNESS)
-    stiffness = pp.elasticity.Stiffness(dict.fromkeys(press.bearings, STIFFNESS), moments=moments)
-    elastic = pp.elasticity.Elastic(stiffness, damping_ratio=0.002)
+    press = rssp()
+    elastic = pp.elasticity.Elastic(stiffness_of(press, STIFFNESS, PINS), damping_ratio=0.002)
     run = pp.simulate(press, UNTIL, speed=SPEED, drive=pp.drives.ConstantTorque(TORQUE), elastic=elastic, tolerance=1e-8)
     segment: Any = run.trajectory.segments[0]
     solution = segment.solution

@@ -5,6 +5,7 @@ import pytest
 from extremes.extreme_crank_slide import CrankSlider
 from scipy.optimize import brentq
 from support.oracles.end_on_springs import end_of
+from support.presses.presses_on_springs import stiffness_of
 from support.texts import shipped
 
 import pinpress as pp
@@ -18,11 +19,6 @@ from pinpress.simulation.elastic.strokes import Strokes
 from pinpress.simulation.elastic.task import Task
 
 SPEED = 300 * pp.RPM
-
-
-def springs(press, stiffness, **more):
-    guides = [joint for joint, axis in zip(press.joints, press.axes, strict=True) if not axis.turns]
-    return pp.elasticity.Stiffness(dict.fromkeys(press.bearings, stiffness), moments=dict.fromkeys(guides, 0.1 * stiffness), **more)
 
 
 def test_break_through_of_a_slide_between_light_links():
@@ -60,7 +56,7 @@ def test_break_through_of_a_slide_between_light_links():
 def test_decay_of_a_slow_press(monkeypatch, ratio):
     """A turn of very many vibrations is not followed through all of them: each crank angle damps as it would by itself."""
     press, speed = shipped("jf75g_125_plain"), 3.0
-    elastic = pp.elasticity.Elastic(springs(press, 2e9), damping_ratio=ratio)
+    elastic = pp.elasticity.Elastic(stiffness_of(press, 2e9), damping_ratio=ratio)
 
     def decay(speed):
         return pp.steady_state(press, speed, drive=pp.drives.PrescribedSpeed(speed), elastic=elastic).decay_per_stroke
@@ -77,7 +73,7 @@ def test_bottom_dead_centre_over_the_speed():
     press = shipped("jf75g_125_plain")
     bottom, off = pp.dead_centres(press).bottom_position, []
     for stiffness in (4e10, 8e10):
-        elastic = pp.elasticity.Elastic(springs(press, stiffness))
+        elastic = pp.elasticity.Elastic(stiffness_of(press, stiffness))
         run = pp.steady_state(press, SPEED, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic, points=37)
         assert isinstance(run, pp.ElasticRun)
         found = pp.elasticity.dead_centre_shift(press, elastic.stiffness, speed=[SPEED])
@@ -101,7 +97,7 @@ def test_exudyn_rings_alike(how, bound):
 
     press = shipped("jf75g_125_plain")
     start, until = pp.dead_centres(press).bottom_angle - np.pi, np.pi / SPEED
-    sprung = sprung_press(press, pp.elasticity.Elastic(springs(press, 2e9)))
+    sprung = sprung_press(press, pp.elasticity.Elastic(stiffness_of(press, 2e9)))
     driven = driven_press(press, pp.drives.PrescribedSpeed(SPEED), None, [], None, None)
     paths = tuple(load_path(sprung, coordinate) for coordinate in driven.coordinates)
     equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, SPEED), segments=((),))

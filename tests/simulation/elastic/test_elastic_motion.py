@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from support.presses.presses_on_springs import stiffness_of
 from support.texts import shipped
 
 import pinpress as pp
@@ -17,15 +18,10 @@ JF75G, SIX_BAR = ("jf75g_125_plain", 300.0), ("zxn2_3000b", 70.0)
 BLANKING = {"jf75g_125_plain": pp.loads.Blanking(1.25e6, 0.010, 0.005), "zxn2_3000b": pp.loads.Blanking(2e6, 0.010, 0.006)}
 
 
-def springs(press, stiffness=2e9):
-    guides = [joint for joint, axis in zip(press.joints, press.axes, strict=True) if not axis.turns]
-    return pp.elasticity.Stiffness(dict.fromkeys(press.bearings, stiffness), moments=dict.fromkeys(guides, 0.1 * stiffness))
-
-
 @cache
 def stroke(name, rpm, stiffness=2e9, loaded=True, points=361, **more):
     press, speed = shipped(name), rpm * pp.RPM
-    elastic = pp.elasticity.Elastic(springs(press, stiffness))
+    elastic = pp.elasticity.Elastic(stiffness_of(press, stiffness))
     loads = [BLANKING[name]] if loaded else []
     return pp.steady_state(press, speed, drive=pp.drives.PrescribedSpeed(speed), loads=loads, elastic=elastic, points=points, **more)
 
@@ -67,7 +63,7 @@ def test_blanking_against_another_program(name, rpm, depth, angle, events, peaks
 def test_decay_is_that_of_the_lowest_vibration():
     """Between the strokes the lowest vibration decays as exp(-zeta w T); its frequency changes a little along the turn."""
     press = shipped(JF75G[0])
-    lowest = sprung_press(press, pp.elasticity.Elastic(springs(press))).lowest_frequency
+    lowest = sprung_press(press, pp.elasticity.Elastic(stiffness_of(press))).lowest_frequency
     assert lowest / (2 * np.pi) == pytest.approx(86.814, abs=1e-3)
     assert stroke(*JF75G, loaded=False).decay_per_stroke == pytest.approx(np.exp(-0.02 * lowest * 0.2), rel=0.01)
 
@@ -141,7 +137,7 @@ def test_order_of_the_collocation(stages, monkeypatch):
 def test_derivatives_of_the_forces():
     """Closed-form Jacobians against differences, with a crown, a twisting shaft and rods."""
     press, rng = shipped(SIX_BAR[0]), np.random.default_rng(1)
-    stiffness = replace(springs(press), frame=4e9, shaft=3e7)
+    stiffness = replace(stiffness_of(press), frame=4e9, shaft=3e7)
     sprung = sprung_press(press, pp.elasticity.Elastic(stiffness, crown_mass=5000.0, damping_ratio=0.1))
     place, _, _ = sprung.geometry.rigid(pp.servo_cycle(press, angle=[0.3, 2.0, 4.0], speed=1.0))
     free = sprung.free_coordinates(place) + 1e-3 * rng.normal(size=(3, sprung.free))
@@ -168,7 +164,7 @@ def test_derivatives_of_the_forces():
 )
 def test_steady_states_that_cannot_be_are_refused(change, message):
     press, speed = shipped(JF75G[0]), 31.4
-    given = {"drive": pp.drives.PrescribedSpeed(speed), "elastic": pp.elasticity.Elastic(springs(press))} | change
+    given = {"drive": pp.drives.PrescribedSpeed(speed), "elastic": pp.elasticity.Elastic(stiffness_of(press))} | change
     with pytest.raises(pp.PinpressError, match=message):
         pp.steady_state(press, speed, **given)
 
@@ -176,7 +172,7 @@ def test_steady_states_that_cannot_be_are_refused(change, message):
 def test_decay_where_the_stroke_is_smooth():
     """An idle stroke at low speed takes few panels, on which its vibrations are not resolved; its decay is that of the lowest vibration."""
     press, speed = shipped(JF75G[0]), 100 * pp.RPM
-    elastic = pp.elasticity.Elastic(springs(press))
+    elastic = pp.elasticity.Elastic(stiffness_of(press))
     run = pp.steady_state(press, speed, drive=pp.drives.PrescribedSpeed(speed), elastic=elastic)
     lowest = pp.elasticity.natural_frequencies(press, elastic, angle=np.linspace(0, 2 * np.pi, 180, endpoint=False)).natural_frequency[:, 0]
     assert isinstance(run, pp.ElasticRun)
@@ -187,7 +183,7 @@ def test_decay_where_the_stroke_is_smooth():
 def test_methods_and_steps_of_rigid_motions_are_refused(given):
     press = shipped(JF75G[0])
     with pytest.raises(pp.PinpressError, match="method and steps of its own"):
-        pp.simulate(press, 0.1, drive=pp.drives.PrescribedSpeed(31.4), elastic=pp.elasticity.Elastic(springs(press)), **given)
+        pp.simulate(press, 0.1, drive=pp.drives.PrescribedSpeed(31.4), elastic=pp.elasticity.Elastic(stiffness_of(press)), **given)
 
 
 @pytest.mark.parametrize("height", [0.001, 0.003, 0.006])
@@ -205,7 +201,7 @@ def test_a_run_that_begins_on_the_way_up_is_stripped_from_where_it_begins(height
         angle=angle,
         drive=pp.drives.PrescribedSpeed(speed),
         loads=[pp.loads.Blanking(6e5, 0.004, 0.002, stripping=3e4)],
-        elastic=pp.elasticity.Elastic(springs(press)),
+        elastic=pp.elasticity.Elastic(stiffness_of(press)),
         tolerance=1e-4,
     )
     begun, ended = run.slide_position[[0, -1]] - bottom
@@ -225,7 +221,7 @@ def test_a_force_that_no_energy_has_is_refused(monkeypatch, share):
         return forces
 
     monkeypatch.setattr(SprungPress, "spring_forces", with_a_wrong_one)
-    given = {"drive": pp.drives.PrescribedSpeed(300 * pp.RPM), "elastic": pp.elasticity.Elastic(springs(press)), "points": 11}
+    given = {"drive": pp.drives.PrescribedSpeed(300 * pp.RPM), "elastic": pp.elasticity.Elastic(stiffness_of(press)), "points": 11}
     if not share:
         assert pp.simulate(press, 0.01, **given).stats.energy_error < 1e-9
         return

@@ -60,7 +60,7 @@ def pinned(kind: str, end1: str, end2: str, inside: str = "") -> str:
 STAYS = "mobility is 0, but one joint drives"
 AT_PIN = f'xyz="{PIN[0]!r} 0 {PIN[1]!r}"'
 
-# Text, then the problem of the first error, which is a UrdfError of the linkage as a whole.
+# Text, then the problem of the first error, which is a UrdfError of the linkage as a whole. Of one that stays, all who are to blame.
 MOBILITIES = [
     (changed((TRANSMISSION, "")), "no driver"),
     # too many degrees of freedom
@@ -78,7 +78,14 @@ MOBILITIES = [
     ),
     (pinned("spherical", 'link="crank" xyz="0.1 0 0"', f'link="frame" {AT_PIN}'), f"{STAYS}: loop 'V' contradicts the others"),
     (pinned("fixed", 'link="crank"', f'link="frame" rpy="0 {-ANGLE!r} 0"'), f"{STAYS}: loop 'V' contradicts the others"),
-    (pinned("revolute", 'link="crank"', 'link="wheel" xyz="-0.5 0 0"', AXIS), f"{STAYS}: loop 'V' or gear pair of joint 'G'"),
+    (
+        pinned("revolute", 'link="crank"', 'link="wheel" xyz="-0.5 0 0"', AXIS),
+        f"{STAYS}: loop 'V' or gear pair of joint 'G' contradicts the others",
+    ),
+    (
+        changed(("<!-- guide -->", '<mimic joint="G" multiplier="0.1"/>')),
+        f"{STAYS}: gear pair of joint 'G' or gear pair of joint 'guide' contradicts the others",
+    ),
     (changed(('"spherical"', '"fixed"')), f"{STAYS}: held by loop 'W'"),
     (changed(('name="P" type="continuous"', 'name="P" type="fixed"')), f"{STAYS}: held by loop 'W'"),
     (changed(("<!-- P -->", '<mimic joint="O" multiplier="-1"/>')), f"{STAYS}: gear pair of joint 'P' contradicts the others"),

@@ -8,6 +8,11 @@ FOUR_BAR: dict[str, Any] = {  # in any unit
     "links": {"ab": {"pins": "A B", "mass": 1}, "cbe": {"pins": "B C E", "mass": 1}, "dc": {"pins": "D C", "mass": 1}},
     "drive": "A",
 }
+MASSLESS: dict[str, Any] = {
+    "crank": {"pins": "O P"},
+    "rod": {"pins": "P W"},
+    "slide": {"pins": "W", "guide": "up"},
+}  # links of a crank-slide
 
 
 def crank_slide(crank: float = 100, rod: float = 400, side: str = "down", **changes: Any) -> dict[str, Any]:

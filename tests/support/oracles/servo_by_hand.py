@@ -1,9 +1,22 @@
 """Best motions of a servo press by SLSQP in the squares of the speeds alone; of `pinpress.servo` nothing is used, but inverse dynamics."""
 
+import dataclasses
+import functools
+
 import numpy as np
 from scipy.optimize import minimize
+from support import texts
 
 import pinpress as pp
+
+
+@functools.cache
+def weightless(name):
+    """A shipped press without gravity."""
+    press = texts.shipped(name)
+    model = press.model.copy()
+    model.gravity.linear = np.zeros(3)
+    return dataclasses.replace(press, model=model)
 
 
 class Press:

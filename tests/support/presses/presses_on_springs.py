@@ -1,6 +1,11 @@
 """Presses on springs of one stiffness, and what drives them."""
 
+import tempfile
+from functools import cache
+from pathlib import Path
+
 import pinpress as pp
+from pinpress.pin_table.templates import template
 
 from .. import texts
 
@@ -9,10 +14,25 @@ WHEEL = pp.drives.Flywheel(40.0)
 BLANK = pp.loads.Blanking(1.25e6, 0.010, 0.005)
 
 
-def springs(press, stiffness=2e9, **more):
-    guides = [joint for joint, axis in zip(press.joints, press.axes, strict=True) if not axis.turns]
-    moments = dict.fromkeys(guides, 0.1 * stiffness)
-    return pp.elasticity.Elastic(pp.elasticity.Stiffness(dict.fromkeys(press.bearings, stiffness), moments=moments, **more))
+def stiffness_of(press, stiffness=2e9, pins=(), **more):
+    """Every bearing alike; guides, or these pins, hold against turning."""
+    held = pins or [joint for joint, axis in zip(press.joints, press.axes, strict=True) if not axis.turns]
+    return pp.elasticity.Stiffness(dict.fromkeys(press.bearings, stiffness), moments=dict.fromkeys(held, 0.1 * stiffness), **more)
+
+
+def springs(press, stiffness=2e9, pins=(), **more):
+    return pp.elasticity.Elastic(stiffness_of(press, stiffness, pins, **more))
+
+
+@cache
+def rssp():
+    """The template: a rod with a universal joint at the crank and a ball at the slide."""
+    path = Path(tempfile.mkdtemp(dir=texts.FILES)) / "rssp.yaml"
+    path.write_bytes(template("rssp"))
+    return pp.build(path)
+
+
+PINS = ("O", "B_cross", "B", "slide_guide")  # of the template, with its crank O, rod and slide
 
 
 def induction(power=3e4, ratio=4.8, efficiency=1.0):
