@@ -18,9 +18,9 @@ from .vibration_record import VibrationRecord
 from .vibration_spectra import OrderSpectra, Spectra
 from .what_is_known import IdentifiableParameters
 
-MOST_CHANNELS = 8  # channels with a curve of their own in one chart, the strongest
+MOST_CHANNELS = 8  # strongest channels, which share one chart
 DECADES = 3.0  # of amplitude that colours show
-TURN = 2 * np.pi  # of frequencies in Hz, which are described in rad/s
+TURN = 2 * np.pi  # from Hz to rad/s
 ROOM = 1.06  # end of a chart of modes, divided by the highest frequency
 MOST_NAMES = 4  # parameters that a motion leaves unknown, by name
 INTERVAL = "95 % interval"
@@ -100,7 +100,7 @@ def record(found: VibrationRecord, page: Reactions | None = None) -> tuple[Secti
 
 
 def spectra(found: Spectra, page: Reactions | None = None) -> tuple[Section, ...]:
-    """Spectral densities of the strongest channels, and those of others by name."""
+    """Spectral densities of the strongest channels in one chart, and of each channel in its own chart."""
     along = Along("frequency", "frequency", TURN * found.frequency[1:])
     size = np.sqrt(np.maximum(found.density[1:], np.finfo(float).tiny))
     strongest = sorted(np.argsort(-found.rms, kind="stable")[:MOST_CHANNELS])
@@ -121,7 +121,7 @@ def spectra(found: Spectra, page: Reactions | None = None) -> tuple[Section, ...
 
 
 def orders(found: OrderSpectra, page: Reactions | None = None) -> tuple[Section, ...]:
-    """Amplitudes over speed and frequency, a map a channel: orders rise as rays, natural frequencies stand."""
+    """Amplitudes over speed and frequency, one map for each channel: orders are rays, natural frequencies are level."""
     speed, order = np.meshgrid(found.speed, found.order, indexing="ij")
     across, up = Along("crank speed", "rad/s", speed), Along("frequency", "frequency", order * speed)
     strongest = int(found.amplitude.max(axis=(0, 1)).argmax())
@@ -146,7 +146,7 @@ def orders(found: OrderSpectra, page: Reactions | None = None) -> tuple[Section,
 
 
 def modes(found: MeasuredModes, page: Reactions | None = None) -> tuple[Section, ...]:
-    """Measured modes, and beside them the calculated ones: damping over frequency, and the agreement of all shapes."""
+    """Measured modes next to the calculated ones: damping over frequency, and the agreement of all shapes."""
     figures = [
         Figure("hits", str(len(found.hits)), where=f"{len(found.channels)} channels"),
         Figure("noise", found.noise, "share", "of the energy"),
@@ -171,7 +171,7 @@ GIVE_MODES = "For the modes of a model beside them: modes(beside=foundation.mode
 
 
 def _calculated(found: MeasuredModes, beside: VibrationModes) -> list[Column]:
-    """Columns of the calculated modes that are meant; empty cells for none."""
+    """Columns of the calculated partners; a mode without a partner has empty cells."""
     partners = [(k, place) if place >= 0 else None for k, place in enumerate(found.partner)]
 
     def cells(values: Array) -> list[float | None]:
@@ -213,7 +213,7 @@ def _beside(found: MeasuredModes, beside: VibrationModes) -> list[Block]:
 
 
 def plan(found: MeasuringPlan, page: Reactions | None = None) -> tuple[Section, ...]:
-    """How long each motion is measured, and how well parameters are known then."""
+    """How long each motion is measured, and how well the parameters are known afterwards."""
     left = []
     for names in found.unknown:
         more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
@@ -276,7 +276,7 @@ def fitted(found: FittedMounts, page: Reactions | None = None) -> tuple[Section,
 
 
 def identifiable(found: IdentifiableParameters, page: Reactions | None = None) -> tuple[Section, ...]:
-    """What torque determines, and the doubt that runs leave of each parameter."""
+    """What torque determines, and the doubt about each parameter after these runs."""
     sums = Table("sums", "Sums that torque determines, whatever is known before", [Column("", list(found.sums))], most=200)
     if not found.parameters:
         note = "Give runs, identifiability(press, runs), for the doubt that they leave of each parameter."

@@ -171,7 +171,7 @@ def permissible_eccentricity(
     newtons, allowed = positive("force", force, "N"), positive("pressure", pressure, "Pa")
     normal, about = _across(press, gibs)
     _, axis = _slide_guide(press)
-    local = _rotation(press).T @ normal  # 1 m beside
+    local = _rotation(press).T @ normal  # an offset of 1 m
     central = _guide_reaction(press, motion, newtons * axis, np.zeros(3), gibs, engine)
     beside = _guide_reaction(press, motion, newtons * axis, local, gibs, engine)
     across = central.force @ normal
@@ -223,7 +223,7 @@ class _Reaction(NamedTuple):
     Attributes:
         force: (n, 3) force on the slide [N].
         moment: (n, 3) moment on the slide about the middle of the gibs [N m].
-        reactions: all that was computed of it.
+        reactions: the reactions of the press.
     """
 
     force: Array
@@ -232,7 +232,7 @@ class _Reaction(NamedTuple):
 
 
 def _guide_reaction(press: Linkage, motion: Motion, force: Array, offset: Array, gibs: Gibs, engine: str) -> _Reaction:
-    """Action of the guide under a force (3,) in world axes beside `Linkage.tool` by (3,) in the slide's own axes."""
+    """Action of the guide under a force (3,) in world axes, with an offset (3,) from `Linkage.tool` in the slide's axes."""
     slide = str(press.slide)
     x, y, z = (press.tool.point + offset).tolist()
     joint, _ = point_on_body(press, slide, (x, y, z), "the process force", "offset")
@@ -266,7 +266,7 @@ def _pressure(gibs: Gibs, normal: Array, tilting: Array, motion: Motion) -> tupl
 
 
 def _largest_moment(gibs: Gibs, normal: Array, pressure: float) -> Array:
-    """Tilting moment (n,) at which a gib reaches a pressure under normal forces (n,); negative where these alone exceed it [N m]."""
+    """Tilting moment (n,) at which a gib reaches a pressure under normal forces (n,); negative if these alone exceed it [N m]."""
     n, area = np.abs(normal), gibs.length * gibs.width
     linear = (pressure - n / area) * area * gibs.length / 6
     if not gibs.one_sided:

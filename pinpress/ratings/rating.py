@@ -231,7 +231,7 @@ def rate(
 
 
 def _period(press: Linkage, speed: float, engine: str) -> Motion:
-    """One period, in states that its strokes divide."""
+    """One period, with equally many states in each stroke."""
     if not press.driver_coordinates[0].turns:
         return cycle(press, speed, engine=engine)
     strokes = round(press.period_turns / dead_centres(press).turns)
@@ -239,7 +239,7 @@ def _period(press: Linkage, speed: float, engine: str) -> Motion:
 
 
 def _doubt_capacities(press: Linkage, capacities: Capacities, speed: float) -> None:
-    """Warn of capacities that are nothing beside the weight of the slide."""
+    """Warn of capacities that are tiny compared with the weight of the slide."""
     weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
     plausibility.forces("nominal_force", capacities.nominal_force, weight, feeble=0.3)
     if press.driver_coordinates[0].turns and capacities.motor_power is not None:
@@ -260,9 +260,9 @@ def _ratings(
         rated: the working stroke.
         found: its limits.
         period: motion of the press over a period at its speed.
-        quick_return: quick return ratio of this motion; None where the driver slides.
-        contact_height: as of `rate`.
-        dwell_tolerance: as of `rate`.
+        quick_return: quick return ratio of this motion; None if the driver slides.
+        contact_height: as for `rate`.
+        dwell_tolerance: as for `rate`.
     """
     press, capacities, speed, turning = rated.press, rated.capacities, rated.speed, rated.coordinate.turns
     motion = rated.motion(found.angle)
@@ -305,7 +305,7 @@ def _ratings(
 
 
 def _speed_limit(rated: RatedStroke) -> PermissibleSpeed | None:
-    """The speed at which the idle press reaches a capacity; None where forces are not affine in the square of the speed."""
+    """The speed at which the idle press reaches a capacity; None if forces are not affine in the square of the speed."""
     if not rated.coordinate.turns or rated.friction or any(isinstance(load, SpringDamper) and load.damping for load in rated.loads):
         return None
     way = math.copysign(1.0, rated.speed)
@@ -313,7 +313,7 @@ def _speed_limit(rated: RatedStroke) -> PermissibleSpeed | None:
 
 
 def _at_contact(rated: RatedStroke, period: Motion, height: float) -> tuple[float, float]:
-    """Speed of the slide [m/s] and mechanical advantage at a height; arguments as of `_ratings`."""
+    """Speed of the slide [m/s] and mechanical advantage at a height; arguments as for `_ratings`."""
     if rated.coordinate.turns:
         return measures.speed_at(period, height), measures.mechanical_advantage(period, height)
     motion = rated.motion(np.array([angle_at(rated, "contact_height", height)]))
@@ -321,7 +321,7 @@ def _at_contact(rated: RatedStroke, period: Motion, height: float) -> tuple[floa
 
 
 def _refuse_what_turns(press: Linkage, capacities: Capacities, dwell_tolerance: float | None) -> None:
-    """Raise PinpressError where something is given that has a meaning for cranks alone; the driver of the press slides."""
+    """Raise PinpressError for arguments that only a crank can have; the driver of the press slides."""
     given: dict[str, tuple[object, str]] = {
         "flywheel_inertia and speed_drop": (capacities.flywheel_inertia, "give the force of the driver as torque [N]"),
         "motor_power": (capacities.motor_power, "compare the power with the driving force x driver speed of inverse_dynamics"),

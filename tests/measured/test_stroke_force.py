@@ -16,14 +16,13 @@ from pinpress.measured import stroke_force
 NAME = "zxn2_3000b"
 SPEED = 50 * RPM
 KNOTS = np.array([0.0, 1.0, 4.0, 10.0, 20.0]) * 1e-3
-FINE = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 8.5, 9.0, 9.5, 10.0]) * 1e-3
 DRAWING = DeepDrawing(1e6, start=0.009, end=0.001)
 TABLE = ForceStroke(KNOTS, [2e5, 9e5, 6e5, 1e5, 4e4])
 
 
 @cache
-def sensor(inertia=0.0, fine=False):
-    return measured.force_sensor(shipped(NAME), FINE if fine else KNOTS, drive_inertia=inertia)
+def sensor(inertia=0.0):
+    return measured.force_sensor(shipped(NAME), KNOTS, drive_inertia=inertia)
 
 
 @cache
@@ -117,7 +116,7 @@ def test_deviations_are_those_of_the_field():
 @pytest.mark.parametrize(("inertia", "counts"), [(0.0, None), (2000.0, 8192), (2000.0, 131_072)])
 def test_bands_hold(inertia, counts):
     """300 runs: 95 % intervals hold the force at 92 to 98 %, and so do those of the work."""
-    expected = np.interp(KNOTS, *table_of(TABLE))
+    expected = np.array(TABLE.forces)
     inside = []
     for seed in range(300):
         found = sensor(inertia).force(recorded(TABLE, noise=1380.0, counts=counts, inertia=inertia, seed=seed, start=1e-3 * (seed % 10)))
@@ -125,11 +124,6 @@ def test_bands_hold(inertia, counts):
         inside.append([*((found.interval[:, 0] < expected) & (expected < found.interval[:, 1])), work])
     assert 0.92 < np.mean(inside) < 0.98
     assert np.mean(inside, axis=0).min() > 0.88
-
-
-def table_of(load):
-    order = np.argsort(load.heights)
-    return np.asarray(load.heights)[order], np.asarray(load.forces)[order]
 
 
 def test_edges_between_heights_are_said():

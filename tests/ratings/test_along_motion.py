@@ -11,6 +11,7 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress import PinpressError, UnknownNameError
 from pinpress.ratings import Capacities, rate, rate_motion
+from pinpress.ratings.limits import Limit, forces_with_friction
 
 UNITS = pint.UnitRegistry()
 TIME = np.arange(90) / 90
@@ -139,3 +140,17 @@ def test_what_does_not_go_together_is_refused(press, motion):
             call(Capacities(4e5, drivers={"O": 5e3}))
     with pytest.raises(PinpressError):
         rate_motion(shipped("crank_slide"), motion, Capacities(4e5))
+
+
+def test_a_force_of_which_a_smaller_one_is_not_permitted_is_refused(motion):
+    """Two made-up limits: one rises with the force up to its capacity at 8 N, the other one is exceeded at 2 N too."""
+    limits = [Limit(name, name, 1.0, "N", lambda reactions: np.zeros((1, 1))) for name in ("rising", "bent")]
+
+    def sizes(force):
+        return np.array([force / 8.0, force / 8.0 + 2.0 * np.exp(-(((force - 2.0) / 0.3) ** 2))])
+
+    nominal = np.full(2, 10.0)
+    alone = forces_with_friction(limits[:1], lambda force: sizes(force)[:1], nominal, motion.place)
+    np.testing.assert_allclose(alone["rising"], 8.0, rtol=1e-12)
+    with pytest.raises(PinpressError, match=r"time 0 s .*'bent' permits .* but not every smaller force"):
+        forces_with_friction(limits, sizes, nominal, motion.place)

@@ -11,7 +11,7 @@ from support.generators import random_scenes
 
 import pinpress as pp
 
-SCENES = {"runs": 120, "couplings": 40, "starts": 60, "batches": 40, "steady": 40, "engines": 40, "cuts": 40, "written": 60}
+SCENES = {"runs": 80, "couplings": 20, "starts": 30, "batches": 30, "steady": 30, "engines": 30, "cuts": 30, "written": 40}
 TOGETHER = 2  # scenes of one test, of which the first of each kind is run by default
 REFUSED_BY_SOME: dict[str, set[int]] = {}
 """Seeds of the scenes that one method solves and another refuses: a seed may leave this list, and none may join it."""

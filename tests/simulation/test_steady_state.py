@@ -235,14 +235,14 @@ THIN = pp.loads.Blanking(2e5, 0.05, 0.04)
 LASTING = {
     "corner of a torque": ("jf75g_125", SPEED, slip_clutch(), J0, BLANK, 8.0, 2e-10),
     "lag": ("jf75g_125", 30.0, slip_clutch(0.05), J0, BLANK, 2.5, 1e-9),  # a stroke is four time constants: it settles in 2 s
-    "lag, backwards": ("jf75g_125", -SPEED, slip_clutch(0.05, -3.0), J0, BLANK, 5.0, 1e-8),
-    "lag, stripping": ("jf75g_125", SPEED, slip_clutch(0.05), J0, pp.loads.Blanking(1.25e6, 0.010, 0.005, stripping=1.5e5), 5.0, 1e-8),
+    "lag, backwards": ("jf75g_125", -SPEED, slip_clutch(0.05, -3.0), J0, BLANK, 3.0, 1e-8),
+    "lag, stripping": ("jf75g_125", SPEED, slip_clutch(0.05), J0, pp.loads.Blanking(1.25e6, 0.010, 0.005, stripping=1.5e5), 3.0, 1e-8),
     "lag, die": ("jf75g_125", SPEED, slip_clutch(0.05), J0, pp.loads.ElasticDie(0.003, 2e8, 1e5), 10.0, 1e-8),
     **{name: ("jf75g_125", SPEED, CASES[name]().drive, J0, BLANK, 9.0, 1e-8) for name in ("induction", "lossy_induction", "inverter")},
     "no flywheel": ("jf75g_125", SPEED, induction(), 0.0, pp.loads.Blanking(2e5, 0.010, 0.005), 5.0, 1e-8),
     "no flywheel, slip clutch": ("jf75g_125", SPEED, slip_clutch(), 0.0, pp.loads.Blanking(2e5, 0.010, 0.005), 5.0, 1e-8),
     "quick return": ("thin_wall", 72 * RPM, induction(7.5e4, 20.0, 0.6), 500.0, THIN, 10.0, 1e-8),
-    "quick return, backwards": ("thin_wall", -7.5, induction(7.5e3, -20.0, 0.0), 500.0, THIN, 16.0, 1e-8),
+    "quick return, backwards": ("thin_wall", -7.5, induction(7.5e3, -20.0, 0.0), 500.0, THIN, 10.0, 1e-8),
     "textbook": ("crank_slide", 72 * RPM, TEXTBOOK_MOTOR, 50.0, pp.loads.Blanking(2e4, 0.05, 0.02), 10.0, 1e-8),
 }
 

@@ -42,7 +42,7 @@ APART = 1e-7  # crank angles closer than this count as one place [rad]
 class PathGrid:
     """Nodes of a path, N segments between them."""
 
-    legs: PathLegs  # the path
+    legs: PathLegs
     marks: Sequence[Array]  # of each leg, crank angles in its order at which nodes must stand [rad]
     angle: Array  # (N + 1,) crank angles of the nodes, one after the other [rad]
     leg: NDArray[np.intp]  # (N,) leg of each segment
@@ -89,8 +89,8 @@ class Coefficients:
     from rests in proportion to the distance, and is constant on a path without rests.
     """
 
-    press_name: str  # name of the press
-    grid: PathGrid  # the nodes
+    press_name: str
+    grid: PathGrid
     inertia: Array  # (N + 1,) M at the nodes [kg m2]
     inner: Array  # (2, N) inner places, as shares of the segments' steps
     inner_inertia: Array  # (2, N) M there [kg m2]
@@ -102,7 +102,7 @@ class Coefficients:
     inner_bend: Array  # (2, N) its derivative there [m/rad2]
     height: Array  # (N + 1,) height of the slide above bottom dead centre [m]
     holding: Array  # (k,) torque that holds the press at the end of each leg [N m]
-    bearings: Mapping[str, BearingCoefficients]  # forces of bearings by their names
+    bearings: Mapping[str, BearingCoefficients]  # by their names
 
 
 def path_marks(press: Linkage, legs: PathLegs, heights: Iterable[float]) -> list[Array]:

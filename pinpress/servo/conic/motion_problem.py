@@ -105,8 +105,8 @@ class RelaxedPower:
 class MotionProblem:
     """The problem: find the motion along a path with the least objective within limits."""
 
-    coefficients: Coefficients  # the coefficients of the press
-    drive: ServoDrive  # the drive
+    coefficients: Coefficients
+    drive: ServoDrive
     weights: Mapping[str, float]  # weights of "heat" [1/(N2 m2 s)], "time" [1/s], "energy" [1/J], "peak" [1/(N m)] in the objective
     time: float | None  # largest time of a cycle [s]; None: only the objective or other limits restrict it
     limits: tuple[Limit, ...] = ()  # the limits in addition to those of the drive
@@ -116,12 +116,11 @@ class MotionProblem:
     feed_time: float = 0.0  # time of the feed window [s]
     power: RelaxedPower | None = None  # a largest power, relaxed, or None
     ceiling: float | None = None  # largest objective allowed, or None
-    # (N + 1,) b of the motion at whose speeds losses use the tangents of the root of b, an upper bound; None: losses use c, a lower
-    # bound
+    # (N + 1,) b of the motion at which tangents of the root of b give the losses, an upper bound; None: c gives them, a lower bound
     rolled_at: Array | None = None
-    time_name: str = "cycle time"  # the limit of time as text
-    rms_name: str = "rms torque"  # the limit of rms torque as text
-    feed_name: str = "feed window"  # the feed window as text
+    time_name: str = "cycle time"  # limits as text
+    rms_name: str = "rms torque"
+    feed_name: str = "feed window"
 
     @property
     def inertia(self) -> float:
