@@ -52,11 +52,11 @@ def test_files_are_written_for_nobody_too(tmp_path, unbuffered):
     """`pinpress analyse ... --out out | head -1`: the files are still wanted."""
     reader, writer = os.pipe()
     os.close(reader)
-    arguments = ["analyse", "crank_slide", "--speed", "60", "--points", "24", "--out", "out"]
+    arguments = ["analyse", "crank_slide", "--speed", "60r/min", "--set", "points=24", "--out", "out"]
     ended = run("module", *arguments, stdout=writer, env={"PYTHONUNBUFFERED": unbuffered}, cwd=tmp_path)
     os.close(writer)
     assert (ended.returncode, ended.stderr) == (0, "")
-    assert {file.name for file in (tmp_path / "out").iterdir()} == {"cycle.csv", "recording.html"}
+    assert {file.name for file in (tmp_path / "out").iterdir()} == {"cycle.csv", "recording.html", "report.html"}
 
 
 @pytest.mark.one_in(4)
@@ -73,7 +73,7 @@ def test_interrupted(tmp_path, command, module):
     """While modules are imported: those of the library, those of the command, and later those of its work."""
     (tmp_path / "sitecustomize.py").write_text(AT_IMPORT)
     path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])])
-    arguments = ["analyse", "crank_slide", "--speed", "60", "--out", str(tmp_path / "out")]
+    arguments = ["analyse", "crank_slide", "--speed", "60r/min", "--out", str(tmp_path / "out")]
     ended = run(command, *arguments, stdout=subprocess.DEVNULL, env={"PYTHONPATH": path, "INTERRUPTED_AT": module}, cwd=tmp_path)
     assert ended.returncode == 130
     assert ended.stderr.split(" ... ")[-1] == "pinpress: interrupted\n"
@@ -87,6 +87,6 @@ def test_the_library_leaves_ctrl_c_alone():
 
 
 def test_a_warning_that_comes_twice_is_said_once():
-    arguments = ["analyse", "crank_slide", "--speed", "60", "--points", "8", "--load", "drawing:force=630kN,start=6"]
+    arguments = ["analyse", "crank_slide", "--speed", "60r/min", "--set", "points=8", "--load", "drawing:force=630kN,start=6m"]
     ended = run("module", *arguments, stdout=subprocess.DEVNULL)
     assert ended.stderr.count("warning: DeepDrawing acts from 0 to 6 m") == 1

@@ -358,7 +358,7 @@ def test_help_fits_a_screen_and_shows_a_job(command: str, capsys: pytest.Capture
 def test_there_are_few_commands_and_options() -> None:
     commands = _parser()[1]
     assert len(COMMANDS) == 12
-    assert set(commands) == set(
+    assert sorted(commands) == sorted(
         [
             "new",
             "build",

@@ -414,7 +414,7 @@ def test_load_names_the_command_that_lists_the_others(tmp_path):
     file = tmp_path / "two errors.urdf"
     text = pinned("spherical", 'link="wheel" xyz="0 0 0.1"', 'link="frame" xyz="0.5 0 0.13"')
     file.write_text(text.replace('"slide"', '"ram"'), encoding="utf-8")
-    for options, written in (({}, ""), ({"driver": "O", "slide": "ram"}, " --driver O --slide ram")):
+    for options, written in (({}, ""), ({"driver": "O", "slide": "ram"}, " --set drivers=O --set slide=ram")):
         with pytest.raises(pp.UrdfError, match="mobility is 0") as caught:
             pp.load(file, **options)
         assert str(caught.value).endswith(f"(1 more: pinpress check '{file}'{written} lists them)")
@@ -453,7 +453,7 @@ def test_command_prints_the_page_and_warnings_are_no_failure(capsys):
 
 
 @pytest.mark.parametrize(
-    "arguments", [[], ["none.urdf"], ["zxn2"], ["zxn2_3000b", "--driver", "Q"], ["zxn2_3000b", "--slide", "rod"], ["zxn2_3000b", "--fast"]]
+    "arguments", [[], ["none.urdf"], ["zxn2"], ["zxn2_3000b", "--set", "drivers=Q"], ["zxn2_3000b", "--set", "slide=rod"], ["zxn2_3000b", "--fast"]]
 )
 def test_wrong_usage(arguments, capsys):
     refused(capsys, "check", *arguments)
@@ -462,7 +462,7 @@ def test_wrong_usage(arguments, capsys):
 @pytest.mark.exhaustive
 def test_names_that_the_terminal_cannot_show():
     file = texts.file(GOES.replace('"rod"', '"曲柄"').replace(GEAR, ""))
-    command = [sys.executable, "-m", "pinpress", "check", str(file), "--driver", "O", "--driver", "G"]
+    command = [sys.executable, "-m", "pinpress", "check", str(file), "--set", "drivers=O G"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, env={**os.environ, "PYTHONIOENCODING": "ascii"}, check=True)
     assert done.stderr == ""
     assert r"\u66f2\u67c4" in done.stdout

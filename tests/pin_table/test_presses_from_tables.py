@@ -423,7 +423,7 @@ def test_of_several_slides_one_is_named():
     }
     assert pp.build(**table).slide is None
     with pytest.raises(
-        pp.PinpressError, match=r"name a link that the frame guides: .* build\(..., slide=...\), on the command line --slide"
+        pp.PinpressError, match=r"name a link that the frame guides: .* build\(..., slide=...\), in a job slide"
     ):
         pp.dead_centres(pp.build(**table))
     (note,) = (each for each in draft(**table).check().notes if "guides" in each.problem)

@@ -290,7 +290,7 @@ def test_what_is_no_table_is_refused_with_its_remedy(tmp_path, capsys):
     with pytest.raises(pp.PinTableError, match=r"this is not a pin table; pp.load\(path\)"):
         pp.build(urdf)
     for arguments, message in (
-        ([urdf], "this is not a pin table; pp.load(path)"),
+        ([urdf], "is no table of pins"),
         ([table, "--out", f"{'中' * 100}.urdf"], "cannot write"),
     ):
         assert main(["build", *map(str, arguments)]) == 2
