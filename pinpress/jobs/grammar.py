@@ -46,7 +46,7 @@ from .kinds import (
 )
 
 ALL = "all"  # in place of a bearing's name: every bearing that does not say otherwise
-LANGUAGES = ("en", "de", "zh", "ja")
+LANGUAGES = ("en",)
 JOB = FileKind("job", FileEntryError, "the press, or file: press.urdf, and what acts on it", USUAL_WORDS)
 Given = dict[str, Any]
 
@@ -389,7 +389,7 @@ SECTIONS: Mapping[str, Section] = {
     ),
     "report": Section(
         keys(
-            "{title: Press 3, company: Muster AG, language: de}",
+            "{title: Press 3, company: Muster AG, language: en}",
             {
                 **{name: Text() for name in ("title", "company", "drawing", "author", "revision", "date", "notes", "before")},
                 "logo": DataFile(),
@@ -397,7 +397,7 @@ SECTIONS: Mapping[str, Section] = {
             },
         ),
         "The head of the page, its language, and the variant or press with which it compares.",
-        "report: {title: Press 3 for plant 7, company: Muster AG, language: de}",
+        "report: {title: Press 3 for plant 7, company: Muster AG, language: en}",
         by_keys=True,
     ),
     "variants": Section(
