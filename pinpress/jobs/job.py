@@ -6,7 +6,7 @@ import hashlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -382,7 +382,10 @@ class Job:
         _ = self.need("motor")
         if self.speed is None:
             raise PinpressError(f"{self.source.file}: a steady state is found near a speed; write speed: 70 r/min")
-        return steady_state(self.press, self.speed, **self._driven, points=self._points)
+        driven = self._driven
+        if isinstance(self.flywheel, Flywheel):  # it turns with the crank: the clutch is closed
+            driven["flywheel"] = replace(self.flywheel, speed=None)
+        return steady_state(self.press, self.speed, **driven, points=self._points)
 
     @property
     def _driven(self) -> dict[str, Any]:

@@ -52,7 +52,7 @@ class Source:
         items: the entries by their keys, those of the table among them.
         below: the entries before all changes.
         changes: what was changed on top of the file.
-        files: the files in YAML that were read.
+        files: the files in YAML that were read, its bases among them.
     """
 
     file: str
@@ -102,16 +102,21 @@ def source(file: str | os.PathLike[str] | None, variant: str | None, words: Sequ
         PinpressError: there is no such variant, or a change changes nothing.
     """
     top = _top(file)
-    items, files = dict(top.items("keys with values")), [Path(top.file)] if top.line is not None else []
+    items = dict(top.items("keys with values"))
     for key, each in items.items():
         if key not in SECTIONS and key not in OF_TABLE:
             top.refuse_key(key, each, (*SECTIONS, *OF_TABLE))
         if key in SECTIONS and key != "file" and isinstance(each.value, str) and each.value.lower().endswith(TABLES):
-            path = each.folder / each.value
-            items[key] = replace(read_entries(path, JOB), path=(key,))
-            files.append(path)
-    found = Source(str(top.file), items, items, (), tuple(files))
+            items[key] = replace(read_entries(each.folder / each.value, JOB), path=(key,), line=1)
+    found = Source(str(top.file), items, items, (), tuple(_files(Entry(items, "", None, (), JOB))))
     return changed(found if variant is None else of_variant(found, variant), words, changes)
+
+
+def _files(entry: Entry) -> dict[Path, None]:
+    """The files in which an entry and all below it stand, each once."""
+    below = entry.value.values() if isinstance(entry.value, Mapping) else entry.value if isinstance(entry.value, tuple) else ()
+    own: dict[Path, None] = {} if entry.line is None else {Path(entry.file): None}
+    return own | {path: None for each in below if isinstance(each, Entry) for path in _files(each)}
 
 
 def of_variant(found: Source, variant: str) -> Source:

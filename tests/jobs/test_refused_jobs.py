@@ -5,8 +5,12 @@ import warnings
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from support.exploring import examples
 
 import pinpress as pp
 from pinpress.cli.main import main
@@ -88,6 +92,26 @@ def test_editors_mark_what_a_schema_can_know(old: str, new: str, said: str, only
         return  # which editors mark without a schema
     wrong = [each.message for each in SCHEMA.iter_errors(read)]
     assert bool(wrong) != only_check or "twice" in said, wrong
+
+
+TOKENS = re.findall(r"[A-Za-z_]+|[-\d.e]+|[\[\]{}:,%]|\s+", TEXT)
+
+
+@examples(40)
+@given(st.integers(0, 10_000), st.integers(0, 10_000), st.sampled_from(["drop", "swap", "twice"]))
+def test_damaged_jobs_are_refused_or_read(tmp_path_factory: pytest.TempPathFactory, at: int, other: int, how: str) -> None:
+    """A token left out, written twice or in place of another one: an error of ours, or a job with finite forces."""
+    tokens, k = list(TOKENS), at % len(TOKENS)
+    tokens[k] = {"drop": "", "swap": TOKENS[other % len(TOKENS)], "twice": 2 * tokens[k]}[how]
+    file = tmp_path_factory.mktemp("jobs", numbered=True) / "press.yaml"
+    file.write_text("".join(tokens))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pp.PinpressWarning)
+        try:
+            reactions = pp.job(file, points=24).reactions()
+        except pp.PinpressError:
+            return
+    assert np.isfinite(reactions.driving_torque).all()
 
 
 CALLS: list[tuple[str, dict, str]] = [
