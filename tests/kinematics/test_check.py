@@ -453,7 +453,8 @@ def test_command_prints_the_page_and_warnings_are_no_failure(capsys):
 
 
 @pytest.mark.parametrize(
-    "arguments", [[], ["none.urdf"], ["zxn2"], ["zxn2_3000b", "--set", "drivers=Q"], ["zxn2_3000b", "--set", "slide=rod"], ["zxn2_3000b", "--fast"]]
+    "arguments",
+    [[], ["none.urdf"], ["zxn2"], ["zxn2_3000b", "--set", "drivers=Q"], ["zxn2_3000b", "--set", "slide=rod"], ["zxn2_3000b", "--fast"]],
 )
 def test_wrong_usage(arguments, capsys):
     refused(capsys, "check", *arguments)
