@@ -422,9 +422,7 @@ def test_of_several_slides_one_is_named():
         "holder": {"pins": "V", "guide": "up", "mass": 60},
     }
     assert pp.build(**table).slide is None
-    with pytest.raises(
-        pp.PinpressError, match=r"name a link that the frame guides: .* build\(..., slide=...\), in a job slide"
-    ):
+    with pytest.raises(pp.PinpressError, match=r"name a link that the frame guides: .* build\(..., slide=...\), in a job slide"):
         pp.dead_centres(pp.build(**table))
     (note,) = (each for each in draft(**table).check().notes if "guides" in each.problem)
     assert note.problem == "the frame guides punch, holder, and none is called slide: no link has a stroke and dead centres"
