@@ -1,8 +1,9 @@
 """The command line: `pinpress`, or `python -m pinpress`."""
 
 import argparse
+import re
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from ..common.command_end import ended
@@ -32,7 +33,7 @@ def _run(arguments: list[str] | None) -> int:
     parser, commands = _parser()
     if words and not words[0].startswith("-") and words[0] not in commands and _names_press(words[0]):
         words = ["report", *words]
-    options = parser.parse_args(words)
+    options = parser.parse_args(_joined(words))
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="backslashreplace")  # names may have characters that the terminal's encoding lacks
     return int(options.run(options))
@@ -41,6 +42,16 @@ def _run(arguments: list[str] | None) -> int:
 def _names_press(word: str) -> bool:
     """Whether a word is no command but a job or press: it has the ending of one, or is the name of a shipped press."""
     return word.lower().endswith((".yaml", ".yml", ".urdf", ".sdf", ".xml", ".mjcf")) or word in presses()
+
+
+def _joined(words: Sequence[str]) -> list[str]:
+    """Each option with the negative number behind it as one word, as `argparse` takes -70r/min for an option."""
+    joined: list[str] = []
+    for word in words:
+        if joined and re.fullmatch(r"--[^=]+", joined[-1]) and re.match(r"-\.?\d", word):
+            word = f"{joined.pop()}={word}"
+        joined.append(word)
+    return joined
 
 
 class _Versions(argparse.Action):

@@ -131,6 +131,19 @@ class FramePoint(Text):
         return text if text[:1].isalpha() else Numbers("m").read(entry, around)
 
 
+class Span(Numbers):
+    """Two numbers, the lower one first."""
+
+    def read(self, entry: Entry, around: Around) -> tuple[float, float]:
+        """Both numbers."""
+        numbers = super().read(entry, around)
+        if len(numbers) != 2 or not numbers[0] < numbers[1]:
+            entry.refuse(
+                f"{entry.value if isinstance(entry.value, str) else numbers}", "write two speeds, the lower one first: 30 90 r/min"
+            )
+        return numbers[0], numbers[1]
+
+
 class Dimension(Text):
     """A tolerance of a dimension, with what else is known of it, as a row of a table of dimensions."""
 
@@ -285,7 +298,7 @@ SECTIONS: Mapping[str, Section] = {
             {
                 **MOUNTED,
                 "points": Named(FramePoint(), "{crown: 0 0 900 mm}"),
-                "speed_range": Numbers("rad/s"),
+                "speed_range": Span("rad/s"),
                 "lift_off": Whole(),
             },
             ON_MOUNTS.needed,

@@ -288,23 +288,8 @@ def test_measurements_are_plain_values(measured):
 def test_command(alone, capsys, tmp_path):
     """What is asked for is measured and written."""
     out = tmp_path / "made" / "out"
-    words = [
-        "crank_slide",
-        "--speed",
-        "-300",
-        "--points",
-        "12",
-        "--repeats",
-        "1",
-        "--flywheel",
-        "2.5",
-        "--duration",
-        "0.02",
-        "--scene",
-        "free run",
-        "--out",
-        str(out),
-    ]
+    job = ["--speed", "-300r/min", "--set", "flywheel=2.5 kg m2", "--set", "run.duration=20ms"]
+    words = ["crank_slide", *job, "--points", "12", "--repeats", "1", "--scene", "free run", "--out", str(out)]
     assert main(["accuracy", *words]) == 0
     said = capsys.readouterr().out
     assert "crank_slide: -300 r/min; runs of 0.02 s with a flywheel of 2.5 kg m2" in said
@@ -320,7 +305,7 @@ def test_command_without_matplotlib(measured, capsys, tmp_path, monkeypatch):
     monkeypatch.setattr(work_precision, "compare", lambda *given, **named: measured)
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name, *more: None if name == "matplotlib" else find(name, *more))
-    words = ["crank_slide", "--speed", "300", "--points", "12", "--repeats", "1", "--duration", "0.02", "--out", str(tmp_path)]
+    words = ["crank_slide", "--speed", "300r/min", "--points", "12", "--repeats", "1", "--out", str(tmp_path)]
     assert main(["accuracy", *words]) == 0
     assert "for pictures: pip install 'pinpress[plots]'" in capsys.readouterr().out
     assert [path.name for path in tmp_path.iterdir()] == ["accuracy.csv"]
@@ -329,11 +314,12 @@ def test_command_without_matplotlib(measured, capsys, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["zxn2", "--speed", "70"], "zxn2_3000b"),
+        (["zxn2", "--speed", "70r/min"], "zxn2_3000b"),
         (["zxn2_3000b", "--speed", "0"], "speed is 0"),
-        (["zxn2_3000b", "--speed", "70", "--repeats", "0"], "repeats is 0"),
-        (["zxn2_3000b", "--speed", "70", "--flywheel", "much"], "much"),
-        (["zxn2_3000b", "--speed", "70", "--out", __file__], "test_accuracy.py"),
+        (["zxn2_3000b"], "give --speed 70r/min"),
+        (["zxn2_3000b", "--speed", "70r/min", "--repeats", "0"], "repeats is 0"),
+        (["zxn2_3000b", "--speed", "70r/min", "--set", "flywheel=much"], "much"),
+        (["zxn2_3000b", "--speed", "70r/min", "--out", __file__], "test_accuracy.py"),
     ],
 )
 def test_command_refuses(alone, capsys, words, says):

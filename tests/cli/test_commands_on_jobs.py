@@ -122,7 +122,7 @@ def test_numbers_of_a_bare_press(capsys: pytest.CaptureFixture[str]) -> None:
         "  largest power                   140.24 kW     at 73.420 deg",
     ):
         assert line in text
-    backwards = printed(capsys, "analyse", "zxn2_3000b", "--speed", "-70 r/min")
+    backwards = printed(capsys, "analyse", "zxn2_3000b", "--speed", "-70r/min")
     assert "A turns clockwise at 70 r/min" in backwards
     row = next(
         line for line in printed(capsys, "analyse", "jf75g_125_symmetric", "--speed", "70r/min").splitlines() if "slide_guide " in line

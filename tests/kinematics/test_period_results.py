@@ -1,7 +1,6 @@
 """What is made from motions of presses that repeat themselves only after several turns: vibration on mounts, runs, recordings, plots,
 designs and files. Against the crank-slider alone for the one that its motor turns through a gear pair, or against sums over all turns."""
 
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,6 @@ import pinpress as pp
 from pinpress import foundation
 from pinpress.balancing.classical import compare_harmonics
 from pinpress.cli.main import main
-from pinpress.cli.record import _time
 from pinpress.kinematics import measures
 from pinpress.kinematics.described import along_motion
 from pinpress.plots.loci import _quarters
@@ -323,19 +321,25 @@ def test_a_counterweight_that_is_back_later_is_refused_on_a_motion_that_is_short
 @pytest.mark.one_in(2)
 def test_commands(press, name, tmp_path, capsys):
     file = str(texts.file(press.text.decode()))
-    assert main(["analyse", file, "--speed", "60", "--out", str(tmp_path / "out")]) == 0
+    assert main(["analyse", file, "--speed", "60r/min", "--out", str(tmp_path / "out")]) == 0
     assert f"{720 * TURNS[name]} crank angles" in capsys.readouterr().out
     assert len((tmp_path / "out" / "cycle.csv").read_text().splitlines()) == 720 * TURNS[name] + 1
-    assert main(["record", file, "--speed", "60", "--out", str(tmp_path / "press.html"), "--no-forces"]) == 0
+    assert main(["record", file, "--speed", "60r/min", "--out", str(tmp_path / "press.html"), "--no-forces"]) == 0
     assert len(data_in(tmp_path / "press.html")["time"]) == 360 * TURNS[name] + 1
 
 
 @pytest.mark.parametrize(
-    ("degrees", "speed", "turns", "time"), [(400, 60, 1, 1 / 9), (400, 60, 2, 10 / 9), (-10, 60, 3, 3 - 1 / 36), (-400, -120, 2, 5 / 9)]
+    ("degrees", "speed", "name", "time"),
+    [(400, 60, "crank_slide", 1 / 9), (400, 60, "half", 10 / 9), (-10, 60, "third", 3 - 1 / 36), (-400, -120, "half", 5 / 9)],
 )
-def test_time_of_a_picture(degrees, speed, turns, time):
-    motion = SimpleNamespace(period_turns=turns, crank_speed=[speed * pp.RPM])
-    assert _time(motion, np.radians(degrees)) == pytest.approx(time, rel=1e-12)
+def test_time_of_a_picture(degrees, speed, name, time, tmp_path, monkeypatch):
+    """A picture at an angle is that of the instant in the recording, which is one period, at which the crank stands there."""
+    file = str(texts.file(period_presses.repeating(name).text.decode())) if name in TURNS else name
+    times = []
+    monkeypatch.setattr("pinpress.visual.film.image", lambda page, path, time: times.append(time))
+    words = ["--speed", f"{speed}r/min", "--at", f"{degrees}deg", "--no-forces"]
+    assert main(["record", file, "--png", str(tmp_path / "press.png"), *words]) == 0
+    assert times == [pytest.approx(time, rel=1e-9)]
 
 
 # No period

@@ -1,6 +1,5 @@
 """Pictures and films of recordings, and `pinpress record`: with a real Chromium and a real ffmpeg, against screenshots taken apart."""
 
-import argparse
 import asyncio
 import contextlib
 import importlib.util
@@ -24,10 +23,11 @@ from typing import Any
 import numpy as np
 import pytest
 from support import texts
+from support.refused_commands import refused
 
 import pinpress as pp
 import pinpress.visual.film as filming
-from pinpress.cli import record as command_record
+from pinpress.cli.main import main
 from pinpress.visual.film import Screen, film, image, slow_enough
 
 SPEED = 70 * pp.RPM
@@ -466,10 +466,7 @@ def marked(mark: str) -> Iterator[str]:
 
 
 def command(*words: object) -> int:
-    parser = argparse.ArgumentParser()
-    command_record.add(parser.add_subparsers())
-    options = parser.parse_args(["record", *map(str, words)])
-    return int(options.run(options))
+    return main(["record", *map(str, words)])
 
 
 def test_command(
@@ -493,8 +490,9 @@ def test_command(
     for make in (image, film):
         monkeypatch.setattr(f"pinpress.visual.film.{make.__name__}", watched(make))
     names = html, png, mp4 = [tmp_path / name for name in ("out.html", "out.png", "out.mp4")]
-    asked = ["--out", html, "--png", png, "--video", mp4, "--at", 90, "--size", "160x120", "--fps", 1, "--trace", "rod:0,0,-0.1"]
-    assert command("crank_slide", "--speed", -70, "--slowdown", 2, "--repeats", 2, *asked) == 0
+    asked = ["--out", html, "--png", png, "--video", mp4, "--at", "90deg", "--size", "160x120", "--fps", 1]
+    said = ["--speed", "-70r/min", "--set", "points=360", "--set", "traces={rod: 0 0 -100 mm}"]
+    assert command("crank_slide", *said, "--slowdown", 2, "--repeats", 2, *asked) == 0
     assert capsys.readouterr() == (f"wrote {html}, {png}, {mp4}\n", "")
     motion = pp.cycle(press, -SPEED, points=360)
     same = pp.record(press, motion, tmp_path / "same.html", reactions=pp.inverse_dynamics(press, motion), traces=[("rod", (0, 0, -0.1))])
@@ -514,7 +512,8 @@ def test_command_without_forces_and_with_a_picture_alone(tmp_path: Path, press: 
     asked: list[Any] = []
     monkeypatch.setattr("pinpress.visual.film.image", lambda page, *more, **size: asked.extend((page.read_bytes(), *more, size)))
     out = tmp_path / "out.png"
-    assert command("crank_slide", "--speed", 70, "--png", out, "--no-forces", "--at", -270, "--points", 90, "--size", "64x64") == 0
+    asked_for = ["--png", out, "--no-forces", "--at", "-270deg", "--size", "64x64"]
+    assert command("crank_slide", "--speed", "70r/min", "--set", "points=90", *asked_for) == 0
     page = pp.record(press, pp.cycle(press, SPEED, points=90), tmp_path / "same.html")
     assert asked == [page.read_bytes(), out, {"time": pytest.approx(DURATION / 4), "size": (64, 64)}]
 
@@ -523,19 +522,16 @@ def test_command_without_forces_and_with_a_picture_alone(tmp_path: Path, press: 
     ("words", "says"),
     [
         ([], "nothing to write: give --out page.html, --video film.mp4 or --png picture.png"),
-        (["--out", "out.html", "--trace", "rodd:0,0,0"], "did you mean 'rod'?"),
+        (["--out", "out.html", "--set", "traces={rodd: 0 0 0}"], "did you mean 'rod'?"),
         (["--video", "out.avi"], "must end in .mp4 or .gif"),
         (["--out", "out.html", "--size", "640"], "'640' is not a size"),
         (["--out", "out.html", "--size", "axb"], "not a size"),
-        (["--out", "out.html", "--trace", "rod"], "is not a point"),
-        (["--out", "out.html", "--trace", "rod:1,2"], "not a point"),
+        (["--out", "out.html", "--set", "traces={rod: 1 2 m}"], "give x, y, z in the link's frame"),
     ],
 )
 def test_command_refuses(words: list[str], says: str, tmp_path: Path, monkeypatch: Any, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(tmp_path)
-    with pytest.raises((pp.PinpressError, SystemExit)) as refusal:
-        command("crank_slide", "--speed", 70, *words)
-    assert says in str(refusal.value) + capsys.readouterr().err
+    assert says in refused(capsys, "record", "crank_slide", "--speed", "70r/min", *words)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -543,6 +539,6 @@ def test_command_refuses(words: list[str], says: str, tmp_path: Path, monkeypatc
 def test_command_shows_progress(fake_screen: Callable[[float], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[float] = []
     fake_screen(DURATION)
-    monkeypatch.setattr(command_record, "progress", lambda total: contextlib.nullcontext(told.append))
-    assert command("crank_slide", "--speed", 70, "--video", tmp_path / "out.mp4", "--size", "64x64", "--fps", 1) == 0
+    monkeypatch.setattr("pinpress.cli.record.progress", lambda total: contextlib.nullcontext(told.append))
+    assert command("crank_slide", "--speed", "70r/min", "--video", tmp_path / "out.mp4", "--size", "64x64", "--fps", 1) == 0
     assert told == [0.25, 0.5, 0.75, 1.0]

@@ -99,13 +99,12 @@ def test_a_report_is_printed_by_its_command(monkeypatch: pytest.MonkeyPatch, tmp
 
     monkeypatch.setattr("pinpress.visual.film.opened", lambda *_: contextlib.nullcontext(Screen(0.5, printed, printed)))
     out = tmp_path / "report.pdf"
-    assert main(["report", "crank_slide", "--speed", "70", "--points", "24", "--pdf", str(out)]) == 0
-    assert f"wrote {out}" in capsys.readouterr().out
+    monkeypatch.chdir(tmp_path)
+    assert main(["report", "crank_slide", "--speed", "70r/min", "--set", "points=24", "--pdf", str(out)]) == 0
+    assert capsys.readouterr().out.endswith(f"\nwrote crank_slide.html and {out}\n")
     assert out.read_bytes() == b"%PDF"
     assert asked == [0.0]
     with pytest.raises(pp.PinpressError, match=r"the recording lasts from 0 to 0.5 s"):
         pdf("page.html", out, time=0.6)
     with pytest.raises(pp.PinpressError, match=r"must end in .pdf"):
         pdf("page.html", tmp_path / "report.png")
-    assert main(["report", "crank_slide", "--speed", "70"]) == 2
-    assert "give --out page.html or --pdf report.pdf" in capsys.readouterr().err

@@ -14,10 +14,10 @@ from support import texts
 from support.generators.hostile import NAMES, load_hostile
 from support.generators.small_linkages import two_cranks
 from support.in_browser import chart, curves, data_in, floats, sections
+from support.refused_commands import one_line
 
 import pinpress as pp
 from pinpress.cli.main import main
-from pinpress.cli.words import part_specs
 from pinpress.common.outlets import described
 from pinpress.common.quantities import quantity
 from pinpress.dynamics.extremes import at_peaks
@@ -328,15 +328,33 @@ def test_what_has_no_section_is_refused_by_name(press: Any, loaded: Any, tmp_pat
         pp.report(press, loaded.motion, tmp_path / "out.html", reactions=loaded, results=[harmonics])
 
 
+def reported(folder: Path, text: str, *words: str) -> Path:
+    """The page of a job with this text."""
+    job, page = folder / "job.yaml", folder / "page.html"
+    job.write_text(text, encoding="utf-8")
+    assert main(["report", str(job), "--out", str(page), *words]) == 0
+    return page
+
+
+ALL = """\
+file: zxn2_3000b
+speed: 70 r/min
+points: 90
+zero: bdc
+loads: {blank: {kind: blanking, force: 1000 kN, start: 6 mm, end: 2 mm}}
+motor: {kind: induction, rated_power: 75 kW, rated_speed: 1485 r/min, inertia: 1.2 kg m2, ratio: 20.7}
+flywheel: 6000 kg m2
+capacities: {nominal_force: 3000 kN, nominal_height: 13 mm, speed_drop: 20 %}
+bearings: {all: {stiffness: 3 GN/m, moment_stiffness: 200 MN m/rad}, E: {stiffness: 6 GN/m}}
+elastic: {}
+balance: {regions: {crank: {radius: 300 mm}}, minimise: {kind: range, quantity: shaking_force, axis: z}}
+"""
+
+
 def test_the_command_makes_all_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["report", "zxn2_3000b", "--speed", "70", "--points", "90", "--out", str(tmp_path / "page.html"), "--zero", "bdc"]
-    words += ["--load", "blanking:force=1000kN,start=6mm,end=2mm", "--nominal-force", "3000kN", "--nominal-height", "13mm"]
-    words += ["--motor", "induction:rated_power=75kW,rated_speed=1485,inertia=1.2,ratio=20.7", "--flywheel", "6000", "--speed-drop", "20%"]
-    words += ["--stiffness", "A=3e9", "--stiffness", "E=6GN/m"]
-    words += ["--region", "crank:radius=0.3", "--minimise", "range:shaking_force:z"]
-    assert main(words) == 0
-    assert capsys.readouterr().out == f"wrote {tmp_path / 'page.html'}\n"
-    data = data_in(tmp_path / "page.html")["report"]
+    page = reported(tmp_path, ALL)
+    assert capsys.readouterr().out.endswith(f"\nwrote {page}\n")
+    data = data_in(page)["report"]
     titles = [section["title"] for section in data["sections"]]
     assert titles[5:-1] == [
         "Checks",
@@ -350,22 +368,33 @@ def test_the_command_makes_all_of_it(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert floats(data["heights"])[0] == pytest.approx(0, abs=0.1)
 
 
+ON_FOUR_MOUNTS = """\
+file: zxn2_3000b
+speed: 70 r/min
+points: 180
+foundation:
+  frame: {mass: 30 t, centre: 0 0 100 mm, inertia: 30000 30000 10000 kg m2}
+  mounts:
+    points: [-0.8 -0.5 -1.5 m, -0.8 0.5 -1.5 m, 0.8 -0.5 -1.5 m, 0.8 0.5 -1.5 m]
+    stiffness: 50 50 200 MN/m
+    damping: 10 10 20 kN s/m
+    loss_factor: 10 %
+    area: 400 cm2
+"""
+PLACES = [(-0.8, -0.5, -1.5), (-0.8, 0.5, -1.5), (0.8, -0.5, -1.5), (0.8, 0.5, -1.5)]
+
+
 def test_the_command_with_mounts(press: Any, tmp_path: Path) -> None:
-    words = ["report", "zxn2_3000b", "--speed", "70", "--points", "180", "--out", str(tmp_path / "command.html")]
-    words += ["--frame", "mass=30t,centre=0/0/100mm,inertia=3e4/3e4/1e4"]
-    mounts = []
-    for x, y in ((-0.8, -0.5), (-0.8, 0.5), (0.8, -0.5), (0.8, 0.5)):
-        words += ["--mount", f"point={x}/{y}/-1.5,stiffness=50MN/m/50MN/m/2e8,damping=1e4/1e4/20kNs/m,loss_factor=10%,area=400cm2"]
-        mounts.append(pp.foundation.Mount((x, y, -1.5), (5e7, 5e7, 2e8), (1e4, 1e4, 2e4), loss_factor=0.1, area=0.04))
-    assert main(words) == 0
+    page = reported(tmp_path, ON_FOUR_MOUNTS)
+    mounts = [pp.foundation.Mount(place, (5e7, 5e7, 2e8), (1e4, 1e4, 2e4), loss_factor=0.1, area=0.04) for place in PLACES]
     idle = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=180))
     system = pp.foundation.mounted(press, pp.foundation.Frame(3e4, (0, 0, 0.1), (3e4, 3e4, 1e4)), mounts)
     vibration = pp.foundation.steady_response(system, idle, points={"centre of the frame": (0, 0, 0.1)})
     results = [system, pp.foundation.modes(system), vibration]
     expected = sections(pp.report(press, idle.motion, tmp_path / "python.html", reactions=idle, results=results))
-    found = sections(tmp_path / "command.html")
+    found = sections(page)
     assert list(found) == list(expected)
-    inputs = dict(data_in(tmp_path / "command.html")["report"]["inputs"][0]["rows"])
+    inputs = dict(data_in(page)["report"]["inputs"][0]["rows"])
     assert inputs["frame"] == "Frame(mass=30 t, centre=(0, 0, 100) mm, inertia=(30000, 30000, 10000) kg m2)"
     spring = "50 / 50 / 200 kN/mm along x, y, z, damping 10 / 10 / 20 kN s/m, loss factor 0.1, area 0.04 m²"
     assert inputs["mounts"] == f"4 at (-0.8, -0.5, -1.5), (-0.8, 0.5, -1.5), (0.8, -0.5, -1.5), (0.8, 0.5, -1.5) m: {spring}"
@@ -374,35 +403,30 @@ def test_the_command_with_mounts(press: Any, tmp_path: Path) -> None:
         assert found[title] == expected[title]
 
 
-def test_examples_of_frame_and_mounts() -> None:
-    frame = part_specs.part("--frame", part_specs.FRAME, part_specs.FRAME.example)
-    assert frame == pp.foundation.Frame(15e3, (0.0, 0.1, -0.35), (9e3, 8e3, 4e3))
-    spring = pp.foundation.Mount((0.55, 0.6, -1.3), (5e7, 5e7, 2e8), (2e5, 2e5, 4e5))
-    assert part_specs.mounts([part_specs.MOUNT.example], None) == [spring]
-    pad = pp.foundation.RubberPad(0.2, 0.2, 0.01, hardness=65, loss_factor=0.15, stiffening=1.3)
-    assert part_specs.mounts([part_specs.PLACE.example], part_specs.PAD.example) == [pp.foundation.pad_mount((0.55, 0.6, -1.3), pad)]
+ON_RUBBER = """\
+file: zxn2_3000b
+speed: 70 r/min
+points: 180
+foundation:
+  frame: {mass: 30 t, centre: 0 0 0, inertia: 30000 30000 10000 kg m2}
+  mounts:
+    points: [-0.8 -0.5 -1.5 m, -0.8 0.5 -1.5 m, 0.8 -0.5 -1.5 m, 0.8 0.5 -1.5 m]
+    pad: {length: 200 mm, width: 20 cm, thickness: 10 mm, shear_modulus: 1.2 MPa}
+  points: {"a:b": 0 0 1.5 m}
+  speed_range: [30 r/min, 1.5 Hz]
+"""
 
 
 def test_the_command_on_rubber_over_the_speed(press: Any, tmp_path: Path) -> None:
-    words = ["report", "zxn2_3000b", "--speed", "70", "--points", "180", "--out", str(tmp_path / "command.html")]
-    words += [
-        "--frame",
-        "mass=30t,centre=0/0/0,inertia=3e4/3e4/1e4",
-        "--pad",
-        "length=200mm,width=20cm,thickness=10mm,shear_modulus=1.2MPa",
-    ]
-    places = [(x, y, -1.5) for x in (-0.8, 0.8) for y in (-0.5, 0.5)]
-    words += [word for x, y, z in places for word in ("--mount", f"point={x}/{y}/{z}")]
-    assert main([*words, "--frame-point", "a:b:0,0,1.5", "--speed-range", "30,1.5Hz"]) == 0
+    page = reported(tmp_path, ON_RUBBER)
     pad = pp.foundation.RubberPad(0.2, 0.2, 0.01, shear_modulus=1.2e6)
-    system = pp.foundation.mounted(
-        press, pp.foundation.Frame(3e4, (0, 0, 0), (3e4, 3e4, 1e4)), [pp.foundation.pad_mount(place, pad) for place in places]
-    )
+    frame = pp.foundation.Frame(3e4, (0, 0, 0), (3e4, 3e4, 1e4))
+    system = pp.foundation.mounted(press, frame, [pp.foundation.pad_mount(place, pad) for place in PLACES])
     over = pp.foundation.over_speeds(system, np.linspace(30, 90, 61) * pp.RPM, points={"a:b": (0, 0, 1.5)})
-    found = curves(chart(sections(tmp_path / "command.html")["Vibration over the speed"], "Acceleration"))
+    found = curves(chart(sections(page)["Vibration over the speed"], "Acceleration"))
     assert_allclose(found["a:b"][0], over.speed / pp.RPM, rtol=1e-6)
     assert_allclose(found["a:b"][1], np.linalg.norm(over.rms["a:b"], axis=1), rtol=1e-5)
-    springs = [pp.foundation.Mount((x, y, 0), (1e6, 1e6, 1e6), loss_factor=0.05) for x, y, _ in places]
+    springs = [pp.foundation.Mount((x, y, 0), (1e6, 1e6, 1e6), loss_factor=0.05) for x, y, _ in PLACES]
     soft = pp.foundation.isolate(press, system.frame, springs, speeds=over.speed, transmitted=0.9)
     page = pp.report(press, pp.cycle(press, SPEED, points=36), tmp_path / "isolation.html", results=[soft])
     force = curves(chart(sections(page)["The stiffest mounts that isolate"], "Force on the floor by shaking force"))
@@ -410,19 +434,32 @@ def test_the_command_on_rubber_over_the_speed(press: Any, tmp_path: Path) -> Non
 
 
 FRAME_FILE = """\
-frame: {mass: 15 t, centre: [0, 0.1, -0.35], inertia: [9000, 8000, 4000]}
-mounts: [{points: [[-0.55, -0.5, -1.3], [-0.55, 0.6, -1.3], [0.55, -0.5, -1.3], [0.55, 0.6, -1.3]], stiffness: [8e6, 8e6, 4e7]}]
-attached: {motor: {mass: 450, centre: [0, 0.9, 0.95], inertia: [20, 10, 20]}}
-rotors: [{inertia: 136, axis: [0, -1, 0]}]
+frame: {mass: 15 t, centre: 0 100 -350 mm, inertia: 9000 8000 4000 kg m2}
+mounts:
+  points: [-0.55 -0.5 -1.3 m, -0.55 0.6 -1.3 m, 0.55 -0.5 -1.3 m, 0.55 0.6 -1.3 m]
+  stiffness: 8 8 40 MN/m
+attached: {motor: {mass: 450 kg, centre: 0 900 950 mm, inertia: 20 10 20 kg m2}}
+rotors: {inertia: 136 kg m2, axis: 0 -1 0}
+"""
+LIFTING = """\
+file: jf75g_125
+speed: 350 r/min
+points: 180
+loads: {lifting: {kind: point-force, link: slide, force: 0 0 185 kN}}
+foundation:
+  points: {foot: 0.55 0.6 -1.3 m}
+  lift_off: 2
 """
 
 
-def test_the_command_with_a_frame_file(tmp_path: Path) -> None:
+def indented(text: str) -> str:
+    return "".join(f"  {line}\n" for line in text.splitlines())
+
+
+def test_the_command_with_feet_that_lift_off(tmp_path: Path) -> None:
     """The motor aside, the flywheel's whirl and feet that lift off: numbers of the page are those of Python."""
-    file, page = tmp_path / "frame.yaml", tmp_path / "page.html"
+    page, file = reported(tmp_path, LIFTING + indented(FRAME_FILE)), tmp_path / "frame.yaml"
     file.write_text(FRAME_FILE)
-    words = ["report", "jf75g_125", "--speed", "350", "--points", "180", "--load", "point-force:link=slide,force=0/0/185kN"]
-    assert main([*words, "--frame", str(file), "--frame-point", "foot:0.55,0.6,-1.3", "--lift-off", "2", "--out", str(page)]) == 0
     found = sections(page)
     press, speed = texts.shipped("jf75g_125"), 350 * pp.RPM
     system = pp.foundation.read_mounted(press, file)
@@ -473,11 +510,11 @@ BENDING = Path(__file__).parents[2] / "docs" / "jf75g_125_frame.yaml"
 
 @pytest.mark.exhaustive
 def test_points_and_modes_of_a_frame_that_bends(tmp_path: Path) -> None:
-    """Interfaces, points that move with them and with the motor are named on the command line; the page of modes is that of Python."""
-    page, swinging = tmp_path / "page.html", tmp_path / "modes.html"
-    words = ["report", "jf75g_125", "--speed", "350", "--points", "180", "--frame", str(BENDING)]
-    words += [word for point in ("upper left", "top:crown", "fan:motor:0,0.9,1.3") for word in ("--frame-point", point)]
-    assert main([*words, "--modes", str(swinging), "--out", str(page)]) == 0
+    """Points are interfaces, move with them or with the motor; the page of modes is that of Python."""
+    shown = tmp_path / "modes.html"
+    points = "points={upper left: upper left, top: crown, fan: {on: motor, at: 0 0.9 1.3 m}}"
+    job = f"file: jf75g_125\nspeed: 350 r/min\npoints: 180\nfoundation: {BENDING}\n"
+    page = reported(tmp_path, job, "--modes", str(shown), "--set", f"foundation.{points}")
     press = texts.shipped("jf75g_125")
     system = pp.foundation.read_mounted(press, BENDING)
     reactions = pp.inverse_dynamics(press, pp.cycle(press, 350 * pp.RPM, points=180))
@@ -488,57 +525,49 @@ def test_points_and_modes_of_a_frame_that_bends(tmp_path: Path) -> None:
         values = wanted.acceleration[name][:, 0]
         assert_allclose(acceleration[name][1], np.append(values, values[0]), rtol=1e-4, atol=1e-6)
     diagram = pp.foundation.whirl(system, np.linspace(0, 350 * pp.RPM, 61))
-    assert swinging.read_text() == pp.record_modes(press, diagram, tmp_path / "python.html", lowest=24).read_text()
+    assert shown.read_text() == pp.record_modes(press, diagram, tmp_path / "python.html", lowest=24).read_text()
+
+
+CROWN = """\
+crown: {mass: 7 t, centre: 0 0 0.6 m, inertia: 4000 3000 4000 kg m2}
+uprights: {points: [-0.4 -0.5 0 m, -0.4 0.5 0 m, 0.4 -0.5 0 m, 0.4 0.5 0 m], stiffness: 300 300 2400 MN/m}
+"""
 
 
 def test_the_crown_of_a_frame_in_two_parts_is_shown(tmp_path: Path) -> None:
-    file, page = tmp_path / "frame.yaml", tmp_path / "page.html"
-    file.write_text(
-        FRAME_FILE + "crown: {mass: 7 t, centre: [0, 0, 0.6], inertia: [4000, 3000, 4000]}\n"
-        "uprights: [{points: [[-0.4, -0.5, 0], [-0.4, 0.5, 0], [0.4, -0.5, 0], [0.4, 0.5, 0]], stiffness: [3e8, 3e8, 2.4e9]}]\n"
-    )
-    assert main(["report", "jf75g_125", "--speed", "300", "--points", "90", "--frame", str(file), "--out", str(page)]) == 0
+    (tmp_path / "frame.yaml").write_text(FRAME_FILE + CROWN)
+    page = reported(tmp_path, "file: jf75g_125\nspeed: 300 r/min\npoints: 90\nfoundation: frame.yaml\n")
     shown = curves(chart(sections(page)["Vibration on the mounts"], "Acceleration along x"))
     assert list(shown) == ["centre of the bed", "centre of the crown", "motor"]
 
 
-ON_SPRINGS = ["--frame", "mass=1t,centre=0/0/0,inertia=100/100/100"]
-ON_SPRINGS += [word for x in (-1, 1) for y in (-1, 1) for word in ("--mount", f"point={x}/{y}/0,stiffness=1e6/1e6/1e6")]
+ON_SPRINGS = """\
+file: crank_slide
+speed: 70 r/min
+foundation:
+  frame: {mass: 1 t, centre: 0 0 0, inertia: 100 100 100 kg m2}
+  mounts: {points: [-1 -1 0 m, -1 1 0 m, 1 -1 0 m, 1 1 0 m], stiffness: 1 1 1 MN/m}
+"""
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    ("change", "message"),
     [
-        (["--out", "press.pdf"], "--out writes a web page: give --pdf press.pdf, or --out press.html"),
-        (["--torque", "5e4"], "--torque is for the ratings: also give --nominal-force"),
-        (["--flywheel", "2000"], "give --motor, or --nominal-force and --speed-drop"),
-        (["--speed-drop", "0.1", "--nominal-force", "5e4"], "--speed-drop needs a flywheel"),
-        (["--region", "crank:radius=0.3"], "balancing needs --region and --minimise (and takes --limit)"),
-        (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1"], "a press on its mounts needs --frame and --mount"),
-        (["--mount", "point=0/0/0,stiffness=1e6/1e6/1e6"], "a press on its mounts needs --frame and --mount"),
-        (["--speed-range", "30,90"], "--speed-range is for the press on its mounts"),
-        (["--modes", "modes.html"], "--modes is for the press on its mounts"),
-        ([*ON_SPRINGS, "--frame-point", "crown"], "--frame-point crown: give a name and x, y, z in m, e.g."),
-        (["--frame", str(BENDING), "--frame-point", "top"], "x, y, z in m, or an interface of bed, crown, right"),
-        (["--lift-off", "0"], "--lift-off is for the press on its mounts"),
-        ([*ON_SPRINGS, "--lift-off", "0"], "strokes is 0: give a whole number from 1"),
-        (["--frame", "frame.yaml"], "frame.yaml: it cannot be read: No such file"),
-        (["--frame", "frame.JSON", *ON_SPRINGS[2:4]], "--mount: frame.JSON already contains the mounts: leave this option out"),
-        (["--frame", "frame.yml", "--pad", "length=1"], "--pad: frame.yml already contains the mounts: leave this option out"),
-        ([*ON_SPRINGS, "--frame-point", "a:0,0,0", "--frame-point", "a:0,0,1"], "--frame-point: a is given twice"),
-        ([*ON_SPRINGS, "--speed-range", "90,30"], "--speed-range needs two positive speeds, the lower one first"),
-        (
-            ["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1", "--mount", "point=0/0/0", "--pad", "length=1"],
-            "width and thickness are missing",
-        ),
-        (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/9", "--mount", "point=0/0/0,stiffness=1/1/1"], "no body has this inertia"),
-        (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1", "--mount", "point=0/0,stiffness=1/1/1"], "point is '0/0', not x/y/z"),
+        ("foundation.lift_off=0", "strokes is 0: give a whole number from 1"),
+        ("foundation.speed_range=90 30 r/min", "foundation: speed_range: 90 30 r/min; write two speeds, the lower one first"),
+        ("foundation.speed_range=30 r/min", "foundation: speed_range: 30 r/min; write two speeds, the lower one first"),
+        ("foundation.points={a: b}", "point 'a' is 'b': give x, y, z [m] under a name"),
+        ("foundation.frame.inertia=1 1 9 kg m2", "no body has this inertia"),
+        ("foundation.mounts={points: [0 0 0], pad: {length: 1 m}}", "width and thickness are missing"),
+        ("foundation.mounts={points: [0 0], stiffness: 1 1 1 MN/m}", "give x, y, z [m], finite"),
+        ("foundation=frame.yaml", "frame.yaml"),
     ],
 )
-def test_options_that_are_incomplete(words: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["report", "crank_slide", "--speed", "70", "--out", str(tmp_path / "page.html"), *words]) == 2
-    assert message in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
+def test_foundations_that_cannot_be(change: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    job, page = tmp_path / "job.yaml", tmp_path / "page.html"
+    job.write_text(ON_SPRINGS)
+    assert message in one_line(capsys, "report", job, "--out", page, "--set", change)
+    assert list(tmp_path.iterdir()) == [job]
 
 
 CURSORS = """() => [...document.querySelectorAll('.chart')].filter(box => box.querySelector('.cursor:not([hidden])')).map(box => {
