@@ -9,9 +9,11 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, is_dataclass
+from dataclasses import is_dataclass
 from functools import singledispatch
 from typing import Any
+
+import numpy as np
 
 from ..common.parameters import in_signature
 from ..common.quantities import RAM, readable
@@ -35,6 +37,7 @@ from ..common.reading.filling import (
     Whole,
     usual_units,
 )
+from ..drives.transmission import Geared
 from ..pin_table.building import KEYS, NEEDED, SENSES
 from ..pin_table.links import KEYS as OF_LINKS
 from ..pin_table.placement import UNITS
@@ -46,6 +49,114 @@ LINE = f"# yaml-language-server: $schema={FILE}\n"
 _NUMBER = r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"
 Schema = dict[str, Any]
 
+SAID: Mapping[str, Mapping[str, str]] = {  # of keys that are no fields of a class
+    "motion": {
+        "file": "a table with a column of time, and one for each driver",
+        "period": "after which the motion repeats itself; left out: it does not",
+    },
+    "loads": {"file": "a table of height and force"},
+    "motor": {"program": "a table of time and angle", "curve": "a table of frequency and largest torque"},
+    "capacities": {
+        "nominal_force": "largest process force at any height",
+        "nominal_height": "height above bottom dead centre from which downwards the torque permits the nominal force",
+        "torque": "at the driver, in place of the nominal height; of several drivers by their names",
+        "speed_drop": "largest drop of the flywheel's speed in a stroke, by the speed; with a flywheel",
+        "motor_power": "that restores the energy from stroke to stroke; left out: single strokes",
+        "slide_acceleration": "largest that tool and feed allow",
+        "shaking_force": "largest force on the foundation, weight excluded",
+        "contact_height": "at which the tool meets the work; left out: the nominal height",
+        "dwell_tolerance": "distance from bottom dead centre that counts as dwell; left out: a hundredth of the stroke",
+        "at_speed": "whether torque and bearings also carry weights and inertia forces; left out: no, as catalogues have it",
+    },
+    "elastic": {
+        "damping_ratio": "of the first mode at bottom dead centre",
+        "shaft": "stiffness of the crankshaft against torsion",
+        "frame": "stiffness of the columns below the crown, or their preloaded joint",
+        "crown_mass": "mass of the crown on its columns; with frame",
+    },
+    "foundation": {
+        "frame": "the frame in one part, of beams, or of matrices; with crown its lower part",
+        "mounts": "between floor and frame",
+        "crown": "upper part of the frame",
+        "uprights": "columns between bed and crown",
+        "attached": "what stands on the frame, by names",
+        "rotors": "what spins on the frame",
+        "points": "whose vibration is shown, by names",
+        "speed_range": "lowest and highest speed that is shown",
+        "lift_off": "number of strokes in which feet may lift off",
+    },
+    "balance": {
+        "regions": "where counterweights may be, by the names of their links",
+        "minimise": "one criterion, or several with weights",
+        "limits": "criteria, each with most",
+        "dies": "masses of dies on the slide",
+        "settings": "values of parameters of the table",
+        "speeds": "of the driver; left out: speed",
+    },
+    "foundation: frame": {
+        "matrices": "a file of the reduced mass and stiffness matrices",
+        "interfaces": "names of the nodes where something stands",
+        "bed": "name of the place on which the loads on the frame act",
+        "carrier": "name of the place that carries crank and guides, and the mass of the links",
+        "bearings": "name of a bearing or guide on the frame, and the place that carries it; left out: all on carrier",
+        "modes": "number of vibrations with all places held that are kept",
+        "loss_factor": "loss of the frame's material and joints",
+        "lines": "a table of pairs of nodes, between which the frame is drawn",
+    },
+    "foundation: frame: beams": {"between": "pairs of places"},
+    "balance: minimise": {"weight": "among several criteria", "most": "only among limits"},
+    "balance: limits": {"weight": "only in minimise", "most": "largest value"},
+    "tolerances": {
+        "dimensions": "tolerances of dimensions by their names, or a table of them",
+        "within": "of bottom dead centre: the share of presses within it is printed",
+        "targets": "what the cheapest tolerances have to keep",
+        "forces": "process forces at heights, for the scatter of the torque",
+        "speeds": "crank speeds at heights, for the scatter of the slide's speed",
+        "samples": "number of presses; left out: 100000",
+        "seed": "of the random numbers; left out: 0",
+        "budget": "shifts by speed, clearance, springs, heat and process",
+    },
+    "tolerances: targets": {"height": "of bottom dead centre", "top": "of top dead centre", "stroke": "of the stroke"},
+    "tolerances: budget": {
+        "speeds": "the press is set at the first",
+        "warm": "temperature rise of links",
+        "expansion": "of the material; left out: that of steel",
+        "table": "height of the table's face in the world",
+        "face": "of the slide's face below its pin",
+        "process": "force at bottom dead centre",
+    },
+    "servo": {
+        "strokes_per_minute": "how many at least",
+        "time": "of a cycle, in place of it",
+        "minimise": "left out: heat",
+        "drive": "one motor",
+        "motors": "a catalogue, in place of drive: the smallest sufficient motor is chosen",
+        "ratios": "gear ratios to try",
+        "gear_inertia": "of gears at the crank, with motors",
+        "pause": "after each cycle, with motors",
+        "path": "where the crank goes; left out: a turn or a stop, whichever is better",
+        "limits": "in addition to those of the drive",
+        "points": "segments of the path; left out: as many as it takes",
+        "step": "of the tables for a controller",
+    },
+    "run": {
+        "duration": "of the run",
+        "steady": "yes: the period that repeats itself, in place of a duration",
+        "speed": "of the driver at the start; left out: speed",
+        "angle": "of the driver at the start; left out: 0",
+        "method": "left out: auto",
+        "step": "a fixed one; left out: steps by error",
+        "tolerance": "error accepted of a step",
+        "points": "states returned; left out: 120 a turn",
+    },
+    "report": {
+        "title": "of the page",
+        "drawing": "its number",
+        "before": "a variant or press that is drawn dashed",
+        "logo": "a picture",
+    },
+}
+
 
 def schema_text() -> bytes:
     """The schema of a job as a file."""
@@ -55,6 +166,10 @@ def schema_text() -> bytes:
 def schema() -> Schema:
     """The JSON Schema (draft 7) of a job."""
     sections = {name: {**_of(section.value), "description": f"{section.said} E.g. {section.example}"} for name, section in SECTIONS.items()}
+    for name, words in SAID.items():
+        for key, properties in sections.get(name, {}).get("properties", {}).items():
+            if key in words:
+                properties["description"] = words[key]
     for name in ("foundation", "loads", "bearings", "balance", "tolerances", "servo", "report"):  # a file of their own may hold them
         described = sections[name].pop("description")
         sections[name] = {"description": described, "anyOf": [sections[name], {"type": "string", "pattern": r"\.ya?ml$"}]}
@@ -269,77 +384,111 @@ def _(value: OfDrivers) -> Schema:
 
 
 def described(made: Any) -> Mapping[str, str]:
-    """What the docstring of a dataclass says of its attributes."""
+    """What a docstring says of attributes or arguments, without the SI units, as in a file each number has its own."""
     text = getattr(made, "__doc__", None) or ""
-    block = text.partition("Attributes:\n")[2].partition("\n\n")[0]
-    found: dict[str, str] = {}
+    block = re.split(r"^ *(?:Attributes|Args):\n", text, maxsplit=1, flags=re.MULTILINE)[-1].partition("\n\n")[0]
+    indent = re.match(r" *", block)
+    margin = "" if indent is None else indent[0]
+    rows: dict[str, str] = {}
     name = ""
     for line in block.splitlines():
-        head = re.match(r" {8}(\w+): (.*)", line)
+        head = re.match(rf"{margin}(\w+): (.*)", line)
         if head is not None:
             name = head[1]
-            found[name] = head[2]
-        elif name and line.startswith(" " * 12):
-            found[name] += f" {line.strip()}"
-    return found
+            rows[name] = head[2]
+        elif name and line.startswith(f"{margin}    "):
+            rows[name] += f" {line.strip()}"
+    return {name: _of_file(words) for name, words in rows.items()}
+
+
+def _of_file(words: str) -> str:
+    """Words about a field as those about a key: no SI units, no scenarios, and what is not given is left out."""
+    for python, file in ((r" *\[[^\]\[]*\]", ""), (r",? or \(S,\)( for S scenarios)?", ""), (r"``|`", ""), (r"\bNone: ", "left out: ")):
+        words = re.sub(python, file, words)
+    words = re.sub(r"^\((\w+, ?)?\d*\) *|, or None\b", "", words).strip(" .,;")
+    return words.replace(". left out", ". Left out")
 
 
 def manual() -> Iterator[str]:
     """The sections and their keys as Markdown, for the page on jobs."""
+    listed: dict[int, str] = {}
     for name, section in SECTIONS.items():
         yield f"### `{name}`\n\n{section.said}\n\n```yaml\n{section.example}\n```\n"
-        yield from _keys(_inner(section.value))
+        yield from _keys(_inner(section.value), name, listed)
 
 
 def _inner(value: Any) -> Any:
     while isinstance(value, OfDriver | OfDrivers | Named | Listed):
         value = value.each
-    return value.part if isinstance(value, Either) else value
+    return value.part if isinstance(value, Either) else getattr(value, "part", value)
 
 
-def _keys(value: Any) -> Iterator[str]:
+def _keys(value: Any, path: str, listed: dict[int, str]) -> Iterator[str]:
+    """The keys of a value at a path, and below them those of what stands at them; ``listed`` are the paths of values so far."""
     if isinstance(value, OneOf):
         for kind, part in value.kinds.items():
-            summary = (part.made.__doc__ or "").partition("\n")[0]
-            yield f"**`{kind}`**: {summary}\n"
-            yield from _keys(part)
+            summary = _of_file((part.made.__doc__ or "").partition("\n")[0])
+            yield f"**`kind: {kind}`** {summary}.\n"
+            yield from _keys(part, path, listed)
+    elif isinstance(value, Whichever):
+        for part in value.parts.values():
+            yield f"**`{part.example}`**\n"
+            yield from _keys(part, path, listed)
     elif isinstance(value, Part):
-        said, defaults = described(value.made), {}
-        if is_dataclass(value.made):
-            defaults = {each.name: each.default for each in in_signature(value.made) if each.default is not MISSING}
-        rows = [
-            f"| `{name}` | {in_words(each)} | {_default(name, value, defaults)} | {said.get(name, '')} |"
-            for name, each in value.values.items()
-        ]
-        if rows:
-            yield "| key | value | default | |\n|---|---|---|---|\n" + "\n".join(rows) + "\n"
+        yield _rows(value, path)
+        for name, each in value.values.items():
+            inner = _inner(each)
+            if not isinstance(inner, Part | OneOf | Whichever):
+                continue
+            below = f"{path}: {name}"
+            before = listed.setdefault(id(inner), below)
+            if before != below:
+                yield f"`{below}`: as `{before}`.\n"
+            else:
+                yield f"`{below}`\n"
+                yield from _keys(inner, below, listed)
 
 
-def _default(name: str, part: Part[Any], defaults: Mapping[str, Any]) -> str:
-    if name in part.required:
-        return "needed"
-    value = defaults.get(name)
-    if value is None:
-        return ""
-    return (
-        ("yes" if value else "no")
-        if isinstance(value, bool)
-        else f"{value:g}"
-        if isinstance(value, float | int)
-        else f"{value}".strip("()")
-    )
+def _rows(part: Part[Any], path: str) -> str:
+    """The keys of a part as a table."""
+    said = {**(described(Geared) if "efficiency" in part.values else {}), **described(part.made), **SAID.get(path, {})}
+    defaults = {each.name: each.default for each in in_signature(part.made)} if is_dataclass(part.made) else {}
+    rows = []
+    for name, each in part.values.items():
+        default = "needed" if name in part.required else _default(defaults.get(name), each)
+        rows.append(f"| `{name}` | {in_words(each)} | {default} | {said.get(name, '')} |")
+    return "| key | value | default | |\n|---|---|---|---|\n" + "\n".join(rows) + "\n" if rows else ""
+
+
+def _default(default: Any, value: Value) -> str:
+    """The value of a key that is left out, as it would stand there."""
+    if isinstance(default, bool):
+        return "yes" if default else "no"
+    if not isinstance(default, float | int | tuple):
+        return default if isinstance(default, str) else ""
+    numbers = " ".join(f"{each:g}" for each in np.atleast_1d(default))
+    unit = getattr(value, "unit", "-")
+    return numbers if unit in PURE or not np.any(default) else f"{numbers} {unit}"
 
 
 def in_words(value: Any) -> str:
     """What stands at a key, in words."""
     value = value.each if isinstance(value, OfDriver | OfDrivers) else value
-    units = "" if not isinstance(value, Number | Numbers | Rows) else "number" if value.unit in PURE else usual_units(value.unit)[0]
+    units = (
+        "" if not isinstance(value, Number | Numbers | Rows) else "number" if value.unit in PURE else " or ".join(usual_units(value.unit))
+    )
     if isinstance(value, Rows):
         return f"points, {units}"
     if isinstance(value, Numbers):
-        return f"numbers, {units}"
+        return "numbers" if value.unit in PURE else f"numbers, {units}"
+    if isinstance(value, Bound):
+        return "in the unit of the criterion"
     if isinstance(value, Number):
         return units
+    if isinstance(value, Instant):
+        return "`0.1 s` or `350 deg`"
+    if isinstance(value, Text) and hasattr(value, "part"):
+        return f"`{value.part.example}`"
     if isinstance(value, Text) and type(value) is Text and value.choices:
         return ", ".join(value.choices)
     names = {Whole: "whole number", Truth: "yes or no", DataFile: "file", DataColumns: "CSV file", Names: "names", Text: "text"}

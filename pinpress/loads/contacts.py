@@ -35,7 +35,7 @@ class Impact(Checked):
         exponent: e, from 1 (a spring) [-]; 1.5 for balls (Hertz), 2.2 is often given for steel.
         damping: cmax, of the damper at the depth d and below [N s/m], or (S,).
         depth: d, over which the damper grows from zero [m]; it must be given with a damper.
-        datum: see `process`.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
 
     Raises:
         PinpressError: a number is not as declared, the exponent is below 1, or a damper has no depth.
@@ -71,7 +71,7 @@ class TwoSidedStop(Checked):
         exponent: e, from 1 (a spring) [-].
         damping: cmax, of the damper at the depth d and beyond [N s/m], or (S,).
         depth: d, over which the damper grows from zero [m]; it must be given with a damper.
-        datum: see `process`.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
 
     Raises:
         PinpressError: as `Impact`; also where ``upper`` is not above ``lower``.

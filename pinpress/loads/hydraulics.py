@@ -36,7 +36,7 @@ class ImpactDamper(Checked):
         heights: (n,) of the slide [m], at least two, strictly rising or falling; kept rising. Below the lowest there is no force.
         coefficients: (n,) c at the heights, of all dampers together [N s^e/m^e]; not negative. See `orifice_coefficient`.
         exponent: e, 2 of a sharp orifice, 1 of a long narrow gap; from 1 to 3 [-].
-        datum: see `process`.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
 
     Raises:
         PinpressError: a number is not as declared, heights and coefficients do not go together, or the exponent is not from 1 to 3.
@@ -89,7 +89,7 @@ class HydraulicCushion(Checked):
         height: of the slide, where it meets the cushion [m].
         rise: travel over which the force rises [m]; 0: at once.
         return_force: with which the cushion follows the slide up to that height [N], or (S,); 0 where it is locked below.
-        datum: see `process`.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
 
     Raises:
         PinpressError: a number is not as declared.

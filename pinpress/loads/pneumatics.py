@@ -42,7 +42,7 @@ class BalanceCylinder(Checked):
         exponent: n, from 1 (isothermal) to 1.4 (adiabatic, air) [-].
         height: at which pressure and volume are given [m]; 0: bottom dead centre, where the air is compressed most.
         atmosphere: pressure around the cylinders [Pa].
-        datum: see `process`.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
 
     Raises:
         PinpressError: a number is not as declared, the rod is as thick as the bore, or the exponent is below 1 or above 5/3.
@@ -102,7 +102,7 @@ class PneumaticCushion(Checked):
         count: number of cylinders.
         exponent: n, from 1 (isothermal) to 1.4 (adiabatic, air) [-].
         atmosphere: pressure around the cylinders [Pa].
-        datum: see `process`.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
 
     Raises and warns as `BalanceCylinder`.
     """

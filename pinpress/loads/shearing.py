@@ -40,7 +40,7 @@ class RateSensitiveBlanking(Checked):
         peak: height at which the force is largest [m], from ``start`` to ``end``; None: ``end``.
         remaining: share of the force that is left at ``end``, from 0 to 1 [-].
         stripping: as of `Blanking` [N], or (S,).
-        datum: see `process`.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
 
     Warns:
         PinpressWarning: the reference speed is above 0.1 m/s: it may be in mm/s.
