@@ -26,15 +26,13 @@ class Shown(NamedTuple):
         table: name of the template, or of the shipped press.
         title: what kind of press it is.
         words: a sentence about it.
-        rate: strokes a minute; of a driver that slides its highest speed [mm/s].
-        load: force [kN] and height above bottom dead centre [mm] at which it begins, see `pp.loads.DeepDrawing`.
+        acting: speed, force, and height above bottom dead centre at which the force begins; empty: as in the template.
     """
 
     table: str
     title: str
     words: str
-    rate: float
-    load: tuple[float, float]
+    acting: tuple[str, str, str] | tuple[()] = ()
 
     @property
     def shipped(self) -> bool:
@@ -47,51 +45,47 @@ class Shown(NamedTuple):
 
 
 PRESSES = (
-    Shown("crank-slide", "Crank press", "A crank, a rod and a slide: every other press is compared with it.", 60, (100, 40)),
+    Shown("crank-slide", "Crank press", "A crank, a rod and a slide: every other press is compared with it."),
     Shown(
-        "eccentric-block",
-        "Eccentric press without a rod",
-        "A block on the eccentric slides across the slide. A geared shaft balances it.",
-        200,
-        (300, 10),
+        "eccentric-block", "Eccentric press without a rod", "A block on the eccentric slides across the slide. A geared shaft balances it."
     ),
+    Shown("knuckle", "Knuckle-joint press", "A crank straightens a knee above the slide. It makes great forces, as for coining."),
+    Shown("toggle", "Hydraulic toggle press", "A cylinder pushes the knee. The driver slides between its ends of travel."),
+    Shown("link-drive", "Link-drive press", "A plate between crank, rocker and rod slows the slide where it works."),
     Shown(
-        "knuckle", "Knuckle-joint press", "A crank straightens a knee above the slide. It makes great forces, as for coining.", 60, (800, 6)
+        "zxn2_3000b",
+        "Six-bar press",
+        "The ZXN2-3000(B), 3000 kN (Kong 2025): it goes down slowly and returns quickly.",
+        ("70r/min", "2000kN", "20mm"),
     ),
-    Shown("toggle", "Hydraulic toggle press", "A cylinder pushes the knee. The driver slides between its ends of travel.", 50, (400, 20)),
-    Shown("link-drive", "Link-drive press", "A plate between crank, rocker and rod slows the slide where it works.", 40, (2000, 15)),
-    Shown("zxn2_3000b", "Six-bar press", "The ZXN2-3000(B), 3000 kN (Kong 2025): it goes down slowly and returns quickly.", 70, (2000, 20)),
-    Shown("drawing-8-bar", "Eight-bar drawing press", "Its speed is nearly constant over the whole draw.", 20, (3000, 120)),
-    Shown("guide-bar", "Guide-bar press", "A block swings a bar, for quick return and an even speed over the draw.", 72, (5, 120)),
+    Shown("drawing-8-bar", "Eight-bar drawing press", "Its speed is nearly constant over the whole draw."),
+    Shown("guide-bar", "Guide-bar press", "A block swings a bar, for quick return and an even speed over the draw."),
     Shown(
         "jf75g_125_symmetric",
         "Symmetric high-speed press",
         "Two mirrored halves on geared shafts leave no lateral shaking force and no tilting moment.",
-        300,
-        (1250, 2),
+        ("300r/min", "1250kN", "2mm"),
     ),
     Shown(
         "aida_balance_slide",
         "High-speed press with a balance slide",
         "A lever moves the slide, and a rocker a balance slide against it. The lever's fulcrum sets the stroke.",
-        300,
-        (1250, 2),
+        ("300r/min", "1250kN", "2mm"),
     ),
     Shown(
         "pirica_double_knuckle",
         "Double-knuckle high-speed press",
         "A crank straightens two knees by L-shaped arms, whose weights balance the slide at every stroke.",
-        300,
-        (450, 2),
+        ("300r/min", "450kN", "2mm"),
     ),
-    Shown("rssp", "Spatial press", "The crank turns about an axis across the press. Its rod has a ball at either end.", 60, (20, 30)),
+    Shown("rssp", "Spatial press", "The crank turns about an axis across the press. Its rod has a ball at either end."),
 )
 
 HEAD = """\
 # Gallery
 
-Twelve kinds of presses in a stroke under load, each made from a [table of pins](pin_table.md) of a few lines. Arrows are the forces of
-bearings and process, and the force on the floor. `python docs/make.py gallery_films` makes all films.
+Twelve kinds of presses in a stroke under load, each made from a [job](jobs.md) of a few lines: a [table of pins](pin_table.md), a speed
+and a load. Arrows are the forces of bearings and process, and the force on the floor. `python docs/make.py gallery_films` makes all films.
 """
 
 
@@ -102,15 +96,21 @@ def page() -> str:
 
 def _entry(shown: Shown) -> str:
     lines = sum(bool(line.partition("#")[0].strip()) for line in _table(shown).decode().splitlines())
-    speed = f"--speed {shown.rate:g}{'' if shown.table != 'toggle' else 'mm/s'}"
-    force, start = shown.load
     commands = [] if shown.shipped else [f"pinpress new {shown.file} --template {shown.table}"]
-    commands.append(f"pinpress record {shown.file} {speed} --load drawing:force={force:g}kN,start={start:g}mm --out {shown.table}.html")
+    commands.append(" ".join(["pinpress record", shown.file, *_options(shown), f"--out {shown.table}.html"]))
     base = " more than the press that it is based on" if b"\nbase:" in b"\n" + _table(shown) else ""
     return (
         f"\n## {shown.title}\n\n![{shown.title}, one stroke under load](gallery/{shown.table}.webp)\n\n"
         f"{shown.words} {lines} lines{base}.\n\n```\n" + "\n".join(commands) + "\n```\n"
     )
+
+
+def _options(shown: Shown) -> Sequence[str]:
+    """What acts on a shipped press; a template says it itself."""
+    if not shown.acting:
+        return ()
+    speed, force, start = shown.acting
+    return f"--speed {speed}", f"--load drawing:force={force},start={start}"
 
 
 def _table(shown: Shown) -> bytes:
@@ -121,10 +121,10 @@ def film(shown: Shown, folder: Path) -> bytes:
     """Make the film of a press; ``folder``: for what is not kept."""
     table = folder / f"{shown.table}.yaml"
     table.write_bytes(_table(shown))
-    press = pp.load(shown.table) if shown.shipped else pp.build(table)
-    motion = pp.cycle(press, shown.rate * (pp.RPM if press.driver_coordinates[0].turns else 1e-3))
-    load = pp.loads.DeepDrawing(force=1e3 * shown.load[0], start=1e-3 * shown.load[1])
-    recording = pp.record(press, motion, folder / "press.html", reactions=pp.inverse_dynamics(press, motion, loads=[load]))
+    loads = {"draw": dict(zip(("kind", "force", "start"), ("drawing", *shown.acting[1:]), strict=True))} if shown.acting else {}
+    job = pp.job(shown.table if shown.shipped else table, **({"speed": shown.acting[0], "loads": loads} if shown.acting else {}))
+    motion = job.motion()
+    recording = pp.record(job.press, motion, folder / "press.html", reactions=job.reactions())
     period = float(motion.time[-1]) * len(motion.time) / (len(motion.time) - 1)
     played = folder / "press.mp4"
     pp.video.film(recording, played, size=(480, 400), frames_per_second=RATE, slowdown=DURATION / period)

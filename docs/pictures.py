@@ -5,6 +5,7 @@ the tour, and `gallery_films` the gallery.
 """
 
 import csv
+import os
 import tempfile
 import warnings
 from collections.abc import Callable, Sequence
@@ -340,7 +341,7 @@ def ratings() -> Figure:
 
 def report_page() -> bytes:
     """docs/commands.md: the page of its command, at the ratings."""
-    return _report_in("commands.md", "pinpress report zxn2_3000b", "Ratings")
+    return _report_in("commands.md", "pinpress press.yaml", "Ratings")
 
 
 def frame_report() -> bytes:
@@ -360,8 +361,11 @@ def frame_modes() -> bytes:
 
 
 def _report_in(page: str, command: str, title: str) -> bytes:
-    """The page that a command of the manual makes, at a section."""
-    manual = (DOCS / page).read_text(encoding="utf-8").replace("\\\n", "")
+    """The page that a command of the manual makes of the files that it shows, at a section."""
+    from support import page_blocks
+
+    text = (DOCS / page).read_text(encoding="utf-8")
+    manual = text.replace("\\\n", "")
     _, *words = next(line for line in manual.splitlines() if line.startswith(command)).split()
     scroll = f"""() => {{
         const titles = [...document.querySelectorAll("#charts h2")];
@@ -369,8 +373,14 @@ def _report_in(page: str, command: str, title: str) -> bytes:
         viewer.render();
     }}"""
     with tempfile.TemporaryDirectory() as folder:
+        for block in page_blocks.blocks(text):
+            if block.title:
+                Path(folder, block.title).write_text(block.body, encoding="utf-8")
         file = Path(folder, words.pop())
+        before = Path.cwd()
+        os.chdir(folder)  # where the command finds these files
         main_of_pinpress([*words, str(file)])
+        os.chdir(before)
         return shot(file.as_uri() + "#t=0.64", "body:has(#charts h2)", scroll)
 
 

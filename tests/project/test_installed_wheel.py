@@ -17,7 +17,7 @@ from support.distribution import ROOT, elsewhere, run
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 WHAT_TESTS_NEED = ("pytest", "pytest-xdist", "hypothesis")
 # Rooms from the description to the forces, with random and damaged presses, that need no extra of developers.
-TESTS = ("cli/test_about_command", "dynamics/test_reference", "engines/test_one_joint", "kinematics/test_poses", "linkage/test_urdf")
+TESTS = ("cli/test_versions", "dynamics/test_reference", "engines/test_one_joint", "kinematics/test_poses", "linkage/test_urdf")
 
 pytestmark = pytest.mark.exhaustive
 
@@ -51,9 +51,9 @@ def stranger(tmp_path_factory: pytest.TempPathFactory) -> Stranger:
 
 
 def test_the_readmes_commands_and_code_run_in_an_empty_folder(stranger: Stranger, tmp_path: Path) -> None:
-    (command,) = re.findall(r"bin/pinpress (analyse .*)", README)
-    assert "wrote out/cycle.csv, out/recording.html and out/report.html" in stranger.run("pinpress", *command.split(), cwd=tmp_path)
-    assert (tmp_path / "out" / "report.html").stat().st_size > 1_000_000
+    (command,) = re.findall(r"bin/pinpress (.*)", README)
+    assert "wrote zxn2_3000b.html" in stranger.run("pinpress", *command.split(), cwd=tmp_path)
+    assert (tmp_path / "zxn2_3000b.html").stat().st_size > 1_000_000
     (code,) = [block.body for block in page_blocks.blocks(README) if block.language == "python"]
     (printed,) = [block.body for block in page_blocks.blocks(README) if block.language == "text"]
     assert stranger.run("python", "-c", code, cwd=tmp_path).strip() == printed.strip()
@@ -64,15 +64,15 @@ def test_commands_find_what_is_shipped_in_the_wheel(stranger: Stranger, tmp_path
     """Presses, templates of tables and of pages; not those of a checkout."""
     where = stranger.run("python", "-c", "import pinpress; print(pinpress.__file__)", cwd=tmp_path)
     assert Path(where.strip()).is_relative_to(stranger.environment)
-    about = stranger.run("pinpress", "about", cwd=tmp_path)
-    needed, optional = (about.partition(f"\n{part}\n")[2].partition("\n\n")[0] for part in ("Needed", "Optional"))
+    versions = stranger.run("pinpress", "--version", cwd=tmp_path)
+    needed, optional = (versions.partition(f"\n{part}\n")[2].partition("\n\n")[0] for part in ("Needed", "Optional"))
     assert needed
     assert "not installed" not in needed
     assert re.findall(r"(\S+) +not installed", optional)  # only what the extra brings is there
     stranger.run("pinpress", "new", "press.yaml", "--template", "knuckle", cwd=tmp_path)
     stranger.run("pinpress", "build", "press.yaml", cwd=tmp_path)
     assert "stroke" in stranger.run("pinpress", "check", "press.urdf", cwd=tmp_path)
-    stranger.run("pinpress", "record", "underdrive", "--speed", "40", "--out", "underdrive.html", cwd=tmp_path)
+    stranger.run("pinpress", "record", "underdrive", "--speed", "40r/min", "--out", "underdrive.html", cwd=tmp_path)
     assert (tmp_path / "underdrive.html").stat().st_size > 300_000
 
 
@@ -104,4 +104,4 @@ def test_the_readmes_first_line_works_where_the_source_distribution_is_unpacked(
     (folder,) = tmp_path.iterdir()
     python = Path(sys.executable).parent
     run("bash", "-euc", line, cwd=folder, env=elsewhere(PATH=f"{python}:/usr/bin:/bin"))
-    assert (folder / "out" / "report.html").exists()
+    assert (folder / "zxn2_3000b.html").exists()

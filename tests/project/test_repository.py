@@ -115,7 +115,7 @@ def test_forms_ask_for_what_is_needed(path: Path) -> None:
         assert field["type"] == "textarea"
         assert field["attributes"]["label"]
     if path.stem != "press":
-        assert "pinpress about" in path.read_text(encoding="utf-8")
+        assert "pinpress --version" in path.read_text(encoding="utf-8")
 
 
 def test_there_are_forms() -> None:
@@ -123,7 +123,7 @@ def test_there_are_forms() -> None:
 
 
 def test_all_is_every_extra_of_users() -> None:
-    """Those that `pinpress about` lists, by the extras that hold the others."""
+    """Those that `pinpress --version` lists, by the extras that hold the others."""
     from pinpress.cli.about import OF_USERS
 
     extras = dict(re.findall(r"^(\w+) = (\[.*?\])", project(), flags=re.MULTILINE | re.DOTALL))
