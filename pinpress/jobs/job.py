@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..common.errors import PinpressError, suggestion
+from ..common.frozen import Frozen
 from ..common.reading.entries import Entry
 from ..common.reading.filling import Around, Named, naming
 from ..drives.protocol import Drive
@@ -176,7 +177,7 @@ def _check_names(section: str, entry: Entry, read: Any, press: Linkage) -> None:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Job:
+class Job(Frozen):
     """A press and all that acts on it.
 
     Attributes:

@@ -167,7 +167,7 @@ def test_what_cannot_be_shown_is_refused() -> None:
 def watched(tmp_path: Path) -> Iterator[tuple[Path, str, subprocess.Popen[str]]]:
     path = tmp_path / "own.yaml"
     shutil.copy(KNUCKLE, path)
-    command = [sys.executable, "-m", "pinpress", "view", str(path), "--speed", "5", "--watch", "--no-browser", "--set", "r=85"]
+    command = [sys.executable, "-m", "pinpress", "view", str(path), "--speed", "5 rad/s", "--watch", "--no-browser", "--set", "r=85"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stdout is not None
     yield path, process.stdout.readline().strip(), process

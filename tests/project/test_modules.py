@@ -11,6 +11,7 @@ DESCRIBED = "described.py"
 LEAST = 40  # lines of a module
 SHORT = {  # modules that have fewer, and why
     "__main__.py": "`python -m pinpress`",
+    "cli/measured/measured.py": "a list of its commands",
     "measures.py": "a list of names, in measures.pyi",
     "plots/figure.py": "it imports Matplotlib, which is optional, where the rest of the room does so only to draw",
     "video.py": "a list of names, in video.pyi",

@@ -14,6 +14,7 @@ ROOT = Path(pp.__file__).resolve().parents[1]
 STUBS = {path.relative_to(ROOT).as_posix(): ast.parse(path.read_bytes()) for path in sorted(ROOT.glob("pinpress/**/*.pyi"))}
 SPACES = {stub.removesuffix(".pyi").removesuffix("/__init__").replace("/", "."): tree for stub, tree in STUBS.items()}
 MEANT = {
+    ("Job", "job"),  # what the function returns, whose class no user has to write
     ("load", "loads"),  # the namespace of loads keeps the field's word
     ("measured", "measures"),  # what a machine was found to be, beside quantities of a motion: users asked for this word
     ("Sweep", "sweep"),  # what the function returns, whose class no user has to write

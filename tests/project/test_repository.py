@@ -124,7 +124,7 @@ def test_there_are_forms() -> None:
 
 def test_all_is_every_extra_of_users() -> None:
     """Those that `pinpress --version` lists, by the extras that hold the others."""
-    from pinpress.cli.about import OF_USERS
+    from pinpress.cli.versions import OF_USERS
 
     extras = dict(re.findall(r"^(\w+) = (\[.*?\])", project(), flags=re.MULTILINE | re.DOTALL))
     held = set(re.findall(r"\w+", re.search(r"pinpress\[([\w,]+)\]", extras["all"])[1]))
@@ -150,7 +150,7 @@ def declared(*lists: str) -> dict[str, str]:
 
 
 def test_the_recipe_for_conda_forge_has_the_names_and_versions_of_the_project() -> None:
-    from pinpress.cli.about import OF_USERS
+    from pinpress.cli.versions import OF_USERS
 
     recipe = yaml.safe_load(text("conda/recipe.yaml"))
     lowest = recipe["context"]["python_min"]

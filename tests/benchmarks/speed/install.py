@@ -12,9 +12,10 @@ from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 
 from benchmarks.stopwatch import table
-from pinpress.cli.about import OF_USERS
 from support import distribution
 from support.distribution import elsewhere, run
+
+from pinpress.cli.versions import OF_USERS
 
 UV = (sys.executable, "-m", "uv")
 
