@@ -39,17 +39,6 @@ def _run(arguments: list[str] | None) -> int:
     return int(options.run(options))
 
 
-def _with_negative_numbers(words: list[str]) -> list[str]:
-    """The words with ``--speed -70r/min`` as one, which argparse would take for two options."""
-    joined: list[str] = []
-    for word in words:
-        if joined and joined[-1] in ("--speed", "--at", "--offset") and re.match(r"-[\d.]", word):
-            joined[-1] += f"={word}"
-        else:
-            joined.append(word)
-    return joined
-
-
 def _names_press(word: str) -> bool:
     """Whether a word is no command but a job or press: it has the ending of one, or is the name of a shipped press."""
     return word.lower().endswith((".yaml", ".yml", ".urdf", ".sdf", ".xml", ".mjcf")) or word in presses()

@@ -611,8 +611,8 @@ def harmonics_of_shaking(reactions: Reactions) -> Bars | None:
 def checks(press: Linkage, gap: float, reactions: Reactions) -> list[Figure]:
     """How well loops and the balance of power are fulfilled; ``gap``: the largest of a loop [m]."""
     residual = float(np.abs(reactions.power_residual).max())
-    closed: float | str = "closed to rounding" if gap <= CLOSED * max(press.size, 1.0) else gap
-    balanced: float | str = "0 to rounding" if residual <= CLOSED else f"{residual:.3g}"
+    closed: float | str = "closed, up to rounding errors" if gap <= CLOSED * max(press.size, 1.0) else gap
+    balanced: float | str = "0, up to rounding errors" if residual <= CLOSED else f"{residual:.3g}"
     return [
         Figure("largest loop gap", closed, "m"),
         Figure("largest power residual", balanced, "-", "of the peak power: remaining error of drive - loads - change of energy"),

@@ -140,7 +140,7 @@ class Engine(Protocol):
 
     @property
     def tolerance(self) -> float:
-        """Gap at which a loop is closed to rounding [m]."""
+        """Gap at which a loop counts as closed [m]."""
 
     @property
     def piece(self) -> int:

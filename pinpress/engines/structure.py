@@ -38,7 +38,7 @@ class Structure:
         relations: between joint coordinates, as declared.
         drivers: indices of the driver joints in v.
         size: length of the linkage [m]: largest extent of joints and loop points in the drawn pose.
-        tolerance: gap at which a loop is closed to rounding [m].
+        tolerance: gap at which a loop counts as closed [m].
         slots: places of the joints in q.
         axes: axes of the joints.
     """

@@ -143,7 +143,7 @@ class Plane:
 
     @cached_property
     def tolerance(self) -> float:
-        """Gap at which a loop is closed to rounding [m]."""
+        """Gap at which a loop counts as closed [m]."""
         return 8 * float(np.finfo(float).eps) * self.size
 
     @cached_property
