@@ -48,6 +48,7 @@ from .simulation.run import Run as Run
 from .simulation.simulate import simulate as simulate
 from .simulation.steady_state import steady_state as steady_state
 from .visual.recording import record as record
+from .visual.reports.header import Header as Header
 from .visual.reports.report import report as report
 from .visual.shapes.appearance import visual_model as visual_model
 from .visual.swinging import record_modes as record_modes

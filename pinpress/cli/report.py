@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     if options.modes is not None and job.mounted is None:
         raise PinpressError("--modes shows the frame on its mounts: write a foundation into the job, or leave --modes out")
     results = [*results_of(job)]
-    reactions, _ = motion_of(job)
+    reactions = motion_of(job)
     print(f"{reactions.title}\n\n{written(reactions.described())}")
     for each in results:
         print(f"\n{each}")

@@ -41,6 +41,7 @@ MAKERS = {
     "IdentifiedPress": "measured.identify",
     "IdentifiableParameters": "measured.identifiability",
     "Flywheel": "Flywheel",
+    "Header": "Header(title=...)",
     "DirectCurrentLink": "drives.DirectCurrentLink",
     "MountedPress": "mounted",
     "VibrationModes": "foundation.modes",

@@ -6,7 +6,7 @@ import hashlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,6 +36,7 @@ from ..simulation.elastic.description import Elastic, Stiffness
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state
+from ..visual.reports.header import Header
 from .bearings import bearings_of, clearances_of, elastic_of, frictions_of
 from .grammar import ALL, SECTIONS
 from .kinds import Bearing
@@ -83,10 +84,11 @@ def raise_first(error: PinpressError) -> None:
 
 
 def as_inputs(job: Job | None) -> list[tuple[str, str]]:
-    """The files of a job with their SHA-256, and what was changed, for the inputs of a result."""
+    """The files of a job with their SHA-256, its variant, and what was changed, for the inputs of a result."""
     if job is None:
         return []
-    rows = [("read", f"{path}, SHA-256 {digest}") for path, digest in job.files.items()]
+    rows = [("variant", f"{job.source.variant} of {job.source.file}")] if job.source.variant else []
+    rows += [("read", f"{path}, SHA-256 {digest}") for path, digest in job.files.items()]
     return rows + [("changed", f"{each.path}: {each.before or 'nothing'} -> {each.now or 'nothing'}") for each in job.changed]
 
 
@@ -111,7 +113,8 @@ def read_job(found: Source, refuse: Callable[[PinpressError], Any]) -> Job:
             except PinpressError as error:
                 made.pop(name, None)
                 refuse(error)
-    files = {path: _digest(path) for path in (*found.files, *around.files) if path.is_file()}
+    models = [] if drawn is not None or isinstance(found.model, str) else [found.model]
+    files = {path: _digest(path) for path in (*found.files, *models, *around.files) if path.is_file()}
     result = Job(press, as_drawn, made, found, drawn, files)
     try:
         result._check()
@@ -260,6 +263,14 @@ class Job(Frozen):
         return self.sections.get("brake")
 
     @cached_property
+    def header(self) -> Header | None:
+        """Title and title block of the page; None where the job says nothing of them."""
+        given = self.sections.get("report", {})
+        parts = {each.name: given[each.name] for each in fields(Header) if each.name in given}
+        with self._naming("report"):
+            return Header(**parts) if parts else None
+
+    @cached_property
     def capacities(self) -> Capacities:
         """What the press may bear, with the permissible forces of its bearings, and the flywheel where a drop of speed is given."""
         given = dict(self.need("capacities"))
@@ -306,7 +317,9 @@ class Job(Frozen):
     def _naming(self, section: str) -> AbstractContextManager[None]:
         """Let errors about arguments name the section from which they are."""
         entry = self.source.items.get(section)
-        return nullcontext() if entry is None else naming(entry)
+        if entry is None:
+            return nullcontext()
+        return naming(entry, entry.value if isinstance(entry.value, Mapping) else None)
 
     def _of_drivers(self, section: str) -> Any:
         parts = self.sections.get(section)
@@ -334,7 +347,7 @@ class Job(Frozen):
             if ("speed_drop" in has["capacities"]) and not isinstance(self.flywheel, Flywheel):
                 self._refuse("capacities", "speed_drop without a flywheel", "add flywheel: 6000 kg m2")
             _ = self.capacities
-        _ = self.friction, self.elastic
+        _ = self.friction, self.elastic, self.header
 
     # ------------------------------------------------------------------------------------------------------------------- results
 

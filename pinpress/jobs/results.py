@@ -13,6 +13,7 @@ from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
+from ..kinematics.motion_table import read_motion
 from ..loads.mounts import Frame
 
 if TYPE_CHECKING:
@@ -136,19 +137,18 @@ def traces_of(job: Job) -> list[tuple[str, Any]]:
     return [(link, point) for link, points in job.sections.get("traces", {}).items() for point in points]
 
 
-def motion_of(job: Job) -> tuple[Reactions, Reactions | None]:
-    """The reactions that a page of the job shows, and those that it compares with.
+def motion_of(job: Job) -> Reactions:
+    """The reactions that a page of the job shows.
 
     They are those of the motion or at constant speed; of a job without either those of the servo drive's best motion, or of the run.
     """
-    loads = list(job.loads.values())
-    if "motion" in job.sections or job.speed is not None:
-        return job.reactions(), before_of(job)
-    if "servo" in job.sections:
-        return inverse_dynamics(job.press, job.best_motion().motion.motion, loads, job.friction), None
-    if "run" in job.sections:
-        return inverse_dynamics(job.press, job.simulate(), loads, job.friction), None
-    return job.reactions(), None  # it says what the job lacks
+    if "motion" not in job.sections and job.speed is None:
+        loads = list(job.loads.values())
+        if "servo" in job.sections:
+            return inverse_dynamics(job.press, job.best_motion().motion.motion, loads, job.friction)
+        if "run" in job.sections:
+            return inverse_dynamics(job.press, job.simulate(), loads, job.friction)
+    return job.reactions()  # it says what the job lacks
 
 
 def write_report(
@@ -169,10 +169,13 @@ def write_report(
         before: those that it compares with, beside ``reactions``.
     """
     from ..visual.reports.report import report  # slow to import
+    from .job import as_inputs  # it imports this module
 
+    name, its = "", None
     if reactions is None:
-        reactions, before = motion_of(job)
-    results = [*results_of(job)] if results is None else results
+        reactions = motion_of(job)
+        before, name, its = before_of(job)
+    results, rows = [*results_of(job)] if results is None else results, as_inputs(job)
     return report(
         reactions._press,
         reactions.motion,
@@ -182,21 +185,37 @@ def write_report(
         before=before,
         results=results,
         flywheel=job.flywheel,
+        header=job.header,
+        inputs=rows,
+        before_name=name,
+        before_inputs=[row for row in as_inputs(its) if row not in rows],
     )
 
 
-def before_of(job: Job) -> Reactions | None:
-    """The reactions of the variant or press with which the page compares; None without one."""
-    named = job.sections.get("report", {}).get("before")
-    if named is None:
-        return None
-    variants = job.source.below.get("variants")
-    if named == "none":
-        return None
-    if variants is not None and isinstance(variants.value, Mapping) and named in variants.value:
-        return job.variant(named).reactions()
+def before_of(job: Job) -> tuple[Reactions | None, str, Job | None]:
+    """The reactions of the variant or press with which the page compares, its name if it is a variant, and its job; None without one.
+
+    A press whose file says nothing of its motion moves as that of the job, and without loads of its own under the job's.
+    """
+    section = job.source.items.get("report")
+    entry = None if section is None else section.items("keys with values").get("before")
+    if entry is None or entry.value == "none":
+        return None, "", None
+    name, variants = entry.text("a variant or press"), job.source.below.get("variants")
+    if variants is not None and name in variants.items("names with values"):
+        other = job.variant(name)
+        return motion_of(other), f"variant {name} of {other.press.name}", other
     from .job import job as read  # it imports this module
 
-    other = read(named)
-    motion = job.motion() if job.speed is None else cycle(other.press, speed=job.speed, points=job._points)
-    return inverse_dynamics(other.press, motion, list(job.loads.values()))
+    path = entry.folder / name
+    other = read(path if path.exists() else name)
+    if "motion" in other.sections or other.speed is not None:
+        return motion_of(other), "", other
+    if "motion" in job.sections:
+        given = job.sections["motion"]
+        motion = read_motion(other.press, given["file"], period=given.get("period"))
+    elif job.speed is not None:
+        motion = cycle(other.press, speed=job.speed, points=job._points)
+    else:
+        entry.refuse(f"neither the job nor {name} says how the driver moves", "write speed: 70 r/min")
+    return inverse_dynamics(other.press, motion, list((other.loads or job.loads).values()), other.friction), "", other

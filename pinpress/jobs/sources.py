@@ -53,6 +53,7 @@ class Source:
         below: the entries before all changes.
         changes: what was changed on top of the file.
         files: the files in YAML that were read, its bases among them.
+        variant: name of the variant; empty: none.
     """
 
     file: str
@@ -60,6 +61,7 @@ class Source:
     below: Mapping[str, Entry]
     changes: tuple[Change, ...]
     files: tuple[Path, ...]
+    variant: str = ""
 
     @property
     def table(self) -> Entry | None:
@@ -128,7 +130,7 @@ def of_variant(found: Source, variant: str) -> Source:
         raise PinpressError(f"{found.file}: variants: no variant {variant!r}{suggestion(variant, named)}; {there}")
     items = dict(below)
     done = [_change(items, path, value, value.refuse) for path, value in named[variant].items("{r: 150}").items()]
-    return replace(found, items=items, changes=tuple(done))
+    return replace(found, items=items, changes=tuple(done), variant=variant)
 
 
 def changed(found: Source, words: Sequence[str], changes: Mapping[str, Any]) -> Source:

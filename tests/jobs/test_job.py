@@ -14,6 +14,7 @@ from pinpress.common.reading.entries import entry_of_text
 from pinpress.common.reading.filling import Around, Number, OneOf, Part
 from pinpress.jobs import kinds
 from pinpress.jobs.grammar import JOB, SECTIONS
+from pinpress.jobs.results import before_of
 from pinpress.pin_table.reading import BESIDE
 
 PRESS = Path(__file__).with_name("press_job.yaml")  # the six-bar with all that acts on it
@@ -203,3 +204,56 @@ def test_the_report_has_a_part_for_each_section(job: pp.Job, tmp_path: Path) -> 
     page = job.write_report(tmp_path / "press.html")
     titles = [each["title"] for each in data_in(page)["report"]["sections"]]
     assert {"Ratings", "Steady state"} & set(titles) or any("permissible" in title.lower() for title in titles)
+
+
+def test_the_page_has_the_header_and_the_inputs_of_the_job(tmp_path: Path) -> None:
+    from support.in_browser import data_in
+
+    logo = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 4 1"><path d="M0 0h4v1H0z"/></svg>'
+    (tmp_path / "logo.svg").write_text(logo)
+    file = tmp_path / "press.yaml"
+    text = PRESS.read_text(encoding="utf-8")
+    file.write_text(text.replace("revision: B,", "revision: B, logo: logo.svg, before: long_stroke,"), encoding="utf-8")
+    page = pp.job(file, variant="hard_steel", points=24).write_report(tmp_path / "press.html")
+    report = data_in(page)["report"]
+    assert "<title>Press 3 for plant 7</title>" in page.read_text("utf-8")
+    assert report["header"]["company"] == "Muster AG"
+    assert report["header"]["rows"] == [["Drawing", "4711-03"], ["Revision", "B"], ["Author", "J. Doe"]]
+    assert report["header"]["logo"].startswith("data:image/svg+xml;base64,")
+    assert report["subtitle"].endswith("dashed: variant long_stroke of zxn2_3000b, crank at 70 r/min")
+    rows, dashed = ([tuple(row) for row in given["rows"]] for given in report["inputs"])
+    assert ("variant", f"hard_steel of {file}") in rows
+    assert ("changed", "loads.draw.force: 1500 kN -> 1900 kN") in rows
+    for path in (file, tmp_path / "logo.svg"):
+        assert ("read", f"{path}, SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}") in rows
+    assert ("variant", f"long_stroke of {file}") in dashed
+    assert ("changed", "parameters.r: 143 -> 150") in dashed
+
+
+def test_the_file_of_a_press_is_among_the_files_read(tmp_path: Path) -> None:
+    (tmp_path / "robot.urdf").write_bytes(shipped("crank_slide").text)
+    file = tmp_path / "press.yaml"
+    file.write_text("file: robot.urdf\nspeed: 60 r/min\n")
+    assert [*pp.job(file).files] == [file, tmp_path / "robot.urdf"]
+
+
+def test_a_page_compares_with_a_press_beside_the_job(tmp_path: Path) -> None:
+    """It moves and is loaded as that of the job, but for what its own file says; its path is that from the job's file."""
+    (tmp_path / "motion.csv").write_text("time [s],A [deg]\n" + "".join(f"{k / 24},{15 * k}\n" for k in range(25)))
+    table = PRESS.read_text(encoding="utf-8").partition("\nspeed:")[0].replace("{r: 143}", "{r: 120}")
+    (tmp_path / "old.yaml").write_text(table, encoding="utf-8")
+    file = tmp_path / "press.yaml"
+    for motion in ("speed: 60 r/min\npoints: 24\n", "motion: {file: motion.csv, period: 1 s}\n"):
+        file.write_text(
+            f"file: zxn2_3000b\n{motion}loads: {{draw: {{kind: drawing, force: 1 MN, start: 40 mm}}}}\nreport: {{before: old.yaml}}\n"
+        )
+        before, name, other = before_of(pp.job(file))
+        assert before is not None
+        assert other is not None
+        assert not name
+        assert before.motion.crank_speed.max() == pytest.approx(60 * pp.RPM, rel=1e-3)
+        assert stroke(before._press) == stroke(pp.build(tmp_path / "old.yaml")) != stroke(pp.job(file).press)
+    (tmp_path / "old.yaml").write_text(f"{table}\nspeed: 30 r/min\npoints: 24\n", encoding="utf-8")
+    before, *_ = before_of(pp.job(file, motion=None, speed=1.0))
+    assert before is not None
+    assert before.motion.crank_speed[0] == pytest.approx(30 * pp.RPM)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ...common.arguments import expect, typed
 from ...common.errors import PinpressError
+from ...common.errors import shown as as_text
 from ...common.outlets import described
 from ...common.results import Tabular
 from ...drives.transmission import Flywheel
@@ -26,6 +27,7 @@ from ..pages import packed
 from ..recording import key_frames, scene, shaft_flywheels
 from .drawn import figure, section, sections_of
 from .extremes import table_of_extremes
+from .header import Header
 from .shown import Shown, as_shown, before_shown, in_words
 
 if TYPE_CHECKING:
@@ -43,6 +45,10 @@ def report(
     before: Reactions | None = None,
     results: Sequence[Tabular] = (),
     flywheel: Flywheel | Mapping[str, Flywheel] | None = None,
+    header: Header | None = None,
+    inputs: Sequence[tuple[str, str]] = (),
+    before_name: str = "",
+    before_inputs: Sequence[tuple[str, str]] = (),
 ) -> Path:
     """Write a self-contained page with the recording (see `record`) and interactive charts whose cursor follows it; return its path.
 
@@ -71,10 +77,16 @@ def report(
             `ServoMotion`, `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`; `DeadCentreScatter` and its `Scatter`,
             `AllocatedTolerances`, `SlidePlay`, `DeadCentresInClearances`, `HeatShift`, `AccuracyBudget` and `SlideParallelism`.
         flywheel: As for `record`; by default those of a run, of the motion or among the results.
+        header: Title, company, logo and other parts of a title block, which stands at the top of the page and on its first sheet of paper;
+            by default the press's name is the title.
+        inputs: More rows for the inputs of the page, names and texts, such as the files from which the press was made.
+        before_name: What the dashed curves are, such as "at 50 r/min"; by default the name of their press.
+        before_inputs: More rows for the inputs of the dashed curves.
 
     Raises:
         PinpressError: As `record`, or a run under loads has no reactions, Plotly is not installed, a result is of another press or of a
-            kind that has no section, or ``before`` is over another quantity (time or crank angle) than the motion, or turns the other way.
+            kind that has no section, an input is no pair of texts, or ``before`` is over another quantity (time or crank angle) than the
+            motion, or turns the other way.
         UnknownNameError: As `record`.
     """
     if odd := [type(result).__name__ for result in results if not isinstance(result, Tabular)]:
@@ -86,15 +98,34 @@ def report(
         reactions = inverse_dynamics(press, motion)
     if before is not None:
         expect("before", before, Reactions, "inverse_dynamics")
+    rows, before_rows = _rows("inputs", inputs), _rows("before_inputs", before_inputs)
     player = scene(press, motion, frames, reactions, traces, shaft_flywheels(press, flywheel, [motion, *results]))
     shown = as_shown(reactions, frames)
-    data = player | {"report": _content(shown, None if before is None else before_shown(before, motion), results)}
-    content = pages.page("report.html", press.name, data, {"viewer": pages.meshcat(), "plotly": pages.plotly()})
-    return pages.write(path, content)
+    dashed = None if before is None else before_shown(before, motion)
+    header = header or Header()
+    content = {"header": header.block(), **_content(shown, dashed, results, rows, before_name, before_rows)}
+    data = player | {"report": content}
+    page = pages.page("report.html", header.heading(press.name), data, {"viewer": pages.meshcat(), "plotly": pages.plotly()})
+    return pages.write(path, page)
 
 
-def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> dict[str, Any]:
-    """What the charts' part of the page is given."""
+def _rows(name: str, given: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """More rows of inputs; raises PinpressError where one is no pair of texts."""
+    rows = [tuple(row) if isinstance(row, Sequence) else (row,) for row in given]
+    if odd := [row for row in rows if len(row) != 2 or not all(isinstance(part, str) for part in row)]:
+        raise PinpressError(f'{name} has {as_text(odd[0])}: give pairs of texts, such as ("drawing", "4711-03")')
+    return [(name, words) for name, words in rows]
+
+
+def _content(
+    shown: Shown,
+    before: Shown | None,
+    results: Sequence[Tabular],
+    rows: Sequence[tuple[str, str]],
+    before_name: str,
+    before_rows: Sequence[tuple[str, str]],
+) -> dict[str, Any]:
+    """What the charts' part of the page is given; ``rows`` are more inputs."""
     if isinstance(shown.motion, Run) and not any(result is shown.motion for result in results):
         results = [shown.motion, *results]
     ratings = None
@@ -107,11 +138,11 @@ def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> 
     drawn = [section(_with_limit(part, ratings), shown, before, headlines=False) for part in shown.sections]
     drawn = [part for part in drawn if part["blocks"]] + [section(part, shown) for part in more] + [table_of_extremes(shown, before)]
     abscissa, heights = along_motion(shown.motion), shown.heights
-    inputs = [{"title": "", "rows": _inputs(shown, more)}]
+    inputs = [{"title": "", "rows": _with_rows(_inputs(shown, more), rows)}]
     if before is not None:
-        inputs.append({"title": "Dashed curves", "rows": inputs_of(before.reactions)})
+        inputs.append({"title": "Dashed curves", "rows": _with_rows(inputs_of(before.reactions), before_rows)})
     count = len(shown.motion.crank_angle)
-    beside = "" if before is None else f"; dashed: {before.press.name}, {in_words(before.motion)}"
+    beside = "" if before is None else f"; dashed: {before_name or before.press.name}, {in_words(before.motion)}"
     return {
         "subtitle": f"{in_words(shown.motion)}, {count} {'states' if count > 1 else 'state'}{beside}",
         "inputs": inputs,
@@ -143,3 +174,8 @@ def _inputs(shown: Shown, more: Sequence[described.Section]) -> list[tuple[str, 
     for part in more:
         rows += [row for row in part.inputs if row not in rows]
     return [*rows, computed_by]
+
+
+def _with_rows(inputs: Sequence[tuple[str, str]], rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Inputs with more rows before the last one, which says by what and when they were stated."""
+    return [*inputs[:-1], *rows, inputs[-1]]

@@ -331,10 +331,32 @@ function facts(parent, { title, rows }) {
   }
 }
 
+function titleBlock(article, { logo, company, rows, notes }) {  // beside the press; on paper above it, with the title
+  const box = make("section", article, { id: "head", className: "chart", ariaLabel: "Title block" });
+  if (logo) make("img", box, { src: logo, alt: company || "Logo" });
+  if (company) make("strong", box, { textContent: company });
+  const list = make("dl", box), title = document.querySelector("h1"), before = title.nextSibling;
+  for (const [name, words] of rows) {
+    const one = make("div", list);
+    make("dt", one, { textContent: name });
+    make("dd", one, { textContent: words });
+  }
+  if (notes) make("p", box, { textContent: notes });
+  article.prepend(box);
+  const onSheets = [document.title, company, ...rows.map(([name, words]) => `${name} ${words}`)].filter(Boolean).join(" · ");
+  document.documentElement.style.setProperty("--title", JSON.stringify(onSheets));
+  forPaper.push(() => {
+    document.body.prepend(box);
+    list.before(title);
+    return () => { article.prepend(box); before.before(title); };
+  });
+}
+
 const BLOCKS = { lines: lineChart, map: mapChart, bars: barChart, bearings: bearingDetail, table, figures };
 
 function drawReport() {
   const article = element("charts");
+  if (report.header) titleBlock(article, report.header);
   element("subtitle").textContent = report.subtitle;
   for (const given of report.inputs) facts(article, given);
   if (report.figures.length) figures(article, report);
