@@ -144,7 +144,7 @@ def test_crank_angles_count_from_a_dead_centre(folder: Path, capsys: pytest.Capt
 
 def test_a_variant_beside_the_job(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     printed(capsys, PRESS, "--variant", "long_stroke", "--set", "report.before=hard_steel", "--set", "points=36", "--out", "page.html")
-    assert "dashed: zxn2_3000b" in data_in(folder / "page.html")["report"]["subtitle"]
+    assert "dashed: variant hard_steel of zxn2_3000b" in data_in(folder / "page.html")["report"]["subtitle"]
 
 
 def by_library(*speeds: float, points: int = 90) -> pp.balancing.BalancedPress:
