@@ -229,7 +229,7 @@ def _syntax_error(text: str, error: yaml.MarkedYAMLError) -> tuple[int | None, s
     written = text.splitlines()[line - 1] if line is not None and line <= len(text.splitlines()) else ""
     if "\t" in written[: len(written) - len(written.lstrip())]:
         return line, "there is a tab before the text", "indent with blanks"
-    if "got ':'" in said:
+    if mark is not None and "got ':'" in said and ":" in written[: mark.column]:  # the first colon of a line follows an open bracket
         return line, "there is a colon in a text", 'write the text in quotes, title: "Press 3: plant 7"'
     return line, f"it is no YAML: {said}", "see that brackets close, and that a space follows each colon"
 
