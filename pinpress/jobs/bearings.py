@@ -42,12 +42,13 @@ def _over(every: Bearing, own: Bearing, unfit: tuple[str, ...]) -> Bearing:
 
 def _unfit(press: Linkage, name: str) -> tuple[str, ...]:
     """What is said of all and does not hold of this bearing."""
-    unfit = () if _turns(press, name) else OF_PINS
+    unfit = () if turns(press, name) else OF_PINS
     unfit += () if name not in _welded(press) else OF_FRICTION
     return unfit if name in _held_against_turning(press) else (*unfit, "moment_stiffness")
 
 
-def _turns(press: Linkage, name: str) -> bool:
+def turns(press: Linkage, name: str) -> bool:
+    """Whether a bearing turns, rather than slide as a guide."""
     return name not in press.joints or press.axes[press.joints.index(name)].turns
 
 
@@ -74,7 +75,7 @@ def frictions_of(press: Linkage, bearings: Mapping[str, Bearing]) -> Mapping[str
         if all(getattr(each, part) is None for part in OF_FRICTION):
             continue
         radius = each.radius if each.radius is not None or each.diameter is None else 0.5 * each.diameter
-        if each.friction and radius is None and _turns(press, name):
+        if each.friction and radius is None and turns(press, name):
             lacking.append(name)
         found[name] = Friction(each.friction or 0.0, radius, each.viscous or 0.0, each.preload or 0.0)
     if lacking:

@@ -16,7 +16,7 @@ import numpy as np
 from ..common.errors import PinpressError, suggestion
 from ..common.frozen import Frozen
 from ..common.reading.entries import Entry
-from ..common.reading.filling import Around, Named, naming
+from ..common.reading.filling import Around, Named, Number, naming
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics.inverse_dynamics import inverse_dynamics
@@ -37,7 +37,7 @@ from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state
 from ..visual.reports.header import Header
-from .bearings import bearings_of, clearances_of, elastic_of, frictions_of
+from .bearings import bearings_of, clearances_of, elastic_of, frictions_of, turns
 from .grammar import ALL, SECTIONS
 from .kinds import Bearing
 from .sources import OF_PRESS, Change, Source, changed, of_variant, source
@@ -164,12 +164,14 @@ def _digest(path: Path) -> str:
 
 
 def _check_names(section: str, entry: Entry, read: Any, press: Linkage) -> None:
-    """Refuse names of links and bearings that the press does not have, where they stand."""
+    """Refuse names of links and bearings that the press does not have, and units of the other kind of bearing, where they stand."""
     if section == "bearings":
         for name, each in entry.items("bearings").items():
             if name != ALL and name not in press.bearings:
                 known = (*press.bearings, ALL)
                 each.refuse(f"no bearing {name}{suggestion(name, known)}", f"name one of {', '.join(press.bearings)}, or {ALL}")
+            if name in press.bearings and isinstance(each.value, Mapping) and "viscous" in each.value:
+                Number("N m s/rad" if turns(press, name) else "N s/m").read(each.value["viscous"], Around())
     elif section == "loads":
         links = press.links
         for each in entry.items("loads").values():

@@ -14,7 +14,7 @@ from ..balancing.problem import AXES, QUANTITIES, AddedMass, Peak, Range, Rms
 from ..balancing.regions import CounterweightRegion
 from ..common.errors import PinpressError
 from ..common.parameters import Checked, parameter
-from ..common.quantities import CRANK
+from ..common.quantities import CRANK, RAM
 from ..common.reading.entries import Entry
 from ..common.reading.filling import Around, DataColumns, Either, Named, Number, Numbers, OneOf, Part, Rows, Text, Truth, Value
 from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor
@@ -184,7 +184,20 @@ class Bearing(Checked):
     permissible: float | None = field(default=None, metadata=parameter("N", "positive"))
 
 
-BEARING = Part(Bearing, "{friction: 0.05, diameter: 200 mm, width: 160 mm}", {"clearance": CLEARANCE, "joint": JOINT})
+class Viscous(Number):
+    """Viscous friction of a pin, or of a guide in the unit of one; which of them it is the press knows."""
+
+    def read(self, entry: Entry, around: Around) -> Any:
+        """The torque by angular speed [N m s/rad], or the force by speed [N s/m]."""
+        in_guide = isinstance(entry.value, str) and entry.value.endswith(("s/m", "s/mm"))
+        return super().read(entry, replace(around, coordinate=RAM if in_guide else CRANK))
+
+
+BEARING = Part(
+    Bearing,
+    "{friction: 0.05, diameter: 200 mm, width: 160 mm}",
+    {"viscous": Viscous("N m s/rad"), "clearance": CLEARANCE, "joint": JOINT},
+)
 
 # ------------------------------------------------------------------------------------------------------------------------------- servo
 

@@ -55,6 +55,7 @@ SAID: Mapping[str, Mapping[str, str]] = {  # of keys that are no fields of a cla
         "period": "after which the motion repeats itself; left out: it does not",
     },
     "loads": {"file": "a table of height and force"},
+    "bearings": {"viscous": "viscous torque by angular speed; in a guide viscous force by speed, such as 800 N s/m"},
     "motor": {"program": "a table of time and angle", "curve": "a table of frequency and largest torque"},
     "capacities": {
         "nominal_force": "largest process force at any height",

@@ -257,3 +257,13 @@ def test_a_page_compares_with_a_press_beside_the_job(tmp_path: Path) -> None:
     before, *_ = before_of(pp.job(file, motion=None, speed=1.0))
     assert before is not None
     assert before.motion.crank_speed[0] == pytest.approx(30 * pp.RPM)
+
+
+def test_viscous_friction_has_the_unit_of_its_bearing() -> None:
+    bearings = {"A": {"viscous": "30 N m s/rad"}, "slide_guide": {"friction": 0.05, "viscous": "0.8 kN s/m"}}
+    friction = pp.job("zxn2_3000b", bearings=bearings).friction
+    assert friction == {"A": pp.loads.Friction(0.0, None, 30.0), "slide_guide": pp.loads.Friction(0.05, viscous=800.0)}
+    with pytest.raises(pp.PinpressError, match=r"bearings: A: viscous: '30 N s/m' is in 'N s/m', which is none of N m s/rad"):
+        pp.job("zxn2_3000b", bearings={"A": {"viscous": "30 N s/m"}})
+    with pytest.raises(pp.PinpressError, match=r"slide_guide: viscous: '30 N m s/rad' is in 'N m s/rad', which is none of N s/m"):
+        pp.job("zxn2_3000b", bearings={"slide_guide": {"viscous": "30 N m s/rad"}})
