@@ -26,7 +26,7 @@ from ..kinematics.motion import Motion
 from ..kinematics.motion_table import read_motion
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
-from ..linkage.loading import load
+from ..linkage.loading import load, presses
 from ..loads.link import Friction, Load, StandingLoad
 from ..pin_table.building import DrawnPress
 from ..ratings.along_motion import MotionRatings, rate_motion
@@ -349,7 +349,16 @@ class Job(Frozen):
             if ("speed_drop" in has["capacities"]) and not isinstance(self.flywheel, Flywheel):
                 self._refuse("capacities", "speed_drop without a flywheel", "add flywheel: 6000 kg m2")
             _ = self.capacities
+        if "before" in has.get("report", {}):
+            self._check_before(self.source.items["report"].items("keys with values")["before"])
         _ = self.friction, self.elastic, self.header
+
+    def _check_before(self, entry: Entry) -> None:
+        name, below = entry.text("a variant or press"), self.source.below
+        variants = below["variants"].items("names with values") if "variants" in below else {}
+        if name not in ("none", *variants, *presses()) and not (entry.folder / name).exists():
+            known = f"name one of {', '.join(variants)}, or a press" if variants else "name a press"
+            entry.refuse(f"no variant or press {name!r}{suggestion(name, variants)}", known)
 
     # ------------------------------------------------------------------------------------------------------------------- results
 

@@ -63,6 +63,7 @@ WRONG: list[tuple[str, str, str, bool]] = [
     ("count: 2", "count: 2.5", "loads: balance: count: '2.5' is no whole number; write one, such as 12", False),
     ("volume: 300 l", "volume: 0 l", "loads: balance: volume: 0.0; give a finite number that is positive [m3]", True),
     ("drawing: 4711-03,", "logo: logo.bmp,", "report: logo: {folder}/logo.bmp, which cannot be read: No such file", True),
+    ("revision: B,", "before: hard_stel,", "before: no variant or press 'hard_stel', did you mean 'hard_steel'?; name one of long", True),
     ("title: Press 3 for plant 7,", "title: Press 3: plant 7,", "there is a colon in a text; write the text in quotes", False),
     ("force: 1500 kN", "force: [1500 kN]", "loads: draw: force: a list; write a number, 1.5 kN", False),
     ("  draw:    {kind", "  draw: {kind: idle}\n  draw:    {kind", "loads: draw: draw stands there twice; remove one of them", False),
