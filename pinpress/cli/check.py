@@ -1,8 +1,10 @@
 """`pinpress check`: how a press moves, with the errors, doubts and notes about its file, and all errors of a job at once."""
 
 import argparse
+import re
+import warnings
 
-from ..common.errors import PinpressError, PinTableError
+from ..common.errors import PinpressError, PinpressWarning, PinTableError
 from ..common.results import Records
 from ..jobs.job import read_job
 from ..jobs.sources import Source
@@ -42,7 +44,10 @@ def run(options: argparse.Namespace) -> int:
     if result.errors or result.facts is None:
         return 1
     errors: list[PinpressError] = []
-    read_job(found, errors.append)
+    with warnings.catch_warnings():
+        for each in result.warnings:  # loading the press says again what the report lists
+            warnings.filterwarnings("ignore", f".*{re.escape(f'{each.problem}; {each.remedy}')}", PinpressWarning)
+        read_job(found, errors.append)
     print("".join(f"\nerror: {error}" for error in errors), end="\n" if errors else "")
     return 1 if errors else 0
 

@@ -153,15 +153,15 @@ def test_a_loop_that_is_drawn_far_open_is_closed_only_where_it_is_asked_for(tmp_
         load(tmp_path, edit)
     assert caught.value.element == '<loop_joint name="W">'
     assert [str(found.error) for found in pp.check(caught.value.file).errors] == [str(caught.value)]
-    assert main(["analyse", caught.value.file, "--speed", "60"]) == 2
+    assert main(["analyse", caught.value.file, "--speed", "60r/min"]) == 2
     assert main(["check", caught.value.file]) == 1
     with pytest.warns(pp.PinpressWarning, match="it is 60 mm apart as drawn; draw it closed"):
         press = load(tmp_path, edit, allow_open=True)
     assert pp.dead_centres(press).stroke == pytest.approx(0.2)
     assert not pp.check(press.file, allow_open=True).errors
     with pytest.warns(pp.PinpressWarning, match="it is 60 mm apart as drawn"):
-        assert main(["analyse", press.file, "--speed", "60", "--allow-open"]) == 0
-    assert main(["check", press.file, "--allow-open"]) == 0
+        assert main(["analyse", press.file, "--speed", "60r/min", "--set", "allow_open=yes"]) == 0
+    assert main(["check", press.file, "--set", "allow_open=yes"]) == 0
     with pytest.raises(pp.PinpressError, match="allow_open is 1: give True or False"):
         load(tmp_path, edit, allow_open=1)
 
@@ -170,20 +170,7 @@ def test_a_loop_that_is_drawn_far_open_is_closed_only_where_it_is_asked_for(tmp_
 def test_a_command_says_warnings_in_one_plain_line_each(tmp_path):
     file = tmp_path / "press.urdf"
     file.write_text(CRANK_SLIDE.replace('<link1 link="rod" xyz="0.400 0 0"', '<link1 link="rod" xyz="0.390 0 0"'), encoding="utf-8")
-    command = [
-        sys.executable,
-        "-m",
-        "pinpress",
-        "analyse",
-        str(file),
-        "--speed",
-        "60",
-        "--before",
-        str(file),
-        "--report",
-        "--out",
-        str(tmp_path),
-    ]
+    command = [sys.executable, "-m", "pinpress", "analyse", str(file), "--speed", "60r/min", "--out", str(tmp_path)]
     said = subprocess.run(command, check=True, capture_output=True, text=True).stderr
     assert re.fullmatch(rf"warning: {re.escape(str(file))}:\d+: <loop_joint name=\"W\">: it is 10 mm apart as drawn; [^\n]*\n", said)
 
