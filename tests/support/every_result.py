@@ -57,6 +57,7 @@ PIN_TABLE = {
     },
     "drive": "O",
 }
+TOLERANCES = {"dimensions": {"length P W": {"tolerance": "0.05 mm"}}}  # of a job
 TRIALS = []  # seen by the synthesis
 
 
@@ -459,6 +460,7 @@ def made():
         *DEEP.intervals(True),
         *(ACCURACY, *ACCURACY.groups.values(), MEASUREMENT),
         pp.pin_table.draft(**PIN_TABLE),
+        pp.job("crank_slide", loads={"draw": DEEP}, speed=SPEED, capacities={"nominal_force": 1e5}, tolerances=TOLERANCES),
         *(classical.as_crank_slider(press()), classical.unbalance(press(), "crank")),
         classical.static_balance([2.0], [[0.1, 0.0, 0.0]]),
         *classical.compare_harmonics(reactions(), opposed, orders=2)[:1],
