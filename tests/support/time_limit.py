@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
-LIMIT = 30.0  # [s]; every call takes seconds at most
+LIMIT = 120.0  # [s]; every call takes seconds at most, which on a machine with other work may be a minute
 
 
 @contextmanager
