@@ -168,7 +168,7 @@ def main() -> None:
     if options.name not in known:
         parser.error(f"there is no script {options.name}: the names are {', '.join(known)}")
     if options.to or options.quick:
-        sys.modules["make"].OUT.append(options.to or ROOT / "out" / "quick")  # type: ignore[attr-defined]
+        sys.modules["make"].OUT.append(options.to or ROOT / "out" / "quick")
     load(options.name).main(options.quick, *([options.parts] if options.parts else []))
 
 

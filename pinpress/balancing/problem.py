@@ -417,15 +417,16 @@ def _series(
     parts += [points_of(press, region.region.link, region.replaced) for region in variables if region.replaced is not None]
     responses = [mass_response(press, condition, reactions, part, inner_forces) for part in parts]
     count = sum(len(region.parts) for region in variables)
+    all_forces: list[Reactions | MassResponse] = [reactions, *responses]
     for criterion in criteria:
-        fixed, *others = (criterion.varying(criterion.series(forces)) for forces in (reactions, *responses))
+        fixed, *others = (criterion.varying(criterion.series(forces)) for forces in all_forces)
         yield _Series(
             fixed,
             replaced=sum(others[count:], np.zeros_like(fixed)),
             effects=np.stack(others[:count], axis=2),
             before=criterion.of(fixed),
             influence=max(criterion.of(effect) for effect in others[:count]),
-            noise=1e-12 * max(float(np.abs(criterion.vector(forces)).max()) for forces in (reactions, *responses)),
+            noise=1e-12 * max(float(np.abs(criterion.vector(forces)).max()) for forces in all_forces),
         )
 
 

@@ -6,6 +6,7 @@ from ..accuracy.scenes import SCENES
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
+from ..drives.transmission import Flywheel
 from ..dynamics.inputs import described, of_press, stated
 from .options import add_job_options, open_job, print_inputs, write_pictures
 from .progress import progress
@@ -50,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
     from ..accuracy.work_precision import compare, plot  # slow to import: mistakes in the options are reported before
 
     job = open_job(options)
-    press, flywheel = job.press, job.flywheel
+    press, flywheel = job.press, job.flywheel if isinstance(job.flywheel, Flywheel) else None
     if job.speed is None:
         raise PinpressError("a comparison needs the crank's speed: give --speed 70r/min")
     if options.out is not None:

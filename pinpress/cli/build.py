@@ -95,6 +95,7 @@ def run(options: argparse.Namespace) -> int:
     slide = found.press_sections().get("slide")
     try:
         draft = found.drawn()
+        assert draft is not None
     except PinTableError as error:
         if error.sketch is not None:
             files.write(sketch, error.sketch.encode())

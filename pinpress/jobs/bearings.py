@@ -42,7 +42,7 @@ def _over(every: Bearing, own: Bearing, unfit: tuple[str, ...]) -> Bearing:
 
 def _unfit(press: Linkage, name: str) -> tuple[str, ...]:
     """What is said of all and does not hold of this bearing."""
-    unfit = () if turns(press, name) else OF_PINS
+    unfit: tuple[str, ...] = () if turns(press, name) else OF_PINS
     unfit += () if name not in _welded(press) else OF_FRICTION
     return unfit if name in _held_against_turning(press) else (*unfit, "moment_stiffness")
 

@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -247,12 +247,14 @@ class Job(Frozen):
     @property
     def motor(self) -> Drive | PrescribedSpeed | Mapping[str, Drive] | None:
         """What drives the press; of several drivers by their names."""
-        return self._of_drivers("motor")
+        motor: Drive | PrescribedSpeed | Mapping[str, Drive] | None = self._of_drivers("motor")
+        return motor
 
     @property
     def flywheel(self) -> Flywheel | Mapping[str, Flywheel] | None:
         """The flywheel at the driver joint; of several drivers by their names."""
-        return self._of_drivers("flywheel")
+        flywheel: Flywheel | Mapping[str, Flywheel] | None = self._of_drivers("flywheel")
+        return flywheel
 
     @property
     def clutch(self) -> Clutch | None:
@@ -334,7 +336,7 @@ class Job(Frozen):
         section: Mapping[str, Any] = self.sections[name]
         return section
 
-    def _refuse(self, section: str, problem: str, remedy: str) -> None:
+    def _refuse(self, section: str, problem: str, remedy: str) -> NoReturn:
         entry = self.source.items.get(section)
         if entry is None:
             raise PinpressError(f"{self.source.file}: {section}: {problem}; {remedy}")
@@ -437,13 +439,15 @@ class Job(Frozen):
                 self._refuse("run", "several drivers have no stroke that repeats itself", "write duration: 3 s in place of steady")
             _ = self.need("motor")
             points = given.pop("points", POINTS * self.press.period_turns)
-            return steady_state(self.press, speeds[0], angle=angles[0], **driven, points=points, **given)
+            run: Run = steady_state(self.press, speeds[0], angle=angles[0], **driven, points=points, **given)
+            return run
         if "duration" not in given:
             self._refuse("run", "it says neither duration nor steady", "write duration: 3 s, or steady: yes")
         start_at = {"speed": speeds[0], "angle": angles[0]} if one else {"speed": speeds, "angle": angles}
-        return simulate(
+        run = simulate(
             self.press, given.pop("duration"), **start_at, **driven, clutch=self.clutch, brake=self.brake, progress=progress, **given
         )
+        return run
 
     def rate(self) -> PressRatings | MotionRatings:
         """The process force that the capacities permit, over the stroke or along the motion.

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn, TypeAlias
 
 from ..common.errors import PinpressError, suggestion
 from ..common.files import path_of
@@ -25,6 +25,7 @@ from .grammar import JOB, SECTIONS
 
 CALL = "job(...)"  # in place of a file's name where a call gives an entry
 TABLES = (".yaml", ".yml")
+Refuse: TypeAlias = Callable[[str, str], NoReturn]  # takes the problem and the remedy
 NEEDED = ("pins", "links")  # keys that only a table of pins has
 
 
@@ -196,7 +197,7 @@ def _of_kind(entry: Entry, kind: Any) -> Entry:
 # ------------------------------------------------------------------------------------------------------------------------------ changes
 
 
-def _change(items: dict[str, Entry], path: str, value: Entry, refuse: Any) -> Change:
+def _change(items: dict[str, Entry], path: str, value: Entry, refuse: Refuse) -> Change:
     """Change the entry of a path in place; ``refuse`` names where the change stands."""
     key = _longest(items, path)
     if key is None and (parameter := _parameter(items, path)) is not None:
@@ -231,7 +232,7 @@ def _parameter(items: dict[str, Entry], path: str) -> str | None:
     return path if path in known else None
 
 
-def _begun(items: dict[str, Entry], path: str, refuse: Any) -> str:
+def _begun(items: dict[str, Entry], path: str, refuse: Refuse) -> str:
     """The section that a path begins, or that it makes as a whole."""
     key, point, rest = path.partition(".")
     if key not in SECTIONS:
@@ -245,7 +246,7 @@ def _begun(items: dict[str, Entry], path: str, refuse: Any) -> str:
     return key
 
 
-def _below(entry: Entry | None, path: str, value: Entry, section: str, refuse: Any, depth: int = 1) -> Entry:
+def _below(entry: Entry | None, path: str, value: Entry, section: str, refuse: Refuse, depth: int = 1) -> Entry:
     """An entry in which that of a path is changed."""
     if entry is None:
         return Entry({path: value}, value.file, None, (section,), JOB)

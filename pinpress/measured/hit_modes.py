@@ -546,7 +546,7 @@ def _distinct(model: _Model, covariance: Array) -> Array:
     for strengths, own in zip(model.strengths, unknowns, strict=True):
         strength = np.stack([strengths.real, strengths.imag], axis=1).ravel()
         squares.append(strength @ np.linalg.pinv(covariance[np.ix_(own, own)], hermitian=True) @ strength)
-    return np.sqrt(np.maximum(squares, 0.0) / (2 * hits))
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0) / (2 * hits)))
 
 
 def _deviations(roots: ComplexArray, covariance: Array) -> Array:

@@ -365,7 +365,7 @@ def _result(unknowns: Unknowns, fit: Fit, press: Linkage, losses: Losses) -> Ide
     def identified(parameter: Parameter, row: Array, known: bool, prior: float) -> IdentifiedParameter:
         """A weighted sum ``row`` (unknowns,) of the unknowns; ``prior``: its standard deviation before, if it was known."""
         value, name = float(row @ fit.values), parameter.name
-        by_noise, by_blocks = (float(np.sqrt(max(row @ covariance @ row, 0.0))) for covariance in (fit.posterior, fit.sandwich))
+        by_noise, by_blocks = (math.sqrt(max(float(row @ covariance @ row), 0.0)) for covariance in (fit.posterior, fit.sandwich))
         width = WIDE * max(by_noise, by_blocks)
         never_negative = np.count_nonzero(row) == 1 and (name.endswith(("mass", " I", " xx", " yy", " zz")) or "friction" in name)
         low = max(value - width, 0.0) if never_negative else value - width

@@ -285,9 +285,9 @@ def _task(unknowns: Unknowns, motions: Mapping[str, Motion], losses: Losses, exp
     spread = spread[:, np.abs(spread).max(axis=0) > 0]
     values = np.append(equations.values, sizes[inertial : unknowns.zero])
     information = []
-    for motion, each, weight in zip(motions.values(), columns, weights, strict=True):
+    for motion, rows, weight in zip(motions.values(), columns, weights, strict=True):
         by_zero = (torque(motion, TURN) @ values - torque(motion, -TURN) @ values) / (2 * TURN)
-        whole = np.column_stack([each, by_zero]) @ spread
+        whole = np.column_stack([rows, by_zero]) @ spread
         information.append(whole.T @ (weight[:, None] * whole))
     weighed = unknowns.weighed @ spread
     return _Task(unknowns, sizes, spread, np.eye(spread.shape[1]) + weighed.T @ weighed, np.array(information))

@@ -115,9 +115,8 @@ class InertialEquations(Frozen):
         # 60,000 angles at once would take three times as long as in pieces, because their arrays do not fit into the cache.
         pieces = [self._coefficients(angle[k : k + 20_000], wanted) for k in range(0, max(len(angle), 1), 20_000)]
         shares = {name: 0.5 if name == "torque" else 0.0 for name in wanted}
-        return {
-            name: Coefficients(*map(np.concatenate, zip(*(piece[name] for piece in pieces), strict=True)), shares[name]) for name in wanted
-        }
+        joined = {name: [np.concatenate(parts) for parts in zip(*(piece[name] for piece in pieces), strict=True)] for name in wanted}
+        return {name: Coefficients(inertia, slope, weight, shares[name]) for name, (inertia, slope, weight) in joined.items()}
 
     def columns(self, motion: Motion, wanted: str = "torque") -> Array:
         """(n, parameters) of a measured quantity over a motion; times ``values`` they are the result of inverse dynamics."""
@@ -213,6 +212,8 @@ def inertial_equations(press: Linkage) -> InertialEquations:
     planar = engine if isinstance(engine, PlanarEngine) else None
     data = press.model.createData()
     pin.forwardKinematics(press.model, data, pin.neutral(press.model))
+    names: tuple[str, ...]
+    units: tuple[str, ...]
     for body in range(1, press.model.njoints):
         link, inertia = press.link_of(body), press.model.inertias[body]
         ten, lever = np.array(inertia.toDynamicParameters()), inertia.lever

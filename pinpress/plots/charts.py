@@ -221,6 +221,7 @@ def _chart(axes: Axes, chart: Chart, old: Chart | None) -> None:
         colour, style = _look(curve, coloured)
         coloured += curve.look != "guide"
         closed = _closed(chart.along, curve)
+        assert closed.x is not None
         x, y = across.factor * closed.x, up.factor * closed.y
         if closed.band is not None:
             low, high = up.factor * closed.band.T
@@ -231,6 +232,7 @@ def _chart(axes: Axes, chart: Chart, old: Chart | None) -> None:
         other = before.get(curve.name.split(",\n")[0])
         if old is not None and other is not None:
             earlier = _closed(old.along, other)
+            assert earlier.x is not None
             dashes: dict[str, Any] = {"color": GREY if len(chart.curves) == 1 else colour, "linestyle": DASHED, "alpha": 0.7}
             axes.plot(across.factor * earlier.x, up.factor * earlier.y, **dashes)
         drawn = axes.plot(x, y, **style)

@@ -128,7 +128,8 @@ class _Cycle:
         whole = 2 * np.pi * dead_centres(self.press).turns
         turns = np.arange(math.floor(ends[0] / whole) - 1, math.ceil(ends[1] / whole) + 1)
         edges = (self.edges[:, None] + whole * turns).ravel()
-        return part.times_at(way * (edges[(edges > ends[0]) & (edges < ends[1])] - start)).tolist()
+        times: list[float] = part.times_at(way * (edges[(edges > ends[0]) & (edges < ends[1])] - start)).tolist()
+        return times
 
 
 def _constant(speed: float, duration: float) -> _Part:

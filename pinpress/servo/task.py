@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common import plausibility
 from ..common.arguments import expect, in_unit, suitable_numbers, whole_number
@@ -246,7 +247,9 @@ class Task:
             bearings[name] = replace(part, fixed=force - part.by_acceleration * rate - part.by_square * square)
         return replace(c, inner_torque=c.inner_torque + by_speed, mean_torque=c.mean_torque + by_speed.mean(axis=0), bearings=bearings)
 
-    def limit_at_states(self, problem: MotionProblem, answer: Solution, full: FullMotion, chosen: Array) -> tuple[MotionProblem, Solution]:
+    def limit_at_states(
+        self, problem: MotionProblem, answer: Solution, full: FullMotion, chosen: NDArray[np.bool_]
+    ) -> tuple[MotionProblem, Solution]:
         """The best motion that keeps limits of torque and power within the chosen segments too, by tangents at the last motion."""
         feels = feels_speed(self.loads, self.friction)
         of_press = self._with_speeds(problem, answer.b) if feels else problem.coefficients

@@ -144,7 +144,7 @@ def operating_points(
     speed, force = _axis("speeds", speeds, "rad/s"), _axis("forces", forces, "N")
     if not (np.all(speed > 0) or np.all(speed < 0)):
         raise PinpressError("speeds: give only positive or only negative speeds, not 0, because loads depend on the direction of travel")
-    units = wrap_laws(list(unit_load) if isinstance(unit_load, list | tuple) else [unit_load])
+    units = wrap_laws(list(unit_load) if isinstance(unit_load, Sequence) else [unit_load])
     constant = wrap_laws(list(loads))
     if any(isinstance(load, SpringDamper) for load in units):
         raise PinpressError("unit_load has a spring or damper, which has no amplitude: give it in loads")

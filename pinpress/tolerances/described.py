@@ -264,8 +264,10 @@ def _clearances(found: SlidePlay) -> Inputs:
     """The clearances as text, bearings with equal clearances together."""
     alike: dict[str, list[str]] = {}
     for name, width in found.clearance.items():
-        guide = isinstance(width, GuideClearance)
-        wide = f"{1e3 * width.across:.4g} mm over {1e3 * width.length:.4g} mm" if guide else f"{1e3 * width:.4g} mm"
+        if isinstance(width, GuideClearance):
+            wide = f"{1e3 * width.across:.4g} mm over {1e3 * width.length:.4g} mm"
+        else:
+            wide = f"{1e3 * width:.4g} mm"
         alike.setdefault(wide, []).append(name)
     friction = [("friction in them", words) for _, words in of_friction(found.friction)] if found.friction else []
     return [("radial clearance", "; ".join(f"{', '.join(names)}: {wide}" for wide, names in alike.items())), *friction]

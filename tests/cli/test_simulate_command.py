@@ -38,9 +38,9 @@ def printed(capsys: pytest.CaptureFixture[str], folder: Path, job: str, out: Pat
     file = folder / "job.yaml"
     file.write_text(job, encoding="utf-8")
     assert main(["simulate", str(file), *([] if out is None else ["--out", str(out)])]) == 0
-    out, err = capsys.readouterr()
+    said, err = capsys.readouterr()
     assert err == ""
-    return out
+    return said
 
 
 PREFIXES = {"k": 1e3, "M": 1e6}

@@ -202,7 +202,7 @@ def test_preloaded_gibs_by_hand(name, preload, engine):
     press, friction, without, _ = by_hand(name)
     moved = getattr(friction_script, name)(ANGLE, SERVO["speed"], SERVO["acceleration"])
     friction = friction | {"slide_guide": replace(friction["slide_guide"], preload=preload)}
-    expected = friction_script.solve(moved, LIFT, *arms(friction), preload)
+    expected = friction_script.solve(moved, LIFT, *arms(friction), preload=preload)
     loads = [pp.loads.PointForce("slide", np.outer(LIFT, UP))]
     result = pp.inverse_dynamics(press, pp.servo_cycle(press, **SERVO, engine=engine), loads, friction=friction, engine=engine)
     peak = np.abs(expected["torque"]).max()

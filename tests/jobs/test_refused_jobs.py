@@ -77,7 +77,7 @@ def test_a_mistake_is_refused_in_one_line(old: str, new: str, said: str, _: bool
     file = tmp_path / "press.yaml"
     file.write_text(TEXT.replace(old, new))
     if not said:
-        assert pp.job(file)
+        pp.job(file)
         return
     with pytest.raises(pp.PinpressError) as error:
         pp.job(file)

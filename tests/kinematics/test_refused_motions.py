@@ -212,7 +212,7 @@ REFUSALS = [
     (lambda: measures.stroke(of(halved)), "elsewhere after it"),
     (
         lambda: measures.pressure_angle(
-            yoke(points=12), *four_bar(crank=0.5, coupler=1.0, rocker=1.0)(yoke(points=12).crank_angle)[1::-1], (1, 0, 0)
+            yoke(points=12), *four_bar(crank=0.5, coupler=1.0, rocker=1.0)(yoke(points=12).crank_angle)[1::-1], axis=(1, 0, 0)
         ),
         "12 states do not resolve the pressure angle",
     ),

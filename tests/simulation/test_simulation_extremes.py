@@ -667,6 +667,7 @@ def test_broken_loads_are_refused_by_name(press, method, name):
 
 
 class Drive(pp.drives.SpeedTorqueDrive):
+    law: Any
     inertia, rated_torque, state, timed, corners = 0.0, None, (), False, ()
 
     def __init__(self, law, corners=(), **members):

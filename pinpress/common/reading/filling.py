@@ -325,8 +325,10 @@ class Part(Generic[T]):
 
     def read(self, entry: Entry, around: Around) -> T:
         """The part."""
-        if is_dataclass(self.made) and isinstance(entry.value, self.made):  # type: ignore[arg-type]
-            return entry.value
+        value: Any = entry.value
+        if is_dataclass(self.made) and isinstance(value, self.made):
+            made: T = value
+            return made
         return self.of(entry, entry.known(tuple(self.values), self.example), around)
 
     def of(self, entry: Entry, items: Mapping[str, Entry], around: Around) -> T:
@@ -334,7 +336,7 @@ class Part(Generic[T]):
         refuse_missing(entry, items, self.required, f"e.g. {self.example}")
         if "exponent" in self.values:  # the unit of other keys has it
             given = items.get("exponent")
-            default = next(each.default for each in in_signature(self.made) if each.name == "exponent")
+            default: Any = next(each.default for each in in_signature(self.made) if each.name == "exponent")
             around = replace(around, exponent=float(default) if given is None else Number("-").read(given, around))
         arguments: dict[str, Any] = {}
         for name, each in items.items():
@@ -374,9 +376,10 @@ class OneOf:
 
     def read(self, entry: Entry, around: Around) -> Any:
         """The part of the kind that the entry names."""
+        value: Any = entry.value
         for part in self.kinds.values():
-            if is_dataclass(part.made) and isinstance(entry.value, part.made):  # type: ignore[arg-type]
-                return entry.value
+            if is_dataclass(part.made) and isinstance(value, part.made):
+                return value
         first, *_ = self.kinds
         remedy = f"write one of {', '.join(self.kinds)}"
         if isinstance(entry.value, str) and entry.value in self.kinds:  # a kind that needs no keys
@@ -385,10 +388,9 @@ class OneOf:
         kind = items.pop("kind", None)
         if kind is None and self.usual is None:
             entry.refuse("kind is missing", remedy)
-        name = self.usual if kind is None else kind.text(remedy)
+        name = self.usual or "" if kind is None else kind.text(remedy)
         if name not in self.kinds:
             assert kind is not None
-            assert isinstance(name, str)
             known = next(each for each in self.kinds.values() if each.example)
             kind.refuse(f"no kind {name!r}{suggestion(name, self.kinds)}", f"{remedy}, e.g. {known.example}")
         part = self.kinds[name]
@@ -408,8 +410,9 @@ class Whichever:
 
     def read(self, entry: Entry, around: Around) -> Any:
         """The part that has the keys of the entry."""
-        items = entry.items(next(reversed(self.parts.values())).example)
-        return next((part for key, part in self.parts.items() if key in items), [*self.parts.values()][-1]).read(entry, around)
+        *_, last = self.parts.values()
+        items = entry.items(last.example)
+        return next((part for key, part in self.parts.items() if key in items), last).read(entry, around)
 
 
 @dataclass(frozen=True)

@@ -220,7 +220,7 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], adde
         for j, (name, axis) in enumerate(zip(press.joints, press.axes, strict=True))
         if axis.turns and model.parents[j + 1] == 0 and (name in press.drivers or np.ptp(travel[:, j]) > 0.98 * 2 * math.pi)
     )
-    cranks = frozenset(link for j in turning if (link := bearings[j - 1].links[1]) is not None)
+    cranks = frozenset(crank for j in turning if (crank := bearings[j - 1].links[1]) is not None)
     slide, upwards = (None, None) if press.slide is None else (owner(press.slide), press.slide_direction)
     points = np.concatenate([b.points for b in bearings])
     if not np.isfinite(points).all():

@@ -224,8 +224,8 @@ def fresh_processes(folder: Path, repeats: int) -> str:
     base, rows = min(runs["`import pinocchio`"])[0], []
     for name, several in runs.items():
         seconds = min(several)[0]
-        _, memory, modules, large = min(several, key=lambda run: run[1][1])
-        rows.append((name, ms(seconds), f"{seconds / base:.2f}", *(f"{kb / 1024:.0f}" for kb in memory), modules, large))
+        _, resident, modules, large = min(several, key=lambda run: run[1][1])
+        rows.append((name, ms(seconds), f"{seconds / base:.2f}", *(f"{kb / 1024:.0f}" for kb in resident), modules, large))
     head = ("fresh interpreter", "ms", "to `import pinocchio`", "resident, MiB", "peak, MiB", "modules of pinpress", "imported")
     return table(head, rows)
 

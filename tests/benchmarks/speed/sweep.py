@@ -31,13 +31,13 @@ def main(quick: bool = False) -> None:
 
     points = [each.ravel() for each in np.meshgrid(*press_strokes.grid(1000).values(), indexing="ij")]
     few = [each[:: 500 if quick else 50] for each in points]
-    (alone,) = least([lambda: [press_strokes.strokes(*point) for point in zip(*few, strict=True)]], repeats)
-    alone /= len(few[0])
-    rows = [("one by one", f"{1 / alone:.3g}", "1")]
+    (single,) = least([lambda: [press_strokes.strokes(*point) for point in zip(*few, strict=True)]], repeats)
+    single /= len(few[0])
+    rows = [("one by one", f"{1 / single:.3g}", "1")]
     for count in (10, 100, 1000):
         together = [each[:: len(each) // count][:count] for each in points]
         (seconds,) = least([lambda together=together: press_strokes.strokes_at_once(*together)], repeats)
-        rows.append((f"{count} at once", f"{count / seconds:.3g}", f"{alone * count / seconds:.3g}"))
+        rows.append((f"{count} at once", f"{count / seconds:.3g}", f"{single * count / seconds:.3g}"))
     print("\n" + table(("JF75G-125, ten strokes under motor, flywheel and blanking", "runs/s", "ratio"), rows))
 
 
