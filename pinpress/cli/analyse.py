@@ -18,8 +18,7 @@ from ..dynamics.driving_energy import driving_energy
 from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import described, inputs
 from ..dynamics.reactions import Reactions
-from ..jobs.job import Job
-from ..jobs.results import traces_of
+from ..jobs.job import Job, traces_of
 from ..ratings.along_motion import MotionRatings
 from ..ratings.permissible_force import capacities_in_words
 from ..ratings.rating import PressRatings

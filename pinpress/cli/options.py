@@ -15,6 +15,7 @@ from ..common.reading.filling import Around, Number, Numbers, Value
 from ..dynamics.inputs import Inputs
 from ..jobs.grammar import JOB
 from ..jobs.job import Job, as_inputs, raise_first, read_job
+from ..jobs.job import write_report as write_page
 from ..jobs.sources import Source, source, with_loads
 from ..linkage.loading import presses
 
@@ -97,9 +98,7 @@ def write_report(job: Job, folder: Path, **more: Any) -> list[str]:
     """Write report.html if Plotly is installed; return the names of what was written."""
     if importlib.util.find_spec("plotly") is None:
         return []
-    from ..jobs.results import write_report as write  # slow to import
-
-    write(job, folder / "report.html", **more)
+    write_page(job, folder / "report.html", **more)
     return ["report.html"]
 
 

@@ -11,8 +11,7 @@ from ..common.errors import PinpressError
 from ..common.reading.entries import entry_of_text
 from ..common.reading.filling import Around, Number
 from ..jobs.grammar import JOB, OfDriver
-from ..jobs.job import Job
-from ..jobs.results import traces_of
+from ..jobs.job import Job, traces_of
 from ..kinematics.motion import Motion
 from .options import SHORT, SIGNS, add_job_options, open_job
 from .progress import progress

@@ -8,6 +8,7 @@ from pathlib import Path
 from ..common.errors import PinpressError
 from ..common.outlets.text import written
 from ..dynamics.inputs import inputs
+from ..jobs.job import motion_of, results_of, write_report
 from .options import SHORT, add_job_options, open_job, print_inputs, refuse_present
 
 MARK = b'<meta name="generator" content="pinpress">'  # in every page of ours
@@ -37,8 +38,6 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: the job is wrong, or computing or writing fails.
     """
-    from ..jobs.results import motion_of, results_of, write_report  # slow to import
-
     if options.out is not None and options.out.suffix.lower() == ".pdf":
         raise PinpressError(f"--out writes a web page: give --pdf {options.out}, or --out {options.out.with_suffix('.html')}")
     job = open_job(options)

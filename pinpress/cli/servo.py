@@ -8,7 +8,7 @@ from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..dynamics.inputs import described, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..jobs.results import servo_results
+from ..jobs.job import servo_results
 from .options import add_job_options, open_job, print_inputs, say_written, write_report
 
 EXAMPLE = """\

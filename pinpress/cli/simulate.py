@@ -15,8 +15,7 @@ from ..common.outlets.text import entries, written
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
-from ..jobs.job import Job
-from ..jobs.results import traces_of
+from ..jobs.job import Job, traces_of
 from ..simulation.described import numerics
 from ..simulation.duty import stroke_duties
 from ..simulation.elastic.parts_in_words import elastic_in_words

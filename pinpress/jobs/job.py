@@ -16,7 +16,8 @@ import numpy as np
 from ..common.errors import PinpressError, suggestion
 from ..common.frozen import Frozen
 from ..common.reading.entries import Entry
-from ..common.reading.filling import Around, Named, Number, naming
+from ..common.reading.filling import Around, naming
+from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics.inverse_dynamics import inverse_dynamics
@@ -24,10 +25,10 @@ from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion
 from ..kinematics.motion_table import read_motion
-from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
-from ..linkage.loading import load, presses
+from ..linkage.loading import presses
 from ..loads.link import Friction, Load, StandingLoad
+from ..loads.mounts import Frame
 from ..pin_table.building import DrawnPress
 from ..ratings.along_motion import MotionRatings, rate_motion
 from ..ratings.permissible_force import Capacities
@@ -37,9 +38,10 @@ from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state
 from ..visual.reports.header import Header
-from .bearings import bearings_of, clearances_of, elastic_of, frictions_of, turns
-from .grammar import ALL, SECTIONS
+from .bearings import bearings_of, clearances_of, elastic_of, frictions_of
+from .grammar import SECTIONS
 from .kinds import Bearing
+from .reading import check_names, counted_from, press_of, read_value
 from .sources import OF_PRESS, Change, Source, changed, of_variant, source
 
 if TYPE_CHECKING:
@@ -53,7 +55,8 @@ if TYPE_CHECKING:
     from ..tolerances.dimension_table import DimensionTable
 
 POINTS = 720  # states of a turn: fewer miss peaks of short blows
-ZEROS = {"tdc": "top dead centre", "bdc": "bottom dead centre"}
+MOST_STATES = 100_000  # of a period, for the vibration of the frame
+SPEEDS = 61  # at which the press on its mounts is shown
 
 
 def job(file: str | os.PathLike[str] | None = None, /, *, variant: str | None = None, set: Sequence[str] = (), **changes: Any) -> Job:
@@ -102,14 +105,14 @@ def read_job(found: Source, refuse: Callable[[PinpressError], Any]) -> Job:
     items = found.items
     made = found.press_sections()
     drawn = found.drawn()
-    as_drawn = _press(found, made, drawn)
+    as_drawn = press_of(found, made, drawn)
     press = counted_from(as_drawn, made.get("zero", "drawn"))
     around = Around(drivers=dict(zip(press.drivers, press.driver_coordinates, strict=True)))
     for name, section in SECTIONS.items():
         if name in items and name not in (*OF_PRESS, "variants"):
             try:
-                made[name] = _read(section.value, items[name], around, refuse)
-                _check_names(name, items[name], made[name], press)
+                made[name] = read_value(section.value, items[name], around, refuse)
+                check_names(name, items[name], made[name], press)
             except PinpressError as error:
                 made.pop(name, None)
                 refuse(error)
@@ -123,62 +126,8 @@ def read_job(found: Source, refuse: Callable[[PinpressError], Any]) -> Job:
     return result
 
 
-def _read(value: Any, entry: Entry, around: Around, refuse: Callable[[PinpressError], Any]) -> Any:
-    """What stands in a section; of a section with names every wrong entry is refused."""
-    if not isinstance(value, Named):
-        return value.read(entry, around)
-    read = {}
-    for name, each in entry.items(value.example).items():
-        try:
-            read[name] = value.each.read(each, around)
-        except PinpressError as error:
-            refuse(error)
-    return read
-
-
-def _press(found: Source, made: Mapping[str, Any], drawn: DrawnPress | None) -> Linkage:
-    gravity, slide = (0.0, 0.0, -made.get("gravity", 9.81)), made.get("slide")
-    if drawn is not None:
-        for name in ("drivers", "allow_open"):
-            if name in found.items:
-                found.items[name].refuse("it is for a press of a file", "leave it out: a table of pins has its drive")
-        return drawn.press(gravity, slide=slide)
-    for name in ("pins", "links"):
-        if name in found.items:
-            found.items[name].refuse("the press is that of file", "leave out one of them")
-    return load(found.model, made.get("drivers"), slide, gravity, allow_open=made.get("allow_open", False))
-
-
-def counted_from(press: Linkage, zero: str) -> Linkage:
-    """The press with crank angles counted from one of its dead centres."""
-    if zero == "drawn":
-        return press
-    press.refuse_several_drivers("their angles are 0 in the drawn pose; leave out zero")
-    press.refuse_sliding_driver("its positions are 0 in the drawn pose; leave out zero")
-    ends = dead_centres(press)
-    return press.drawn_at(ends.top_angle if zero == "tdc" else ends.bottom_angle, ZEROS[zero])
-
-
 def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def _check_names(section: str, entry: Entry, read: Any, press: Linkage) -> None:
-    """Refuse names of links and bearings that the press does not have, and units of the other kind of bearing, where they stand."""
-    if section == "bearings":
-        for name, each in entry.items("bearings").items():
-            if name != ALL and name not in press.bearings:
-                known = (*press.bearings, ALL)
-                each.refuse(f"no bearing {name}{suggestion(name, known)}", f"name one of {', '.join(press.bearings)}, or {ALL}")
-            if name in press.bearings and isinstance(each.value, Mapping) and "viscous" in each.value:
-                Number("N m s/rad" if turns(press, name) else "N s/m").read(each.value["viscous"], Around())
-    elif section == "loads":
-        links = press.links
-        for each in entry.items("loads").values():
-            if isinstance(each.value, Mapping):
-                for key in ("link", "link1", "link2"):
-                    if key in each.value and (name := each.value[key].text("a link")) not in links:
-                        each.value[key].refuse(f"no link {name!r}{suggestion(name, links)}", f"name one of {', '.join(links)}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -618,6 +567,201 @@ class Job(Frozen):
         Raises:
             PinpressError: as the results, or the page cannot be written.
         """
-        from .results import write_report  # slow to import
-
         return write_report(self, path)
+
+
+# ---------------------------------------------------------------------------------------------------------- all that a job allows
+
+
+def results_of(job: Job) -> Iterator[Tabular]:
+    """The results of a job in the order of the page."""
+    has, moving = job.sections, "motion" in job.sections
+    if "capacities" in has:
+        yield job.rate()
+    if "motor" in has and not moving and len(job.press.drivers) == 1:
+        yield job.steady_state()
+    if "elastic" in has:
+        yield from _on_springs(job)
+    if "run" in has and not has["run"].get("steady"):
+        yield job.simulate()
+    if "balance" in has:
+        yield job.balance()
+    if job.mounted is not None:
+        yield from _on_mounts(job, job.mounted)
+    if "tolerances" in has:
+        yield job.scatter()
+        if "targets" in has["tolerances"]:
+            yield job.allocate()
+        if "budget" in has["tolerances"]:
+            yield job.budget()
+    if "servo" in has:
+        yield from servo_results(job)
+
+
+def servo_results(job: Job) -> Iterator[Tabular]:
+    """The motor of the catalogue if there is one, the best motion, its comparison with usual motions, and a capacitor for its energy."""
+    from ..servo.comparison import compare_motions  # seldom needed
+    from ..servo.sizing import capacitor
+    from ..servo.stroke_laws import ready_motions
+
+    given = job.sections["servo"]
+    if "motors" in given:
+        yield job.choose_motor()
+    best = job.best_motion()
+    limits, path = given.get("limits", []), given.get("path")
+    more = {} if path is None else {"path": path}
+    motions = ready_motions(job.press, best.drive, list(job.loads.values()), time=best.motion.duration, limits=limits, **more)
+    yield best
+    yield compare_motions({f"least {given.get('minimise', 'heat')}": best.motion, **motions}, limits)
+    yield capacitor(best.motion)
+
+
+def _on_springs(job: Job) -> Iterator[Tabular]:
+    """Compliance of the slide, and its deflection in the motion."""
+    from ..elasticity.slide_under_load import slide_deflection  # seldom needed
+    from ..elasticity.unit_load import compliance
+    from .bearings import stiffness_of
+
+    stiffness = stiffness_of(job.press, job.bearings, job.sections["elastic"])
+    if len(job.press.drivers) == 1:  # it is over the crank angle
+        yield compliance(job.press, stiffness)
+    yield slide_deflection(job.press, job.motion(), stiffness, loads=list(job.loads.values()))
+
+
+def _on_mounts(job: Job, system: MountedPress) -> Iterator[Tabular]:
+    """Modes of the press on its mounts, and its vibration in the motion, with feet that lift off, and over the speed."""
+    from ..foundation.lifting import lifting_response  # seldom needed
+    from ..foundation.mounted_press import modes
+    from ..foundation.response import steady_response, time_response
+    from ..foundation.speed_response import over_speeds
+    from ..foundation.whirl_modes import whirl
+
+    given, motion = job.sections["foundation"], job.sections.get("motion")
+    reactions = _resolved(job, system)
+    points = shown_points(system) | given.get("points", {})
+    period = None if motion is None else motion.get("period")
+    top = float(np.abs(reactions.motion.crank_speed).max())
+    low, high = given.get("speed_range", (0.0, top))
+    yield system
+    yield modes(system)
+    if system.rotors:
+        yield whirl(system, np.linspace(0.0, max(top, high), SPEEDS))
+    if motion is not None and period is None:
+        yield time_response(system, reactions, points=points)
+    else:
+        yield steady_response(system, reactions, points=points, period=period)
+    if "lift_off" in given:
+        yield lifting_response(system, reactions, points=points, strokes=given["lift_off"], period=period)
+    if "speed_range" in given:
+        yield over_speeds(system, np.linspace(low, high, SPEEDS), points=points)
+
+
+def _resolved(job: Job, system: MountedPress) -> Reactions:
+    """The reactions over a period with enough states for the vibration: more than the page has if a blank breaks."""
+    from ..foundation.response import states_that_resolve  # seldom needed
+
+    reactions = job.reactions()
+    if "motion" in job.sections:  # its states are those of the table
+        return reactions
+    while len(reactions.motion.crank_angle) < (states := states_that_resolve(system, reactions)) <= MOST_STATES:
+        motion = cycle(system.press, speed=float(reactions.motion.crank_speed[0]), points=states)
+        reactions = inverse_dynamics(system.press, motion, list(job.loads.values()), job.friction)
+    return reactions
+
+
+def shown_points(system: MountedPress) -> Mapping[str, Any]:
+    """Points whose vibration is shown: centres of rigid parts, or bed and carrier of a flexible frame; and machines on the frame."""
+    frame, crown = system.frame, system.crown
+    if not isinstance(frame, Frame):
+        own: dict[str, Any] = {name: name for name in (frame.carrier, frame.bed)}
+    elif crown is None:
+        own = {"centre of the frame": frame.centre}
+    else:
+        own = {"centre of the bed": frame.centre, "centre of the crown": ("crown", crown.centre)}
+    return own | {name: (name, each.body.centre) for name, each in system.attached.items()}
+
+
+def traces_of(job: Job) -> list[tuple[str, Any]]:
+    """Links and the points of them whose paths are drawn."""
+    return [(link, point) for link, points in job.sections.get("traces", {}).items() for point in points]
+
+
+def motion_of(job: Job) -> Reactions:
+    """The reactions that a page of the job shows.
+
+    They are those of the motion or at constant speed; of a job without either those of the servo drive's best motion, or of the run.
+    """
+    if "motion" not in job.sections and job.speed is None:
+        loads = list(job.loads.values())
+        if "servo" in job.sections:
+            return inverse_dynamics(job.press, job.best_motion().motion.motion, loads, job.friction)
+        if "run" in job.sections:
+            return inverse_dynamics(job.press, job.simulate(), loads, job.friction)
+    return job.reactions()  # it says what the job lacks
+
+
+def write_report(
+    job: Job,
+    path: str | os.PathLike[str],
+    *,
+    results: Sequence[Tabular] | None = None,
+    reactions: Reactions | None = None,
+    before: Reactions | None = None,
+) -> Path:
+    """Write the page of a job.
+
+    Args:
+        job: the job.
+        path: of the page.
+        results: what it shows beside the motion; None: all that the job allows.
+        reactions: to the motion that it shows; None: those of `motion_of`.
+        before: those that it compares with, beside ``reactions``.
+    """
+    from ..visual.reports.report import report  # slow to import
+
+    name, its = "", None
+    if reactions is None:
+        reactions = motion_of(job)
+        before, name, its = before_of(job)
+    results, rows = [*results_of(job)] if results is None else results, as_inputs(job)
+    return report(
+        reactions._press,
+        reactions.motion,
+        path,
+        reactions=reactions,
+        traces=traces_of(job),
+        before=before,
+        results=results,
+        flywheel=job.flywheel,
+        header=job.header,
+        inputs=rows,
+        before_name=name,
+        before_inputs=[row for row in as_inputs(its) if row not in rows],
+    )
+
+
+def before_of(job: Job) -> tuple[Reactions | None, str, Job | None]:
+    """The reactions of the variant or press with which the page compares, its name if it is a variant, and its job; None without one.
+
+    A press whose file says nothing of its motion moves as that of the job, and without loads of its own under the job's.
+    """
+    section = job.source.items.get("report")
+    entry = None if section is None else section.items("keys with values").get("before")
+    if entry is None or entry.value == "none":
+        return None, "", None
+    name, variants = entry.text("a variant or press"), job.source.below.get("variants")
+    if variants is not None and name in variants.items("names with values"):
+        other = job.variant(name)
+        return motion_of(other), f"variant {name} of {other.press.name}", other
+    path = entry.folder / name
+    other = read_job(source(path if path.exists() else name, None, (), {}), raise_first)
+    if "motion" in other.sections or other.speed is not None:
+        return motion_of(other), "", other
+    if "motion" in job.sections:
+        given = job.sections["motion"]
+        motion = read_motion(other.press, given["file"], period=given.get("period"))
+    elif job.speed is not None:
+        motion = cycle(other.press, speed=job.speed, points=job._points)
+    else:
+        entry.refuse(f"neither the job nor {name} says how the driver moves", "write speed: 70 r/min")
+    return inverse_dynamics(other.press, motion, list((other.loads or job.loads).values()), other.friction), "", other

@@ -174,7 +174,7 @@ def span(limit: Window) -> tuple[float, float]:
     return (-np.inf, np.inf) if limit.heights is None else (min(limit.heights), max(limit.heights))
 
 
-def in_words(limit: Limit | Window) -> str:
+def in_words(limit: Limit) -> str:
     """A limit in words: "slide speed of 0.2 m/s from 60 to 0 mm"."""
     where = ""
     if isinstance(limit, Window) and limit.heights is not None:

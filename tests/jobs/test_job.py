@@ -14,7 +14,7 @@ from pinpress.common.reading.entries import entry_of_text
 from pinpress.common.reading.filling import Around, Number, OneOf, Part
 from pinpress.jobs import kinds
 from pinpress.jobs.grammar import JOB, SECTIONS
-from pinpress.jobs.results import before_of
+from pinpress.jobs.job import before_of
 from pinpress.pin_table.reading import BESIDE
 
 PRESS = Path(__file__).with_name("press_job.yaml")  # the six-bar with all that acts on it

@@ -392,7 +392,6 @@ def descriptions():
         ROTOR,
         foundation.Attachment(FRAME, springs=MOUNTS),
         foundation.RubberPad(0.1, 0.1, 0.01, hardness=50, loss_factor=0.1),
-        pp.job("crank_slide", speed=SPEED, loads={"draw": DEEP}, bearings={"all": {"friction": 0.1, "diameter": 0.04}}),
     ]
 
 

@@ -327,8 +327,7 @@ class Part(Generic[T]):
         """The part."""
         value: Any = entry.value
         if is_dataclass(self.made) and isinstance(value, self.made):
-            made: T = value
-            return made
+            return value  # type: ignore[return-value]
         return self.of(entry, entry.known(tuple(self.values), self.example), around)
 
     def of(self, entry: Entry, items: Mapping[str, Entry], around: Around) -> T:

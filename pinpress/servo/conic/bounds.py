@@ -167,7 +167,7 @@ def _refuse_to_hold(c: Coefficients, drive: ServoDrive, peak: float) -> None:
             )
 
 
-def _segments(c: Coefficients, limit: Window) -> NDArray[np.bool_]:
+def _segments(c: Coefficients, limit: SlideSpeed | CrankSpeed | SlideAcceleration) -> NDArray[np.bool_]:
     """(N,) whether a segment is in the window of a limit."""
     low, high = span(limit)
     middle = 0.5 * (c.height[1:] + c.height[:-1])
