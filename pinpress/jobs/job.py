@@ -361,7 +361,8 @@ class Job(Frozen):
         driven = self._driven
         if isinstance(self.flywheel, Flywheel):  # it turns with the crank: the clutch is closed
             driven["flywheel"] = replace(self.flywheel, speed=None)
-        return steady_state(self.press, self.speed, **driven, points=self._points)
+        run: Run = steady_state(self.press, self.speed, **driven, points=self._points)
+        return run
 
     @property
     def _driven(self) -> dict[str, Any]:
