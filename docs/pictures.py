@@ -6,6 +6,7 @@ the tour, and `gallery_films` the gallery.
 
 import csv
 import os
+import shlex
 import tempfile
 import warnings
 from collections.abc import Callable, Sequence
@@ -346,7 +347,7 @@ def report_page() -> bytes:
 
 def frame_report() -> bytes:
     """docs/foundation.md: the page of its command, at the frame on its mounts."""
-    return _report_in("foundation.md", "pinpress report jf75g_125", "On its mounts")
+    return _report_in("foundation.md", "pinpress drawing.yaml", "On its mounts")
 
 
 def frame_modes() -> bytes:
@@ -366,13 +367,14 @@ def _report_in(page: str, command: str, title: str) -> bytes:
 
     text = (DOCS / page).read_text(encoding="utf-8")
     manual = text.replace("\\\n", "")
-    _, *words = next(line for line in manual.splitlines() if line.startswith(command)).split()
+    _, *words = shlex.split(next(line for line in manual.splitlines() if line.startswith(command)))
     scroll = f"""() => {{
         const titles = [...document.querySelectorAll("#charts h2")];
         titles.find(each => each.textContent.startsWith("{title}")).scrollIntoView();
         viewer.render();
     }}"""
     with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "docs").symlink_to(DOCS)
         for block in page_blocks.blocks(text):
             if block.title:
                 Path(folder, block.title).write_text(block.body, encoding="utf-8")

@@ -39,8 +39,8 @@ class MotionTable(Tabular):
         return f"MotionTable of {self.press_name}: {self.of} at {len(self.time)} times, {self.time[-1]:.6g} s"
 
     def columns(self) -> dict[str, Array]:
-        """Time and angle, or time and height, in units of controllers: s, deg, mm. That of angles is a ``program`` of
-        `pinpress simulate --motor servo:program=FILE`."""
+        """Time and angle, or time and height, in units of controllers: s, deg, mm. That of angles is the ``program`` of a
+        servo motor in a job."""
         return {"time [s]": self.time, "angle [deg]" if self.of == "angle" else "height [mm]": self.values}
 
 
