@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from pinpress.jobs.results import results_of
 from support.presses.sliding_presses import TOGGLE
 from support.texts import shipped
 
@@ -267,3 +268,16 @@ def test_viscous_friction_has_the_unit_of_its_bearing() -> None:
         pp.job("zxn2_3000b", bearings={"A": {"viscous": "30 N s/m"}})
     with pytest.raises(pp.PinpressError, match=r"slide_guide: viscous: '30 N m s/rad' is in 'N m s/rad', which is none of N s/m"):
         pp.job("zxn2_3000b", bearings={"slide_guide": {"viscous": "30 N m s/rad"}})
+
+
+def test_parts_without_a_stiffness_are_rigid_in_a_deflection() -> None:
+    """A run needs all stiffnesses, as an elastic motion does; a deflection has those that are given."""
+    sections = {"speed": "70 r/min", "points": "36", "elastic": {}, "bearings": {"E": {"stiffness": "4 GN/m"}}}
+    loads = {"draw": {"kind": "drawing", "force": 1e6, "start": 0.04}}
+    found = [*results_of(pp.job("zxn2_3000b", **sections, loads=loads))]
+    press = shipped("zxn2_3000b")
+    motion, draw = pp.cycle(press, 70 * pp.RPM, points=36), pp.loads.DeepDrawing(1e6, 0.04)
+    expected = pp.elasticity.slide_deflection(press, motion, pp.elasticity.Stiffness({"E": 4e9}), loads=[draw])
+    assert str(found[-1]) == str(expected)
+    with pytest.raises(pp.PinpressError, match="have no stiffness, and in an elastic motion all are elastic"):
+        pp.job("zxn2_3000b", **sections, run={"duration": 0.1})
