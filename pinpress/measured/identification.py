@@ -386,6 +386,7 @@ def _result(unknowns: Unknowns, fit: Fit, press: Linkage, losses: Losses) -> Ide
         parameter = Parameter(name, unit, float(row @ unknowns.equations.values), 0.0)
         sums.append(identified(parameter, np.append(row, np.zeros(len(before) - len(row))), True, float(np.linalg.norm(row @ inertial))))
     found = {each.name: float(fit.values[k]) for k, each in enumerate(unknowns.parameters) if unknowns.inertial <= k < unknowns.zero}
+    found |= {name: max(value, 0.0) for name, value in found.items() if "friction" in name}  # the fit keeps it there up to rounding errors
     friction: dict[str, Friction] = {}
     if "pins friction" in found:
         usual = PIN * press.size

@@ -392,6 +392,7 @@ def descriptions():
         ROTOR,
         foundation.Attachment(FRAME, springs=MOUNTS),
         foundation.RubberPad(0.1, 0.1, 0.01, hardness=50, loss_factor=0.1),
+        pp.Header(title="Press 3", company="Muster AG", drawing="4711-03", author="J. Doe", revision="B", date="today", notes="one\ntwo"),
     ]
 
 

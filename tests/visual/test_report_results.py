@@ -512,9 +512,9 @@ BENDING = Path(__file__).parents[2] / "docs" / "jf75g_125_frame.yaml"
 def test_points_and_modes_of_a_frame_that_bends(tmp_path: Path) -> None:
     """Points are interfaces, move with them or with the motor; the page of modes is that of Python."""
     shown = tmp_path / "modes.html"
-    points = "points={upper left: upper left, top: crown, fan: {on: motor, at: 0 0.9 1.3 m}}"
+    asked = "points={upper left: upper left, top: crown, fan: {on: motor, at: 0 0.9 1.3 m}}"
     job = f"file: jf75g_125\nspeed: 350 r/min\npoints: 180\nfoundation: {BENDING}\n"
-    page = reported(tmp_path, job, "--modes", str(shown), "--set", f"foundation.{points}")
+    page = reported(tmp_path, job, "--modes", str(shown), "--set", f"foundation.{asked}")
     press = texts.shipped("jf75g_125")
     system = pp.foundation.read_mounted(press, BENDING)
     reactions = pp.inverse_dynamics(press, pp.cycle(press, 350 * pp.RPM, points=180))

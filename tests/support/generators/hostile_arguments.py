@@ -52,7 +52,7 @@ FOLDER = Path("/nowhere")  # nothing is written
 TESTS = Path(__file__).resolve().parents[2]
 NOT_TRIED = {"draw", "presses"}  # any number of names, see `OTHERS`; no arguments
 TRIED = {"Accelerometer", "Attachment", "Counterweight", "GuideSurface", "MeasuredRun", "Rotor"}  # results which callers make as well
-RESULTS = {"ElasticRun", "ForceInterval", "Linkage", "Trial"}  # which no function returns by name
+RESULTS = {"ElasticRun", "ForceInterval", "Job", "Linkage", "Trial"}  # which no function returns by name
 
 
 def law(*_: object) -> str:
@@ -373,6 +373,7 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
     "measures.transmission_angle": {
         name: Late(lambda place=place: bearings()[place]) for name, place in zip(("pin", "one", "another"), "POW", strict=True)
     },
+    "job": {"file": "crank_slide", "speed": 7.0, "loads": {"draw": every_result.DEEP}, "set": ["zero=tdc"], "variant": None},
     "pin_table.draft": PIN_TABLE_KEYS,
     "plots.save": {"figure": Late(lambda: pp.plots.draw(motion(), "position")), "path": FOLDER / "plot.svg"},
     "ratings": {"capacities": CAPACITIES, "points": 9, "offset": (0.01, 0.0, 0.0), "gibs": pp.ratings.Gibs(0.5, 0.1), "pressure": 1e6},
