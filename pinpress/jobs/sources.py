@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
-from ..common.errors import PinpressError, suggestion
+from ..common.errors import PinpressError, shown, suggestion
 from ..common.files import path_of
 from ..common.reading.entries import Entry, entry_of_text, given_entries, read_entries
 from ..common.reading.filling import Around, Named
@@ -126,6 +126,8 @@ def of_variant(found: Source, variant: str) -> Source:
     """The entries of a file with one of its variants, and without any other change; raises PinpressError if it has none of this name."""
     below = found.below
     named = below["variants"].items("variants: {long_stroke: {r: 150}}") if "variants" in below else {}
+    if not isinstance(variant, str):
+        raise PinpressError(f"variant is {shown(variant)}: give the name of one of the job's variants")
     if variant not in named:
         there = f"there are {', '.join(named)}" if named else "the job has no variants"
         raise PinpressError(f"{found.file}: variants: no variant {variant!r}{suggestion(variant, named)}; {there}")
@@ -137,6 +139,8 @@ def of_variant(found: Source, variant: str) -> Source:
 def changed(found: Source, words: Sequence[str], changes: Mapping[str, Any]) -> Source:
     """The entries with changes on top, see `source`."""
     items, done = dict(found.items), list(found.changes)
+    if not (isinstance(words, list | tuple) and all(isinstance(text, str) for text in words)):
+        raise PinpressError(f'set is {shown(words)}: give a list of texts, set=["r=150", "speed=60 r/min"]')
     for text in words:
         path, equals, value = text.partition("=")
         if not (path.strip() and equals and value.strip()):

@@ -218,7 +218,7 @@ def test_jobs_of_a_page_are_read_and_an_editor_marks_nothing(page: Path, tmp_pat
         entries = yaml.safe_load(body) if file.endswith(".yaml") else {}
         if {"press", "file", "base"} & set(entries):
             assert not list(jsonschema.Draft7Validator(schema()).iter_errors(entries)), file
-            assert pp.job(file).press
+            pp.job(file)
 
 
 def test_the_gallery_is_what_its_script_writes() -> None:
