@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from pinpress.jobs.results import results_of
 from support.presses.sliding_presses import TOGGLE
 from support.texts import shipped
 
@@ -15,7 +14,7 @@ from pinpress.common.reading.entries import entry_of_text
 from pinpress.common.reading.filling import Around, Number, OneOf, Part
 from pinpress.jobs import kinds
 from pinpress.jobs.grammar import JOB, SECTIONS
-from pinpress.jobs.job import before_of
+from pinpress.jobs.job import before_of, results_of
 from pinpress.pin_table.reading import BESIDE
 
 PRESS = Path(__file__).with_name("press_job.yaml")  # the six-bar with all that acts on it
