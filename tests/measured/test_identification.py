@@ -442,16 +442,15 @@ def test_the_spline_follows_the_angle_and_finds_its_noise():
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("first_seed", [0, 250])
 @pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125"])
-def test_intervals_hold_and_errors_are_those_of_the_bound(name, first_seed):
-    """500 presses each, in two halves, and encoders that are some degrees off, drawn from the prior. Errors by the bound of Cramer and Rao
+def test_intervals_hold_and_errors_are_those_of_the_bound(name):
+    """100 presses each, and encoders that are some degrees off, drawn from the prior. Errors by the bound of Cramer and Rao
     of plain least squares; the prior makes them less."""
     rest = ("crank friction", "crank viscous friction", "gibs friction", "cylinder force", "cylinder stiffness", "encoder zero")
     equations = inertial_equations(press_of(name))
     base = base_parameters(equations)
     inside, errors = [], []
-    for seed in range(first_seed, first_seed + 250):
+    for seed in range(100):
         runs, masses, losses, noise = noisy(name, seed)
         zero = np.random.default_rng(10_000 + seed).normal(scale=0.1)
         found = quietly(name, shifted(runs, zero))
@@ -470,7 +469,7 @@ def test_intervals_hold_and_errors_are_those_of_the_bound(name, first_seed):
     bound = np.where(told, noise / sizes * np.sqrt(((rows[seen].T / values[seen]) ** 2).sum(axis=1)), np.inf)
     cover, ratio = np.mean(inside, axis=0), np.sqrt(np.mean(np.square(errors), axis=0)) / bound
     assert 0.93 <= cover.mean() <= 0.98
-    assert cover.min() >= 0.9
+    assert cover.min() >= 0.88  # three standard deviations below 0.95
     assert ratio.max() <= 1.1
 
 
