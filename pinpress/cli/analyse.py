@@ -62,8 +62,8 @@ def run(options: argparse.Namespace) -> int:
     if "motion" not in job.sections and len(job.press.drivers) == 1 and job.press.driver_coordinates[0].turns:
         more += _of_flywheel(job, reactions) if job.flywheel is not None or job.motor is not None else []
         more += _of_motor(job, results) if job.motor is not None else []
-    print(f"{reactions.title}\n\n{written([*reactions.described(), *shares])}")
-    print("\n".join([times, *more]))
+    print(f"{reactions.title}\n\n{written(reactions.described())}")
+    print("\n".join([times, *(["", written(shares)] if shares else []), *more]))
     driving: list[tuple[str, str]] = []
     for name in ("flywheel", "motor"):
         if name in job.sections:
