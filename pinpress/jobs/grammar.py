@@ -155,7 +155,16 @@ class Dimension(Text):
 
     def read(self, entry: Entry, around: Around) -> Any:
         """The row as texts, in the unit of the tolerance."""
-        row = {"tolerance": entry.text("a tolerance")} if isinstance(entry.value, str) else self.part.read(entry, around)
+        si = "rad" if entry.path[-1].startswith("angle") else "m"  # of numbers of a call
+
+        def with_unit(each: Entry) -> Entry:
+            return replace(each, value=f"{each.value!r} {si}") if isinstance(each.value, float) else each
+
+        if isinstance(entry.value, Mapping):
+            known = {key: each if key == "cost" else with_unit(each) for key, each in entry.value.items()}
+            row = self.part.read(replace(entry, value=known), around)
+        else:
+            row = {"tolerance": with_unit(entry).text("a tolerance")}
         number, _, unit = row["tolerance"].strip().partition(" ")
         if not unit:
             entry.refuse(f"{row['tolerance']} has no unit", f"write {number} mm, or {number} deg of an angle, with a blank before the unit")

@@ -280,3 +280,12 @@ def test_parts_without_a_stiffness_are_rigid_in_a_deflection() -> None:
     assert str(found[-1]) == str(expected)
     with pytest.raises(pp.PinpressError, match="have no stiffness, and in an elastic motion all are elastic"):
         pp.job("zxn2_3000b", **sections, run={"duration": 0.1})
+
+
+def test_tolerances_of_a_call_are_in_si_units() -> None:
+    written = {"length E F": "0.05 mm", "angle C D E": {"tolerance": "0.0001 rad", "sd": "0.00003 rad", "cost": 2}}
+    numbers = {"length E F": 5e-5, "angle C D E": {"tolerance": 1e-4, "sd": 3e-5, "cost": 2.0}}
+    first, second = (pp.job("zxn2_3000b", tolerances={"dimensions": each}).dimensions for each in (written, numbers))
+    assert [part.tolerance for part in first.parts] == pytest.approx([part.tolerance for part in second.parts], rel=1e-12)
+    assert second.parts[0].tolerance == 5e-5
+    assert first.costs == second.costs
