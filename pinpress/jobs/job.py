@@ -371,6 +371,11 @@ class Job(Frozen):
         """What drives and resists the press, as arguments of `simulate`."""
         return {"drive": self.motor, "flywheel": self.flywheel, "loads": list(self.loads.values()), "friction": self.friction}
 
+    @cached_property
+    def _run(self) -> Run:
+        """The run of `simulate`, which is computed once."""
+        return self.simulate()
+
     def simulate(self, progress: Callable[[float], None] | None = None) -> Run:
         """The run that the section ``run`` describes, or its steady state; on springs where the job has ``elastic``.
 
@@ -586,7 +591,7 @@ def results_of(job: Job) -> Iterator[Tabular]:
     if "elastic" in has:
         yield from _on_springs(job)
     if "run" in has and not has["run"].get("steady"):
-        yield job.simulate()
+        yield job._run
     if "balance" in has:
         yield job.balance()
     if job.mounted is not None:
@@ -699,7 +704,7 @@ def motion_of(job: Job) -> Reactions:
         if "servo" in job.sections:
             return inverse_dynamics(job.press, job.best_motion().motion.motion, loads, job.friction)
         if "run" in job.sections:
-            return inverse_dynamics(job.press, job.simulate(), loads, job.friction)
+            return inverse_dynamics(job.press, job._run, loads, job.friction)
     return job.reactions()  # it says what the job lacks
 
 

@@ -306,7 +306,7 @@ def record(
         PinpressWarning: as for `MeasuredRun`.
     """
     for name in (angle, torque, time, height, *shaking_force.values(), *shaking_moment.values()):
-        if name is not None and not isinstance(name, str):
+        if not isinstance(name, str) and (name is not None or angle is None):
             raise PinpressError(f"the name of a column is {shown(name)}: give text, 'motor [N m]'")
     asked = (torque, time, height, *shaking_force.values(), *shaking_moment.values())
     table = read_channels(file, [angle, *(name for name in asked if name is not None)])

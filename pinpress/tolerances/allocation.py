@@ -16,7 +16,7 @@ import numpy as np
 from ..common import plausibility, tables
 from ..common.arguments import number, positive, suitable_numbers, typed
 from ..common.conic_program import AT_MOST, CONE, PROVED, InfeasibleError, Optimum, Rows, minimise
-from ..common.errors import PinpressError
+from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
@@ -125,7 +125,10 @@ def allocate(
     tied = correlation_matrix(checked, correlation)
     present = np.array([part.tolerance for part in checked])
     names = [part.name for part in checked]
-    for kind, given, known in (("dimension", cost, names), ("quantity", targets, QUANTITIES), ("dimension", bounds, names)):
+    by_names = (("cost", "dimension", cost, names), ("targets", "quantity", targets, QUANTITIES), ("bounds", "dimension", bounds, names))
+    for argument, kind, given, known in by_names:
+        if given is not None and not isinstance(given, Mapping):
+            raise PinpressError(f"{argument} is {shown(given)}: give a mapping with names of a {kind}, e.g. {{{known[0]!r}: ...}}")
         for name in given or {}:
             refuse_unknown(kind, name, known)
     prices = np.array([number(f"cost of {name}", (cost or {}).get(name, 1.0), positive=True) for name in names])

@@ -341,8 +341,8 @@ def _open(opening: ExitStack, page: str | os.PathLike[str], content: str, progra
     tab = context.new_page()
     devtools = context.new_cdp_session(tab)
     scale = max(size) / 960
-    width, height = (side / scale for side in size)
-    window = {"width": math.ceil(width - 1e-9), "height": math.ceil(height - 1e-9), "deviceScaleFactor": scale, "mobile": False}
+    width, height = ((side + 1e-3) / scale for side in size)  # Chromium cuts 480.99999 pixels to 480
+    window = {"width": math.ceil(width - 0.01), "height": math.ceil(height - 0.01), "deviceScaleFactor": scale, "mobile": False}
     devtools.send("Emulation.setDeviceMetricsOverride", window)
     screen = _Tab(os.fspath(page), tab, devtools, {"x": 0, "y": 0, "width": width, "height": height, "scale": 1})
     screen.load(content)

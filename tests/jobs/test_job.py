@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from support.in_browser import data_in
 from support.presses.sliding_presses import TOGGLE
 from support.texts import shipped
 
@@ -199,16 +200,12 @@ def test_what_is_said_of_all_bearings_holds_of_those_that_say_nothing_else(job: 
 
 
 def test_the_report_has_a_part_for_each_section(job: pp.Job, tmp_path: Path) -> None:
-    from support.in_browser import data_in
-
     page = job.write_report(tmp_path / "press.html")
     titles = [each["title"] for each in data_in(page)["report"]["sections"]]
     assert {"Ratings", "Steady state"} & set(titles) or any("permissible" in title.lower() for title in titles)
 
 
 def test_the_page_has_the_header_and_the_inputs_of_the_job(tmp_path: Path) -> None:
-    from support.in_browser import data_in
-
     logo = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 4 1"><path d="M0 0h4v1H0z"/></svg>'
     (tmp_path / "logo.svg").write_text(logo)
     file = tmp_path / "press.yaml"
@@ -289,3 +286,9 @@ def test_tolerances_of_a_call_are_in_si_units() -> None:
     assert [part.tolerance for part in first.parts] == pytest.approx([part.tolerance for part in second.parts], rel=1e-12)
     assert second.parts[0].tolerance == 5e-5
     assert first.costs == second.costs
+
+
+def test_a_page_of_a_run_alone_shows_it_once(tmp_path: Path) -> None:
+    job = pp.job("crank_slide", flywheel=50.0, run={"duration": 0.1, "speed": "60 r/min", "points": 20})
+    titles = [part["title"] for part in data_in(job.write_report(tmp_path / "run.html"))["report"]["sections"]]
+    assert titles.count("Run") == 1

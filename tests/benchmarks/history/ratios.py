@@ -43,14 +43,14 @@ def _ratio(ours: Callable[[], object], peer: Callable[[], object]) -> float:
     return least[ours] / least[peer]
 
 
-def _forces(engine: str, **where: str) -> Callable[[], object]:
+def _forces(engine: str) -> Callable[[], object]:
     """Torque and all bearing forces of the six-bar at about 360 crank angles, another number of them in each call."""
     import itertools
 
     press, sizes = pp.load("zxn2_3000b"), itertools.cycle(range(356, 364))
 
     def work() -> object:
-        result = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=next(sizes), **where), engine=engine)
+        result = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=next(sizes), engine=engine), engine=engine)
         return result.driving_torque, [(result.bearing_force[name], result.bearing_moment[name]) for name in press.bearings]
 
     return work
@@ -69,7 +69,7 @@ def track_forces_at_new_angles() -> float:
 
 def track_forces_by_the_engine_in_space() -> float:
     """The same by the engine for linkages in space / the script derived by hand."""
-    return _ratio(_forces("space", engine="space"), _script)
+    return _ratio(_forces("space"), _script)
 
 
 def track_forces_by_pinocchio() -> float:
@@ -77,7 +77,7 @@ def track_forces_by_pinocchio() -> float:
     from support.oracles.pinocchio_loop import PinocchioLoop, inverse_dynamics
 
     loop = PinocchioLoop()
-    return _ratio(_forces("pinocchio", engine="pinocchio"), lambda: inverse_dynamics(ANGLES, SPEED, 0.0, loop))
+    return _ratio(_forces("pinocchio"), lambda: inverse_dynamics(ANGLES, SPEED, 0.0, loop))
 
 
 def track_free_run() -> float:
