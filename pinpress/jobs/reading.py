@@ -33,6 +33,8 @@ def read_value(value: Any, entry: Entry, around: Around, refuse: Callable[[Pinpr
 
 
 def press_of(found: Source, made: Mapping[str, Any], drawn: DrawnPress | None) -> Linkage:
+    if made.get("gravity", 0.0) < 0:  # a press under upward gravity is not meant
+        found.items["gravity"].refuse("it counts downwards, and is negative", "write gravity: 9.81 m/s2")
     gravity, slide = (0.0, 0.0, -made.get("gravity", 9.81)), made.get("slide")
     if drawn is not None:
         for name in ("drivers", "allow_open"):

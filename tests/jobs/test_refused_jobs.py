@@ -132,6 +132,13 @@ CALLS: list[tuple[str, dict, str]] = [
     ),
     ("section", {"clutch.torque": 60e3}, "clutch.torque: there is no clutch whose torque could change; write all of it, such as clutch: {"),
     ("bearing", {"bearings.AB.permissible": 2e6}, "bearings: AB: no bearing AB"),
+    ("gravity", {"gravity": "-9.81 m/s2"}, "gravity: it counts downwards, and is negative; write gravity: 9.81 m/s2"),
+    ("comma", {"loads.draw.force": "1,5 MN"}, "loads.draw.force: '1,5 MN' is no number; write decimals after a point"),
+    (
+        "mixed units",
+        {"loads": {"push": {"kind": "point-force", "link": "slide", "force": ["5", "5 kN", "5 MN"]}}},
+        "loads: push: force: numbers have different units, and some have none; write the unit at each number, or one behind the last",
+    ),
     ("removed", {"clutch": None}, "there is no clutch to remove; leave it out"),
     ("object", {"speed": object()}, "speed: <object object at"),
 ]

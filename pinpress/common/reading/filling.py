@@ -79,8 +79,8 @@ class Number:
         """The number of a text that stands in an entry."""
         unit = self.here(around)
         parts = _NUMBER.fullmatch(text)
-        if parts is None:
-            comma = re.fullmatch(r"[-+]?\d+,\d+.*", text)
+        comma = re.fullmatch(r"[-+]?\d+,\d+.*", text)
+        if parts is None or comma:
             entry.refuse(f"{text!r} is no number", "write decimals after a point" if comma else f"write e.g. {self.example(around)}")
         number, given = parts.groups()
         if given is not None:
@@ -122,7 +122,10 @@ class Numbers:
 
     def read(self, entry: Entry, around: Around) -> tuple[Any, ...]:
         """The numbers [unit]; of rows a tuple each."""
-        return self._of(entry, _last_unit(entry), around)
+        units = _units(entry)
+        if "" in units[:-1] and len({*units} - {""}) > 1:  # which of them a bare number has is not said
+            entry.refuse("numbers have different units, and some have none", "write the unit at each number, or one behind the last")
+        return self._of(entry, units[-1] if units else "", around)
 
     def _of(self, entry: Entry, unit: str, around: Around) -> tuple[Any, ...]:
         one = Number(self.unit)
@@ -169,12 +172,16 @@ def _parted(text: str) -> tuple[list[str], str]:
     return numbers, rest
 
 
-def _last_unit(entry: Entry) -> str:
-    """The unit of the last number of an entry; empty if it has none."""
+def _units(entry: Entry) -> list[str]:
+    """The units of all texts of an entry, empty where a text has none; before the last one without those of 0."""
     if isinstance(entry.value, tuple):
-        return _last_unit(entry.value[-1]) if entry.value else ""
+        units = [_units(each) for each in entry.value]
+        bare = [each.value == "0" for each in entry.value]
+        return [unit for own, nought in zip(units[:-1], bare[:-1], strict=True) if not nought for unit in own] + (
+            units[-1] if units else []
+        )
     numbers, unit = _parted(entry.value) if isinstance(entry.value, str) else ([], "")
-    return unit if numbers else ""
+    return [unit] if numbers else [""]
 
 
 def _is_number(word: str) -> bool:
