@@ -2,18 +2,20 @@
 
 Every part knows its origin: the element from which it was read.
 
-The frame of a link is that of the joint which carries it, as URDF has it; the drawn pose is that of the file, and joints are at zero there.
+The frame of a link is that of the joint which carries it, as URDF has it. Joints count from the zeros of the file. ``home`` is the pose in
+which the linkage is put together, if that is not the pose with all joints at zero.
 """
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from scipy.spatial.transform import Rotation
 
 from ...common.quantities import Array
 from ..document import Document, Finding, Origin
@@ -66,9 +68,26 @@ class Follow(NamedTuple):
     origin: Origin
 
 
+class Spring(NamedTuple):
+    """A spring and damper in a joint: effort = -stiffness (coordinate - reference) - damping x rate."""
+
+    stiffness: float  # [N m/rad or N/m]
+    reference: float  # [rad or m]
+    damping: float  # [N m s/rad or N s/m]
+
+
+class Relation(NamedTuple):
+    """An equation between joints: the sum of coefficient x coordinate is the offset [rad or m]; it determines the first joint."""
+
+    name: str
+    coefficients: Mapping[str, float]
+    offset: float
+    origin: Origin
+
+
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """A joint of the tree, "revolute", "prismatic" or "fixed"."""
+    """A joint of the tree, "revolute", "prismatic", "fixed" or "floating"."""
 
     name: str
     type: str
@@ -77,12 +96,14 @@ class Joint:
     place: pin.SE3  # in the parent's frame; the child's frame in the drawn pose
     axis: Array  # (3,) of length 1 in that frame
     origin: Origin
-    limits: tuple[float, float] | None = None  # from the drawn pose [rad or m]
+    limits: tuple[float, float] | None = None  # [rad or m]
     effort: float | None = None  # largest [N m or N]; None: without limit
     velocity: float | None = None  # largest [rad/s or m/s]; None: without limit
     damping: float = 0.0  # [N m s/rad or N s/m]
     friction: float = 0.0  # [N m or N]
     follow: Follow | None = None
+    spring: Spring | None = None
+    armature: float = 0.0  # inertia of a motor that turns with the joint [kg m2 or kg]
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +129,9 @@ class Mechanism:
     remarks: tuple[Finding, ...]
     origin: Origin
     balls: tuple[tuple[str, ...], ...] = ()  # names of the revolute joints that make each ball joint of the tree, from parent to child
+    relations: tuple[Relation, ...] = ()
+    # Coordinates of joints where the linkage is put together [rad or m]; by the first joint of a ball the (3, 3) rotation of the ball.
+    home: Mapping[str, float | Array] = field(default_factory=dict)
 
 
 class Edge(NamedTuple):
@@ -189,15 +213,17 @@ def as_document(file: str, mechanism: Mechanism, source: str) -> Document:
     lines = [
         ("<?xml version='1.0'?>", "robot", mechanism.origin),
         (_opening("robot", {"name": mechanism.name}), "robot", mechanism.origin),
-        (
-            f"  <!-- Written by pinpress from {source}. Joints are at zero in the pose of that file. SI units. -->",
-            "",
-            mechanism.origin,
-        ),
+        (f"  <!-- Written by pinpress from {source}. Joints count from the zeros of that file. SI units. -->", "", mechanism.origin),
     ]
+    joints = list(_with_axes_of_balls(mechanism))
     lines += [(line, "link", origin) for link in mechanism.links for line, origin in _link(link)]
-    lines += [(line, "joint", origin) for joint in _with_axes_of_balls(mechanism) for line, origin in _joint(joint)]
+    lines += [(line, "joint", origin) for joint in joints for line, origin in _joint(joint)]
+    lines += [(f"  {line}", name, origin) for joint in joints for line, name, origin in _spring_and_armature(joint)]
+    lines += [(f"  {relation_element(relation)}", "relation", relation.origin) for relation in mechanism.relations]
     lines += [(f"  {loop_element(loop)}", "loop_joint", loop.origin) for loop in mechanism.loops]
+    if home := _home(mechanism, joints):
+        content = "".join(tag("joint", {"name": name, "position": as_text([position])}) for name, position in home.items())
+        lines.append((f"  {tag('home', {}, content)}", "home", mechanism.origin))
     for name, origin in mechanism.drivers:
         lines.append((f"  {tag('transmission', {'name': f'{name}_drive'}, tag('joint', {'name': name}))}", "transmission", origin))
     lines.append(("</robot>", "", mechanism.origin))
@@ -231,7 +257,7 @@ def _joint(joint: Joint) -> Iterator[Line]:
     kind = "continuous" if joint.type == "revolute" and joint.limits is None else joint.type
     yield f"  {_opening('joint', {'name': joint.name, 'type': kind})}", joint.origin
     yield f"    {tag('parent', {'link': joint.parent})}{tag('child', {'link': joint.child})}{_origin(joint.place)}", joint.origin
-    if joint.type != "fixed":
+    if joint.type not in ("fixed", "floating"):
         yield f"    {tag('axis', {'xyz': as_text(joint.axis)})}", joint.origin
         if kind != "continuous":
             lower, upper = joint.limits or (-UNLIMITED, UNLIMITED)
@@ -247,6 +273,35 @@ def _joint(joint: Joint) -> Iterator[Line]:
         ratio = {"multiplier": as_text([follow.multiplier]), "offset": as_text([follow.offset])}
         yield f"    {tag('mimic', {'joint': follow.leader} | ratio)}", follow.origin
     yield "  </joint>", joint.origin
+
+
+def _spring_and_armature(joint: Joint) -> Iterator[tuple[str, str, Origin]]:
+    """The elements of ours that say what of a joint a URDF does not hold, each with its tag."""
+    if joint.spring is not None:
+        values = {name: as_text([value]) for name, value in joint.spring._asdict().items()}
+        yield tag("joint_spring", {"joint": joint.name} | values), "joint_spring", joint.origin
+    if joint.armature:
+        yield tag("armature", {"joint": joint.name, "inertia": as_text([joint.armature])}), "armature", joint.origin
+
+
+def _home(mechanism: Mechanism, joints: Sequence[Joint]) -> dict[str, float]:
+    """Coordinates of the joints at home; a ball's rotation is split into turns about its three axes."""
+    axes, balls = {joint.name: joint.axis for joint in joints}, {names[0]: names for names in mechanism.balls}
+    home: dict[str, float] = {}
+    for name, position in mechanism.home.items():
+        if name in balls:
+            turned = Rotation.from_matrix(position)
+            angles = turned.as_davenport([axes[each] for each in balls[name]], "intrinsic", suppress_warnings=True)
+            home |= zip(balls[name], map(float, angles), strict=True)
+        else:
+            home[name] = float(position)
+    return home if any(home.values()) else {}
+
+
+def relation_element(relation: Relation) -> str:
+    """Its ``<relation>``."""
+    joints = (tag("joint", {"name": name, "coefficient": as_text([value])}) for name, value in relation.coefficients.items())
+    return tag("relation", {"name": relation.name, "offset": as_text([relation.offset])}, "".join(joints))
 
 
 def loop_element(loop: Loop) -> str:
