@@ -1,0 +1,58 @@
+"""Small files of robots, in the dialects that programs write: mobility, positions and torques against values of other programs."""
+
+import numpy as np
+import pytest
+from reference.robots.cases import CASES, Case
+
+import pinpress as pp
+
+LENIENCY = "refused though other programs read it"
+DIALECT = "its way to say loops, gears or drivers is not read"
+WAITING = {
+    "01": LENIENCY,
+    "02": LENIENCY,
+    "03": LENIENCY,
+    "04": LENIENCY,
+    "05": LENIENCY,
+    "06": LENIENCY,
+    "07": DIALECT,
+    "08": DIALECT,
+    "09": DIALECT,
+    "10": DIALECT,
+    "11": LENIENCY,
+    "12": DIALECT,
+    "13": DIALECT,
+    "14": "a drawing that is far open is refused",
+    "15": "load has no pose=",
+    "16": LENIENCY,
+    "17": LENIENCY,
+    "18": "load has no base=",
+    "20": DIALECT,
+    "21": "keyframes are not read",
+    "22": "a joint that no motor moves is refused",
+    "23": "rounding by 1e-7 counts as one equation more",
+    "24": "an actuator on a tendon is not read",
+    "25": LENIENCY,
+    "26": LENIENCY,
+}
+
+
+def _waiting(case: Case) -> list[pytest.MarkDecorator]:
+    reason = WAITING.get(case.file[:2])
+    return [pytest.mark.xfail(strict=True, reason=reason)] if reason else []
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+@pytest.mark.parametrize("case", [pytest.param(case, id=case.id, marks=_waiting(case)) for case in CASES])
+def test_mobility_positions_and_torques_are_those_of_other_programs(case: Case) -> None:
+    if case.path.suffix == ".xml":
+        pytest.importorskip("mujoco")
+    press = pp.load(case.path, **case.load)
+    assert press.mobility + len(press.held_spins) == case.mobility
+    assert press.drivers == case.drivers
+    at, speed, acceleration = ([values] if len(case.at) > 1 else values for values in (case.at, case.speed, case.acceleration))
+    motion = pp.servo_cycle(press, at, speed=speed, acceleration=acceleration)
+    positions = [motion.joint_position[0, press.joints.index(joint)] for joint in case.others]
+    np.testing.assert_allclose(positions, list(case.others.values()), rtol=1e-9, atol=1e-7 if case.tolerance == 1e-6 else 0)
+    torque = np.ravel(pp.inverse_dynamics(press, motion).driving_torque)
+    np.testing.assert_allclose(torque, case.torque, rtol=case.tolerance, atol=1e-9 * np.abs(case.torque).max())
