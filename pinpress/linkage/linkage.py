@@ -78,11 +78,13 @@ class Linkage(Frozen):
         root: name of the link that is the frame.
         loops: the bearings at which loops were cut.
         relations: gear pairs, racks and screws, as equations between the coordinates of their joints. ``couplings`` lists them by pairs.
-        drivers: names of the driver joints, as many as degrees of freedom.
+        drivers: names of the driver joints, as many as degrees of freedom: `motors`, then ``passive``.
         slide: name of the slide link, None if the linkage has none.
         held_spins: names of the joints that are held where the file draws them, because a link could spin about the line of its ball
             joints, which neither drivers nor forces determine.
         zero: where the driver's coordinate is 0, as in "top dead centre"; empty for the pose that the file draws. See `drawn_at`.
+        passive: names of the drivers that no motor moves, such as sprung joints and the joints of a floating base. They are the last of
+            ``drivers``, because together with the motors their coordinates determine all others.
     """
 
     name: str
@@ -96,6 +98,7 @@ class Linkage(Frozen):
     slide: str | None
     held_spins: tuple[str, ...] = ()
     zero: str = ""
+    passive: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -135,6 +138,11 @@ class Linkage(Frozen):
     def driver(self) -> str:
         """Name of the driver joint; of the first where there are several."""
         return self.drivers[0]
+
+    @property
+    def motors(self) -> tuple[str, ...]:
+        """Names of the drivers that motors move: all that are not ``passive``."""
+        return self.drivers[: len(self.drivers) - len(self.passive)]
 
     @property
     def size(self) -> float:
@@ -253,7 +261,7 @@ class Linkage(Frozen):
         """
         of_drivers = dict(zip(self.drivers, self.driver_indices, strict=True))
         followers = (gear(name, joint, of_drivers[driver], ratios[name]) for name, joint in of_drivers.items() if name != driver)
-        return replace(self, drivers=(driver,), relations=(*self.relations, *followers))
+        return replace(self, drivers=(driver,), passive=(), relations=(*self.relations, *followers))
 
     @property
     @per_linkage(of_geometry=True)
@@ -628,4 +636,4 @@ def _made_of(press: Linkage) -> tuple[object, ...]:
     ends = "point1", "rotation1", "point2", "rotation2"
     loops = [(each.name, each.type, each.joint1, each.joint2, *(getattr(each, end).tolist() for end in ends)) for each in press.loops]
     relations = [(each.name, dict(each.coefficients), each.offset, each.curve) for each in press.relations]
-    return press.name, press.links, press.drivers, press.slide, press.zero, loops, relations, press.model
+    return press.name, press.links, press.drivers, press.passive, press.slide, press.zero, loops, relations, press.model

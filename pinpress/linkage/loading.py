@@ -36,6 +36,8 @@ def load(
     slide: str | None = None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
     *,
+    drivers: str | Sequence[str] | None = None,
+    base: str = "fixed",
     allow_open: bool = False,
 ) -> Linkage:
     """Read a linkage from a URDF with ``<loop_joint>`` elements, close its drawn pose exactly and check that its driver determines it.
@@ -50,6 +52,11 @@ def load(
         slide: name of the slide link, which a prismatic joint guides on the frame; default: the link "slide", or the child of the joint
             "slide_guide", or the only link so guided.
         gravity: in world axes [m/s2].
+        drivers: another name of ``driver``.
+        base: what a free joint of the file does: "fixed": it holds its body where the file draws it; "floating": it is free. Its six
+            coordinates are then joints of their own, called after it with ``_x``, ``_y``, ``_z`` (along the axes of the body it hangs on),
+            ``_rz``, ``_ry`` and ``_rx`` (one after the other, about the axes that the turns before have reached) behind. They are at
+            their limit where the turn about y is a quarter turn. A free body that loops join to the rest is always free.
         allow_open: whether loops may be drawn open by more than a tenth of the linkage's size. They are then closed where they can be.
 
     Raises:
@@ -62,7 +69,9 @@ def load(
         PinpressWarning: a linkage that is hardly meant: a loop drawn open by more than a hundredth of the linkage's size; lengths, angles,
             masses or inertias that are hardly in SI units; attributes and elements that are not read. `check` says more.
     """
-    return load_document(parse(locate(path)), driver, slide, gravity, allow_open=allow_open)
+    if driver is not None and drivers is not None:
+        raise PinpressError("driver and drivers are both given, two names of one argument: leave one of them out")
+    return load_document(parse(locate(path)), driver if drivers is None else drivers, slide, gravity, base=base, allow_open=allow_open)
 
 
 def load_document(
@@ -71,6 +80,7 @@ def load_document(
     slide: str | None = None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
     *,
+    base: str = "fixed",
     allow_open: bool = False,
     in_file: bool = True,
     command: str = "",
@@ -82,6 +92,7 @@ def load_document(
         driver: as for `load`.
         slide: as for `load`.
         gravity: as for `load`.
+        base: as for `load`.
         allow_open: as for `load`.
         in_file: whether users see the URDF. Else warnings name no line of it, and its centres of mass are not checked: the program that
             wrote it knows them.
