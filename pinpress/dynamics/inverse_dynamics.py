@@ -17,14 +17,17 @@ from ..engines.engine import Engine
 from ..engines.racks import PlacedAxis, between_teeth
 from ..engines.sharing import compliances
 from ..engines.wrenches import AppliedConditions, Wrenches
-from ..kinematics.motion import Motion, refuse_other_joints
+from ..kinematics.motion import Motion, accelerated, refuse_other_joints
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
 from . import applied_loads
+from .joint_efforts import joint_efforts
+from .passive import free_accelerations
 from .reactions import Reactions, find_wrenches
 
 NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
+PASSIVE = ("free", "given")
 CLEAR = 1e-3  # distance from the end of a branch from which on a state is at no change point [rad]
 T = TypeVar("T")
 
@@ -38,6 +41,7 @@ def inverse_dynamics(
     stiffness: Mapping[str, float] = NONE_GIVEN,
     engine: str = "auto",
     bearings: Collection[str] | None = None,
+    passive: str = "free",
 ) -> Reactions:
     """Find the driving torque, the forces of bearings and guides, and the shaking force of a motion.
 
@@ -54,6 +58,10 @@ def inverse_dynamics(
         bearings: names of the bearings and guides whose force and moment are wanted; by default all, ``()`` for none. Torques, friction
             power and shaking force are available in any case. Leaving out all bearings saves time where there is no friction; leaving out
             some saves none. Results are those of all bearings.
+        passive: what the passive coordinates of the linkage do, if it has some (`Linkage.passive`): "free": in each state their positions
+            and speeds are those of the motion, and their accelerations follow from the forces (`Reactions.motion` has them), with no
+            drive there; "given": the motion is as given, and the drivers' efforts there are what holds it, such as force and moment on a
+            base.
 
     Raises:
         PinpressError: a motion of a linkage with other joints; a load of wrong shape, with a value that is not finite, or whose function
@@ -66,14 +74,27 @@ def inverse_dynamics(
     refuse_other_joints(press, motion)
     chosen = press.engine(engine)
     indices = _select_bearings(press, bearings)
+    if passive not in PASSIVE:
+        raise PinpressError(f"passive is {shown(passive)}: write {' or '.join(map(repr, PASSIVE))}")
     _refuse_change_points(press, motion)
     law, compliance = friction_law(friction, press), compliances(stiffness, press.bearings)
     checked_loads = applied_loads.wrap_laws(loads)
     with np.errstate(all="ignore"):  # what overflows is refused
         conditions = AppliedConditions(applied_loads.apply(checked_loads, press, motion), law, compliance)
+        motion, conditions = _move_passive(press, chosen, motion, conditions, passive)
         wrenches = find_wrenches(press, chosen, motion, conditions, bearings=bool(indices))
-    inputs = (tuple(loads), _freeze(friction), _freeze(stiffness))
+    inputs = (tuple(loads), _freeze(friction), _freeze(stiffness), passive)
     return _reactions(press, motion, chosen.name, conditions, indices, wrenches, inputs)
+
+
+def _move_passive(
+    press: Linkage, engine: Engine, motion: Motion, conditions: AppliedConditions, passive: str
+) -> tuple[Motion, AppliedConditions]:
+    """The motion with the accelerations that its passive coordinates have under these loads, and what then acts."""
+    if press.passive and passive == "free":
+        states = free_accelerations(press, engine, motion.states(press), conditions.loads, conditions.law)
+        motion = accelerated(press, motion, states)
+    return motion, conditions._replace(efforts=joint_efforts(press, motion.states(press)))
 
 
 def in_other_states(reactions: Reactions, motion: Motion) -> Reactions:
@@ -83,8 +104,9 @@ def in_other_states(reactions: Reactions, motion: Motion) -> Reactions:
     with np.errstate(all="ignore"):  # what overflows is refused
         loads = applied_loads.apply(applied_loads.wrap_laws(reactions.loads), press, motion, warned=True)
         conditions = conditions._replace(loads=loads)
+        motion, conditions = _move_passive(press, press.engine(reactions.engine), motion, conditions, reactions.passive)
         wrenches = find_wrenches(press, press.engine(reactions.engine), motion, conditions, bearings=bool(indices))
-    inputs = (reactions.loads, reactions.friction, reactions.stiffness)
+    inputs = (reactions.loads, reactions.friction, reactions.stiffness, reactions.passive)
     return _reactions(press, motion, reactions.engine, conditions, indices, wrenches, inputs)
 
 
@@ -99,7 +121,7 @@ def _reactions(
     conditions: AppliedConditions,
     indices: Sequence[int],
     wrenches: Wrenches,
-    inputs: tuple[tuple[Load, ...], Mapping[str, Friction], Mapping[str, float]],
+    inputs: tuple[tuple[Load, ...], Mapping[str, Friction], Mapping[str, float], str],
 ) -> Reactions:
     """The wrenches that an engine has found, by the names of the wanted bearings; ``given``: loads, friction and stiffness."""
     names, several = press.bearings, len(press.drivers) > 1
@@ -115,6 +137,7 @@ def _reactions(
         loads=inputs[0],
         friction=inputs[1],
         stiffness=inputs[2],
+        passive=inputs[3],
         driving_torque=wrenches.torque.T if several else wrenches.torque[0],
         bearing_force=NamedArrays(kept, forces, left_out),
         bearing_moment=NamedArrays(kept, moments, left_out),

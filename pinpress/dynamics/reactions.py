@@ -48,8 +48,9 @@ class Reactions(Tabular):
         loads: the loads as they were given. In a pickled copy, one that cannot be pickled is its description.
         friction: the friction of bearings and guides as it was given.
         stiffness: the stiffnesses of bearings and guides as they were given [N/m].
+        passive: what the passive coordinates of the linkage do, as it was given: "free" or "given".
         driving_torque: (n,) torque on the driver joint along its axis [N m], force on one that slides [N]; (n, drivers) for several
-            drivers.
+            drivers, motors first. At passive coordinates it is rounding where they are free, else what holds them.
         coupling_torque: (n, 2) by the name of a joint with a ``<mimic>``: torques of the gear pair on this joint and on the joint it
             mimics, along their axes [N m; N on a joint that slides]. Where no bearings were asked for, they are computed when they are
             first read. Forces between the teeth of two shafts are left out of the shafts' bearings; those of a rack or a screw are in them.
@@ -59,6 +60,8 @@ class Reactions(Tabular):
         friction_power: (n,) power lost, by the names of all joints and loops [W].
         shaking_force: (n, 3) [N]. It is computed when it is first read, from the bearings on the frame, even if they were left out.
         shaking_moment: (n, 3) about the world origin [N m], computed with the shaking force.
+        held_moment: (n,) by the names of the held joints (`Linkage.held_spins`): torque that holds the spin, along the joint's axis [N m; N
+            on a joint that slides]. It is rounding where nothing turns the link.
         indeterminate: (6,) bool by the names of all joints and loops: which components of force and moment, three each, rigid mechanics
             leaves open because of redundant constraints. They are shared by least squares, by default with the least sum of squared bearing
             forces. In a planar press without redundant equations in its plane they are the forces along the normal and the tilting moments.
@@ -72,6 +75,7 @@ class Reactions(Tabular):
     loads: tuple[Load, ...]
     friction: Mapping[str, Friction]
     stiffness: Mapping[str, float]
+    passive: str
     driving_torque: Array
     bearing_force: NamedArrays[np.float64]
     bearing_moment: NamedArrays[np.float64]
@@ -107,6 +111,11 @@ class Reactions(Tabular):
         torques = self._complete.relations[pairs] if pairs else ()
         by_pair = [np.stack([torque, -pair.multiplier * torque], axis=1) for pair, torque in zip(press.couplings, torques, strict=True)]
         return NamedArrays(tuple(pair.name for pair in press.couplings), np.array(by_pair))
+
+    @cached_property
+    def held_moment(self) -> NamedArrays[np.float64]:
+        names, first = self._press.held_spins, len(self._press.relations)
+        return NamedArrays(names, self._complete.relations[first:] if names else np.empty((0, len(self.motion.v))))
 
     @cached_property
     def power_residual(self) -> Array:
@@ -208,6 +217,9 @@ class Reactions(Tabular):
         press, motion = self._press, self.motion
         balance, total, apparent = power_balance(press.engine(self.engine), motion.states(press), self._conditions.loads)
         torque = self.driving_torque.reshape(len(motion.crank_angle), -1).T
+        if self._conditions.efforts is not None:
+            supplied = self._conditions.efforts * motion.v.T
+            balance, total = balance + supplied.sum(axis=0), total + np.abs(supplied).sum(axis=0)
         driving, lost = torque * motion.v.T[list(press.driver_indices)], self._wrenches.friction.sum(axis=0)
         return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost, apparent
 

@@ -18,7 +18,7 @@ class EnergyRates(NamedTuple):
     """Energies of states.
 
     Attributes:
-        kinetic: (n,) kinetic energy of all links [J].
+        kinetic: (n,) kinetic energy of all links, and of the rotors that the model's armature stands for [J].
         potential: (n,) potential energy of their weights [J]; zero with all centres of mass at the world origin.
         lifting: (n,) rate of the potential energy [W].
     """
@@ -58,6 +58,8 @@ def energies(engine: Engine, states: ClosedStates) -> EnergyRates:
     spin = turned_back(bodies.rotation, bodies.spin)
     turning = (spin * by_constants(masses.inertia, spin)).sum(axis=(0, 1))
     kinetic = 0.5 * (masses.mass @ (centers.velocity * centers.velocity).sum(axis=1) + turning)
+    if engine.structure.model.armature.any():
+        kinetic += 0.5 * engine.structure.model.armature @ states.v**2
     potential, lifting = (-np.einsum("ki,kin->n", masses.weight, vectors) for vectors in (centers.place, centers.velocity))
     return EnergyRates(kinetic, potential, lifting)
 

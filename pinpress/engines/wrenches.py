@@ -37,15 +37,18 @@ class AppliedConditions(NamedTuple):
         loads: forces on links.
         law: friction of the bearings; None for none.
         compliance: (bearings,) compliances by which bearings share redundant forces [m/N]; None where no stiffness is given.
+        efforts: (nv, n) what springs, dampers and rotors in the joints supply, along the joints' axes [N m, N]; None where there are none.
     """
 
     loads: list[AppliedForce]
     law: FrictionLaw | None
     compliance: Array | None
+    efforts: Array | None = None
 
     def part(self, points: slice) -> AppliedConditions:
         """The conditions over a part of the motion."""
-        return self._replace(loads=[load.part(points) for load in self.loads])
+        efforts = None if self.efforts is None else self.efforts[:, points]
+        return self._replace(loads=[load.part(points) for load in self.loads], efforts=efforts)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

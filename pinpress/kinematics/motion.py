@@ -267,6 +267,12 @@ def closed_motion(
     return motion
 
 
+def accelerated(press: Linkage, motion: Motion, states: ClosedStates) -> Motion:
+    """The motion of a linkage with the accelerations of these states, which are else its own. From a simulated run only the motion is
+    taken."""
+    return closed_motion(press, shared_by_motions(press), states, motion.closure_error, motion._time, motion.period_turns)
+
+
 def refuse_other_joints(press: Linkage, motion: Motion) -> None:
     """Raise PinpressError where a motion is of a linkage with other joints or drivers."""
     if motion.joints != press.joints or motion.drivers != press.drivers:

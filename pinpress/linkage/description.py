@@ -6,14 +6,21 @@ that are not written are empty.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from .element import Element
+from .joint_springs import JointSpring
 
 # Limits of a URDF: the largest that comes with pinpress has 13 joints and 4 loops.
-MOST = {"link": 1000, "joint": 1000, "loop_joint": 500, "transmission": 500, "material": 1000}
+MOST = {"link": 1000, "joint": 1000, "joint_spring": 1000, "armature": 1000, "loop_joint": 500, "transmission": 500, "material": 1000}
 DEEPEST_JOINTS = 500  # most joints from the root to a link: Pinocchio's parser calls itself for each, and ends the process after 2000
+
+FREE = ("_x", "_y", "_z", "_rz", "_ry", "_rx")
+"""Ends of the names of the six joints of a free body: three slides, then turns about z, y and x, each about the axis that the turns before
+have reached."""
 
 Point = tuple[float, float, float]
 
@@ -65,13 +72,18 @@ class Joint:
 
 @dataclass(frozen=True)
 class Description:
-    """The contents of a URDF, in document order; drivers are the joints in ``<transmission>`` elements, each once."""
+    """The contents of a URDF, in document order.
+
+    Drivers are the joints in ``<transmission>`` elements, each once; armature is the inertia of motors that turn with joints, by the names
+    of these [kg m2 or kg]."""
 
     name: str
     links: tuple[str, ...]
     joints: tuple[Joint, ...]
     loops: tuple[Loop, ...]
     drivers: tuple[str, ...]
+    joint_springs: tuple[JointSpring, ...] = ()
+    armature: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def types(self) -> dict[str, str]:
@@ -108,9 +120,22 @@ class Description:
         return bodies
 
     @cached_property
+    def bases(self) -> dict[str, tuple[str, ...]]:
+        """Names of the six joints of every free body, by the name that they share."""
+        chains: dict[str, tuple[str, ...]] = {}
+        by_name = {joint.name: joint for joint in self.joints}
+        for name in (joint.name.removesuffix(FREE[0]) for joint in self.joints if joint.name.endswith(FREE[0])):
+            chain = [by_name.get(name + free) for free in FREE]
+            if all(below and above and below.parent == above.child for above, below in itertools.pairwise(chain)):
+                chains[name] = tuple(name + free for free in FREE)
+        return chains
+
+    @cached_property
     def guided(self) -> dict[str, str]:
-        """The links that prismatic joints guide on the frame, and names of these joints."""
-        joints = (joint for joint in self.joints if joint.type == "prismatic" and self.bodies[joint.parent] == self.root)
+        """The links that prismatic joints guide on the frame, and names of these joints, except the slides of free bodies."""
+        free = {joint for chain in self.bases.values() for joint in chain}
+        prismatic = (joint for joint in self.joints if joint.type == "prismatic" and joint.name not in free)
+        joints = (joint for joint in prismatic if self.bodies[joint.parent] == self.root)
         return {joint.child: joint.name for joint in joints}
 
     @cached_property
@@ -148,7 +173,9 @@ def describe(robot: Element) -> Description:
     joints = tuple(_joint(joint) for joint in robot.all("joint"))
     loops = tuple(_loop(loop) for loop in robot.all("loop_joint"))
     drivers = [joint.get("name") for transmission in robot.all("transmission") for joint in transmission.all("joint")]
-    return Description(robot.get("name"), links, joints, loops, tuple(dict.fromkeys(drivers)))
+    springs = tuple(_joint_spring(spring) for spring in robot.all("joint_spring"))
+    armature = {element.get("joint"): element.number("inertia", 0.0) for element in robot.all("armature")}
+    return Description(robot.get("name"), links, joints, loops, tuple(dict.fromkeys(drivers)), springs, armature)
 
 
 def names(robot: Element, tag: str) -> list[str]:
@@ -164,6 +191,11 @@ def _joint(joint: Element) -> Joint:
         mimic = Mimic(element.get("joint"), element.number("multiplier", 1.0), element.number("offset", 0.0), element.line)
     parent, child = joint.of_child("parent", "link"), joint.of_child("child", "link")
     return Joint(joint.get("name"), kind, parent, child, _point(joint, "origin", "xyz"), limits, mimic, joint.line)
+
+
+def _joint_spring(spring: Element) -> JointSpring:
+    stiffness, damping = (max(spring.number(name, 0.0), 0.0) for name in ("stiffness", "damping"))
+    return JointSpring(spring.get("joint"), stiffness, spring.number("reference", 0.0), damping)
 
 
 def _loop(loop: Element) -> Loop:

@@ -35,6 +35,7 @@ from .assembly import (
     walk_through_change_points,
 )
 from .document import Document
+from .joint_springs import JointSpring
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .planarity import Planarity
 from .tool_point import ToolPoint, tool_point
@@ -83,6 +84,7 @@ class Linkage(Frozen):
         held_spins: names of the joints that are held where the file draws them, because a link could spin about the line of its ball
             joints, which neither drivers nor forces determine.
         zero: where the driver's coordinate is 0, as in "top dead centre"; empty for the pose that the file draws. See `drawn_at`.
+        joint_springs: springs and dampers in joints, ``<joint_spring>``. Inertias of motors, ``<armature>``, are in ``model.armature``.
         passive: names of the drivers that no motor moves, such as sprung joints and the joints of a floating base. They are the last of
             ``drivers``, because together with the motors their coordinates determine all others.
     """
@@ -99,6 +101,7 @@ class Linkage(Frozen):
     held_spins: tuple[str, ...] = ()
     zero: str = ""
     passive: tuple[str, ...] = ()
+    joint_springs: tuple[JointSpring, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -636,4 +639,15 @@ def _made_of(press: Linkage) -> tuple[object, ...]:
     ends = "point1", "rotation1", "point2", "rotation2"
     loops = [(each.name, each.type, each.joint1, each.joint2, *(getattr(each, end).tolist() for end in ends)) for each in press.loops]
     relations = [(each.name, dict(each.coefficients), each.offset, each.curve) for each in press.relations]
-    return press.name, press.links, press.drivers, press.passive, press.slide, press.zero, loops, relations, press.model
+    return (
+        press.name,
+        press.links,
+        press.drivers,
+        press.passive,
+        press.joint_springs,
+        press.slide,
+        press.zero,
+        loops,
+        relations,
+        press.model,
+    )

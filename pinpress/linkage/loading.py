@@ -15,6 +15,7 @@ from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution,
 from ..common.files import alike, path_of
 from ..common.quantities import Array
 from ..engines.constraints import LoopJoint, gear
+from .base import Base, with_base
 from .checks import assembly as assembly_checks
 from .checks import elements as element_checks
 from .checks import grammar, mobility
@@ -37,7 +38,7 @@ def load(
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
     *,
     drivers: str | Sequence[str] | None = None,
-    base: str = "fixed",
+    base: Base = "fixed",
     allow_open: bool = False,
 ) -> Linkage:
     """Read a linkage from a URDF with ``<loop_joint>`` elements, close its drawn pose exactly and check that its driver determines it.
@@ -80,7 +81,7 @@ def load_document(
     slide: str | None = None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
     *,
-    base: str = "fixed",
+    base: Base = "fixed",
     allow_open: bool = False,
     in_file: bool = True,
     command: str = "",
@@ -98,6 +99,7 @@ def load_document(
             wrote it knows them.
         command: what lists all that is wrong; empty for the command ``pinpress check``.
     """
+    document = with_base(document, base)
     refuse_errors(element_checks.errors(document), command or check_command(document.file))
     press = hold_spins(build(document, driver, slide, gravity))
     command = command or check_command(press.file, () if driver is None else press.drivers, slide)
@@ -175,6 +177,8 @@ def build(
         if joint.name in drivers and joint.type == "prismatic" and joint.limits:
             _refuse_without_travel(document, joint.name, *joint.limits)
     places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
+    for name, inertia in description.armature.items():
+        model.armature[places[name]] = inertia
     press = Linkage(
         name=description.name,
         document=document,
@@ -189,6 +193,7 @@ def build(
         ),
         drivers=drivers or tuple(model.names)[1:2],
         slide=_slide(description, slide),
+        joint_springs=description.joint_springs,
     )
     if not drivers:
         raise _without_driver(press)

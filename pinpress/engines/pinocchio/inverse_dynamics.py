@@ -43,4 +43,6 @@ def _open_tree(loops: Loops, equations: Equations, states: ClosedStates, loads: 
         for joint in range(count):
             wrench = wrenches[joint + 1]
             local[0, joint, :, i], local[1, joint, :, i] = wrench.linear, wrench.angular
+    if structure.model.armature.any():  # Pinocchio's efforts have it; here it counts as what acts in the joint
+        effort -= structure.model.armature[:, None] * states.a
     return OpenTree(effort, turned(rotation[1:], local[0]), turned(rotation[1:], local[1]))

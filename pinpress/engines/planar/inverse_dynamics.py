@@ -95,7 +95,8 @@ def _fill(
     needed = bearings or friction is not None
     flat = not needed or not out_of_plane.is_loaded(bodies, loads)
     axial = None if flat else out_of_plane.forces(bodies, loads, conditions.compliance, moving.second.shape[1])
-    balanced = Balanced(statics, configurations, idle_forces(statics, configurations) if needed else None, conditions.compliance)
+    idle = idle_forces(statics, configurations) if needed else None
+    balanced = Balanced(statics, configurations, idle, conditions.compliance, conditions.efforts)
     friction_efforts = None
     if friction is not None:
         friction_efforts = _friction(balanced, friction, tree, axial)
@@ -105,7 +106,7 @@ def _fill(
     if bearings:
         forces = tree.array[statics.functions.count :]
         _put_forces(plane, forces, result.force)
-        moments = _moments_about_normal(statics, multipliers, torque, friction_efforts)
+        moments = _moments_about_normal(statics, multipliers, torque, friction_efforts, conditions.efforts)
         add_moments_of_guides(
             plane, statics.guided, configurations.functions, configurations.ways, moving.second, tree.forces, loads, moments
         )
@@ -128,23 +129,26 @@ class Balanced(NamedTuple):
         configurations: the configurations.
         idle: their idle forces, which are shared; None where there are none, or no bearings are asked for.
         compliance: (bearings,) as in `AppliedConditions`.
+        efforts: (nv, n) as in `AppliedConditions`.
     """
 
     statics: Statics
     configurations: Configurations
     idle: IdleForces | None
     compliance: Array | None
+    efforts: Array | None = None
 
     def torque(self, tree: OpenTree, multipliers: Array, bearing_efforts: Array | None) -> Array:
         """Fill in the forces of the tree and the ``multipliers`` (relations, n), and return the driving torque (n,).
 
-        Efforts (bearings, n) of friction supply a part of what the joints need.
+        Efforts (bearings, n) of friction, and those in the joints, supply a part of what the joints need.
         """
-        efforts, plane = None, self.statics.plane
+        supplied, plane = self.efforts, self.statics.plane
         if bearing_efforts is not None:
             count = len(plane.parents)
             of_joints = bearing_efforts[:count] + plane.sense[:, None] * product(plane.incidence, bearing_efforts[count:])
-            efforts = efforts_by_rows(self.statics, -of_joints)
+            supplied = of_joints if supplied is None else supplied + of_joints
+        efforts = None if supplied is None else efforts_by_rows(self.statics, -supplied)
         torque = balance(self.statics, self.configurations, tree, multipliers, efforts)
         if self.idle is not None:
             add_idle_forces(self.idle, tree.array[self.statics.functions.count :], multipliers, self.compliance)
@@ -229,14 +233,18 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
     return basis
 
 
-def _moments_about_normal(statics: Statics, multipliers: Array, torque: Array, friction_efforts: Array | None) -> dict[int, Any]:
-    """Moments (n,) about the normal, by bearing, of all that transmit one but guides: the driver, geared joints, all with friction.
+def _moments_about_normal(
+    statics: Statics, multipliers: Array, torque: Array, friction_efforts: Array | None, joint_efforts: Array | None
+) -> dict[int, Any]:
+    """Moments (n,) about the normal, by bearing, of all that transmit one but guides: the driver, geared joints, all with friction, springs
+    or rotors.
 
     Args:
         statics: constants of the linkage.
         multipliers: (nr, n) multipliers of the relations.
         torque: (n,) driving torque [N m].
         friction_efforts: (bearings, n) efforts of friction, None for none.
+        joint_efforts: (nv, n) efforts in the joints, None for none.
     """
     plane = statics.plane
     moments: dict[int, Any] = {}
@@ -252,6 +260,9 @@ def _moments_about_normal(statics: Statics, multipliers: Array, torque: Array, f
                 moments[bearing] = effort
             elif plane.sense[bearing]:
                 moments[bearing] = moments.get(bearing, 0.0) + plane.sense[bearing] * effort
+    for joint, effort in enumerate(() if joint_efforts is None else joint_efforts):
+        if plane.sense[joint]:
+            moments[joint] = moments.get(joint, 0.0) + plane.sense[joint] * effort
     return moments
 
 

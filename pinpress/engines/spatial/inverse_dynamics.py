@@ -60,7 +60,8 @@ def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedCond
     fastest = None if law is None or len(pieces) == 1 else law.moving(_speeds(loops, states, pieces, by))
     for piece in pieces:
         part = states if len(pieces) == 1 else states.part(piece)
-        balance = _Balance(loops, part, [load.part(piece) for load in conditions.loads], conditions.compliance, by)
+        acting = conditions.part(piece)
+        balance = _Balance(loops, part, acting.loads, conditions.compliance, by, acting.efforts)
         if law is None:
             friction = _Friction(np.zeros_like(part.v), np.zeros((len(structure.loops), 3, part.v.shape[1])))
             multipliers = balance.multipliers(friction, shared=bearings)
@@ -142,7 +143,15 @@ class _Friction(NamedTuple):
 class _Balance:
     """States under their loads: the efforts of the open tree, and the multipliers of the equations that balance them."""
 
-    def __init__(self, loops: Loops, states: ClosedStates, loads: Sequence[AppliedForce], compliance: Array | None, by: Method) -> None:
+    def __init__(
+        self,
+        loops: Loops,
+        states: ClosedStates,
+        loads: Sequence[AppliedForce],
+        compliance: Array | None,
+        by: Method,
+        efforts: Array | None = None,
+    ) -> None:
         """Work out the forces of the open tree.
 
         Args:
@@ -151,6 +160,7 @@ class _Balance:
             loads: forces on links.
             compliance: (bearings,) as in `AppliedConditions`.
             by: how equations and forces of the open tree are computed.
+            efforts: (nv, n) as in `AppliedConditions`.
 
         Raises:
             AssemblyError: a state leaves the loops open, because it belongs to another linkage.
@@ -165,6 +175,8 @@ class _Balance:
         else:
             self.equations, self.passive = states.solved
         self.effort, self.force, self.moment = by.open_tree(loops, self.equations, states, loads)
+        if efforts is not None:  # the drives need not supply them
+            self.effort = self.effort - efforts
         self.size = loops.structure.size
 
     def _refuse_open(self, equations: Equations) -> None:

@@ -36,6 +36,7 @@ def errors(document: Document) -> list[Finding]:
             _name_problems(robot),
             _type_problems(robot),
             _mimic_problems(robot, description),
+            _spring_problems(robot, description),
             _transmission_problems(robot, description),
             _tree_problems(robot, description),
             _inertia_problems(robot, description),
@@ -151,6 +152,23 @@ def _mimic_problems(robot: Element, description: Description) -> Iterator[Proble
             elif 1e7 < ratio <= LARGEST:
                 yield mimic, f"multiplier is {ratio:g}, which locks joint {leader!r}", "write the ratio of the gear pair"
     yield from _gear_ring_problems(robot, description)
+
+
+def _spring_problems(robot: Element, description: Description) -> Iterator[Problem]:
+    """Problems of springs and rotors in joints."""
+    types, armed = description.types, set()
+    for element in robot.all("joint_spring", "armature"):
+        name = element.get("joint")
+        if name and name not in types:
+            yield element, f"no joint {name!r}{suggestion(name, types)}", "name a <joint> of this file"
+        elif types.get(name) == "fixed":
+            yield element, f"joint {name!r} is fixed and does not move", "name a joint that moves, or remove this element"
+        for quantity in ("stiffness", "damping", "inertia"):
+            if element.number(quantity, 0.0) < 0:
+                yield element, f"{quantity} is negative", "write it as a positive number, in SI units"
+        if element.tag == "armature" and name in armed:
+            yield element, f"a second <armature> of joint {name!r}", "write their sum in one"
+        armed |= {name} if element.tag == "armature" else set()
 
 
 def _gear_ring_problems(robot: Element, description: Description) -> Iterator[Problem]:

@@ -28,7 +28,7 @@ class _Rule(NamedTuple):
 _RULES = {
     "robot": _Rule(
         "name? version?",
-        "link* joint* loop_joint* material* transmission*",
+        "link* joint* loop_joint* joint_spring* armature* material* transmission*",
         "warning",
         "gazebo ros2_control mujoco sensor fixed_frame frame",
     ),
@@ -47,6 +47,8 @@ _RULES = {
         "dont_collapse",
     ),
     "loop_joint": _Rule("name? type?", "link1 link2 axis?", "warning"),
+    "joint_spring": _Rule("joint stiffness? reference? damping?"),
+    "armature": _Rule("joint inertia"),
     "inertial": _Rule("", "origin? mass inertia", "warning"),
     "transmission": _Rule("name? type?", "", "warning"),
     "origin": _Rule("xyz? rpy?"),
@@ -78,7 +80,23 @@ _RULES = {
 
 
 # What is computed with must have powers and products in floating point.
-_QUANTITIES = ("xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset")
+_QUANTITIES = (
+    "xyz",
+    "rpy",
+    "value",
+    "ixx",
+    "ixy",
+    "ixz",
+    "iyy",
+    "iyz",
+    "izz",
+    "multiplier",
+    "offset",
+    "stiffness",
+    "reference",
+    "damping",
+    "inertia",
+)
 
 
 def problems(element: Element) -> Iterator[Problem]:
