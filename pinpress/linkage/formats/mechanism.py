@@ -259,11 +259,12 @@ def _joint(joint: Joint) -> Iterator[Line]:
     yield f"    {tag('parent', {'link': joint.parent})}{tag('child', {'link': joint.child})}{_origin(joint.place)}", joint.origin
     if joint.type not in ("fixed", "floating"):
         yield f"    {tag('axis', {'xyz': as_text(joint.axis)})}", joint.origin
-        if kind != "continuous":
+        if kind != "continuous" or joint.effort is not None or joint.velocity is not None:
             lower, upper = joint.limits or (-UNLIMITED, UNLIMITED)
             effort = 1e9 if joint.effort is None else joint.effort  # [N m or N]: of no limit
             velocity = UNLIMITED if joint.velocity is None else joint.velocity
-            values = {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
+            travel = {} if kind == "continuous" else {"lower": lower, "upper": upper}
+            values = travel | {"effort": effort, "velocity": velocity}
             yield f"    {tag('limit', {name: as_text([value]) for name, value in values.items()})}", joint.origin
         if joint.damping or joint.friction:
             values = {"damping": joint.damping, "friction": joint.friction}
@@ -290,9 +291,10 @@ def _home(mechanism: Mechanism, joints: Sequence[Joint]) -> dict[str, float]:
     home: dict[str, float] = {}
     for name, position in mechanism.home.items():
         if name in balls:
-            turned = Rotation.from_matrix(position)
-            angles = turned.as_davenport([axes[each] for each in balls[name]], "intrinsic", suppress_warnings=True)
-            home |= zip(balls[name], map(float, angles), strict=True)
+            if not np.array_equal(position, np.eye(3)):  # else its angles would be rounding errors
+                turned = Rotation.from_matrix(position)
+                angles = turned.as_davenport([axes[each] for each in balls[name]], "intrinsic", suppress_warnings=True)
+                home |= zip(balls[name], map(float, angles), strict=True)
         else:
             home[name] = float(position)
     return home if any(home.values()) else {}

@@ -1,8 +1,11 @@
 """MJCF, the format of MuJoCo (mujoco.readthedocs.io, "XML Reference"), read by the package mujoco itself.
 
-MuJoCo's compiler resolves classes, includes, frames, angles in degrees and inertia from shapes. Bodies with hinges, slides and balls make
-the tree; ``<equality>`` closes its loops: ``<connect>`` is a pin, ``<weld>`` is fixed, ``<joint>`` a gear pair. MuJoCo's equalities are
-slightly elastic; here they hold exactly.
+MuJoCo's compiler resolves classes, includes, frames, angles in degrees and inertia from shapes. Bodies with hinges, slides, balls and free
+joints make the tree; ``<equality>`` closes its loops: ``<connect>`` is a pin, ``<weld>`` is fixed, ``<joint>`` a gear pair, ``<tendon>`` an
+equation between joints. MuJoCo's equalities are slightly elastic; here they hold exactly.
+
+Coordinates of hinges and slides are MuJoCo's ``qpos``: at ``ref`` the bodies are where the file draws them. The linkage is put together in
+the keyframe ``home``, else in the first keyframe, else as drawn.
 """
 
 from __future__ import annotations
@@ -23,7 +26,7 @@ from ..document import read as read_text
 from ..element import Element, tree
 from ..text import as_text
 from .elements import make_unique, refuse, remark
-from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule, massless_link
+from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Relation, Shape, Spring, as_document, capsule, massless_link
 
 if TYPE_CHECKING:
     import mujoco
@@ -44,9 +47,7 @@ def read(document: Document) -> Document:
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(warned.append)  # else they are written to stderr, and to a file in the working directory
     try:
-        spec = _parse(mujoco, document)
-        spec.compiler.fusestatic = False
-        model = spec.compile()
+        spec, model, meshes = _compile(mujoco, document)
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise UrdfError(document.file, "<mujoco>", None, f"MuJoCo cannot read it: {reason}", "correct the file") from error
@@ -54,7 +55,28 @@ def read(document: Document) -> Document:
         mujoco.set_mju_user_warning(before)
     reader = _Reader(document, mujoco, spec, model)
     reader.remarks += [remark("warning", reader.root, f"MuJoCo warns: {' '.join(text.split())}", "correct the file") for text in warned]
+    if meshes:
+        reader.remarks.append(remark("note", reader.root, f"it is read without its {meshes} meshes, because files are missing", ""))
     return as_document(document.file, reader.mechanism(), f"MJCF by MuJoCo {mujoco.__version__}")
+
+
+def _compile(mujoco: Any, document: Document) -> tuple[Any, Any, int]:
+    """MuJoCo's specification and model of a file; and the number of meshes that were left out, because files of meshes are missing and
+    every body that moves has an inertia without them."""
+    spec = _parse(mujoco, document)
+    try:
+        return spec, spec.compile(), 0
+    except (ValueError, RuntimeError):
+        spec = _parse(mujoco, document)  # a failed compilation changes it
+        drawn = [geom for geom in spec.geoms if geom.meshname]
+        if not drawn or not all(geom.parent.explicitinertial or not geom.parent.parent for geom in drawn):
+            raise
+        for geom in drawn:
+            spec.delete(geom)
+        meshes = list(spec.meshes)
+        for mesh in meshes:
+            spec.delete(mesh)
+        return spec, spec.compile(), len(meshes)
 
 
 def _refuse_odd_files(document: Document, root: Element, folder: Path, seen: set[Path]) -> None:
@@ -79,9 +101,11 @@ def _refuse_odd_files(document: Document, root: Element, folder: Path, seen: set
 def _parse(mujoco: Any, document: Document) -> Any:
     """MuJoCo's specification of a file. MuJoCo reads the file itself if its name ends in .xml, so that it finds included files."""
     if document.file.endswith(".xml"):
-        return mujoco.MjSpec.from_file(document.file)
-    spec = mujoco.MjSpec.from_string(document.text.decode("utf-8-sig"))
-    spec.modelfiledir = os.path.dirname(os.path.abspath(document.file))
+        spec = mujoco.MjSpec.from_file(document.file)
+    else:
+        spec = mujoco.MjSpec.from_string(document.text.decode("utf-8-sig"))
+        spec.modelfiledir = os.path.dirname(os.path.abspath(document.file))
+    spec.compiler.fusestatic = False
     return spec
 
 
@@ -93,7 +117,7 @@ class _Reader:
         self.root = Origin(f'<mujoco model="{spec.modelname}">', document.robot.line)
         self.included = bool(_all(document.robot, "include"))
         self.remarks: list[Finding] = []
-        self.balls: list[tuple[str, ...]] = []
+        self.balls: dict[int, tuple[str, ...]] = {}
         self.taken: set[str] = set()
         self.bodies = self._by_id(spec.bodies)
         self.hinges = self._by_id(spec.joints)
@@ -101,6 +125,9 @@ class _Reader:
         self.body_names = self._names(self.bodies, "body", {WORLD})
         self.body_names[0] = WORLD
         self.joint_names = self._names(self.hinges, "joint", set())
+        self.free = {int(model.jnt_bodyid[k]): k for k in range(model.njnt) if model.jnt_type[k] == int(package.mjtJoint.mjJNT_FREE)}
+        self.start = model.key_qpos[self._keyframe()] if model.nkey else model.qpos0
+        self.drivers = dict(self._drivers())
 
     def _by_id(self, elements: Any) -> dict[int, Any]:
         return {int(element.id): element for element in elements}
@@ -122,19 +149,42 @@ class _Reader:
 
     def mechanism(self) -> Mechanism:
         self._refuse_what_moves_otherwise()
-        held = self._held_body()
+        welds = self._welds_of_free_bodies()
         links = [self._link(body) for body in range(self.model.nbody)]
         joints: list[Joint] = []
         for body in range(1, self.model.nbody):
-            made, between = self._carrier(body, held)
+            made, between = self._carrier(body, welds)
             joints += made
             links += between
         self.taken |= {joint.name for joint in joints}
-        joints, loops = self._with_equalities(joints)
+        joints, loops, relations = self._with_equalities(joints, set(welds.values()))
         self._remark_on_forces()
-        name = self.spec.modelname or "press"
-        drivers = tuple(self._drivers())
-        return Mechanism(name, tuple(links), tuple(joints), tuple(loops), drivers, tuple(self.remarks), self.root, tuple(self.balls))
+        fixed = {joint.name for joint in joints if joint.type == "fixed"}
+        return Mechanism(
+            self.spec.modelname or "press",
+            tuple(links),
+            tuple(joints),
+            tuple(loops),
+            tuple((name, origin) for name, origin in self.drivers.items() if name not in fixed),
+            tuple(self.remarks),
+            self.root,
+            tuple(self.balls.values()),
+            tuple(relations),
+            {name: position for name, position in self._home() if name not in fixed},
+        )
+
+    def _keyframe(self) -> int:
+        """Index of the keyframe "home", else 0."""
+        home = self.mujoco.mj_name2id(self.model, int(self.mujoco.mjtObj.mjOBJ_KEY), "home")
+        return max(int(home), 0)
+
+    def _home(self) -> Iterator[tuple[str, float | Array]]:
+        """Coordinates of hinges and slides at the start, and rotations of balls by the names of their first hinges."""
+        for k, adr in enumerate(self.model.jnt_qposadr):
+            if k in self.balls:
+                yield self.balls[k][0], _rotation(self.start[adr : adr + 4])
+            elif int(self.model.jnt_bodyid[k]) not in self.free:
+                yield self.joint_names[k], float(self.start[adr])
 
     # --------------------------------------------------------------------------------------------------------------- what is not a linkage
 
@@ -148,42 +198,38 @@ class _Reader:
         if self.model.nplugin:
             self.remarks.append(remark("warning", self.root, "plugins are not read", "give what they do as drives and loads"))
 
-    def _held_body(self) -> int | None:
-        """The body whose free joint is removed, if it has the only one and the model is joined to the world nowhere else; None if there
-        is no free joint."""
-        model, free_type = self.model, int(self.mujoco.mjtJoint.mjJNT_FREE)
-        free = [k for k in range(model.njnt) if model.jnt_type[k] == free_type]
-        if not free:
-            return None
-        first = int(model.jnt_bodyid[free[0]])
-        origin = self._body_origin(first)
-        roots = {int(model.body_rootid[body]) for body in range(1, model.nbody) if model.body_jntnum[body]}
-        if len(free) > 1 or roots != {first} or any(WORLD in self._ends(k) for k in self._active() if self._is_loop(k)):
-            refuse(
-                self.file,
-                origin,
-                "a free joint beside other bodies cannot be read",
-                "write the joints that guide the body, or leave it out",
-            )
-        problem = "the body is free: it is held where it is drawn"
-        self.remarks.append(remark("warning", origin, problem, "remove its <freejoint>, if that is meant"))
-        return first
+    def _welds_of_free_bodies(self) -> dict[int, int]:
+        """The equality that welds a body with a free joint to the world, by the body; it holds the body.
+
+        Raises:
+            UrdfError: a free body is joined to nothing, next to others.
+        """
+        welds: dict[int, int] = {}
+        joined: set[int] = set()
+        for k in filter(self._is_loop, self._active()):
+            ends = self._end_bodies(k)
+            joined |= {int(self.model.body_rootid[body]) for body in ends}
+            if 0 in ends and max(ends) in self.free and not self._turns_in(k):
+                welds.setdefault(max(ends), k)
+        roots = {int(self.model.body_rootid[body]) for body in range(1, self.model.nbody) if self.model.body_jntnum[body]}
+        for body in self.free:
+            if len(roots) > 1 and body not in joined:
+                problem, remedy = "a free body that nothing joins to the others", "write what joins it, or leave it out"
+                refuse(self.file, self._body_origin(body), problem, remedy)
+        return welds
 
     def _remark_on_forces(self) -> None:
         """Warn of forces that act in MuJoCo and are not in a URDF."""
         model = self.model
         for k, joint in sorted(self.hinges.items()):
-            if model.jnt_type[k] == int(self.mujoco.mjtJoint.mjJNT_FREE):
-                continue
             origin, dof = self._origin(joint, "joint", self.joint_names[k]), int(model.jnt_dofadr[k])
-            if model.dof_armature[dof]:
-                problem = f"armature={model.dof_armature[dof]:g} is not read"
-                self.remarks.append(remark("warning", origin, problem, "give it as a flywheel, or set it in press.model.armature"))
-            if np.any(model.jnt_stiffness[k]):
-                problem = "the spring of the joint is not read"
-                self.remarks.append(remark("warning", origin, problem, "give it as a load: loads=[SpringDamper(...)]"))
-        if model.ntendon:
-            problem = f"{model.ntendon} tendons are not read"
+            several = k in self.balls or int(model.jnt_bodyid[k]) in self.free
+            if several and (model.jnt_stiffness[k] or model.dof_damping[dof] or model.dof_armature[dof]):
+                problem = "stiffness, damping and armature of a joint with several coordinates are not read"
+                self.remarks.append(remark("warning", origin, problem, "write hinges and slides"))
+        acts = (_values(model, f"tendon_{what}") for what in ("stiffness", "damping", "frictionloss", "limited", "armature"))
+        if acting := np.count_nonzero(sum(np.abs(values[: model.ntendon]) for values in acts)):
+            problem = f"springs, dampers, friction, limits and inertia of {acting} tendons are not read"
             self.remarks.append(remark("warning", self.root, problem, "give their forces as loads"))
         if np.any(model.body_gravcomp):
             self.remarks.append(remark("warning", self.root, "gravcomp is not read", "load(..., gravity=(0, 0, 0)) leaves gravity out"))
@@ -206,8 +252,7 @@ class _Reader:
     def _joints_of(self, body: int) -> list[int]:
         """Joints that move a body relative to its parent, in their order, without a free joint."""
         first, count = int(self.model.body_jntadr[body]), int(self.model.body_jntnum[body])
-        free = int(self.mujoco.mjtJoint.mjJNT_FREE)
-        return [k for k in range(first, first + count) if self.model.jnt_type[k] != free]
+        return [] if body in self.free else list(range(first, first + count))
 
     def _turns(self, joint: int) -> bool:
         return bool(self.model.jnt_type[joint] != int(self.mujoco.mjtJoint.mjJNT_SLIDE))
@@ -262,15 +307,23 @@ class _Reader:
 
     # ------------------------------------------------------------------------------------------------------------------------------ joints
 
-    def _carrier(self, body: int, held: int | None) -> tuple[list[Joint], list[Link]]:
-        """The joints from the parent of a body to it, with links without mass between them."""
+    def _carrier(self, body: int, welds: Mapping[int, int]) -> tuple[list[Joint], list[Link]]:
+        """The joints from the parent of a body to it, with links without mass between them; ``welds``: of free bodies to the world."""
         model, child = self.model, self.body_names[body]
         parent_body = int(model.body_parentid[body])
         parent, joints = self.body_names[parent_body], self._joints_of(body)
         place = pin.SE3(_rotation(model.body_quat[body]), np.array(model.body_pos[body]) - self._shift(parent_body))
         if not joints:
-            name = make_unique(f"{child}_{'held' if body == held else 'fixed'}", {*self.joint_names.values()})
-            return [Joint(name, "fixed", parent, child, place, np.array([1.0, 0.0, 0.0]), self._body_origin(body))], []
+            kind = "floating" if body in self.free and body not in welds else "fixed"
+            if kind == "floating":
+                adr = int(model.jnt_qposadr[self.free[body]])
+                place = pin.SE3(_rotation(self.start[adr + 3 : adr + 7]), np.array(self.start[adr : adr + 3]))
+            elif body in welds:
+                end, other = (place for _, place in self._places(welds[body]))
+                place = end * other.inverse() if self._end_bodies(welds[body])[1] == body else other * end.inverse()
+            name = make_unique(f"{child}_{'free' if kind == 'floating' else 'fixed'}", {*self.joint_names.values()})
+            name = self.hinges[self.free[body]].name or name if body in self.free else name
+            return [Joint(name, kind, parent, child, place, np.array([1.0, 0.0, 0.0]), self._body_origin(body))], []
         made: list[Joint] = []
         links: list[Link] = []
         reached = np.zeros(3)  # origin of the last frame, in that of the body
@@ -292,31 +345,67 @@ class _Reader:
         name = self.joint_names[joint]
         if self.model.jnt_type[joint] != int(self.mujoco.mjtJoint.mjJNT_BALL):
             return [(np.array(self.model.jnt_axis[joint]), name)]
-        names = [f"{name}_{axis}" for axis in "xyz"]
-        self.balls.append(tuple(names))
+        taken = {*self.joint_names.values(), *self.body_names.values(), *(each for names in self.balls.values() for each in names)}
+        names = [make_unique(f"{name}_{axis}", taken) for axis in "xyz"]
+        self.balls[joint] = tuple(names)
         problem = f"a ball joint is made of revolute joints: {', '.join(names)}"
         self.remarks.append(remark("note", self._origin(self.hinges[joint], "joint", name), problem, ""))
         return list(zip(np.eye(3), names, strict=True))
 
     def _joint(self, k: int, name: str, axis: Array, parent: str, child: str, place: pin.SE3, origin: Origin) -> Joint:
-        model, dof = self.model, int(self.model.jnt_dofadr[k])
-        limits, ball = None, model.jnt_type[k] == int(self.mujoco.mjtJoint.mjJNT_BALL)
-        if model.jnt_limited[k] and not ball:
-            drawn = float(model.qpos0[model.jnt_qposadr[k]])  # ref
-            lower, upper = (float(limit) - drawn for limit in model.jnt_range[k])
-            limits = lower, upper
+        model, dof, kind = self.model, int(self.model.jnt_dofadr[k]), "revolute" if self._turns(k) else "prismatic"
+        if k in self.balls:
+            return Joint(name, kind, parent, child, place, axis, origin, friction=float(model.dof_frictionloss[dof]))
+        spring, armature = self._spring(k, origin)
         return Joint(
             name,
-            "revolute" if self._turns(k) else "prismatic",
+            kind,
             parent,
             child,
-            place,
+            place * _moved(kind, axis, -float(model.qpos0[model.jnt_qposadr[k]])),  # the body is drawn at ref
             axis,
             origin,
-            limits=limits,
-            damping=float(np.ravel(model.dof_damping[dof])[0]),
+            limits=(float(model.jnt_range[k][0]), float(model.jnt_range[k][1])) if model.jnt_limited[k] else None,
+            effort=self._effort(k),
             friction=float(model.dof_frictionloss[dof]),
+            spring=spring,
+            armature=armature,
         )
+
+    def _spring(self, k: int, origin: Origin) -> tuple[Spring | None, float]:
+        """Spring, damper and armature of a hinge or slide, with those of the actuators that turn with it."""
+        model, dof = self.model, int(self.model.jnt_dofadr[k])
+        higher = np.concatenate([np.ravel(_values(model, name)[at]) for name, at in (("jnt_stiffnesspoly", k), ("dof_dampingpoly", dof))])
+        if higher.any():
+            problem = "stiffness or damping grows with position or speed (a polynomial), which cannot be read"
+            refuse(self.file, origin, problem, "write one number")
+        damping, armature = float(model.dof_damping[dof]), float(model.dof_armature[dof])
+        for actuator in self._actuators_of(k):
+            squared = float(model.actuator_gear[actuator][0]) ** 2
+            damping += squared * float(_values(model, "actuator_damping")[actuator])
+            armature += squared * float(_values(model, "actuator_armature")[actuator])
+        stiffness, reference = float(model.jnt_stiffness[k]), float(model.qpos_spring[model.jnt_qposadr[k]])
+        return Spring(stiffness, reference if stiffness else 0.0, damping) if stiffness or damping else None, armature
+
+    def _actuators_of(self, joint: int) -> list[int]:
+        """The actuators that act on a joint itself."""
+        of_joints = (int(self.mujoco.mjtTrn.mjTRN_JOINT), int(self.mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+        model = self.model
+        return [k for k in range(_count(model)) if model.actuator_trntype[k] in of_joints and model.actuator_trnid[k][0] == joint]
+
+    def _effort(self, joint: int) -> float | None:
+        """The largest effort of all actuators on a joint [N m or N]; None if it has no limit."""
+        model, total = self.model, 0.0
+        for k in self._actuators_of(joint):
+            bounds = [np.abs(model.actuator_forcerange[k]).max()] if model.actuator_forcelimited[k] else []
+            if model.actuator_ctrllimited[k] and not (
+                model.actuator_gaintype[k] or model.actuator_biastype[k] or model.actuator_dyntype[k]
+            ):
+                bounds.append(np.abs(model.actuator_ctrlrange[k]).max() * abs(model.actuator_gainprm[k][0]))  # the control is the force
+            total += min(bounds, default=np.inf) * abs(model.actuator_gear[k][0])
+        bound = np.abs(model.jnt_actfrcrange[joint]).max() if model.jnt_actfrclimited[joint] else np.inf
+        least = float(min(bound, total or np.inf))
+        return least if np.isfinite(least) else None
 
     # -------------------------------------------------------------------------------------------------------------------------- equalities
 
@@ -340,10 +429,11 @@ class _Reader:
     def _by_sites(self, k: int) -> bool:
         return bool(self.model.eq_objtype[k] == int(self.mujoco.mjtObj.mjOBJ_SITE))
 
-    def _with_equalities(self, joints: list[Joint]) -> tuple[list[Joint], list[Loop]]:
-        """The joints with their gear pairs, and the loops."""
+    def _with_equalities(self, joints: list[Joint], done: set[int]) -> tuple[list[Joint], list[Loop], list[Relation]]:
+        """The joints with their gear pairs, the loops, and relations between other joints; ``done``: welds that hold free bodies."""
         by_name = {joint.name: joint for joint in joints}
         loops: list[Loop] = []
+        relations: list[Relation] = []
         tags = {int(getattr(self.mujoco.mjtEq, f"mjEQ_{tag.upper()}")): tag for tag in ("connect", "weld", "joint", "tendon")}
         for k, element in sorted(self.equalities.items()):
             tag = tags.get(int(self.model.eq_type[k]), "flex")
@@ -352,72 +442,119 @@ class _Reader:
             origin = self._origin(element, tag, name)
             if not self.model.eq_active0[k]:
                 self.remarks.append(remark("note", origin, 'it is left out, as active="false" says', ""))
+            elif k in done:
+                self.remarks.append(remark("note", origin, "it holds a body with a free joint, which is read as fixed", ""))
             elif self._is_loop(k):
-                loops.append(self._loop(k, name, origin))
+                loops.append(Loop(name, "spherical" if self._turns_in(k) else "fixed", self._places(k), None, origin))
                 self.taken.add(name)
-            elif tag == "joint":
-                joint = self._gear(k, by_name, origin)
-                by_name[joint.name] = joint
+            elif tag in ("joint", "tendon"):
+                self._relate(k, name, by_name, relations, origin)
+                self.taken.add(name)
             else:
-                refuse(self.file, origin, f"<equality><{tag}> cannot be read", "write <connect>, <weld> or <joint>")
-        return list(by_name.values()), loops
+                refuse(self.file, origin, f"<equality><{tag}> cannot be read", "write <connect>, <weld>, <joint> or <tendon>")
+        return list(by_name.values()), loops, relations
 
-    def _loop(self, k: int, name: str, origin: Origin) -> Loop:
-        """A connect or weld. The data of one between bodies hold its points: for a connect the point in each body, for a weld the pose of
-        the second body's frame in the first, and an anchor in the second. A weld with ``torquescale="0"`` is a connect."""
-        model, (one, two) = self.model, self._end_bodies(k)
-        weld = model.eq_type[k] == int(self.mujoco.mjtEq.mjEQ_WELD)
+    def _turns_in(self, k: int) -> bool:
+        """Whether a connect or weld lets its bodies turn; a weld with ``torquescale="0"`` is a connect."""
+        weld = self.model.eq_type[k] == int(self.mujoco.mjtEq.mjEQ_WELD)
+        return not weld or not self.model.eq_data[k][10]  # the place of a weld's torquescale among its data
+
+    def _places(self, k: int) -> tuple[tuple[str, pin.SE3], tuple[str, pin.SE3]]:
+        """The links of a connect or weld, with its place in each. The data of one between bodies hold its points: for a connect the point
+        in each body, for a weld the pose of the second body's frame in the first, and an anchor in the second."""
+        model, (one, two), turns = self.model, self._end_bodies(k), self._turns_in(k)
         data, straight = model.eq_data[k], np.array([1.0, 0.0, 0.0, 0.0])
-        turns = not weld or data[10] == 0  # the place of a weld's torquescale among its data
         if self._by_sites(k):
             sites = int(model.eq_obj1id[k]), int(model.eq_obj2id[k])
-            places = [(model.site_pos[site], straight if turns else model.site_quat[site]) for site in sites]
-        elif weld:
-            places = [(data[3:6], straight if turns else data[6:10]), (data[:3], straight)]
+            first, second = ((model.site_pos[site], straight if turns else model.site_quat[site]) for site in sites)
+        elif model.eq_type[k] == int(self.mujoco.mjtEq.mjEQ_WELD):
+            first, second = (data[3:6], straight if turns else data[6:10]), (data[:3], straight)
         else:
-            places = [(data[:3], straight), (data[3:6], straight)]
-        ends = [(self.body_names[body], self._inside(body, *place)) for body, place in zip((one, two), places, strict=True)]
-        return Loop(name, "spherical" if turns else "fixed", (ends[0], ends[1]), None, origin)
+            first, second = (data[:3], straight), (data[3:6], straight)
+        return (self.body_names[one], self._inside(one, *first)), (self.body_names[two], self._inside(two, *second))
 
-    def _gear(self, k: int, joints: Mapping[str, Joint], origin: Origin) -> Joint:
-        """Joint 1 as an equality of joints moves it: its position from the drawn pose is a polynomial of that of joint 2."""
-        model = self.model
-        offset, ratio, *higher = (float(value) for value in model.eq_data[k][:5])
-        first, second = int(model.eq_obj1id[k]), int(model.eq_obj2id[k])
-        names = [self.joint_names.get(joint, "") for joint in (first, second)]
-        if second < 0:
-            if offset:
-                refuse(self.file, origin, "it holds a joint beside the drawn pose", "draw it there, or give it no joint")
-            return replace(joints[names[0]], type="fixed", limits=None)
-        if any(higher):
+    def _relate(self, k: int, name: str, joints: dict[str, Joint], relations: list[Relation], origin: Origin) -> None:
+        """Add an equality of joints or of tendons of joints: what the first one has gained since the drawn pose is a polynomial of what the
+        second one has. A pair becomes a gear pair; an equality of more joints determines one that nothing determines yet."""
+        model, tendon = self.model, self.model.eq_type[k] == int(self.mujoco.mjtEq.mjEQ_TENDON)
+        constant, ratio, *higher = (float(value) for value in model.eq_data[k][:5])
+        if any(higher) and model.eq_obj2id[k] >= 0:
             refuse(self.file, origin, "joints that follow each other by a polynomial cannot be read", "write polycoef of two numbers")
-        if not ratio:
-            refuse(self.file, origin, "polycoef has no linear term: the joint is held", "write an equality of this joint alone")
-        for name in names:
-            if name not in joints:
-                refuse(self.file, origin, f"joint {name!r} has several coordinates", "couple hinges and slides")
-        if joints[names[0]].follow is None:
-            return replace(joints[names[0]], follow=Follow(names[1], ratio, offset, origin))
-        if joints[names[1]].follow is None:
-            return replace(joints[names[1]], follow=Follow(names[0], 1 / ratio, -offset / ratio, origin))
-        refuse(self.file, origin, "both joints follow another one already", "let each joint follow one")
+        terms: dict[str, float] = {}
+        offset = constant
+        for one, factor in ((int(model.eq_obj1id[k]), 1.0), (int(model.eq_obj2id[k]), -ratio)):
+            for joint, coefficient in self._joints_of_tendon(one, origin) if tendon and one >= 0 else ((one, 1.0),) * (one >= 0):
+                if self.joint_names[joint] not in joints:
+                    refuse(self.file, origin, f"joint {self.joint_names[joint]!r} has several coordinates", "couple hinges and slides")
+                terms[self.joint_names[joint]] = terms.get(self.joint_names[joint], 0.0) + factor * coefficient
+                offset += factor * coefficient * float(model.qpos0[model.jnt_qposadr[joint]])
+        terms = {joint: coefficient for joint, coefficient in terms.items() if coefficient and joints[joint].type != "fixed"}
+        determined = {relation_joint for relation in relations for relation_joint in list(relation.coefficients)[:1]}
+        able = [joint for joint in terms if joints[joint].follow is None and joint not in determined]
+        if not able:
+            refuse(self.file, origin, "all its joints follow others already", "let each joint follow one")
+        follower = min(able, key=lambda joint: joint in self.drivers)  # the first that does not drive
+        (scale, *_), others = [terms[follower]], {joint: value for joint, value in terms.items() if joint != follower}
+        if not others:
+            held = joints[follower]
+            place = held.place * _moved(held.type, held.axis, offset / scale)
+            joints[follower] = replace(held, type="fixed", place=place, limits=None, spring=None, armature=0.0)
+        elif len(others) == 1:
+            ((leader, value),) = others.items()
+            joints[follower] = replace(joints[follower], follow=Follow(leader, -value / scale, offset / scale, origin))
+        else:
+            coefficients = {follower: 1.0} | {joint: value / scale for joint, value in others.items()}
+            relations.append(Relation(name, coefficients, offset / scale, origin))
+
+    def _joints_of_tendon(self, tendon: int, origin: Origin) -> list[tuple[int, float]]:
+        """The joints of a fixed tendon, with their coefficients."""
+        model, first = self.model, int(self.model.tendon_adr[tendon])
+        parts = range(first, first + int(model.tendon_num[tendon]))
+        if any(model.wrap_type[part] != int(self.mujoco.mjtWrap.mjWRAP_JOINT) for part in parts):
+            refuse(self.file, origin, "a tendon in space cannot be read", "write a tendon of joints, <fixed>")
+        return [(int(model.wrap_objid[part]), float(model.wrap_prm[part])) for part in parts]
 
     # ----------------------------------------------------------------------------------------------------------------------------- drivers
 
     def _drivers(self) -> Iterator[tuple[str, Origin]]:
-        """Joints with an actuator, in the order of the actuators."""
-        model, seen = self.model, set()
+        """Joints with an actuator, in the order of the actuators; of a tendon of joints the first one."""
+        model, transmissions = self.model, self.mujoco.mjtTrn
         several = (int(self.mujoco.mjtJoint.mjJNT_FREE), int(self.mujoco.mjtJoint.mjJNT_BALL))
-        of_joints = (int(self.mujoco.mjtTrn.mjTRN_JOINT), int(self.mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+        loads: list[str] = []
         for actuator in sorted(self.spec.actuators, key=lambda each: int(each.id)):
-            k = int(actuator.id)
-            origin = self._origin(actuator, "actuator", actuator.name or str(k))
-            joint = int(model.actuator_trnid[k][0])
-            if model.actuator_trntype[k] not in of_joints or model.jnt_type[joint] in several:
-                self.remarks.append(remark("warning", origin, "an actuator of no hinge or slide is not read", "drive a joint"))
-            elif joint not in seen:
-                seen.add(joint)
-                yield self.joint_names[joint], origin
+            k, name = int(actuator.id), actuator.name or str(actuator.id)
+            origin, kind, joint = self._origin(actuator, "actuator", name), int(model.actuator_trntype[k]), int(model.actuator_trnid[k][0])
+            fixed = kind == int(transmissions.mjTRN_TENDON)
+            fixed = fixed and model.wrap_type[model.tendon_adr[joint]] == int(self.mujoco.mjtWrap.mjWRAP_JOINT)
+            if fixed:
+                pulled = self._joints_of_tendon(joint, origin)
+                length = " + ".join(f"{coefficient:g} {self.joint_names[each]}" for each, coefficient in pulled)
+                joint = pulled[0][0]
+                problem = f"it pulls at {length}: joint {self.joint_names[joint]} drives, with its own torque or force in results"
+                self.remarks.append(remark("note", origin, problem, ""))
+            elif kind not in (int(transmissions.mjTRN_JOINT), int(transmissions.mjTRN_JOINTINPARENT)) or model.jnt_type[joint] in several:
+                loads.append(name)
+                continue
+            yield self.joint_names[joint], origin
+        if loads:
+            problem = f"actuators that act on no hinge or slide are not read: {', '.join(loads)}"
+            self.remarks.append(remark("warning", self.root, problem, "drive joints, or give the forces as loads"))
+
+
+def _count(model: Any) -> int:
+    """Number of actuators."""
+    return len(model.actuator_trntype)
+
+
+def _values(model: Any, name: str) -> Array:
+    """Numbers of a model; zeros where MuJoCo is older than they are."""
+    return np.asarray(getattr(model, name, np.zeros((model.nv + model.ntendon + _count(model), 1))))
+
+
+def _moved(kind: str, axis: Array, coordinate: float) -> pin.SE3:
+    """The step of a hinge or slide from zero to a coordinate."""
+    along = axis * coordinate
+    return pin.SE3(pin.exp3(along), np.zeros(3)) if kind == "revolute" else pin.SE3(np.eye(3), along)
 
 
 def _rotation(quaternion: Array) -> Array:
