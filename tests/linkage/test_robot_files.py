@@ -31,7 +31,6 @@ WAITING = {
     "21": "keyframes are not read",
     "22": "a joint that no motor moves is refused",
     "23": "rounding by 1e-7 counts as one equation more",
-    "24": "an actuator on a tendon is not read",
     "25": LENIENCY,
     "26": LENIENCY,
 }
