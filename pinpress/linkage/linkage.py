@@ -35,6 +35,7 @@ from .assembly import (
     walk_through_change_points,
 )
 from .document import Document
+from .frames import closed_coordinates, frame_jacobian, frame_named, placed_frame
 from .joint_springs import JointSpring
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .planarity import Planarity
@@ -513,21 +514,78 @@ class Linkage(Frozen):
             SingularityError: the linkage locks before it gets there.
             AssemblyError: the loops do not close.
         """
-        angles, several = numbers("angle", angle, unit=self.driver_coordinates[0].unit), len(self.drivers) > 1
+        x, one = self._closed_at("angle", angle)
+        q = np.ascontiguousarray(configuration(self.slots, x).T)
+        return np.array(q[0]) if one else q
+
+    def _closed_at(self, name: str, given: ArrayLike) -> tuple[Array, bool]:
+        """Closed joint coordinates (nv, n) at positions of the drivers, and whether they are of one position; raises as `configuration`."""
+        angles, several = numbers(name, given, unit=self.driver_coordinates[0].unit), len(self.drivers) > 1
         one = angles.ndim == int(several)
         positions = angles[None] if one else angles
         if positions.size == 0 or positions.ndim != 1 + several or positions.shape[1:] != (len(self.drivers),) * several:
             count = len(self.drivers)
             one_driver = "one angle or (n,) angles [rad]" if self.driver_coordinates[0].turns else "one position or (n,) positions [m]"
             shapes = f"({count},) or (n, {count}), the angles of all drivers [rad]" if several else one_driver
-            raise PinpressError(f"angle has shape {angles.shape}: give {shapes}")
-        refuse_far("angle", positions, self.driver_coordinates)
+            raise PinpressError(f"{name} has shape {angles.shape}: give {shapes}")
+        refuse_far(name, positions, self.driver_coordinates)
         if several:
-            x = follow_drivers(self.engine(), self.structure, self.closed, positions, self.name)
-        else:
-            x = close_on_branch(self.engine(), self.structure, self.branch, positions, self.name).position
-        q = np.ascontiguousarray(configuration(self.slots, x).T)
-        return np.array(q[0]) if one else q
+            return follow_drivers(self.engine(), self.structure, self.closed, positions, self.name), one
+        return close_on_branch(self.engine(), self.structure, self.branch, positions, self.name).position, one
+
+    def placements(self, frame: str, drivers: ArrayLike | None = None, *, joints: ArrayLike | None = None) -> Array:
+        """Where a frame is: homogeneous matrices from the frame to the world, as Pinocchio's ``oMf``.
+
+        Args:
+            frame: name of a link; also of one that is welded to another by a fixed joint, which has a frame of its own.
+            drivers: positions of the drivers, as of `configuration`.
+            joints: closed joint coordinates (n, nv) in place of drivers, such as `Motion.joint_position` [rad or m].
+
+        Returns:
+            (n, 4, 4), of one position of the drivers (4, 4). The last column has the origin [m].
+
+        Raises:
+            UnknownNameError: no link of this name.
+            PinpressError: neither or both of drivers and joints, joints that leave a loop open, or as `configuration`.
+            SingularityError: the linkage locks before it gets there.
+            AssemblyError: the loops do not close.
+        """
+        named = frame_named(self, frame)
+        x, one = self._given(drivers, joints)
+        placed = placed_frame(self, named, x)
+        return placed[0] if one else placed
+
+    def jacobian(self, frame: str, drivers: ArrayLike | None = None, *, joints: ArrayLike | None = None) -> Array:
+        """How a frame moves with the drivers: J of (v, w) = J qdot, with the loops closed.
+
+        Rows are the velocity of the frame's origin [m/s], then the angular velocity [rad/s], in world axes, as of Pinocchio's
+        ``LOCAL_WORLD_ALIGNED``; columns are the drivers in the order of ``drivers``, each at a rate of 1 rad/s or 1 m/s while the others
+        stand. A wrench (f, m) on the frame at its origin takes the drivers' efforts -J^T (f, m).
+
+        Args:
+            frame: as of `placements`.
+            drivers: as of `placements`.
+            joints: as of `placements`.
+
+        Returns:
+            (n, 6, drivers), of one position of the drivers (6, drivers).
+
+        Raises:
+            UnknownNameError: no link of this name.
+            PinpressError: as of `placements`.
+            SingularityError: the linkage locks before it gets there, or there the drivers do not determine how the joints move.
+            AssemblyError: the loops do not close.
+        """
+        named = frame_named(self, frame)
+        x, one = self._given(drivers, joints)
+        columns = frame_jacobian(self, named, x)
+        return columns[0] if one else columns
+
+    def _given(self, drivers: ArrayLike | None, joints: ArrayLike | None) -> tuple[Array, bool]:
+        """Closed joint coordinates (nv, n) by one of two arguments, and whether they are of one position of the drivers."""
+        if (drivers is None) == (joints is None):
+            raise PinpressError("give drivers=..., the positions of the drivers, or joints=..., the joint_position of a motion")
+        return (closed_coordinates(self, joints), False) if drivers is None else self._closed_at("drivers", drivers)
 
     def constraint_models(self) -> tuple[pin.PointAnchorConstraintModel | pin.FrameAnchorConstraintModel, ...]:
         """Pinocchio's own models of the constraints that close the loops, for its algorithms on ``model``. Made anew in each call.

@@ -53,6 +53,14 @@ class PassiveColumns:
             parts += [Part(self._others[part.states], part.left[:, :, part.rank :]) for part in self._decomposed.parts]
         return parts
 
+    @property
+    def undetermined(self) -> NDArray[np.intp]:
+        """Indices of the configurations at which the equations do not determine the passive joints."""
+        if self.regular:
+            return self._others
+        count = len(self.loops.passive)
+        return np.concatenate([self._others[part.states] for part in self._decomposed.parts if part.rank < count] or [self._others[:0]])
+
     def rates(self, target: Array) -> Array:
         """Joint rates (nv, n), those of drivers zero, that change the gaps by ``target`` (rows, n) in the least-squares sense."""
         result = np.zeros((self.loops.structure.model.nv, self.n))
