@@ -37,6 +37,7 @@ from .kinematics.slide_path import dead_centres as dead_centres
 from .linkage.linkage import Linkage as Linkage
 from .linkage.loading import load as load
 from .linkage.loading import presses as presses
+from .linkage.pinocchio_model import from_pinocchio as from_pinocchio
 from .linkage.writing import write_urdf as write_urdf
 from .live.viewing import LiveView as LiveView
 from .live.viewing import view as view

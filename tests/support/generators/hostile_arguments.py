@@ -219,6 +219,12 @@ SHARED: dict[str, Any] = {
 FUNCTIONS: dict[str, dict[str, Any]] = {
     "build": PIN_TABLE_KEYS | {"gravity": (0.0, 0.0, -9.81)},
     "check": {"path": "crank_slide", "driver": "O", "slide": "slide"},
+    "from_pinocchio": {
+        "model": Late(lambda: press().model),
+        "constraint_models": Late(lambda: press().constraint_models()),
+        "drivers": "O",
+        "q": Late(lambda: press().configuration(0.0)),
+    },
     "inverse_dynamics": {"friction": {"O": pp.loads.Friction(0.1, 0.02)}, "bearings": ("O",)},
     "load": {"path": "crank_slide", "driver": "O", "slide": "slide"},
     "read_motion": {"path": TESTS / "kinematics" / "turn.csv", "period": 1.0},
