@@ -15,7 +15,7 @@ from .element import Element
 from .joint_springs import JointSpring
 
 # Limits of a URDF: the largest that comes with pinpress has 13 joints and 4 loops.
-MOST = {"link": 1000, "joint": 1000, "joint_spring": 1000, "armature": 1000, "loop_joint": 500, "transmission": 500, "material": 1000}
+MOST = dict.fromkeys(("link", "joint", "relation", "joint_spring", "armature", "material"), 1000) | {"loop_joint": 500, "transmission": 500}
 DEEPEST_JOINTS = 500  # most joints from the root to a link: Pinocchio's parser calls itself for each, and ends the process after 2000
 
 FREE = ("_x", "_y", "_z", "_rz", "_ry", "_rx")
@@ -71,11 +71,23 @@ class Joint:
 
 
 @dataclass(frozen=True)
+class Relation:
+    """A ``<relation>``: the sum of coefficient x coordinate of its joints is the offset [unit of the first joint: rad or m]. It determines
+    the first joint."""
+
+    name: str
+    joints: tuple[str, ...]
+    coefficients: tuple[float, ...]
+    offset: float
+    line: int
+
+
+@dataclass(frozen=True)
 class Description:
     """The contents of a URDF, in document order.
 
-    Drivers are the joints in ``<transmission>`` elements, each once; armature is the inertia of motors that turn with joints, by the names
-    of these [kg m2 or kg]."""
+    Drivers are as `_drivers` finds them, each once; armature is the inertia of motors that turn with joints, by the names of these [kg m2
+    or kg]."""
 
     name: str
     links: tuple[str, ...]
@@ -84,6 +96,7 @@ class Description:
     drivers: tuple[str, ...]
     joint_springs: tuple[JointSpring, ...] = ()
     armature: Mapping[str, float] = field(default_factory=dict)
+    relations: tuple[Relation, ...] = ()
 
     @cached_property
     def types(self) -> dict[str, str]:
@@ -172,10 +185,20 @@ def describe(robot: Element) -> Description:
     links = tuple(link.get("name") for link in robot.all("link"))
     joints = tuple(_joint(joint) for joint in robot.all("joint"))
     loops = tuple(_loop(loop) for loop in robot.all("loop_joint"))
-    drivers = [joint.get("name") for transmission in robot.all("transmission") for joint in transmission.all("joint")]
+    drivers = tuple(dict.fromkeys(_drivers(robot)))
     springs = tuple(_joint_spring(spring) for spring in robot.all("joint_spring"))
     armature = {element.get("joint"): element.number("inertia", 0.0) for element in robot.all("armature")}
-    return Description(robot.get("name"), links, joints, loops, tuple(dict.fromkeys(drivers)), springs, armature)
+    relations = tuple(_relation(relation) for relation in robot.all("relation"))
+    return Description(robot.get("name"), links, joints, loops, drivers, springs, armature, relations)
+
+
+def _drivers(robot: Element) -> list[str]:
+    """Names of the joints in ``<transmission>``; if there is none, of those with a ``<command_interface>`` in ``<ros2_control>``; if there
+    is none either, of those that URDF+ calls ``independent="true"``."""
+    joints = [joint for transmission in robot.all("transmission") for joint in transmission.all("joint")]
+    joints = joints or [joint for part in robot.all("ros2_control") for joint in part.all("joint") if joint.all("command_interface")]
+    joints = joints or [joint for joint in robot.all("joint") if joint.get("independent") == "true" and joint.get("type") != "fixed"]
+    return [joint.get("name") for joint in joints]
 
 
 def names(robot: Element, tag: str) -> list[str]:
@@ -196,6 +219,13 @@ def _joint(joint: Element) -> Joint:
 def _joint_spring(spring: Element) -> JointSpring:
     stiffness, damping = (max(spring.number(name, 0.0), 0.0) for name in ("stiffness", "damping"))
     return JointSpring(spring.get("joint"), stiffness, spring.number("reference", 0.0), damping)
+
+
+def _relation(relation: Element) -> Relation:
+    joints = relation.all("joint")
+    coefficients = tuple(joint.number("coefficient", 1.0) for joint in joints)
+    name, offset = relation.get("name"), relation.number("offset", 0.0)
+    return Relation(name, tuple(joint.get("name") for joint in joints), coefficients, offset, relation.line)
 
 
 def _loop(loop: Element) -> Loop:

@@ -22,7 +22,7 @@ _ENTITIES = {"lt": "<", "gt": ">", "amp": "&", "quot": '"', "apos": "'"}
 _ATTRIBUTE = re.compile(r"([^\s=\"']+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 
 # Attributes that hold no numbers; those of `_COUNTS` hold several, all others one.
-_TEXTS = ("link", "joint", "filename", "name", "type", "version")
+_TEXTS = ("link", "joint", "filename", "name", "type", "version", "independent")
 _COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4}
 # Pinocchio's parser takes neither "1_0" nor "nan" nor digits of other scripts, all of which Python's float() does.
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -69,6 +69,11 @@ class Element:
     def of_child(self, tag: str, name: str) -> str:
         """The text of an attribute of the first child with a tag, empty if either is missing."""
         return next((child.get(name) for child in self.all(tag)), "")
+
+    def says_the_same_as(self, other: Element) -> bool:
+        """Whether both have the same tag, attributes, text and children."""
+        same = (self.tag, self.attributes, self.text.split()) == (other.tag, other.attributes, other.text.split())
+        return same and len(self.children) == len(other.children) and all(map(Element.says_the_same_as, self.children, other.children))
 
     def fault(self, name: str) -> str | None:
         """Why an attribute does not hold as many numbers as it should, as Pinocchio's parser reads them; None if it does."""

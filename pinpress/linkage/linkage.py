@@ -637,7 +637,7 @@ def first_unphysical(inertias: Sequence[pin.Inertia]) -> tuple[int, str] | None:
     """Index of the first inertia that no body has, and why; None if bodies have all of them.
 
     No body has a mass below zero, or principal moments that break I1 + I2 >= I3 >= 0. Masses and moments of zero pass, of links without
-    mass and of points.
+    mass and of points, and two moments of zero, of links of which only that about the axis of their motion is known.
     """
     masses, levers, tensors = map(np.array, zip(*((inertia.mass, inertia.lever, inertia.inertia) for inertia in inertias), strict=True))
     finite = np.isfinite(masses + levers.sum(axis=1) + tensors.sum(axis=(1, 2)))
@@ -646,7 +646,9 @@ def first_unphysical(inertias: Sequence[pin.Inertia]) -> tuple[int, str] | None:
     moments = np.linalg.eigvalsh(tensors)
     least = np.minimum(moments[:, 0], moments[:, 0] + moments[:, 1] - moments[:, 2])
     # Files may round the moments of each link by 1e-6, and the largest moment of welded links is at least a third of their sum.
-    wrong = np.flatnonzero((masses < 0.0) | (least < -4e-6 * np.abs(moments).max(axis=1)))
+    rounding = 4e-6 * np.abs(moments).max(axis=1)
+    about_one_axis = np.abs(moments[:, :2]).max(axis=1) <= 1e-12 * moments[:, 2]  # the rounding error of turned frames
+    wrong = np.flatnonzero((masses < 0.0) | ((least < -rounding) & ~about_one_axis))
     if not len(wrong):
         return None
     k = int(wrong[0])

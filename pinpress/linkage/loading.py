@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,14 +14,15 @@ from ..common.arguments import LARGEST, numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution, shown, suggestion
 from ..common.files import alike, path_of
 from ..common.quantities import Array
-from ..engines.constraints import LoopJoint, gear
+from ..engines.constraints import LoopJoint, Relation, gear
 from .base import Base, with_base
 from .checks import assembly as assembly_checks
 from .checks import elements as element_checks
-from .checks import grammar, mobility
+from .checks import mobility
 from .description import Description, Loop
+from .description import Relation as DescribedRelation
 from .document import Document, check_command, read, refuse_errors
-from .formats import dialects
+from .formats import companion, dialects
 from .linkage import Linkage
 
 
@@ -108,7 +109,7 @@ def load_document(
     refuse_errors(findings, command)
     of_file = [finding for finding in document.remarks if finding.severity == "warning"]
     if in_file:
-        of_file += grammar.find_unknown(document.robot)
+        of_file += element_checks.warnings(document)
     for finding in (*of_file, *findings):
         caution((finding if in_file else replace(finding, line=None)).message(press.file))
     return press
@@ -144,7 +145,7 @@ def parse(path: str | os.PathLike[str]) -> Document:
     document = Document(path_of("path", path), read(path))
     root = document.robot
     if root.tag == "robot":
-        return dialects.plain(document)
+        return dialects.plain(companion.joined(document))
     if root.tag == "sdf":
         from .formats import sdf  # seldom needed
 
@@ -186,10 +187,13 @@ def build(
         links=description.links,
         root=description.root,
         loops=tuple(_loop_joint(model, loop) for loop in description.loops),
-        relations=tuple(
-            gear(j.name, places[j.name], places[j.mimic.leader], j.mimic.multiplier, j.mimic.offset, j.mimic.line)
-            for j in description.joints
-            if j.mimic
+        relations=(
+            *(
+                gear(j.name, places[j.name], places[j.mimic.leader], j.mimic.multiplier, j.mimic.offset, j.mimic.line)
+                for j in description.joints
+                if j.mimic
+            ),
+            *(_relation(relation, places) for relation in description.relations),
         ),
         drivers=drivers or tuple(model.names)[1:2],
         slide=_slide(description, slide),
@@ -268,6 +272,13 @@ def _loop_joint(model: pin.Model, loop: Loop) -> LoopJoint:
         place = frame.placement * pin.SE3(pin.rpy.rpyToMatrix(np.array(end.rpy)), np.array(end.xyz))
         ends.append((int(frame.parentJoint), place.translation, place.rotation @ turned))
     return LoopJoint(loop.name, loop.type, *ends[0], *ends[1], loop.line)
+
+
+def _relation(relation: DescribedRelation, places: Mapping[str, int]) -> Relation:
+    """The equation of a ``<relation>``, divided by the coefficient of its first joint; ``places``: of the joints in v."""
+    joints, first = [places[name] for name in relation.joints], relation.coefficients[0]
+    coefficients = {joint: coefficient / first for joint, coefficient in zip(joints, relation.coefficients, strict=True)}
+    return Relation(relation.joints[0], coefficients, relation.offset / first, relation.line)
 
 
 def _slide(description: Description, slide: str | None) -> str | None:

@@ -67,6 +67,11 @@ class Text:
         start, _, end = self._spans[element]
         self._edits.append((start, end, new + "\n" * self._text.count(b"\n", start, end)))
 
+    def insert(self, element: Element, new: str) -> None:
+        """Add elements before this one, on its line."""
+        start, _, _ = self._spans[element]
+        self._edits.append((start, start, new))
+
     def edited(self) -> bytes:
         """The text with all edits."""
         pieces, done = [self._mark], 0

@@ -109,7 +109,6 @@ OF_ONE_BEARING = large_linkages.gear_train(1).replace(large_linkages.BODY.partit
     ("text", "message"),
     [
         (hooke(driven=NOTHING.replace('ixx="0"', 'ixx="0.1"')), "not positive"),  # moments of inertia without a mass
-        (hooke(driven=""), "no <inertial>"),  # not said to be meant
         (OF_ONE_BEARING, "the mass 0.0 of a moving link is not positive"),
     ],
 )

@@ -154,6 +154,7 @@ def test_a_joint_of_gazebo_may_have_its_axis_in_the_frame_of_the_model():
     assert press.loops[0].rotation1[:, 0] == pytest.approx([0, -1, 0], abs=1e-15)
 
 
+COUPLING = '<coupling name="c"><predecessor link="{}"/><successor link="{}"/><ratio value="{}"/></coupling>'
 DIALECT_REFUSED = [
     (BUSHING.format("5 0 0", "1 2 3"), "<drake:linear_bushing_rpy>: a bushing is elastic, and this one is neither a pin"),
     (BUSHING.format("0 0 0", "1 0 3"), "neither a pin .* nor a ball joint"),
@@ -162,7 +163,13 @@ DIALECT_REFUSED = [
     (BALL.replace('<drake:ball_constraint_p_BQ value="0 0 0"/>', ""), "has no <drake:ball_constraint_p_BQ>"),
     ('<drake:joint name="W" type="ball"/>', '<drake:joint name="W">: cannot be read'),
     ("<drake:tendon_constraint/>", "<drake:tendon_constraint>: cannot be read"),
-    ('<coupling name="c"/>', '<coupling name="c">: cannot be read; write <mimic'),
+    ('<coupling name="c"/>', '<coupling name="c">: has no <predecessor>'),
+    (COUPLING.format("rot", "rod", 2), "<predecessor> of <coupling name=.c.>: no link 'rot'"),
+    (COUPLING.format("crank", "rod", 0), "<coupling name=.c.>: its ratio is 0"),
+    (COUPLING.format("frame", "rod", 2), "no moving joint is between its links on one of their sides"),
+    (COUPLING.format("crank", "rod", 2), "no moving joint is between its links on one of their sides"),  # the crank carries the rod
+    (COUPLING.format("crank", "slide", "1,5"), "<ratio> of <coupling name=.c.>: '1,5' is not a finite number"),
+    ('<link name="closing_a_2"/>', "it is the one side of a loop, of which the other, link 'closing_a_1', is missing"),
     (LOOP.format("loop", "prismatic", ""), "<loop name=.W.>: type 'prismatic' closes no loop here"),
     (LOOP.format("loop", "", ""), "<loop name=.W.>: has no type"),
     (LOOP.format("loop", "revolute", '<axis xyz="0 0 0"/>'), "the axis is zero"),

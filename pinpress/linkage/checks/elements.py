@@ -8,7 +8,8 @@ another one having passed.
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -35,8 +36,10 @@ def errors(document: Document) -> list[Finding]:
             grammar.problems(robot),
             _name_problems(robot),
             _type_problems(robot),
+            _ignored_problems(robot),
             _mimic_problems(robot, description),
             _spring_problems(robot, description),
+            _relation_problems(robot, description),
             _transmission_problems(robot, description),
             _tree_problems(robot, description),
             _inertia_problems(robot, description),
@@ -58,7 +61,7 @@ def _robot_problems(robot: Element) -> Iterator[Problem]:
 
 def _name_problems(robot: Element) -> Iterator[Problem]:
     joints = set(names(robot, "joint"))
-    for tag in ("link", "joint", "loop_joint", "material"):
+    for tag in ("link", "joint", "loop_joint", "relation", "material"):
         first: dict[str, Element] = {}
         for element in robot.all(tag):
             name = element.get("name")
@@ -85,6 +88,8 @@ def _type_problems(robot: Element) -> Iterator[Problem]:
     """Problems of joints and loops by themselves: types, limits and axes."""
     for joint in robot.all("joint"):
         yield from _unknown_type(joint, "joint", ("revolute", "continuous", "prismatic", "fixed"))
+        if joint.attributes.get("independent", "true") not in ("true", "false"):
+            yield joint, f"independent={joint.get('independent')!r} is not true or false", 'write independent="true" for a driver'
         kind, limits = joint.get("type"), joint.all("limit")
         if kind in ("revolute", "prismatic") and not limits:
             remedy = 'write <limit lower="..." upper="..." effort="..." velocity="..."/>'
@@ -104,6 +109,20 @@ def _type_problems(robot: Element) -> Iterator[Problem]:
             yield from _axis_problems(loop)
         elif loop.all("axis"):
             yield loop.all("axis")[0], f"a {loop.get('type')} loop has no axis", 'remove <axis>, or write type="revolute"'
+
+
+def _ignored_problems(robot: Element) -> Iterator[Problem]:
+    """Problems of places that some programs write, always as zeros, and that no program reads."""
+    ignored = [(link, origin, "its joint") for link in robot.all("link") for origin in link.all("origin")]
+    ignored += [(joint, axis, "the joint") for joint in robot.all("joint", "loop_joint") for axis in joint.all("axis")]
+    for around, element, placed in ignored:
+        names = ("rpy",) if element.tag == "axis" else ("xyz", "rpy")
+        for name in names:
+            if element.tag == "origin" and name in element.attributes and (fault := element.fault(name)):
+                yield element, f"{name}={element.get(name)!r}: {fault}", "write zeros, or remove it"
+            elif any(element.numbers(name)):
+                problem = f"{name}={element.get(name)!r} of an <{element.tag}> in a <{around.tag}> is read by no program"
+                yield element, problem, f"write it in the <origin> of {placed}, and zeros here"
 
 
 def _unknown_type(element: Element, word: str, types: Sequence[str]) -> Iterator[Problem]:
@@ -194,19 +213,46 @@ def _gear_ring_problems(robot: Element, description: Description) -> Iterator[Pr
             yield first.all("mimic")[0], f"{problem} turns, {offset:.9g} further", "remove one <mimic> of the ring"
 
 
+def _relation_problems(robot: Element, description: Description) -> Iterator[Problem]:
+    """Problems of relations. None determines a joint that another one, or a gear pair, determines: results are listed by these joints."""
+    determined = {joint.name: f"the <mimic> of joint {joint.name!r}" for joint in description.joints if joint.mimic}
+    for element, relation in zip(robot.all("relation"), description.relations, strict=True):
+        if not relation.joints:
+            yield element, "names no <joint>", 'write <joint name="..." coefficient="..."/> in it'
+            continue
+        for joint, coefficient in zip(element.all("joint"), relation.coefficients, strict=True):
+            yield from _named_joint(joint, description, "is fixed and has no coordinate")
+            if not 1e-7 < abs(coefficient / (relation.coefficients[0] or 1.0)) < 1e7:  # as of `_mimic_problems`
+                problem = f"coefficient is {coefficient:g}, and that of the first joint {relation.coefficients[0]:g}"
+                yield joint, problem, "write coefficients whose ratio is between 1e-7 and 1e7, or leave out the joint"
+        if len(set(relation.joints)) < len(relation.joints):
+            yield element, "names a joint twice", "add the coefficients, and name it once"
+        if relation.joints[0] in determined:
+            problem = f"it determines joint {relation.joints[0]!r}, as does {determined[relation.joints[0]]}"
+            yield element, problem, "write another joint first, or remove one of the two"
+        determined[relation.joints[0]] = f"relation {relation.name!r}"
+
+
+def _named_joint(element: Element, description: Description, fixed: str) -> Iterator[Problem]:
+    """Problems of an element whose name is that of a moving joint; ``fixed``: what is said of a joint that is fixed."""
+    name, types = element.get("name"), description.types
+    if name and name not in types:
+        yield element, f"no joint {name!r}{suggestion(name, types)}", "name a <joint> of this file"
+    elif name and types[name] == "fixed":
+        yield element, f"joint {name!r} {fixed}", "name a revolute, continuous or prismatic joint"
+
+
 def _transmission_problems(robot: Element, description: Description) -> Iterator[Problem]:
-    types = description.types
+    for part in robot.all("ros2_control"):
+        for joint in part.all("joint"):
+            yield from _named_joint(joint, description, "is fixed and cannot drive") if joint.all("command_interface") else ()
     for transmission in robot.all("transmission"):
         if not transmission.all("joint"):
             yield transmission, "names no <joint>", 'write <joint name="..."/> in it, the driver'
         for joint in transmission.all("joint"):
-            name = joint.get("name")
-            if not name:
+            if not joint.get("name"):
                 yield joint, "has no name", 'write <joint name="..."/>, the driver'
-            elif name not in types:
-                yield joint, f"no joint {name!r}{suggestion(name, types)}", "name a <joint> of this file"
-            elif types[name] == "fixed":
-                yield joint, f"joint {name!r} is fixed and cannot drive", "name a revolute, continuous or prismatic joint"
+            yield from _named_joint(joint, description, "is fixed and cannot drive")
 
 
 def _size_problems(robot: Element, description: Description) -> Iterator[Problem]:
@@ -257,15 +303,15 @@ def _tree_problems(robot: Element, description: Description) -> Iterator[Problem
 
 def _inertia_problems(robot: Element, description: Description) -> Iterator[Problem]:
     bodies = description.bodies
-    heavy = {bodies.get(link.get("name")) for link in robot.all("link") if link.all("inertial")}
     connected = Counter(bodies.get(link) for joint in description.joints if joint.type != "fixed" for link in (joint.parent, joint.child))
     connected.update(bodies.get(end.link) for loop in description.loops for end in (loop.link1, loop.link2))
+    for link in _without_inertial(robot, description):
+        if connected[link.get("name")] < 2:  # nothing would resist its motion, nor move it
+            remedy = "write <inertial> with <mass> and <inertia>; a link between two bearings may have none"
+            yield link, "it moves on one bearing alone, but has no <inertial>, nor has any link welded to it", remedy
     for link in robot.all("link"):
         name = link.get("name")
         moving = description.moves(name)
-        if moving and bodies[name] == name and name not in heavy:
-            remedy = "write <inertial> with <mass> and <inertia>; zeros are a link without mass"
-            yield link, "it moves, but has no <inertial>, nor has any link welded to it", remedy
         for inertial in link.all("inertial"):
             for element in inertial.all("mass"):
                 for mass in element.numbers("value"):
@@ -282,6 +328,14 @@ def _inertia_problems(robot: Element, description: Description) -> Iterator[Prob
             for element in inertial.all("inertia"):
                 if problem := _tensor_problem(element):
                     yield element, problem, "write the moments about the centre of mass [kg m2], products with the sign of -integral xy dm"
+
+
+def _without_inertial(robot: Element, description: Description) -> list[Element]:
+    """The first links of moving bodies that have no ``<inertial>`` at all."""
+    bodies = description.bodies
+    heavy = {bodies.get(link.get("name")) for link in robot.all("link") if link.all("inertial")}
+    bare = (link for link in robot.all("link") if description.moves(link.get("name")) and link.get("name") not in heavy)
+    return [link for link in bare if bodies[link.get("name")] == link.get("name")]
 
 
 def _loop_problems(robot: Element, description: Description) -> Iterator[Problem]:
@@ -317,11 +371,11 @@ def _tensor_problem(inertia: Element) -> str | None:
     """Why no distribution of mass has this inertia tensor; None if one has.
 
     Principal moments obey I1 + I2 >= I3 >= 0. The tolerance, 1e-6 of the largest, lets the rounded figures of a CAD printout pass.
-    All zeros, a point mass, pass too.
+    All zeros, a point mass, pass too, and two zeros: a link of which only the moment about the axis of its motion is written.
     """
     principal = principal_moments(inertia)
-    if not principal:
-        return None  # the grammar reports it
+    if not principal or _is_of_one_axis(principal):
+        return None  # of less than six numbers, which the grammar reports
     tolerance = 1e-6 * max(map(abs, principal))
     shown = ", ".join(f"{moment:.6g}" for moment in principal)
     if principal[0] < -tolerance:
@@ -331,10 +385,40 @@ def _tensor_problem(inertia: Element) -> str | None:
     return None
 
 
+def _is_of_one_axis(principal: Sequence[float]) -> bool:
+    """Whether two moments are 0, as they are where only that about the axis of motion is written."""
+    return principal[2] > 0.0 and not any(principal[:2])
+
+
+def warnings(document: Document) -> Iterator[Finding]:
+    """The warnings with which `load` reads a URDF, each once for all elements that it is about."""
+    robot, description = document.robot, document.description
+    yield from once(grammar.find_unknown(robot))
+    if bare := _without_inertial(robot, description):
+        names = ", ".join(link.get("name") for link in bare[:12]) + (" and others" if len(bare) > 12 else "")
+        problem = f"{'it moves' if len(bare) == 1 else f'{len(bare)} links move'} without an <inertial>, as if of no mass: {names}"
+        yield warning(bare[0], problem, "write <inertial> with <mass> and <inertia>; zeros say that it is meant")
+    one_axis = "moments of inertia about two axes are 0, which no body has"
+    moments = (inertia for link in robot.all("link") for inertial in link.all("inertial") for inertia in inertial.all("inertia"))
+    flat = (inertia for inertia in moments if (principal := principal_moments(inertia)) and _is_of_one_axis(principal))
+    yield from once(warning(inertia, one_axis, "write all three, unless the link turns about this one axis alone") for inertia in flat)
+
+
+def once(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """One finding in place of all that say the same: the first, with how many there are."""
+    same: dict[tuple[str, str], list[Finding]] = {}
+    for finding in findings:
+        same.setdefault((finding.problem, finding.remedy), []).append(finding)
+    for first, *others in same.values():
+        yield replace(first, problem=f"{first.problem} ({len(others)} more of this kind)") if others else first
+
+
 def remarks(document: Document) -> Iterator[Finding]:
     """Warnings and notes of a URDF; it may have errors too."""
     robot, description = document.robot, document.description
-    yield from grammar.find_unknown(robot)
+    yield from warnings(document)
+    origins = [origin for link in robot.all("link") for origin in link.all("origin")]
+    yield from once(Finding("note", str(each), each.line, "an <origin> of a <link> is not read", "remove it") for each in origins)
     yield from _names(robot, "link")
     yield from _names(robot, "joint", "loop_joint")
     yield from _drawn_limits(robot, description)

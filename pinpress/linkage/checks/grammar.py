@@ -16,7 +16,8 @@ Problem = tuple[Element, str, str]
 
 
 class _Rule(NamedTuple):
-    """What an element may contain. Elements without a rule, and names with a namespace prefix, are not checked."""
+    """What an element may contain. Elements without a rule, and names with a namespace prefix, are not checked. An element in another one
+    may have its own rule there, under both tags."""
 
     attributes: str = ""  # "?" follows those that may be missing
     children: str = ""  # "?": at most one; "*": any number; else just one; any other child is an error
@@ -28,7 +29,7 @@ class _Rule(NamedTuple):
 _RULES = {
     "robot": _Rule(
         "name? version?",
-        "link* joint* loop_joint* joint_spring* armature* material* transmission*",
+        "link* joint* loop_joint* relation* joint_spring* armature* material* transmission*",
         "warning",
         "gazebo ros2_control mujoco sensor fixed_frame frame",
     ),
@@ -36,11 +37,11 @@ _RULES = {
         "name?",
         "inertial? visual* collision* tool?",
         "warning",
-        "sensor self_collision_checking verbose velocity contact audio_source",
+        "sensor self_collision_checking verbose velocity contact audio_source origin",
         "type concave",
     ),
     "joint": _Rule(
-        "name? type?",
+        "name? type? independent?",
         "origin? parent child axis? limit? dynamics? calibration? safety_controller? mimic?",
         "warning",
         "joint_properties sensor",
@@ -49,6 +50,8 @@ _RULES = {
     "loop_joint": _Rule("name? type?", "link1 link2 axis?", "warning"),
     "joint_spring": _Rule("joint stiffness? reference? damping?"),
     "armature": _Rule("joint inertia"),
+    "relation": _Rule("name? offset?", "joint*"),
+    "relation joint": _Rule("name coefficient?"),
     "inertial": _Rule("", "origin? mass inertia", "warning"),
     "transmission": _Rule("name? type?", "", "warning"),
     "origin": _Rule("xyz? rpy?"),
@@ -56,7 +59,7 @@ _RULES = {
     "child": _Rule("link"),
     "link1": _Rule("link xyz? rpy?"),
     "link2": _Rule("link xyz? rpy?"),
-    "axis": _Rule("xyz"),
+    "axis": _Rule("xyz rpy?"),
     "mass": _Rule("value"),
     "tool": _Rule("xyz name?"),
     "inertia": _Rule("ixx ixy ixz iyy iyz izz"),
@@ -67,7 +70,7 @@ _RULES = {
     "calibration": _Rule("rising? falling? reference_position?", "", "misspelt"),
     "safety_controller": _Rule("k_velocity k_position? soft_lower_limit? soft_upper_limit?", "", "misspelt"),
     "visual": _Rule("name?", "origin? geometry material?", "misspelt"),
-    "collision": _Rule("name?", "origin? geometry", "misspelt", "verbose contact_coefficients"),
+    "collision": _Rule("name?", "origin? geometry", "misspelt", "verbose contact_coefficients material"),
     "material": _Rule("name?", "color? texture?", "misspelt"),
     "geometry": _Rule("", "box? cylinder? sphere? mesh?", "misspelt"),
     "box": _Rule("size"),
@@ -92,6 +95,7 @@ _QUANTITIES = (
     "izz",
     "multiplier",
     "offset",
+    "coefficient",
     "stiffness",
     "reference",
     "damping",
@@ -101,10 +105,9 @@ _QUANTITIES = (
 
 def problems(element: Element) -> Iterator[Problem]:
     """Elements and attributes that are unknown, missing, repeated, or not the numbers they should be."""
-    tag = element.tag
-    if tag not in _RULES:
+    tag, rule = element.tag, _rule(element)
+    if rule is None:
         return
-    rule = _RULES[tag]
     yield from _attribute_problems(element, rule)
     words = rule.children.split()
     if not words:
@@ -117,11 +120,12 @@ def problems(element: Element) -> Iterator[Problem]:
             yield child, f"unknown element <{child.tag}>{suggestion(child.tag, tags)}", f"in <{tag}> write one of: {', '.join(tags)}"
     for name, word in zip(tags, words, strict=True):
         children = element.all(name)
-        if len(children) > 1 and not word.endswith("*"):
-            yield children[1], f"a second <{name}> in one <{tag}>", "keep one of them"
+        other = next((child for child in children if not child.says_the_same_as(children[0])), None)
+        if other is not None and not word.endswith("*"):
+            yield other, f"a second <{name}> in one <{tag}>, which says something else", "keep one of them"
         if not children and name == word:
             yield element, f"has no <{name}>", f"write <{name}> in this <{tag}>"
-    if tag == "geometry" and len(element.all(*tags)) != 1:
+    if tag == "geometry" and len({child.tag for child in element.all(*tags)}) != 1:
         yield element, f"has {len(element.all(*tags))} shapes", f"write just one of: {', '.join(tags)}"
     if tag == "material" and "name" not in element.attributes:
         yield element, "has no name", 'write <material name="...">'
@@ -156,7 +160,7 @@ def find_unknown(element: Element) -> Iterator[Finding]:
 
     What other programs are known to write, and names with a namespace prefix, are left alone.
     """
-    tag, rule = element.tag, _RULES.get(element.tag, _Rule(unknown="misspelt"))
+    tag, rule = element.tag, _rule(element) or _Rule(unknown="misspelt")
     names, tags = _names(rule.attributes), _names(rule.children)
     if rule.unknown != "error":
         mechanical = rule.unknown == "warning"
@@ -180,6 +184,12 @@ def find_unknown(element: Element) -> Iterator[Finding]:
             yield warning(element, f"<{child.tag}> in it is not read", f"write what it says as attributes of <{tag}>: {', '.join(names)}")
         elif tag == "transmission" and child.tag not in of_transmissions and suggestion(child.tag, ["joint"]):
             yield warning(element, f"<{child.tag}> in it is not read, did you mean 'joint'?", 'write <joint name="..."/>, the driver')
+
+
+def _rule(element: Element) -> _Rule | None:
+    """The rule of an element, that of its place before that of its tag."""
+    there = None if element.parent is None else _RULES.get(f"{element.parent.tag} {element.tag}")
+    return there or _RULES.get(element.tag)
 
 
 @cache

@@ -21,7 +21,7 @@ NEARLY = 0.2  # up to this distance a message names the spin that keeps a linkag
 
 
 class Constraint(NamedTuple):
-    """A loop or gear pair, and its equations.
+    """A loop or relation, such as a gear pair, and its equations.
 
     Attributes:
         by: the loop joint or relation.
@@ -35,7 +35,9 @@ class Constraint(NamedTuple):
 
     @property
     def title(self) -> str:
-        return f"loop {self.by.name!r}" if isinstance(self.by, LoopJoint) else f"gear pair of joint {self.by.name!r}"
+        if isinstance(self.by, LoopJoint):
+            return f"loop {self.by.name!r}"
+        return f"{'gear pair' if self.by.is_pair else 'relation'} of joint {self.by.name!r}"
 
     def gap(self, gaps: Array) -> float:
         """How far it is from being closed, from the gaps (rows,) of all equations; rotations count in lengths of the linkage [m]."""
@@ -46,6 +48,9 @@ def element(press: Linkage, each: Constraint) -> str:
     """The element of a loop or gear pair, as messages call it."""
     if isinstance(each.by, LoopJoint):
         return press.document.called("loop_joint", each.by.name)
+    for relation in press.document.description.relations:
+        if each.by.name == relation.joints[0]:
+            return press.document.called("relation", relation.name)
     return f"<mimic> of {press.document.called('joint', each.by.name)}"
 
 

@@ -1,14 +1,19 @@
-"""Loops as other programs write them into a URDF, turned into ``<loop_joint>`` in its text; everything else stays to the byte.
+"""Loops and gears as other programs write them into a URDF, turned into elements of ours in its text; everything else stays to the byte.
 
 Read are
 - Drake's ``<drake:ball_constraint>`` and ``<drake:linear_bushing_rpy>`` (Drake's multibody/parsing/parsing_doxygen.h, "Drake Extensions"),
   which `sdf` reads by the same functions: URDF has their values in attributes, SDF as texts,
-- ``<loop>`` of URDF+ and ``<constraint>``, as its parser writes it (Chignoli, Slotine, Wensing, Kim: URDF+, arXiv 2411.19753),
-- ``<gazebo><joint>``: a joint of SDF, which Gazebo adds to the tree.
+- ``<loop>`` of URDF+ and ``<constraint>``, as its parser writes it, and ``<coupling>`` (Chignoli, Slotine, Wensing, Kim: URDF+, arXiv
+  2411.19753),
+- ``<gazebo><joint>``: a joint of SDF, which Gazebo adds to the tree,
+- pairs of links ``closing_NAME_1`` and ``closing_NAME_2``, as onshape-to-robot writes them: a ball, with ``closing_NAME_1_z`` a hinge,
+- ``<loop_joint>`` with two ``<link1>``, as generators of Isaac Gym's models write it,
+- a link ``world`` that is not declared, or to which no joint leads.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 
@@ -16,10 +21,10 @@ import numpy as np
 import pinocchio as pin
 
 from ...common.quantities import Array
-from ..description import MOST, names
+from ..description import MOST, Description, names
 from ..document import Document, Finding, Origin
 from ..element import Element, tree
-from ..text import Text
+from ..text import Text, tag
 from .elements import (
     ALONE,
     direction,
@@ -34,7 +39,7 @@ from .elements import (
     refuse_unknown_attributes,
     remark,
 )
-from .mechanism import TYPES_OF_LOOPS, Loop, loop_element
+from .mechanism import TYPES_OF_LOOPS, Loop, Relation, loop_element, relation_element
 
 BALL, BUSHING, SPRING = "drake:ball_constraint", "drake:linear_bushing_rpy", "drake:linear_spring_damper"
 Said = Callable[[Element], str]
@@ -44,27 +49,30 @@ _LOOPS = (BALL, BUSHING, "loop", "constraint")
 _REFUSED = {
     "drake:joint": "write revolute, continuous, prismatic or fixed joints, or a loop: Pinocchio does not read this element",
     "drake:tendon_constraint": "write a gear pair, <mimic>, where two joints move together",
-    "coupling": 'write <mimic joint="..." multiplier="..."/> in the driven joint',
 }
 
 
 def plain(document: Document) -> Document:
-    """The same URDF with loops of other dialects written as ``<loop_joint>``; the document itself where it has none."""
+    """The same URDF with loops and gears of other dialects written as ours; the document itself where it has none."""
     robot, file = document.robot, document.file
     for element in robot.all(*_REFUSED):
         refuse(file, element, "cannot be read", _REFUSED[element.tag])
     gazebo = [joint for part in robot.all("gazebo") if not part.attributes for joint in part.all("joint")]
     foreign = [*robot.all(*_LOOPS), *gazebo]
-    remarks = tuple(_remarks(robot))
-    if not foreign:
-        return Document(file, document.text, remarks=remarks) if remarks else document
+    remarks = (*document.remarks, *_remarks(robot))
     if len(foreign) > MOST["loop_joint"]:
         refuse(file, foreign[MOST["loop_joint"]], f"there are {len(foreign)} loops, more than {MOST['loop_joint']}", ALONE)
     with_text = tree(file, document.text.decode("utf-8-sig").encode(), with_text=True)
     worded = {element.start: element for part in with_text.all("gazebo") for element in part.all("joint")}
     text, taken = Text(document), {*names(robot, "joint"), *names(robot, "loop_joint")}
-    origins: dict[tuple[int, str], Origin] = {}
-    remarks_of_loops: list[Finding] = []
+    origins = dict(document.origins)
+    remarks_of_loops = [*_second_ends(robot, text), *_world(document, text, origins)]
+    for link, loop in _closing_frames(file, robot, taken):
+        text.insert(link, loop_element(loop))
+        origins[link.line, "loop_joint"] = loop.origin
+    for element, relation in _couplings(document):
+        text.replace(element, relation_element(relation))
+        origins[element.line, "relation"] = relation.origin
     for element in foreign:
         if element.tag == "joint":
             loop = _gazebo_joint(file, robot, worded[element.start], taken)
@@ -77,7 +85,8 @@ def plain(document: Document) -> Document:
             remarks_of_loops.append(bushing_remark(loop.origin))
         taken.add(loop.name)
         origins[element.line, "loop_joint"] = loop.origin
-    return Document(file, text.edited(), origins, (*remarks, *remarks_of_loops))
+    edited, remarks = text.edited(), (*remarks, *remarks_of_loops)
+    return document if (edited, remarks) == (document.text, document.remarks) else Document(file, edited, origins, remarks)
 
 
 def _remarks(robot: Element) -> Iterator[Finding]:
@@ -187,6 +196,112 @@ def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]
         axis = np.array([1.0, 0.0, 0.0]) if written is None else direction(file, written, written.get("xyz"))
     name = element.get("name") or make_unique(f"loop_{ends[0][0]}_{ends[1][0]}", taken)
     return Loop(name, kind, (ends[0], ends[1]), axis, _origin_of(element, name))
+
+
+def _couplings(document: Document) -> Iterator[tuple[Element, Relation]]:
+    """Gears of URDF+: the sum of the coordinates of the joints that carry the successor is ratio times that of those which carry the
+    predecessor, both from the nearest link that carries both on."""
+    file, description = document.file, document.description
+    determined = {joint.name for joint in description.joints if joint.mimic}
+    determined |= {relation.joints[0] for relation in description.relations if relation.joints}
+    for element in document.robot.all("coupling"):
+        refuse_unknown(file, element, ("predecessor", "successor", "ratio"))
+        ends = [need_child(file, element, side) for side in ("predecessor", "successor")]
+        chains = [_carrying(description, end.get("link")) for end in ends]
+        for end in ends:
+            if end.get("link") not in description.bodies:
+                refuse(file, end, f"no link {end.get('link')!r} that joints connect to the root", "name a <link> of this file")
+        common = set(chains[0]) & set(chains[1])
+        before, behind = ([joint for joint in chain if joint not in common] for chain in chains)
+        ratio = need_child(file, element, "ratio")
+        value = float(numbers(file, ratio, ratio.get("value"), 1)[0])
+        if not before or not behind or not value:
+            problem = "its ratio is 0" if not value else "no moving joint is between its links on one of their sides"
+            refuse(file, element, problem, "name links of two bodies that turn against a third, and their ratio")
+        free = [joint for joint in (*behind, *before) if joint not in determined]
+        first = next((joint for joint in free if joint not in description.drivers), (free or behind)[0])
+        determined.add(first)
+        coefficients = dict.fromkeys(behind, 1.0) | dict.fromkeys(before, -value)
+        ordered = {first: coefficients.pop(first)} | coefficients
+        name = element.get("name") or f"coupling_{first}"
+        yield element, Relation(name, ordered, 0.0, _origin_of(element, name))
+
+
+def _carrying(description: Description, link: str) -> list[str]:
+    """Names of the moving joints that carry a link, from it to the root."""
+    chain = []
+    while joint := description.carriers.get(link):
+        chain += [joint.name] if joint.type != "fixed" else []
+        link = joint.parent
+    return chain
+
+
+# ------------------------------------------------------------------------------------------------------------- onshape-to-robot, Isaac Gym
+
+
+def _closing_frames(file: str, robot: Element, taken: set[str]) -> Iterator[tuple[Element, Loop]]:
+    """The loops that pairs of links ``closing_NAME_1``, ``closing_NAME_2`` close, each with the first of them: a ball at their origins; a
+    hinge, if links ``closing_NAME_1_z``, ``closing_NAME_2_z`` stand on its axis."""
+    links = {link.get("name"): link for link in robot.all("link")}
+    ends = {end.get("link") for loop in robot.all("loop_joint") for end in loop.all("link1", "link2")}
+    places: dict[str, pin.SE3] = {}
+    for name, link in links.items():
+        found = re.fullmatch(r"closing_(.+)_([12])(_z)?", name)
+        if found is None or found[3] or name in ends:
+            continue
+        pair = [f"closing_{found[1]}_{k}" for k in (1, 2)]
+        if any(end not in links for end in pair):
+            lost = next(end for end in pair if end not in links)
+            refuse(file, link, f"it is the one side of a loop, of which the other, link {lost!r}, is missing", "write both, or rename it")
+        if found[2] == "2" or pair[1] in ends:
+            continue
+        places = places or _places(file, robot)
+        loop = make_unique(found[1], taken)
+        taken.add(loop)
+        hinge = all(f"{end}_z" in places and end in places for end in pair)
+        frames = [pin.SE3.Identity()] * 2
+        if hinge:
+            along = [(places[end].inverse() * places[f"{end}_z"]).translation for end in pair]
+            if not all(map(np.linalg.norm, along)):
+                refuse(file, link, f"link '{name}_z' is at the same place, and gives no axis", "move it along the axis of the hinge")
+            z = np.array([0.0, 0.0, 1.0])
+            turned = [pin.Quaternion.FromTwoVectors(z, direction / np.linalg.norm(direction)).matrix() for direction in along]
+            frames = [pin.SE3(rotation, np.zeros(3)) for rotation in turned]
+        sides = (pair[0], frames[0]), (pair[1], frames[1])
+        yield link, Loop(loop, "revolute" if hinge else "spherical", sides, z if hinge else None, origin_of(link))
+
+
+def _second_ends(robot: Element, text: Text) -> list[Finding]:
+    """Let the second of two ``<link1>`` in a ``<loop_joint>`` be its ``<link2>``."""
+    twice = [loop for loop in robot.all("loop_joint") if len(loop.all("link1")) == 2 and not loop.all("link2")]
+    for loop in twice:
+        second = loop.all("link1")[1]
+        text.replace(second, tag("link2", second.attributes))
+    count = f"; so are those of {len(twice) - 1} more loops" if len(twice) > 1 else ""
+    return [remark("note", loop, f"its second <link1> is read as <link2>{count}", "write <link2>") for loop in twice[:1]]
+
+
+# ---------------------------------------------------------------------------------------------------------------------------- the world
+
+
+def _world(document: Document, text: Text, origins: dict[tuple[int, str], Origin]) -> list[Finding]:
+    """Declare a link ``world`` that carries joints; and let the root float in one that carries none: what that means is decided later."""
+    robot, description = document.robot, document.description
+    joined = {end for joint in description.joints for end in (joint.parent, joint.child)}
+    roots = [link for link in description.links if link not in {joint.child for joint in description.joints}]
+    if "world" not in description.links:
+        if any(joint.parent == "world" for joint in description.joints) and not roots:
+            text.append(robot, tag("link", {"name": "world"}))
+        return []
+    if "world" in joined or len(roots) != 2:
+        return []
+    (root,) = (link for link in roots if link != "world")
+    world = document.find("link", "world")
+    ends = tag("parent", {"link": "world"}) + tag("child", {"link": root})
+    name = make_unique(f"world_{root}", {joint.name for joint in description.joints})
+    text.insert(world, tag("joint", {"name": name, "type": "floating"}, ends))
+    origins[world.line, "joint"] = origin_of(world)
+    return [remark("note", world, f"no joint leads to it: link {root!r} floats in it", "write a fixed joint if the base stands")]
 
 
 # ----------------------------------------------------------------------------------------------------------------------------------- Gazebo

@@ -180,12 +180,7 @@ def spanning_tree(root: str, links: Sequence[str], edges: Sequence[Edge]) -> Spa
 
 
 def _with_axes_of_balls(mechanism: Mechanism) -> Iterator[Joint]:
-    """The joints, those of balls with axes that do not lock where the ball would turn on.
-
-    The first axis is that about which the parent turns, so that the child follows whole turns of a crank; the last one lies along the
-    child, which can spin idly about it where a ball is at its other end; the second one is across both. They lock where a rod lies along
-    the axis of its crank, in which the crank does not move it.
-    """
+    """The joints, those of balls with `ball_axes`."""
     joints = {joint.name: joint for joint in mechanism.joints}
     carriers = {joint.child: joint for joint in mechanism.joints}
     for names in mechanism.balls:
@@ -194,18 +189,31 @@ def _with_axes_of_balls(mechanism: Mechanism) -> Iterator[Joint]:
         others = [joint.place for joint in mechanism.joints if joint.parent == child]
         others += [place for loop in mechanism.loops for link, place in loop.ends if link == child]
         along = np.mean([place.translation for place in others], axis=0) if others else np.zeros(3)
-        if not along.any():
-            continue
-        along /= np.linalg.norm(along)
-        first = np.eye(3)[np.abs(along).argmin()]
-        if carrier is not None and carrier.type == "revolute":
-            turns = ball[0].place.rotation.T @ carrier.axis
-            # An axis within 6 degrees of the link would hardly turn it.
-            first = first if np.linalg.norm(np.cross(along, turns)) < 0.1 else turns
-        across = np.cross(along, first)
-        axes = (first, across / np.linalg.norm(across), along)
+        turns = ball[0].place.rotation.T @ carrier.axis if carrier is not None and carrier.type == "revolute" else None
+        axes = ball_axes(along, turns) if along.any() else [joint.axis for joint in ball]
         joints.update({joint.name: replace(joint, axis=axis) for joint, axis in zip(ball, axes, strict=True)})
     yield from joints.values()
+
+
+def ball_axes(along: Array, turns: Array | None) -> Array:
+    """(3, 3) axes, as rows, of the three hinges that make a ball joint, from its parent to its child.
+
+    The first axis is that about which the parent turns, so that the child follows whole turns of a crank; the last one lies along the
+    child, which can spin idly about it where a ball is at its other end; the second one is across both. They lock where a rod lies along
+    the axis of its crank, in which the crank does not move it.
+
+    Args:
+        along: (3,) from the ball to the other bearings of its child, in the ball's frame; zeros if the child has no others.
+        turns: (3,) axis about which the parent turns, in the same frame; None if it does not turn.
+    """
+    if not np.linalg.norm(along):
+        return np.eye(3)
+    along = along / np.linalg.norm(along)
+    first = np.eye(3)[np.abs(along).argmin()]
+    # An axis within 6 degrees of the link would hardly turn it.
+    first = first if turns is None or np.linalg.norm(np.cross(along, turns)) < 0.1 else turns
+    across = np.cross(along, first)
+    return np.array([first, across / np.linalg.norm(across), along])
 
 
 def as_document(file: str, mechanism: Mechanism, source: str) -> Document:

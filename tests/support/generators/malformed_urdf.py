@@ -272,7 +272,6 @@ ELEMENTS = [
         "has no root link",
     ),
     # inertia
-    (edited((CRANK_INERTIAL, "")), '<link name="crank">', CRANK, "it moves, but has no <inertial>"),
     (edited(('value="20"', 'value="0"')), of("mass", LINK), CRANK_MASS, "the mass 0.0 of a moving link is not positive"),
     (edited(('value="20"', 'value="-20"')), of("mass", LINK), CRANK_MASS, "the mass -20.0 of a moving link is not positive"),
     (welded("cap", "rod", INERTIAL.replace('"1"', '"0"', 1)), of("mass", 'link name="cap"'), END, "of a moving link is not positive"),
