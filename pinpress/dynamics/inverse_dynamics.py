@@ -22,12 +22,13 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
 from . import applied_loads
+from .equilibrium import equilibrium
 from .joint_efforts import joint_efforts
 from .passive import free_accelerations
 from .reactions import Reactions, find_wrenches
 
 NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
-PASSIVE = ("free", "given")
+PASSIVE = ("free", "given", "equilibrium")
 CLEAR = 1e-3  # distance from the end of a branch from which on a state is at no change point [rad]
 T = TypeVar("T")
 
@@ -61,12 +62,15 @@ def inverse_dynamics(
         passive: what the passive coordinates of the linkage do, if it has some (`Linkage.passive`): "free": in each state their positions
             and speeds are those of the motion, and their accelerations follow from the forces (`Reactions.motion` has them), with no
             drive there; "given": the motion is as given, and the drivers' efforts there are what holds it, such as force and moment on a
-            base.
+            base; "equilibrium": positions, speeds and accelerations are those of static equilibrium with weights, springs and constant
+            forces, at the positions of the motors (`dynamics.equilibrium` says how), whatever the motion has there. The drivers' efforts
+            there are then what inertia forces would need to keep it.
 
     Raises:
-        PinpressError: a motion of a linkage with other joints; a load of wrong shape, with a value that is not finite, or whose function
-            fails; friction that makes no sense or locks the linkage; a stiffness that is not positive; ``bearings`` that are not names;
-            forces too large for floating point; an unknown or unsuitable engine.
+        PinpressError: a motion of a linkage with other joints; passive coordinates that have no inertia, or no stable equilibrium; a load
+            of wrong shape, with a value that is not finite, or whose function fails; friction that makes no sense or locks the linkage; a
+            stiffness that is not positive; ``bearings`` that are not names; forces too large for floating point; an unknown or unsuitable
+            engine.
         UnknownNameError: a bearing or link that the linkage does not have.
         AssemblyError: a motion of a linkage with other lengths.
         SingularityError: a state of a simulated run at a change point.
@@ -75,11 +79,13 @@ def inverse_dynamics(
     chosen = press.engine(engine)
     indices = _select_bearings(press, bearings)
     if passive not in PASSIVE:
-        raise PinpressError(f"passive is {shown(passive)}: write {' or '.join(map(repr, PASSIVE))}")
+        raise PinpressError(f"passive is {shown(passive)}: write {', '.join(map(repr, PASSIVE))}")
     _refuse_change_points(press, motion)
     law, compliance = friction_law(friction, press), compliances(stiffness, press.bearings)
     checked_loads = applied_loads.wrap_laws(loads)
     with np.errstate(all="ignore"):  # what overflows is refused
+        if press.passive and passive == "equilibrium":
+            motion = equilibrium(press, chosen, motion, loads)
         conditions = AppliedConditions(applied_loads.apply(checked_loads, press, motion), law, compliance)
         motion, conditions = _move_passive(press, chosen, motion, conditions, passive)
         wrenches = find_wrenches(press, chosen, motion, conditions, bearings=bool(indices))

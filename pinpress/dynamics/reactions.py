@@ -48,7 +48,7 @@ class Reactions(Tabular):
         loads: the loads as they were given. In a pickled copy, one that cannot be pickled is its description.
         friction: the friction of bearings and guides as it was given.
         stiffness: the stiffnesses of bearings and guides as they were given [N/m].
-        passive: what the passive coordinates of the linkage do, as it was given: "free" or "given".
+        passive: what the passive coordinates of the linkage do, as it was given: "free", "given" or "equilibrium".
         driving_torque: (n,) torque on the driver joint along its axis [N m], force on one that slides [N]; (n, drivers) for several
             drivers, motors first. At passive coordinates it is rounding where they are free, else what holds them.
         coupling_torque: (n, 2) by the name of a joint with a ``<mimic>``: torques of the gear pair on this joint and on the joint it

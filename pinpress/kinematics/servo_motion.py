@@ -15,7 +15,7 @@ from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..linkage.linkage import Linkage
 from .cycle import doubt_speeds, motion_through_change_points, moved
-from .driver_motion import Drivers, driver_motion
+from .driver_motion import DriverMotion, Drivers, driver_motion
 from .motion import Motion
 from .slide_path import EQUAL, ROUNDING, DeadCentres, dead_centres
 
@@ -58,6 +58,8 @@ def servo_cycle(
 
     A linkage with several drivers takes (n, drivers) of angle, speed and acceleration, in the order of `Linkage.drivers`. There the
     assembly is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
+    Of a linkage with passive coordinates (`Linkage.passive`) give all of them too, or the motors alone: the passive ones then rest where
+    the linkage was put together, until `inverse_dynamics` moves them.
 
     Args:
         press: the press.
@@ -103,11 +105,24 @@ def servo_cycle(
         raise PinpressError(f"give angle, (n,) [{unit}] and speed=..., or time=... with angle, speed or height")
     elif angle is None:
         raise PinpressError(f"give angle, (n,) [{unit}]; or one number, the angle at the start, with the speed; or height, (n,) [m]")
-    found = driver_motion(Drivers(press.drivers, press.driver_coordinates), angle, speed, acceleration, time, period)
+    given = press.drivers if np.shape(angle)[1:] == (len(press.drivers),) else press.motors or press.drivers
+    if len(given) < len(press.drivers) and len(given) == 1:
+        angle, speed, acceleration = (np.ravel(each) if np.ndim(each) == 2 else each for each in (angle, speed, acceleration))
+    found = driver_motion(Drivers(given, press.driver_coordinates[: len(given)]), angle, speed, acceleration, time, period)
+    if len(given) < len(press.drivers):
+        found = _with_passive(press, found)
     branch = None if len(press.drivers) > 1 else press.branch
     motion = moved(press, branch, found.angle, found.speed, found.acceleration, found.time, engine)
     doubt_speeds(press, found.speed, motion)
     return motion
+
+
+def _with_passive(press: Linkage, motors: DriverMotion) -> DriverMotion:
+    """The motion of all drivers, of that of the motors: passive coordinates rest where the linkage was put together."""
+    count, passive = len(motors.angle), press.driver_indices[len(press.motors) :]
+    rest = np.zeros((count, len(passive)))
+    values = ((motors.angle, rest + press.closed[list(passive)]), (motors.speed, rest), (motors.acceleration, rest))
+    return DriverMotion(*(np.concatenate([given.reshape(count, -1), others], axis=1) for given, others in values), motors.time)
 
 
 def _angles_at(
