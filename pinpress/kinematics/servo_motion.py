@@ -105,8 +105,10 @@ def servo_cycle(
         raise PinpressError(f"give angle, (n,) [{unit}] and speed=..., or time=... with angle, speed or height")
     elif angle is None:
         raise PinpressError(f"give angle, (n,) [{unit}]; or one number, the angle at the start, with the speed; or height, (n,) [m]")
-    given = press.drivers if np.shape(angle)[1:] == (len(press.drivers),) else press.motors or press.drivers
-    if len(given) < len(press.drivers) and len(given) == 1:
+    given = press.drivers
+    if press.passive and press.motors and angle is not None and numbers("angle", angle).shape[1:] != (len(press.drivers),):
+        given = press.motors
+    if len(given) == 1 < len(press.drivers):
         angle, speed, acceleration = (np.ravel(each) if np.ndim(each) == 2 else each for each in (angle, speed, acceleration))
     found = driver_motion(Drivers(given, press.driver_coordinates[: len(given)]), angle, speed, acceleration, time, period)
     if len(given) < len(press.drivers):
