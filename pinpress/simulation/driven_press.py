@@ -27,6 +27,7 @@ from ..engines.wrenches import AppliedForce
 from ..kinematics.cycle import slide_at
 from ..kinematics.motion import Motion
 from ..kinematics.poses import point_motion
+from ..linkage.joint_springs import JointSpring
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Friction, Load, PointForce, SpringDamper, law
@@ -304,6 +305,9 @@ def driven_press(
         UnknownNameError: a load acts on a link that the linkage does not have, or a part on a driver that it does not have.
     """
     coordinates, forces = _coordinates_and_forces(press, loads)
+    if friction and press.joint_springs:
+        names = ", ".join(spring.joint for spring in press.joint_springs)
+        raise PinpressError(f"{press.name} has springs in joints ({names}), with which runs know no friction in bearings: leave it out")
     if len(press.drivers) > 1:
         return _with_several_drivers(press, drive, flywheel, coordinates, forces, clutch, brake)
     _refuse_other_parts(drive, flywheel, clutch, brake)
@@ -435,11 +439,11 @@ def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[
     """The mapping from driver joints to parts that was given as argument ``name``, each part of this kind; empty where none was given."""
     by_joint = {} if given is None else given
     if not isinstance(by_joint, Mapping):
-        one_each = ", ".join(f"{joint!r}: ..." for joint in press.drivers)
+        one_each = ", ".join(f"{joint!r}: ..." for joint in press.motors)
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: give a {kind.__name__} for each, {name}={{{one_each}}}")
     for joint, value in by_joint.items():
-        if joint not in press.drivers:
-            raise UnknownNameError("driver", joint, press.drivers)
+        if joint not in press.motors:
+            raise UnknownNameError("driver", joint, press.motors)
         if isinstance(value, PrescribedSpeed):
             instead = "a ServoMotor follows a program, and servo_cycle moves all of them as given"
             raise PinpressError(f"drive of {shown(joint)} is {shown(value)}, which holds the speed of a single driver: {instead}")
@@ -455,6 +459,10 @@ def _coordinates_and_forces(press: Linkage, loads: Sequence[Load]) -> "tuple[lis
     """The coordinates along which loads act, that of the slide first, and their forces."""
     coordinates: list[Coordinate] = [] if press.slide is None else [JointPosition(*press.slide_guide)]
     forces: list[GeneralizedForce] = []
+    for spring in press.joint_springs:
+        in_joint = (ForceInterval(math.inf, -math.inf, partial(_joint_spring_force, spring), heeds_velocity=bool(spring.damping)),)
+        forces.append(GeneralizedForce(len(coordinates), 0.0, in_joint, in_joint))
+        coordinates.append(JointPosition(press.joints.index(spring.joint)))
     for load in loads:
         if isinstance(load, SpringDamper):
             law_of_spring = partial(_spring_force, load)
@@ -505,6 +513,10 @@ def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None
 
 def _constant_one(position: Any, velocity: Any) -> Any:
     return position * 0.0 + 1.0
+
+
+def _joint_spring_force(spring: JointSpring, position: Any, rate: Any) -> Any:
+    return spring.stiffness * (spring.reference - position) - spring.damping * rate
 
 
 def _spring_force(spring: SpringDamper, length: Any, rate: Any) -> Any:

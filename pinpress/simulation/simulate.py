@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arguments import in_unit, number, suitable_numbers, typed
+from ..common.arguments import in_unit, number, numbers, suitable_numbers, typed
 from ..common.errors import PinpressError, SimulationError, caution, shown
 from ..common.parameters import refuse_scenarios
 from ..common.quantities import Array
@@ -61,7 +61,7 @@ def simulate(
     duration: float,
     *,
     speed: ArrayLike = ...,
-    angle: ArrayLike = ...,
+    angle: ArrayLike | None = ...,
     drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = ...,
     flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
     clutch: Clutch | None = ...,
@@ -83,7 +83,7 @@ def simulate(
     duration: float,
     *,
     speed: ArrayLike = ...,
-    angle: ArrayLike = ...,
+    angle: ArrayLike | None = ...,
     drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = ...,
     flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
     clutch: Clutch | None = ...,
@@ -105,7 +105,7 @@ def simulate(
     duration: float,
     *,
     speed: ArrayLike = 0.0,
-    angle: ArrayLike = 0.0,
+    angle: ArrayLike | None = None,
     drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = None,
     flywheel: Flywheel | Mapping[str, Flywheel] | None = None,
     clutch: Clutch | None = None,
@@ -122,13 +122,16 @@ def simulate(
     """Let a press run. `simulate_batch` runs several scenarios at once.
 
     A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (without states of their own) and flywheels by
-    the names of the drivers' joints; its method is "auto" or "constraint".
+    the names of the drivers' joints; its method is "auto" or "constraint". Passive coordinates (`Linkage.passive`) have no drive, and
+    springs of the file act in any run. With (motors,) of ``speed`` and ``angle`` the passive coordinates begin at rest, where the linkage
+    was put together.
 
     Args:
         press: the linkage.
         duration: of the run [s].
         speed: of the crank at the start [rad/s], of a driver that slides [m/s].
-        angle: of the crank at the start [rad], of a driver that slides its position [m].
+        angle: of the crank at the start [rad], of a driver that slides its position [m]; by default where the linkage was put together,
+            0 in the drawn pose.
         drive: what turns the crank, see `pinpress.drives`; None: nothing. On a driver that slides a `ConstantTorque` is a force [N], and a
             motor acts through a screw, ``Geared(motor, ratio=2 * pi / lead)`` with the lead in m a turn.
         flywheel: its inertia stands at the driver joint, on the drive's side of a clutch.
@@ -170,7 +173,8 @@ def simulate(
     loads = list(loads)  # of what is gone through once, too
     if len(press.drivers) == 1:
         refuse_scenarios("simulate", speed, (drive, flywheel, *loads))
-    angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed, "/s")
+    home = press.closed[list(press.driver_indices)]
+    angles, speeds = _start(press, "angle", home if angle is None else angle, home), _start(press, "speed", speed, 0.0 * home, "/s")
     drive, loads = tried(drive, loads, float(np.abs(speeds).max()))
     refuse_far("angle", angles, press.driver_coordinates)
     refuse_many_turns(speeds, until, float(angles[0]))
@@ -332,11 +336,13 @@ def _problem(
     return SimulationProblem(driven, method, angles, speeds, until, tolerance, step)
 
 
-def _start(press: Linkage, name: str, value: ArrayLike, by: str = "") -> Array:
-    """(drivers,) angles or speeds at the start, from one number or one of each driver."""
+def _start(press: Linkage, name: str, value: ArrayLike, rest: Array, by: str = "") -> Array:
+    """(drivers,) angles or speeds at the start, from one number or one of each driver or motor; passive coordinates then ``rest``."""
     value = in_unit(name, value, press.driver_coordinates[0].unit + by)
     if len(press.drivers) == 1:
-        return np.array([number(name, value)])
+        return np.array([number(name, np.reshape(value, ()) if np.shape(value) == (1,) else value)])
+    if press.passive and np.shape(value) == (len(press.motors),):
+        value = np.concatenate([numbers(name, value), rest[len(press.motors) :]])
     wanted = f"finite numbers, one of each of the {len(press.drivers)} drivers"
     values = suitable_numbers(name, value, wanted, None, lambda values: values.shape in ((), (len(press.drivers),)))
     return np.broadcast_to(values, (len(press.drivers),)).copy()
