@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from ..common.arguments import LARGEST
 from .element import Element
 from .joint_springs import JointSpring
 
@@ -210,6 +211,8 @@ def _joint(joint: Element) -> Joint:
     kind, limits, mimic = joint.get("type"), None, None
     for limit in joint.all("limit") if kind in ("revolute", "prismatic") else ():
         limits = limit.number("lower", 0.0), limit.number("upper", 0.0)
+        # Some programs write 1e16, 1e30 or the largest number of a computer where there is no limit.
+        limits = None if limits[0] <= -LARGEST and limits[1] >= LARGEST else limits
     for element in joint.all("mimic")[:1]:
         mimic = Mimic(element.get("joint"), element.number("multiplier", 1.0), element.number("offset", 0.0), element.line)
     parent, child = joint.of_child("parent", "link"), joint.of_child("child", "link")

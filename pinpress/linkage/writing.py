@@ -23,7 +23,7 @@ from ..common.arguments import typed
 from ..common.errors import PinpressError
 from ..common.files import path_of
 from ..common.quantities import Array
-from ..engines.constraints import LoopJoint
+from ..engines.constraints import Coupling, LoopJoint, Relation
 from ..engines.structure import Axis, Slot, axes, slots
 from . import description, loading
 from .checks import assembly as assembly_checks
@@ -210,6 +210,7 @@ def _structure(press: Linkage) -> dict[str, object]:
         "links": [(link, model.frames[model.getFrameId(link, pin.BODY)].parentJoint) for link in links],
         "loops": [(loop.name, loop.joint1, loop.joint2) for loop in press.loops],
         "gear pairs": [(pair.name, pair.follower) for pair in press.couplings],
+        "relations": [(relation.name, tuple(relation.coefficients)) for relation in _longer(press)],
     }
 
 
@@ -247,8 +248,14 @@ def _contents(press: Linkage) -> Iterator[tuple[str, Array, float]]:
         yield name, getattr(model, name), 0.0
     yield "loop types", np.array([loop.type for loop in press.loops]), 0.0
     yield "gear pairs", np.array([(pair.leader, pair.multiplier, pair.offset) for pair in press.couplings]), 0.0
+    yield "relations", np.array([value for each in _longer(press) for value in (*each.coefficients.values(), each.offset)]), 0.0
     yield "drivers", np.array(press.drivers), 0.0
     yield "name", np.array(press.name), 0.0
+
+
+def _longer(press: Linkage) -> list[Relation]:
+    """The relations between more or fewer than two joints."""
+    return [relation for relation in press.relations if not relation.is_pair]
 
 
 # Arrays of the model, by the attributes that they are read from.
@@ -272,10 +279,17 @@ def edit_text(document: Document, before: Linkage, now: Linkage) -> bytes:
         if joint.type != "fixed":
             _edit_joint(text, element, j, old_model, new_model, *movable[j])
     mimics = [element.all("mimic")[0] for joint, element in joints if joint.mimic]
-    for mimic, was, pair in zip(mimics, before.couplings, now.couplings, strict=True):
+    count = len(mimics)
+    for mimic, *pairs in zip(mimics, before.relations[:count], now.relations[:count], strict=True):
+        was, pair = map(Coupling.of, pairs)
         text.set(mimic, _attributes_of_changes({"multiplier": (was.multiplier, pair.multiplier), "offset": (was.offset, pair.offset)}))
         if pair.leader != was.leader:
             text.set(mimic, {"joint": now.joints[pair.leader]})
+    for element, was, relation in zip(text.robot.all("relation"), before.relations[count:], now.relations[count:], strict=True):
+        if (relation.coefficients, relation.offset) != (was.coefficients, was.offset):
+            text.set(element, {"offset": as_text([relation.offset])})
+            for joint, (place, coefficient) in zip(element.all("joint"), relation.coefficients.items(), strict=True):
+                text.set(joint, {"name": now.joints[place], "coefficient": as_text([coefficient])})
     for k, (loop, element) in enumerate(zip(read.loops, text.robot.all("loop_joint"), strict=True)):
         _edit_loop(text, element, loop, (old_model, before.loops[k]), (new_model, now.loops[k]))
     _edit_drivers(text, read.drivers, now.drivers)

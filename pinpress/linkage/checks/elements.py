@@ -305,6 +305,11 @@ def _inertia_problems(robot: Element, description: Description) -> Iterator[Prob
     bodies = description.bodies
     connected = Counter(bodies.get(link) for joint in description.joints if joint.type != "fixed" for link in (joint.parent, joint.child))
     connected.update(bodies.get(end.link) for loop in description.loops for end in (loop.link1, loop.link2))
+    geared = {name for relation in description.relations for name in relation.joints} | {
+        each.name for each in description.joints if each.mimic
+    }
+    rotors = {joint.child for joint in description.joints if joint.name in geared}
+    weighed = {bodies.get(link.get("name")) for link in robot.all("link") if any(map(_has_mass, link.all("inertial")))}
     for link in _without_inertial(robot, description):
         if connected[link.get("name")] < 2:  # nothing would resist its motion, nor move it
             remedy = "write <inertial> with <mass> and <inertia>; a link between two bearings may have none"
@@ -316,9 +321,11 @@ def _inertia_problems(robot: Element, description: Description) -> Iterator[Prob
             for element in inertial.all("mass"):
                 for mass in element.numbers("value"):
                     # A cross piece or rod between two bearings may be modelled without mass and moments of inertia.
-                    between = mass == 0 and moving and connected[bodies[name]] > 1
-                    idealised = between and all(principal_moments(tensor) == (0.0, 0.0, 0.0) for tensor in inertial.all("inertia"))
-                    if moving and mass <= 0 and not idealised:
+                    between = moving and (connected[bodies[name]] > 1 or bodies[name] in weighed)
+                    nothing = all(principal_moments(tensor) == (0.0, 0.0, 0.0) for tensor in inertial.all("inertia"))
+                    # The rotor of a motor may have moments of inertia alone: its mass is counted with the link that carries it.
+                    idealised = between if nothing else name in rotors and connected[bodies[name]] == 1
+                    if moving and (mass < 0 or (mass == 0 and not idealised)):
                         remedy = (
                             "write it in kg, or remove <inertial>; a link between two bearings may have none, without moments of inertia"
                         )
@@ -328,6 +335,10 @@ def _inertia_problems(robot: Element, description: Description) -> Iterator[Prob
             for element in inertial.all("inertia"):
                 if problem := _tensor_problem(element):
                     yield element, problem, "write the moments about the centre of mass [kg m2], products with the sign of -integral xy dm"
+
+
+def _has_mass(inertial: Element) -> bool:
+    return any(mass.number("value", 0.0) > 0.0 for mass in inertial.all("mass"))
 
 
 def _without_inertial(robot: Element, description: Description) -> list[Element]:

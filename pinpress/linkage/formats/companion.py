@@ -27,7 +27,7 @@ from ..description import names
 from ..document import Document, Finding, Origin
 from ..element import Element
 from ..text import Text, as_text, tag
-from .elements import make_unique, remark
+from .elements import make_unique
 from .mechanism import UNLIMITED, ball_axes
 
 _KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
@@ -68,6 +68,7 @@ class _Companion:
         self.joints = {joint.get("name"): joint for joint in self.robot.all("joint")}
         self.taken = {*self.links, *self.joints, *names(self.robot, "loop_joint")}
         self.origins: dict[tuple[int, str], Origin] = {}
+        self.split: list[str] = []  # joints that are made of several, and these
         self.remarks = [self._remark(entry, "it is not read" + suggestion(key, _KEYS)) for key, entry in self._unknown()]
 
     def document(self) -> Document:
@@ -78,6 +79,9 @@ class _Companion:
                 entry.refuse(f"joint {joint.get('name')!r} stands there twice", "remove one of them")
             retyped.add(joint.get("name"))
             self._retype(joint, kind)
+        if self.split:
+            listed = "; ".join(self.split[:12]) + ("; and others" if len(self.split) > 12 else "")
+            self.remarks.append(self._remark(self.entries["joint_type"], f"joints made of revolute joints: {listed}", "note", ""))
         for pair, kind in zip(*self._lists("closed_loop", "type"), strict=True):
             self._close(pair, kind)
         self._drive(retyped)
@@ -86,9 +90,8 @@ class _Companion:
     def _unknown(self) -> list[tuple[str, Entry]]:
         return [(key, entry) for key, entry in self.entries.items() if key not in _KEYS]
 
-    def _remark(self, entry: Entry, problem: str, severity: str = "warning") -> Finding:
-        place = f"{': '.join(entry.path)} of {Path(entry.file).name}, line {entry.line},"
-        return Finding(severity, place, None, problem, "correct or remove it")
+    def _remark(self, entry: Entry, problem: str, severity: str = "warning", remedy: str = "correct or remove it") -> Finding:
+        return Finding(severity, f"{Path(entry.file).name}:{entry.line}: {': '.join(entry.path)}", None, problem, remedy)
 
     def _lists(self, first: str, second: str) -> tuple[Sequence[Entry], Sequence[Entry]]:
         """Two lists that belong together; empty if the first is not written."""
@@ -160,7 +163,7 @@ class _Companion:
         self.text.replace(joint, "".join(pieces))
         origin = Origin(str(joint), joint.line)
         self.origins |= {(joint.line, "joint"): origin, (joint.line, "link"): origin}
-        self.remarks.append(remark("note", origin, f"it is made of revolute joints: {', '.join(hinges)}", ""))
+        self.split.append(f"{name} ({', '.join(hinges)})")
 
     def _ball_axes(self, joint: Element) -> Array:
         """(3, 3) axes, as rows in the joint's frame, about which a ball does not lock where it turns on."""

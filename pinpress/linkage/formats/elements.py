@@ -65,10 +65,11 @@ def direction(file: str, element: Element, text: str) -> Array:
 
 
 def find_child(file: str, element: Element, tag: str) -> Element | None:
-    """The only child with this tag; None if there is none; raises UrdfError if there are two."""
+    """The only child with this tag, or the first of equal ones; None if there is none; raises UrdfError if there are two that differ."""
     children = element.all(tag)
-    if len(children) > 1:
-        refuse(file, children[1], f"a second <{tag}> in one <{element.tag}>", "keep one of them")
+    for other in children[1:]:
+        if not other.says_the_same_as(children[0]):
+            refuse(file, other, f"a second <{tag}> in one <{element.tag}>, which says something else", "keep one of them")
     return children[0] if children else None
 
 

@@ -129,6 +129,7 @@ class _Reader:
         self.links = self._by_name("link")
         self.joints = self._by_name("joint")
         self.frames = self._by_name("frame")
+        self.taken = {*self.links, *self.joints}  # names that no part made here may have
         self.posed: dict[str, pin.SE3] = {}
         self.searched: list[str] = []  # names whose poses are being searched
         self.model_place = self._model_place()
@@ -182,8 +183,9 @@ class _Reader:
         return child is not None and child.text.strip().lower() in ("1", "true")
 
     def _number(self, element: Element | None, tag: str, default: float) -> float:
+        """The number in a child; the default if there is no child, or an empty one."""
         child = None if element is None else find_child(self.file, element, tag)
-        return default if child is None else float(numbers(self.file, child, child.text, 1)[0])
+        return default if child is None or not child.text.strip() else float(numbers(self.file, child, child.text, 1)[0])
 
     # --------------------------------------------------------------------------------------------------------------------------- places
 
@@ -416,15 +418,17 @@ class _Reader:
         child = None if limit is None else find_child(self.file, limit, tag)
         word = "" if child is None else child.text.strip()
         value = float(word) if NUMBER.fullmatch(word) or word.lower().lstrip("+-") == "inf" else 0.0
-        return sign * math.inf if child is None or sign * value > LARGEST else self._number(limit, tag, 0.0)
+        return sign * math.inf if not word or sign * value > LARGEST else self._number(limit, tag, 0.0)
 
     def _chain(self, bearing: _Bearing, parent: str, child: str, place: pin.SE3, axes: Array) -> tuple[list[Joint], list[Link]]:
         """Revolute joints in place of one that turns about several axes, and the links between them."""
         origin, joints, links = origin_of(bearing.element), [], []
         for k, axis in enumerate(axes):
             last = k == len(axes) - 1
-            to = child if last else make_unique(f"{bearing.name}_{k + 1}", {*self.links})
-            joints.append(Joint(f"{bearing.name}_{'xyz'[k]}", "revolute", parent, to, place, axis, origin))
+            to = child if last else make_unique(f"{bearing.name}_{k + 1}", self.taken)
+            name = make_unique(f"{bearing.name}_{'xyz'[k]}", self.taken)
+            self.taken |= {to, name}
+            joints.append(Joint(name, "revolute", parent, to, place, axis, origin))
             if not last:
                 links.append(massless_link(to, origin))
             parent, place = to, pin.SE3.Identity()
@@ -524,7 +528,8 @@ class _Reader:
         mass, moments = need_child(self.file, element, "mass"), need_child(self.file, element, "inertia")
         refuse_unknown(self.file, moments, _KNOWN["inertia"].split())
         for name in ("ixx", "iyy", "izz"):
-            need_child(self.file, moments, name)
+            if not need_child(self.file, moments, name).text.strip():
+                refuse(self.file, moments, f"<{name}> is empty", "write moments of inertia in kg m2")
         xx, xy, xz, yy, yz, zz = (self._number(moments, name, 0.0) for name in _KNOWN["inertia"].split())
         tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         for pose in element.all("pose"):
