@@ -34,6 +34,7 @@ from .kinematics.motion import Motion as Motion
 from .kinematics.motion_table import read_motion as read_motion
 from .kinematics.servo_motion import servo_cycle as servo_cycle
 from .kinematics.slide_path import dead_centres as dead_centres
+from .linkage.formats.sdf_writer import write_sdf as write_sdf
 from .linkage.linkage import Linkage as Linkage
 from .linkage.loading import load as load
 from .linkage.loading import presses as presses

@@ -487,8 +487,17 @@ class Linkage(Frozen):
         angles = np.array([number("angle", angle)])
         refuse_far("angle", angles, self.driver_coordinates)
         moved = close_on_branch(self.engine(), self.structure, self.branch_through_change_points, angles, self.name).position[:, 0]
+        return self._drawn_in(moved, zero)
+
+    def drawn_at_home(self) -> Linkage:
+        """The same linkage drawn in its closed home pose, in which all joint coordinates are then 0, for programs that start at zero. Forces,
+        links and their frames are the same."""
+        return self._drawn_in(self.closed, "home")
+
+    def _drawn_in(self, pose: Array, zero: str) -> Linkage:
+        """The linkage drawn in a closed pose (nv,); see `drawn_at`."""
         model = self.model.copy()
-        for joint, (axis, slot, coordinate) in enumerate(zip(self.axes, self.slots, moved, strict=True), 1):
+        for joint, (axis, slot, coordinate) in enumerate(zip(self.axes, self.slots, pose, strict=True), 1):
             along = axis.direction * coordinate
             step = pin.SE3(pin.exp3(along), np.zeros(3)) if axis.turns else pin.SE3(np.eye(3), along)
             model.jointPlacements[joint] = model.jointPlacements[joint] * step
@@ -496,7 +505,9 @@ class Linkage(Frozen):
                 model.lowerPositionLimit[slot.start] -= coordinate
                 model.upperPositionLimit[slot.start] -= coordinate
         relations = tuple(replace(relation, offset=0.0) for relation in self.relations)
-        return replace(self, model=model, relations=relations, zero=zero)
+        moved = dict(zip(self.joints, pose, strict=True))
+        springs = tuple(replace(spring, reference=spring.reference - float(moved[spring.joint])) for spring in self.joint_springs)
+        return replace(self, model=model, relations=relations, joint_springs=springs, zero=zero)
 
     def configuration(self, angle: ArrayLike) -> Array:
         """Pinocchio's configuration q with the loops closed, in the drawn assembly. An unbounded joint has its cosine and sine in it.

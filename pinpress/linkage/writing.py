@@ -90,6 +90,13 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     return files.write(path, text)
 
 
+def drawn_text(press: Linkage) -> bytes:
+    """The URDF of a linkage, perhaps a changed one, drawn in its home pose, in which all joints are at zero."""
+    before = loading.build(press.document, press.drivers, press.slide)
+    _check(press, before)
+    return edit_text(press.document, before, press.drawn_at_home())
+
+
 @dataclass(frozen=True, eq=False)
 class AddedBallast:
     """What was added to the mass of a body, as a counterweight.
@@ -290,6 +297,8 @@ def edit_text(document: Document, before: Linkage, now: Linkage) -> bytes:
             text.set(element, {"offset": as_text([relation.offset])})
             for joint, (place, coefficient) in zip(element.all("joint"), relation.coefficients.items(), strict=True):
                 text.set(joint, {"name": now.joints[place], "coefficient": as_text([coefficient])})
+    for element, of_text, spring in zip(text.robot.all("joint_spring"), read.joint_springs, now.joint_springs, strict=True):
+        text.set(element, _attributes_of_changes({"reference": (of_text.reference, spring.reference)}))
     for k, (loop, element) in enumerate(zip(read.loops, text.robot.all("loop_joint"), strict=True)):
         _edit_loop(text, element, loop, (old_model, before.loops[k]), (new_model, now.loops[k]))
     _edit_drivers(text, read.drivers, now.drivers)

@@ -1,0 +1,183 @@
+"""From a `Linkage` to SDF, the format of Gazebo (sdformat.org/spec, version 1.11)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from ...common import files
+from ...common.arguments import LARGEST, typed
+from ...common.errors import PinpressError, caution
+from ...common.quantities import Array
+from ..document import Document
+from ..linkage import Linkage
+from ..text import MOMENTS, as_text, tag
+from ..writing import drawn_text
+from .elements import make_unique
+from .mechanism import Joint, Link, Loop, Mechanism, Shape
+from .urdf import mechanism_of
+
+WORLD = "world"
+LEAST = 1e-12, 1e-15  # mass and moments of moving links without mass, as SDF gives a link without them 1 kg and 1 kg m2 [kg, kg m2]
+TYPES = {"spherical": "ball", "revolute": "revolute", "fixed": "fixed"}
+PLUGIN = {"filename": "gz-sim-joint-controller-system", "name": "gz::sim::systems::JointController"}
+
+
+@typed
+def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
+    """Write a linkage as an SDF for Gazebo, and return its path.
+
+    SDF has no place for a pose in which a linkage starts: links stand in the closed home pose, and there all joints are at zero; limits,
+    springs and gears are moved with them. Loops are ball, revolute and fixed joints, gear pairs ``<mimic>``, drivers the joints of Gazebo's
+    joint controller. `load` reads the file again, and cuts the same loops unless fixed ones are among them. Give it gravity and slide again.
+
+    Args:
+        press: the linkage.
+        path: of the file, which should end in ``.sdf``.
+
+    Raises:
+        PinpressError: a relation of more than two joints, which SDF does not know; the path cannot be written.
+
+    Warns:
+        PinpressWarning: what SDF does not hold and was left out: armature, the ``<tool>`` of the slide; a joint that had to get another name.
+    """
+    document = Document(press.file, drawn_text(press))
+    mechanism = mechanism_of(document)
+    for relation in mechanism.relations:
+        raise PinpressError(f"{press.name}: SDF has no element for relation {relation.name!r} of {len(relation.coefficients)} joints")
+    for link in document.robot.all("link"):
+        if link.all("tool"):
+            caution(f"{press.name}: SDF does not hold the <tool> of link {link.get('name')!r}: it was left out")
+    for joint in mechanism.joints:
+        if joint.armature:
+            caution(f"{press.name}: SDF does not hold the armature of joint {joint.name!r}, {joint.armature:g}: it was left out")
+    return files.write(path, ("\n".join(_Writer(mechanism, press).lines()) + "\n").encode())
+
+
+class _Writer:
+    """Writes a mechanism that is closed where its joints are at zero."""
+
+    def __init__(self, mechanism: Mechanism, press: Linkage) -> None:
+        self.mechanism, self.drivers = mechanism, press.motors
+        self.places = _places(mechanism, press.root)
+        self.root, self.moving = press.root, {link for link, body in press.document.description.bodies.items() if body != press.root}
+        taken = {link.name for link in mechanism.links} | {WORLD}
+        self.names: dict[str, str] = {}  # of joints and loops: in SDF links and joints share names
+        for name in (part.name for part in (*mechanism.joints, *mechanism.loops)):
+            self.names[name] = make_unique(name if name not in taken else f"{name}_joint", taken)
+            taken.add(self.names[name])
+            if self.names[name] != name:
+                caution(f"{press.name}: joint {name!r} is called {self.names[name]!r} in SDF, because a link has its name")
+        self.held = make_unique(f"{self.root}_to_world", taken)
+
+    def lines(self) -> Iterator[str]:
+        yield "<?xml version='1.0'?>"
+        yield '<sdf version="1.11">'
+        yield f"  <!-- Written by pinpress. Joints are at zero in the pose of this file. SI units. -->"
+        yield f"  {tag('model', {'name': self.mechanism.name})[:-2]}>"
+        for link in self.mechanism.links:
+            if link.name != WORLD:
+                yield from self._link(link)
+        if self.root != WORLD:
+            yield from self._bearing(self.held, "fixed", WORLD, self.root, "")
+        # A reader that closes loops at the last joints of a file then keeps drivers, geared and sprung joints in its tree.
+        followed = {joint.follow.leader for joint in self.mechanism.joints if joint.follow}
+        first = {*self.drivers, *followed, *(joint.name for joint in self.mechanism.joints if joint.follow or joint.spring)}
+        for joint in sorted(self.mechanism.joints, key=lambda joint: joint.name not in first):
+            kind = "continuous" if joint.type == "revolute" and joint.limits is None else joint.type
+            yield from self._bearing(self.names[joint.name], kind, joint.parent, joint.child, self._axis(joint))
+        for loop in self.mechanism.loops:
+            yield from self._loop(loop)
+        if self.drivers:
+            driven = "".join(f"<joint_name>{_escaped(self.names[name])}</joint_name>" for name in self.drivers)
+            yield f"    {tag('plugin', PLUGIN, driven)}"
+        yield "  </model>"
+        yield "</sdf>"
+
+    def _link(self, link: Link) -> Iterator[str]:
+        yield f"    {tag('link', {'name': link.name})[:-2]}>"
+        yield f"      {_pose(self.places[link.name])}"
+        inertia = link.inertia
+        if inertia is not None and inertia.mass:
+            moments = "".join(f"<{name}>{as_text([inertia.tensor[i, j]])}</{name}>" for name, i, j in MOMENTS)
+            content = _pose(inertia.place) + f"<mass>{as_text([inertia.mass])}</mass>" + tag("inertia", {}, moments)
+            yield f"      {tag('inertial', {}, content)}"
+        elif link.name in self.moving:
+            mass, moment = LEAST
+            moments = "".join(f"<{name}>{as_text([moment if i == j else 0.0])}</{name}>" for name, i, j in MOMENTS)
+            yield f"      {tag('inertial', {}, f'<mass>{mass!r}</mass>' + tag('inertia', {}, moments))}"
+        for k, shape in enumerate(link.shapes, 1):
+            yield f"      {_visual(k, shape)}"
+        yield "    </link>"
+
+    def _bearing(self, name: str, kind: str, parent: str, child: str, content: str) -> Iterator[str]:
+        ends = f"<parent>{_escaped(parent)}</parent><child>{_escaped(child)}</child>"
+        yield f"    {tag('joint', {'name': name, 'type': kind}, ends + content)}"
+
+    def _axis(self, joint: Joint) -> str:
+        if joint.type == "fixed":
+            return ""
+        limits = dict(zip(("lower", "upper"), joint.limits or (), strict=False)) | {"effort": joint.effort, "velocity": joint.velocity}
+        written = {name: value for name, value in limits.items() if value is not None and abs(value) < LARGEST}
+        dynamics = {"damping": joint.damping, "friction": joint.friction}
+        if joint.spring is not None:
+            spring = joint.spring
+            dynamics |= {"damping": spring.damping, "spring_reference": spring.reference, "spring_stiffness": spring.stiffness}
+        content = f"<xyz>{as_text(joint.axis)}</xyz>" + _numbers("limit", written)
+        if any(dynamics.values()):
+            content += _numbers("dynamics", dynamics)
+        if joint.follow is not None:
+            ratio = _numbers("", {"multiplier": joint.follow.multiplier, "offset": joint.follow.offset, "reference": 0.0})
+            content += tag("mimic", {"joint": self.names[joint.follow.leader]}, ratio)
+        return tag("axis", {}, content)
+
+    def _loop(self, loop: Loop) -> Iterator[str]:
+        (parent, _), (child, place) = loop.ends
+        axis = "" if loop.axis is None else tag("axis", {}, f"<xyz>{as_text(loop.axis)}</xyz>")
+        yield from self._bearing(self.names[loop.name], TYPES[loop.type], parent, child, _pose(place) + axis)
+
+
+def _places(mechanism: Mechanism, root: str) -> dict[str, pin.SE3]:
+    """Places of all links in the model, joints at zero."""
+    carried: dict[str, list[Joint]] = {}
+    for joint in mechanism.joints:
+        carried.setdefault(joint.parent, []).append(joint)
+    places = {root: pin.SE3.Identity()}
+    reached = [root]
+    for link in reached:  # grows as it goes
+        for joint in carried.get(link, ()):
+            places[joint.child] = places[link] * joint.place
+            reached.append(joint.child)
+    return places
+
+
+def _pose(place: pin.SE3) -> str:
+    if np.array_equal(place.rotation, np.eye(3)):
+        return f"<pose>{as_text(place.translation)} 0 0 0</pose>"
+    turned: Array = pin.Quaternion(place.rotation).coeffs()  # x y z w: unlike roll, pitch and yaw they have all digits everywhere
+    return tag("pose", {"rotation_format": "quat_xyzw"}, f"{as_text(place.translation)} {as_text(turned)}")
+
+
+def _numbers(name: str, values: Mapping[str, float]) -> str:
+    """An element with numbers by their names; without a name of its own, the numbers alone."""
+    content = "".join(f"<{key}>{as_text([value])}</{key}>" for key, value in values.items())
+    return tag(name, {}, content) if name and content else content
+
+
+def _visual(k: int, shape: Shape) -> str:
+    values = dict(shape.attributes)
+    if shape.tag == "mesh":
+        values["uri"] = values.pop("filename", "").replace("package://", "model://")
+    geometry = tag(shape.tag, {}, "".join(f"<{name}>{_escaped(value)}</{name}>" for name, value in values.items()))
+    content = _pose(shape.place) + tag("geometry", {}, geometry)
+    if shape.colour is not None:
+        content += tag("material", {}, f"<diffuse>{as_text(shape.colour)}</diffuse>")
+    return tag("visual", {"name": f"visual_{k}"}, content)
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;")

@@ -1,0 +1,54 @@
+"""Linkages written in other formats and dialects, read back by our readers and by those of others."""
+
+import warnings
+
+import numpy as np
+import pytest
+from reference.robots import cases as robots
+from support import texts
+from support.generators.spatial_linkages import bennett, bricard, four_bar
+
+import pinpress as pp
+
+SAME = 1e-12  # of the largest value: placements are multiplied up and taken apart again
+
+
+def quietly(make, *arguments, **more):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pp.PinpressWarning)
+        return make(*arguments, **more)
+
+
+LINKAGES = (
+    {name: lambda name=name: pp.load(name) for name in pp.presses()}
+    | {name: lambda name=name: pp.build(pp.pin_table.template(name)) for name in ("toggle", "rssp", "drawing-8-bar")}
+    | {f"{make.__name__}_{cut}": lambda make=make, cut=cut: texts.load(make(cut)) for make in (bennett, bricard) for cut in (2, 3)}
+    | {f"four_bar_{kind}": lambda kind=kind: texts.load(four_bar(kind)) for kind in ("spherical", "revolute", "fixed")}
+)
+
+
+def forces(press, start, names):
+    """Driving torques and bearing forces (n, 1 + 3 bearings) of the first states of a turn, or on a line of several drivers, from home."""
+    steps, count = np.linspace(0.0, 0.05, 4), len(press.drivers)
+    places = np.array(start)[:, None] + steps * np.ones((count, 1))
+    shape = (4,) if count == 1 else (4, count)
+    motion = pp.servo_cycle(press, places.T.reshape(shape), speed=np.full(shape, 2.0), acceleration=np.full(shape, 3.0))
+    result = pp.inverse_dynamics(press, motion)
+    return np.hstack([np.reshape(result.driving_torque, (4, -1)), *(result.bearing_force[name] for name in names)])
+
+
+def assert_same(press, again, bearings=True):
+    """From the home of one, and from zero of the other."""
+    assert (again.mobility, again.drivers) == (press.mobility, press.drivers)
+    names = [name for name in press.bearings if name in again.bearings] if bearings else []
+    expected = forces(press, press.closed[list(press.driver_indices)], names)
+    got = forces(again, again.closed[list(again.driver_indices)], names)
+    assert np.abs(got - expected).max() <= SAME * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("name", LINKAGES)
+def test_an_sdf_loads_to_the_same_forces(name, tmp_path):
+    press = LINKAGES[name]()
+    again = pp.load(pp.write_sdf(press, tmp_path / "press.sdf"), slide=press.slide)
+    assert_same(press, again)
+    assert set(press.links) <= set(again.links)
