@@ -19,8 +19,8 @@ import numpy as np
 import pinocchio as pin
 
 from ..common import files
-from ..common.arguments import typed
-from ..common.errors import PinpressError
+from ..common.arguments import truth_value, typed
+from ..common.errors import PinpressError, shown
 from ..common.files import path_of
 from ..common.quantities import Array
 from ..engines.constraints import Coupling, LoopJoint, Relation
@@ -30,6 +30,7 @@ from .checks import assembly as assembly_checks
 from .checks import elements as element_checks
 from .document import Document, Finding
 from .element import Element
+from .formats.urdf_writer import DIALECTS, in_dialect
 from .linkage import Linkage
 from .text import MOMENTS, Text, as_text, tag
 
@@ -43,7 +44,7 @@ ASIDE = 1e-6  # and written into a file from this share on: a link that is only 
 
 
 @typed
-def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
+def write_urdf(press: Linkage, path: str | os.PathLike[str], *, home: bool = False, dialect: str = "pinpress") -> Path:
     """Write a linkage, perhaps a changed one, as a URDF that loads to the same numbers, and return its path.
 
     The text from which the linkage was read is kept to the byte (visuals, comments, elements of other programs), except for the numbers in
@@ -67,14 +68,23 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     Args:
         press: the linkage.
         path: of the file.
+        home: whether joints are at zero in the closed home pose, for programs that start there, and not where the file of the linkage has
+            their zeros.
+        dialect: how loops, gears and drivers are written: "pinpress", ``<loop_joint>``, or in place of it "urdf+", ``<loop>``,
+            ``<coupling>`` and ``independent``; "gazebo", ``<gazebo><joint>``, always in the home pose; "drake",
+            ``<drake:ball_constraint>``.
 
     Raises:
         PinpressError: links, joints, loops or gear pairs are others than in the text; a URDF cannot hold a change, such as an armature; the
-            path cannot be written.
+            dialect has no element for a loop or gear; the path cannot be written.
         UrdfError: `load` would refuse the file.
         AssemblyError: `load` would refuse the file.
         SingularityError: `load` would refuse the file.
     """
+    if dialect not in DIALECTS:
+        raise PinpressError(f"dialect is {shown(dialect)}: write one of {', '.join(DIALECTS)}")
+    if truth_value("home", home) or dialect == "gazebo":
+        press = press.drawn_at_home()
     unwritten = f"{path_of('path', path)} (not written)"  # the file's name in errors
     template = press.document
     before = loading.build(template, press.drivers, press.slide)
@@ -87,7 +97,7 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
         if not gap <= ACCEPTED:
             raise PinpressError(f"{unwritten}: a URDF cannot hold the changed {what} of {press.name}; leave it as in {press.file}")
     _raise_first(assembly_checks.errors(loading.hold_spins(reached)))
-    return files.write(path, text)
+    return files.write(path, in_dialect(document, dialect))
 
 
 def drawn_text(press: Linkage) -> bytes:

@@ -9,6 +9,7 @@ from support import texts
 from support.generators.spatial_linkages import bennett, bricard, four_bar
 
 import pinpress as pp
+from pinpress.pin_table.templates import template
 
 SAME = 1e-12  # of the largest value: placements are multiplied up and taken apart again
 
@@ -21,7 +22,7 @@ def quietly(make, *arguments, **more):
 
 LINKAGES = (
     {name: lambda name=name: pp.load(name) for name in pp.presses()}
-    | {name: lambda name=name: pp.build(pp.pin_table.template(name)) for name in ("toggle", "rssp", "drawing-8-bar")}
+    | {name: lambda name=name: pp.build(texts.file(template(name).decode(), "press.yaml")) for name in ("toggle", "rssp", "drawing-8-bar")}
     | {f"{make.__name__}_{cut}": lambda make=make, cut=cut: texts.load(make(cut)) for make in (bennett, bricard) for cut in (2, 3)}
     | {f"four_bar_{kind}": lambda kind=kind: texts.load(four_bar(kind)) for kind in ("spherical", "revolute", "fixed")}
 )
@@ -46,9 +47,26 @@ def assert_same(press, again, bearings=True):
     assert np.abs(got - expected).max() <= SAME * np.abs(expected).max()
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("name", LINKAGES)
 def test_an_sdf_loads_to_the_same_forces(name, tmp_path):
     press = LINKAGES[name]()
     again = pp.load(pp.write_sdf(press, tmp_path / "press.sdf"), slide=press.slide)
     assert_same(press, again)
     assert set(press.links) <= set(again.links)
+
+
+@pytest.mark.one_in(5)
+@pytest.mark.parametrize("name", LINKAGES)
+@pytest.mark.parametrize(("dialect", "home"), [("pinpress", True), ("urdf+", False), ("urdf+", True), ("gazebo", False), ("drake", True)])
+def test_a_urdf_in_another_dialect_loads_to_the_same_forces(name, dialect, home, tmp_path):
+    press = LINKAGES[name]()
+    if dialect == "drake" and any(loop.type != "spherical" for loop in press.loops):
+        with pytest.raises(pp.PinpressError, match="Drake's URDF has no rigid constraint but a ball"):
+            pp.write_urdf(press, tmp_path / "press.urdf", dialect=dialect)
+        return
+    again = pp.load(pp.write_urdf(press, tmp_path / "press.urdf", home=home, dialect=dialect), slide=press.slide)
+    assert (again.links, again.bearings) == (press.links, press.bearings)
+    assert_same(press, again)
+    if home:
+        assert np.abs(again.closed).max() < 1e-14

@@ -207,7 +207,7 @@ def _couplings(document: Document) -> Iterator[tuple[Element, Relation]]:
     for element in document.robot.all("coupling"):
         refuse_unknown(file, element, ("predecessor", "successor", "ratio"))
         ends = [need_child(file, element, side) for side in ("predecessor", "successor")]
-        chains = [_carrying(description, end.get("link")) for end in ends]
+        chains = [joints_below(description, end.get("link")) for end in ends]
         for end in ends:
             if end.get("link") not in description.bodies:
                 refuse(file, end, f"no link {end.get('link')!r} that joints connect to the root", "name a <link> of this file")
@@ -227,7 +227,7 @@ def _couplings(document: Document) -> Iterator[tuple[Element, Relation]]:
         yield element, Relation(name, ordered, 0.0, _origin_of(element, name))
 
 
-def _carrying(description: Description, link: str) -> list[str]:
+def joints_below(description: Description, link: str) -> list[str]:
     """Names of the moving joints that carry a link, from it to the root."""
     chain = []
     while joint := description.carriers.get(link):

@@ -316,7 +316,7 @@ def relation_element(relation: Relation) -> str:
 
 def loop_element(loop: Loop) -> str:
     """Its ``<loop_joint>``."""
-    content = "".join(tag(f"link{k}", {"link": link} | _attributes_of_pose(place)) for k, (link, place) in enumerate(loop.ends, 1))
+    content = "".join(tag(f"link{k}", {"link": link} | attributes_of_pose(place)) for k, (link, place) in enumerate(loop.ends, 1))
     if loop.axis is not None:
         content += tag("axis", {"xyz": as_text(loop.axis)})
     return tag("loop_joint", {"name": loop.name, "type": loop.type}, content)
@@ -328,10 +328,10 @@ def _opening(name: str, attributes: Mapping[str, str]) -> str:
 
 
 def _origin(place: pin.SE3) -> str:
-    return tag("origin", _attributes_of_pose(place))
+    return tag("origin", attributes_of_pose(place))
 
 
-def _attributes_of_pose(place: pin.SE3) -> dict[str, str]:
+def attributes_of_pose(place: pin.SE3) -> dict[str, str]:
     turned = not np.array_equal(place.rotation, np.eye(3))
     return {"xyz": as_text(place.translation)} | ({"rpy": as_text(pin.rpy.matrixToRpy(place.rotation))} if turned else {})
 

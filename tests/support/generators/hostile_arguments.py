@@ -243,6 +243,7 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
         "loads": [pp.loads.ConstantForce(1e3, 0.01)],
     },
     "view": {"press": "none.urdf", "browser": False},
+    "write_sdf": {"path": FOLDER / "written"},
     "write_urdf": {"path": FOLDER / "written"},
     "accuracy.compare": {"duration": 0.01, "points": 3, "repeats": 1, "scenes": ["free run"]},
     "accuracy.plot": {"measured": every_result.ACCURACY},
