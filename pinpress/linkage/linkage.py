@@ -490,8 +490,8 @@ class Linkage(Frozen):
         return self._drawn_in(moved, zero)
 
     def drawn_at_home(self) -> Linkage:
-        """The same linkage drawn in its closed home pose, in which all joint coordinates are then 0, for programs that start at zero. Forces,
-        links and their frames are the same."""
+        """The same linkage drawn in its closed home pose, in which all joint coordinates are then 0, for programs that start at zero.
+        Forces, links and their frames are the same."""
         return self._drawn_in(self.closed, "home")
 
     def _drawn_in(self, pose: Array, zero: str) -> Linkage:

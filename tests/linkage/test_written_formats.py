@@ -4,7 +4,6 @@ import warnings
 
 import numpy as np
 import pytest
-from reference.robots import cases as robots
 from support import texts
 from support.generators.spatial_linkages import bennett, bricard, four_bar
 

@@ -32,8 +32,9 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     """Write a linkage as an SDF for Gazebo, and return its path.
 
     SDF has no place for a pose in which a linkage starts: links stand in the closed home pose, and there all joints are at zero; limits,
-    springs and gears are moved with them. Loops are ball, revolute and fixed joints, gear pairs ``<mimic>``, drivers the joints of Gazebo's
-    joint controller. `load` reads the file again, and cuts the same loops unless fixed ones are among them. Give it gravity and slide again.
+    springs and gears are moved with them. Loops are ball, revolute and fixed joints, gear pairs ``<mimic>``, drivers the joints of
+    Gazebo's joint controller. `load` reads the file again, and cuts the same loops unless fixed ones are among them; give it gravity and
+    slide again.
 
     Args:
         press: the linkage.
@@ -43,7 +44,8 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
         PinpressError: a relation of more than two joints, which SDF does not know; the path cannot be written.
 
     Warns:
-        PinpressWarning: what SDF does not hold and was left out: armature, the ``<tool>`` of the slide; a joint that had to get another name.
+        PinpressWarning: what SDF does not hold and was left out: armature, the ``<tool>`` of the slide; a joint that had to get another
+            name.
     """
     document = Document(press.file, drawn_text(press))
     mechanism = mechanism_of(document)
@@ -77,7 +79,7 @@ class _Writer:
     def lines(self) -> Iterator[str]:
         yield "<?xml version='1.0'?>"
         yield '<sdf version="1.11">'
-        yield f"  <!-- Written by pinpress. Joints are at zero in the pose of this file. SI units. -->"
+        yield "  <!-- Written by pinpress. Joints are at zero in the pose of this file. SI units. -->"
         yield f"  {tag('model', {'name': self.mechanism.name})[:-2]}>"
         for link in self.mechanism.links:
             if link.name != WORLD:

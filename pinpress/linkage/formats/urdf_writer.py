@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from typing import NoReturn
-
-import numpy as np
 
 from ...common.errors import PinpressError
 from ..document import Document
-from ..element import Element
 from ..text import Text, as_text, tag
 from .dialects import BALL, joints_below
 from .mechanism import Loop, Mechanism, Relation, attributes_of_pose
