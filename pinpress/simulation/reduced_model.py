@@ -43,7 +43,8 @@ class ReducedModel(Panels):
         coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel. Rows are inertia [kg m2], potential energy about the middle
             of its range [J], its derivative by the crank angle [N m], coordinates [m].
         period: crank angle after which all repeats itself, but for the ``gains`` [rad]; None where the crank cannot turn that far.
-        gains: (rows,) by how much each row has grown after a period: a slide on a screw or a rack does not come back.
+        gains: (rows,) by how much each row has grown after a period: a slide on a screw or a rack does not come back, nor does the angle of
+            a joint with a spring.
         evaluations: states of the linkage that were computed.
         coordinate: what the crank angle is: of a driver that slides it is a position [m], and the reduced inertia a mass [kg].
     """
@@ -153,7 +154,7 @@ def _gains(press: Linkage, coordinates: Sequence[LengthOfMotion], start: float, 
     Raises:
         SimulationError: a slide does not come back, and a row changes otherwise than by a constant.
     """
-    if not press.advancing.any():
+    if not (press.advancing.any() or press.joint_springs):  # the angle of a joint with a spring may grow by a turn
         return np.zeros(COORDINATES + len(coordinates))
     angles, rounding = start + period * np.linspace(0.0, 1.0, 36, endpoint=False), 1e-9  # as a share of the rows
     first, second = (sample_rows(press, angles + moved, coordinates) for moved in (0.0, period))

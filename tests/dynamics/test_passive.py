@@ -1,0 +1,147 @@
+"""Linkages of which motors move a part: springs and rotors in joints, free accelerations, static equilibrium, floating bases."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.generators.sprung_trees import sprung_tree
+from scipy.interpolate import make_interp_spline
+
+import pinpress as pp
+from pinpress.linkage.joint_springs import JointSpring
+
+ROBOTS = Path(__file__).parents[1] / "reference" / "robots"
+BASE = ("root_x", "root_y", "root_z", "root_rz", "root_ry", "root_rx")
+
+
+def five_bar(*springs: JointSpring, gravity=(0.0, 0.0, -9.81)) -> pp.Linkage:
+    """The five-bar of which turn_b is passive."""
+    press = pp.load(ROBOTS / "19_no_driver.urdf", drivers=["turn_a", "turn_b"], gravity=gravity)
+    return replace(press, passive=("turn_b",), joint_springs=springs)
+
+
+def sprung_five_bar() -> pp.Linkage:
+    return five_bar(JointSpring("knee_a", 12.0, 0.1, 0.02))
+
+
+def hopper(gravity=(0.0, 0.0, -9.81)) -> pp.Linkage:
+    press = pp.load(ROBOTS / "18_floating_base.urdf", base="floating", drivers=["turn_a", "turn_b", *BASE], gravity=gravity)
+    return replace(press, passive=BASE)
+
+
+def any_state(press: pp.Linkage, rng: np.random.Generator) -> pp.Motion:
+    place, speed, acceleration = rng.uniform(-1, 1, (3, 1, len(press.drivers))) * [[[0.1]], [[2.0]], [[5.0]]]
+    return pp.servo_cycle(press, place, speed=speed, acceleration=acceleration)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+def test_free_accelerations_and_torques_of_random_trees_are_those_of_mujoco(seed, tmp_path):
+    pytest.importorskip("mujoco")
+    from support.oracles.mujoco_dynamics import free_motion
+
+    press = sprung_tree(seed, tmp_path, joints=9 + seed % 3, loops=1 + seed % 2)
+    motion = any_state(press, np.random.default_rng(seed))
+    count = len(press.motors)
+    expected = free_motion(press, motion.joint_position[0], motion.v[0], motion.crank_acceleration[0, :count])
+    for engine in press.engines:
+        forces = pp.inverse_dynamics(press, motion, engine=engine)
+        scale = np.abs(expected.efforts).max()
+        np.testing.assert_allclose(forces.motion.a[0], expected.acceleration, atol=1e-9 * np.abs(expected.acceleration).max())
+        np.testing.assert_allclose(forces.driving_torque[0, :count], expected.efforts, atol=1e-9 * scale)
+        np.testing.assert_allclose(forces.driving_torque[0, count:], 0.0, atol=1e-10 * scale)
+        assert np.abs(forces.power_residual).max() < 1e-12
+
+
+@pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide"])
+def test_all_engines_agree_on_springs_and_rotors_in_joints(name):
+    press = pp.load(name)
+    model = press.model.copy()
+    model.armature[:] = np.linspace(1.0, 2.0, model.nv)
+    springs = tuple(JointSpring(joint, 1e4, 0.1 * k, 30.0) for k, joint in enumerate(press.joints))
+    changed = replace(press, model=model, joint_springs=springs)
+    motion = pp.cycle(changed, 7.0, points=24)
+    friction = {"O" if name == "crank_slide" else "A": pp.loads.Friction(0.1, 0.05)}
+    plane, space, pinocchio = (pp.inverse_dynamics(changed, motion, friction=friction, engine=engine) for engine in changed.engines)
+    plain = pp.inverse_dynamics(press, motion, friction=friction)
+    scale = np.abs(plane.driving_torque).max()
+    assert np.abs(plane.driving_torque - plain.driving_torque).max() > 0.01 * scale
+    assert np.abs(plane.power_residual).max() < 1e-12
+    for other in (space, pinocchio):
+        np.testing.assert_allclose(other.driving_torque, plane.driving_torque, atol=1e-11 * scale)
+        for bearing in press.bearings:
+            in_plane = (
+                plane.bearing_force[bearing] - (plane.bearing_force[bearing] @ press.planarity.normal)[:, None] * press.planarity.normal
+            )
+            np.testing.assert_allclose(
+                other.bearing_force[bearing] @ press.planarity.axes[::2].T, in_plane @ press.planarity.axes[::2].T, atol=1e-9 * scale
+            )
+            np.testing.assert_allclose(
+                other.bearing_moment[bearing] @ press.planarity.normal,
+                plane.bearing_moment[bearing] @ press.planarity.normal,
+                atol=1e-9 * scale,
+            )
+
+
+def test_a_motor_and_a_spring():
+    press = sprung_five_bar()
+    motion = pp.servo_cycle(press, [[0.25, -0.15]], speed=[[1.2, -0.7]], acceleration=[[3.0, 0.0]])
+    forces = pp.inverse_dynamics(press, motion)
+    np.testing.assert_allclose(forces.driving_torque, [[3.76462034, 0.0]], atol=1e-9)
+    np.testing.assert_allclose(forces.motion.crank_acceleration, [[3.0, 58.22628394]], rtol=1e-10)
+    given = pp.inverse_dynamics(press, forces.motion, passive="given")
+    np.testing.assert_allclose(given.driving_torque, forces.driving_torque, atol=1e-12)
+
+
+def test_a_floating_base_at_rest_and_held():
+    press = hopper()
+    motion = pp.servo_cycle(press, [[0.25, -0.15]], speed=[[1.2, -0.7]], acceleration=[[3.0, 4.0]])
+    free, held = pp.inverse_dynamics(press, motion), pp.inverse_dynamics(press, motion, passive="given")
+    np.testing.assert_allclose(free.driving_torque[0, :2], [0.006510758648, 0.01081461152], rtol=1e-9)
+    acceleration = free.motion.a[0, [press.joints.index(joint) for joint in BASE]]
+    np.testing.assert_allclose(acceleration, [0.05465089152, 0, -9.787072993, 0, 2.012452185, 0], atol=1e-9)
+    np.testing.assert_allclose(held.driving_torque[0, :2], [-1.534725584, 1.69914532], rtol=1e-9)
+    np.testing.assert_allclose(held.bearing_force["root_rx"][0], [-0.8086415531, 0.0, 53.35177828], atol=1e-8)
+    np.testing.assert_allclose(held.bearing_moment["root_rx"][0], [0.0, -0.3343495943, 0.0], atol=1e-9)
+
+
+def test_equilibrium_follows_the_motor():
+    press, time = sprung_five_bar(), np.linspace(0.0, 1.0, 33)
+    at_rest = pp.inverse_dynamics(press, pp.servo_cycle(press, [0.25], speed=[0.0], acceleration=[0.0]), passive="equilibrium")
+    np.testing.assert_allclose(at_rest.motion.crank_angle[0], [0.25, 0.3672696236], rtol=1e-9)
+    forces = pp.inverse_dynamics(press, pp.servo_cycle(press, 0.3 * time, time=time), passive="equilibrium")
+    of_time = make_interp_spline(time, forces.motion.crank_angle[:, 1], 11)
+    inside = slice(8, -8)
+    np.testing.assert_allclose(forces.motion.crank_speed[inside, 1], of_time(time, 1)[inside], rtol=1e-8)
+    np.testing.assert_allclose(forces.motion.crank_acceleration[inside, 1], of_time(time, 2)[inside], rtol=1e-6)
+    still = pp.servo_cycle(press, forces.motion.crank_angle, speed=np.zeros((33, 2)), acceleration=np.zeros((33, 2)))
+    np.testing.assert_allclose(pp.inverse_dynamics(press, still, passive="given").driving_torque[:, 1], 0.0, atol=1e-11)
+    with pytest.raises(pp.PinpressError, match="ends near turn_a 22.8959 deg"):
+        pp.inverse_dynamics(press, pp.servo_cycle(press, [0.5], speed=[0.0], acceleration=[0.0]), passive="equilibrium")
+
+
+@pytest.mark.parametrize(
+    ("given", "reason"),
+    [
+        ({"friction": {"knee_a": pp.loads.Friction(0.1, 0.01)}}, "depend on Coulomb friction"),
+        ({"passive": "hold"}, "write 'free', 'given', 'equilibrium'"),
+        ({"passive": "equilibrium", "loads": [pp.loads.PointForce("rod_a", lambda motion: [0.0, 0.0, 1.0])]}, "takes constant forces"),
+    ],
+)
+def test_what_passive_coordinates_do_not_take_is_refused(given, reason):
+    press = five_bar()
+    motion = pp.servo_cycle(press, [0.25], speed=[0.5], acceleration=[0.0])
+    with pytest.raises(pp.PinpressError, match=reason):
+        pp.inverse_dynamics(press, motion, **given)
+
+
+def test_a_passive_coordinate_without_inertia_is_refused():
+    press = hopper()
+    model = press.model.copy()
+    for joint in range(1, model.njoints):
+        model.inertias[joint].mass *= 0.0
+        model.inertias[joint].inertia *= 0.0
+    light = replace(press, model=model)
+    with pytest.raises(pp.PinpressError, match=r"passive coordinate 'root_\w+' of hopper moves no mass"):
+        pp.inverse_dynamics(light, pp.servo_cycle(light, [[0.2, 0.1]], speed=[[1.0, 1.0]], acceleration=[[0.0, 0.0]]))
