@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.generators.sprung_trees import sprung_tree
 from scipy.interpolate import make_interp_spline
+from support.generators.sprung_trees import sprung_tree
 
 import pinpress as pp
 from pinpress.linkage.joint_springs import JointSpring
@@ -117,7 +117,7 @@ def test_equilibrium_follows_the_motor():
     np.testing.assert_allclose(forces.motion.crank_acceleration[inside, 1], of_time(time, 2)[inside], rtol=1e-6)
     still = pp.servo_cycle(press, forces.motion.crank_angle, speed=np.zeros((33, 2)), acceleration=np.zeros((33, 2)))
     np.testing.assert_allclose(pp.inverse_dynamics(press, still, passive="given").driving_torque[:, 1], 0.0, atol=1e-11)
-    with pytest.raises(pp.PinpressError, match="ends near turn_a 22.8959 deg"):
+    with pytest.raises(pp.PinpressError, match=r"ends near turn_a 22\.8959 deg"):
         pp.inverse_dynamics(press, pp.servo_cycle(press, [0.5], speed=[0.0], acceleration=[0.0]), passive="equilibrium")
 
 
