@@ -7,13 +7,10 @@ from reference.robots.cases import CASES, Case
 import pinpress as pp
 
 WAITING = {
-    "10": "a drawing that is far open is refused",
-    "14": "a drawing that is far open is refused",
     "15": "load has no pose=",
     "18_floating_base_floating": "coordinates that no motor moves have to be named",
     "16": "a spin of two welded bodies is refused",
     "17": "a spin of two bodies that turn together is refused",
-    "21": "keyframes are not read",
     "22": "a joint that no motor moves is refused",
     "23": "rounding by 1e-7 counts as one equation more",
 }
