@@ -38,6 +38,7 @@ from .linkage.formats.sdf_writer import write_sdf as write_sdf
 from .linkage.linkage import Linkage as Linkage
 from .linkage.loading import load as load
 from .linkage.loading import presses as presses
+from .linkage.loading import propose_drivers as propose_drivers
 from .linkage.pinocchio_model import from_pinocchio as from_pinocchio
 from .linkage.writing import write_urdf as write_urdf
 from .live.viewing import LiveView as LiveView

@@ -43,6 +43,8 @@ def run(options: argparse.Namespace) -> int:
     print(result)
     if result.errors or result.facts is None:
         return 1
+    if result.facts.proposal is not None and set(found.items) == {"file"}:
+        return 0  # nothing but a file that names no driver, which is no error of the file
     errors: list[PinpressError] = []
     with warnings.catch_warnings():
         for each in result.warnings:  # loading the press says again what the report lists
@@ -58,7 +60,7 @@ def _of_press(found: Source) -> CheckResult:
     try:
         drawn = found.drawn()
         if drawn is None:
-            return check(found.model, driver=given.get("drivers"), slide=slide, pose=given.get("pose"))
+            return check(found.model, driver=given.get("drivers"), slide=slide, allow_open=given.get("allow_open", False))
         return drawn.check(slide)
     except PinTableError as error:
         if error.line is None:

@@ -60,7 +60,7 @@ class Reactions(Tabular):
         friction_power: (n,) power lost, by the names of all joints and loops [W].
         shaking_force: (n, 3) [N]. It is computed when it is first read, from the bearings on the frame, even if they were left out.
         shaking_moment: (n, 3) about the world origin [N m], computed with the shaking force.
-        held_moment: (n,) by the names of the held joints (`Linkage.held_spins`): torque that holds the spin, along the joint's axis [N m; N
+        held_moment: (n,) by the names of the held joints (`Linkage.held`): torque that holds the spin, along the joint's axis [N m; N
             on a joint that slides]. It is rounding where nothing turns the link.
         indeterminate: (6,) bool by the names of all joints and loops: which components of force and moment, three each, rigid mechanics
             leaves open because of redundant constraints. They are shared by least squares, by default with the least sum of squared bearing
@@ -114,7 +114,7 @@ class Reactions(Tabular):
 
     @cached_property
     def held_moment(self) -> NamedArrays[np.float64]:
-        names, first = self._press.held_spins, len(self._press.relations)
+        names, first = self._press.held, len(self._press.relations)
         return NamedArrays(names, self._complete.relations[first:] if names else np.empty((0, len(self.motion.v))))
 
     @cached_property

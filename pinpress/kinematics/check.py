@@ -6,8 +6,8 @@ import contextlib
 import math
 import os
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -23,13 +23,22 @@ from ..linkage.checks import elements as element_checks
 from ..linkage.checks import mobility
 from ..linkage.checks.assembly import open_in_words
 from ..linkage.document import SEVERITIES, Document, Finding
-from ..linkage.home import mount
+from ..linkage.drivers import Proposal, is_press, propose, settle
+from ..linkage.freedoms import Freedom
 from ..linkage.linkage import Linkage
-from ..linkage.loading import build, hold_spins, locate, parse
+from ..linkage.loading import build, locate, parse, refuse_without_driver
 from .main_data import MainData, main_data, main_lines
 from .slide_path import turning_points
 from .transmission_angles import Dyad, least_transmission_angles
 
+# What becomes of the freedoms of each kind.
+KINDS = {
+    "spin": "held by joint",
+    "swing": "held, out of balance, by joint",
+    "spring": "coordinates of springs:",
+    "base": "coordinates of a floating base:",
+    "passive": "moved by no motor:",
+}
 WIDTH = 120  # characters of a line of text
 FLAT = math.radians(30.0)  # smaller transmission angles are marked
 TURNED_BACK = 6  # places at which a slide turns back that a note lists
@@ -77,18 +86,19 @@ class Facts(Record):
     """What the elements of a URDF make, put together.
 
     Attributes:
-        drivers: names of the driver joints.
+        drivers: names of the joints that motors drive.
         slide: name of the slide's link, None if there is none.
         joints: names of those that move.
-        equations: number of those of loops, gear pairs and held spins.
+        equations: number of those of loops and gear pairs.
         rank: number of those that are independent in the drawn pose.
-        held_spins: joints that are held, as their links could spin idly, see `Linkage.held_spins`.
+        freedoms: that no motor determines, see `Linkage.freedoms`.
         mobility: degrees of freedom.
         engine: that computes it, "plane" or "space"; None where it cannot be loaded.
         closings: loops, then gear pairs. Those of a planar linkage close in the order of the joints that they determine.
         bearings: joints and loops in the order of the drawing, see `Linkage.bearings_as_drawn`.
         data: stroke, dead centres, masses and the like.
         dyads: of a planar linkage, with their least transmission angles.
+        proposal: of drivers, where the file names none; these are then the drivers here.
     """
 
     drivers: tuple[str, ...]
@@ -96,16 +106,22 @@ class Facts(Record):
     joints: tuple[str, ...]
     equations: int
     rank: int
-    held_spins: tuple[str, ...]
+    freedoms: Records[Freedom] = field(repr=False)
     engine: str | None
     closings: Records[Closing] = field(repr=False)
     bearings: Records[Place] = field(repr=False)
     data: MainData = field(repr=False)
     dyads: Records[Dyad] = field(repr=False)
+    proposal: Proposal | None = field(repr=False)
 
     @property
     def mobility(self) -> int:
         return len(self.joints) - self.rank
+
+    @property
+    def determined(self) -> tuple[str, ...]:
+        """Names of the joints that drive, are held, or are coordinates of what no motor moves."""
+        return tuple(dict.fromkeys((*self.drivers, *(each.joints[0] for each in self.freedoms))))
 
 
 @dataclass(frozen=True, repr=False)
@@ -164,7 +180,7 @@ def check(
     driver: str | Sequence[str] | None = None,
     slide: str | None = None,
     *,
-    pose: Mapping[str, float] | None = None,
+    allow_open: bool = False,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> CheckResult:
     """Find all errors of a file, and what else is odd in it or worth knowing, and say how the press moves. `load` raises the first error.
@@ -173,7 +189,7 @@ def check(
         path: as for `load`.
         driver: as for `load`.
         slide: as for `load`.
-        pose: as for `load`.
+        allow_open: as for `load`.
         gravity: as for `load`: it says what is up.
 
     Raises:
@@ -188,7 +204,7 @@ def check(
         if not os.path.exists(file):
             raise
         return CheckResult(file, Records(Finding, [Finding.of(error)]), None)
-    return check_document(file, document, driver, slide, pose, gravity)
+    return check_document(file, document, driver, slide, allow_open, gravity)
 
 
 def check_document(
@@ -196,7 +212,7 @@ def check_document(
     document: Document,
     driver: str | Sequence[str] | None = None,
     slide: str | None = None,
-    pose: Mapping[str, float] | None = None,
+    allow_open: bool = False,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> CheckResult:
     """`check` of what was read from a file."""
@@ -204,7 +220,7 @@ def check_document(
     facts = None
     if all(finding.error is None for finding in findings):
         try:
-            more, facts = _put_together(document, driver, slide, pose, gravity)
+            more, facts = _put_together(document, driver, slide, allow_open, gravity)
             findings += more
         except UrdfError as error:
             findings.append(Finding.of(error))
@@ -213,13 +229,20 @@ def check_document(
 
 
 def _put_together(
-    document: Document, driver: str | Sequence[str] | None, slide: str | None, pose: Mapping[str, float] | None, gravity: Sequence[float]
+    document: Document, driver: str | Sequence[str] | None, slide: str | None, allow_open: bool, gravity: Sequence[float]
 ) -> tuple[list[Finding], Facts]:
     """Findings and facts of the linkage that the elements make; raises the errors of `build`."""
-    press = hold_spins(mount(build(document, driver, slide, gravity), pose))
+    (press, of_drivers), proposal = settle(build(document, driver, slide, gravity)), None
+    if not press.drivers and press.assembly.closes:
+        proposal = propose(press)
+        if is_press(press) or not proposal.drivers:
+            refuse_without_driver(press)
+        press, _ = settle(replace(press, drivers=proposal.drivers))
+        problem, remedy = "no driver is named", f"this is the report with those proposed: load(..., {proposal.in_words})"
+        of_drivers = (Finding("note", document.called("robot", press.name), None, problem, remedy),)
     errors = list(assembly_checks.errors(press))
-    findings = [*errors, *(assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press))]
-    rank = rank_of(press.assembly.rows_as_drawn.columns) if errors else press.rank
+    findings = [*errors, *of_drivers, *(assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press, allow_open))]
+    rank = (rank_of(press.assembly.rows_as_drawn.columns) if errors else press.rank) - len(press.held)
     between: list[tuple[str, ...]] = [(loop.link1.link, loop.link2.link) for loop in document.description.loops]
     between += [tuple(press.joints[joint] for joint in relation.joints) for relation in press.relations]
     closings = (
@@ -235,17 +258,18 @@ def _put_together(
     engine, data = None if errors else press.engine().name, main_data(press, moves=not errors)
     places = Records(Place, _places(press))
     return [*findings, *_no_slide(press, places), *_turned_back(press, data)], Facts(
-        press.drivers,
+        press.motors,
         press.slide,
         press.joints,
-        len(press.assembly.gaps),
+        len(press.assembly.gaps) - len(press.held),
         rank,
-        press.held_spins,
+        Records(Freedom, press.freedoms if press.held or press.passive else ()),
         engine,
         Records(Closing, closings),
         places,
         data,
         Records(Dyad, []) if errors else _dyads(press),
+        proposal,
     )
 
 
@@ -346,7 +370,7 @@ def _describe(facts: Facts) -> list[str]:
 def summarise_facts(facts: Facts) -> str:
     """How the press moves: its stroke, or why there is none, and the smallest of the transmission angles."""
     data = facts.data
-    if facts.mobility != len(facts.drivers):
+    if facts.mobility != len(facts.determined):
         return f"mobility {facts.mobility}"
     if len(facts.drivers) > 1 and data.no_stroke is not None:
         return data.no_stroke
@@ -361,13 +385,15 @@ def summarise_facts(facts: Facts) -> str:
 def _mobility(facts: Facts) -> list[str]:
     left = f"free motion{'' if facts.mobility == 1 else 's'}: {len(facts.joints)} joints"
     if facts.equations:
-        left += f" less {facts.rank} equations of loops{', gear pairs and held spins' if facts.held_spins else ' and gear pairs'}"
+        left += f" less {facts.rank} equations of loops and gear pairs"
         more = facts.equations - facts.rank
         left += f" ({more} more {'is' if more == 1 else 'are'} redundant)" if more else ""
-    if facts.mobility != len(facts.drivers):
+    if facts.mobility != len(facts.determined):
         left += f"; but the number of drivers is {len(facts.drivers)}"
+    kinds = {kind: [each.joints[0] for each in facts.freedoms if each.kind == kind] for kind in KINDS}
     return [
         tables.entry("mobility", f"{facts.mobility}", "", left),
+        *(tables.entry(kind, f"{len(joints)}", "", f"{KINDS[kind]} {', '.join(joints)}") for kind, joints in kinds.items() if joints),
         *([tables.entry("engine", facts.engine)] if facts.engine else []),
     ]
 

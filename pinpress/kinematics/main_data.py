@@ -67,7 +67,7 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
     """
     masses = [float(inertia.mass) for inertia in press.model.inertias]
     slide = None if press.slide is None else masses[press.slide_guide.joint + 1]
-    rotation = tuple(sense_of_rotation(press, driver=driver) for driver in range(len(press.drivers)))
+    rotation = tuple(sense_of_rotation(press, driver=driver) for driver in range(len(press.motors)))
     data = MainData(press.size, sum(masses[1:]), slide, rotation, coordinate=press.driver_coordinates[0])
     if press.slide is None or not moves:
         return data
@@ -157,7 +157,7 @@ def main_lines(data: MainData, drivers: Sequence[str]) -> list[str]:
     mass = tables.scale("kg", [data.moving_mass])
     slide = "" if data.slide_mass is None else f", slide {mass.shown(data.slide_mass)} {mass.unit}"
     return [
-        *_stroke_lines(data, drivers[0]),
+        *_stroke_lines(data, drivers[0] if drivers else ""),
         *([] if data.tool is None else [f"  process force acts {data.tool}"]),
         *(
             tables.entry("driver", driver, "", f"a positive speed {_in_words(rotation)}")

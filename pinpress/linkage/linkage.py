@@ -36,6 +36,7 @@ from .assembly import (
 )
 from .document import Document
 from .frames import closed_coordinates, frame_jacobian, frame_named, placed_frame
+from .freedoms import Freedom, Undriven, undriven
 from .joint_springs import JointSpring
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .planarity import Planarity
@@ -68,9 +69,9 @@ class Linkage(Frozen):
     """A closed linkage and its drivers, made by `load`. It is read-only, ``model`` too: after a change in place every use of the linkage
     raises a PinpressError. Inertias that no body has are refused, however the linkage was made.
 
-    World axes: up is against gravity, z by default (`up`); a planar press then stands in the x-z plane. Joint coordinates count from the
-    zeros of the file: they are zero in the drawn pose. SI units. A changed linkage is made by ``dataclasses.replace(press, model=...)``
-    with a changed copy of the model: everything else here is derived.
+    World axes: up is against gravity, z by default (`up`); a planar press then stands in the x-z plane. Angles are zero in the drawn pose.
+    SI units. A changed linkage is made by ``dataclasses.replace(press, model=...)`` with a changed copy of the model: everything else here
+    is derived.
 
     Attributes:
         name: the URDF's robot name.
@@ -82,15 +83,12 @@ class Linkage(Frozen):
         relations: gear pairs, racks and screws, as equations between the coordinates of their joints. ``couplings`` lists them by pairs.
         drivers: names of the driver joints, as many as degrees of freedom: `motors`, then ``passive``.
         slide: name of the slide link, None if the linkage has none.
-        held_spins: names of the joints that are held where the file draws them, because a link could spin about the line of its ball
-            joints, which neither drivers nor forces determine.
+        held: names of the joints that are held still, because a link could spin about the line of its bearings, which no driver determines;
+            which joint of such a link is held, and what follows from that, is told in `freedoms`.
         zero: where the driver's coordinate is 0, as in "top dead centre"; empty for the pose that the file draws. See `drawn_at`.
         joint_springs: springs and dampers in joints, ``<joint_spring>``. Inertias of motors, ``<armature>``, are in ``model.armature``.
         passive: names of the drivers that no motor moves, such as sprung joints and the joints of a floating base. They are the last of
             ``drivers``, because together with the motors their coordinates determine all others.
-        home: (nv,) joint coordinates of the pose in which the linkage is put together, and in which paths of its drivers begin [rad or m];
-            empty for the drawn pose. ``closed`` is this pose, closed exactly.
-        mounted: how the home pose was found, if it is not the drawn one.
     """
 
     name: str
@@ -102,12 +100,10 @@ class Linkage(Frozen):
     relations: tuple[Relation, ...]
     drivers: tuple[str, ...]
     slide: str | None
-    held_spins: tuple[str, ...] = ()
+    held: tuple[str, ...] = ()
     zero: str = ""
     passive: tuple[str, ...] = ()
     joint_springs: tuple[JointSpring, ...] = ()
-    home: tuple[float, ...] = ()
-    mounted: str = ""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -126,7 +122,7 @@ class Linkage(Frozen):
         from .skeleton import skeleton  # to save start-up time: the XML library
 
         try:
-            shown = self.drawn_at(float(self.closed[self.driver_indices[0]]) + np.pi / 3)  # the pose of the file is often a dead centre
+            shown = self.drawn_at(np.pi / 3)  # the pose of the file is often a dead centre
         except PinpressError:
             shown = self
         links = [self.link_of(joint) for joint in range(self.model.njoints)]
@@ -157,11 +153,6 @@ class Linkage(Frozen):
     def size(self) -> float:
         """Largest extent of joints and loops in the drawn pose [m]: the length by which angles are compared with travels."""
         return self.structure.size
-
-    @property
-    def lengths(self) -> Array:
-        """(nv,) what counts as 1 rad of each joint [rad or m]."""
-        return np.array([1.0 if axis.turns else self.size for axis in self.axes])
 
     @property
     def axes(self) -> tuple[Axis, ...]:
@@ -215,12 +206,39 @@ class Linkage(Frozen):
 
     @property
     def mobility(self) -> int:
-        """Degrees of freedom of the closed linkage: joints less the rank of the equations. `load` accepts as many as there are drivers."""
-        return int(self.model.nv) - self.rank
+        """Degrees of freedom of the closed linkage: joints less the rank of the equations of loops and relations. These are the drivers and
+        the held joints."""
+        return int(self.model.nv) - self.rank + len(self.held)
+
+    @property
+    @per_linkage
+    def freedoms(self) -> tuple[Freedom, ...]:
+        """The freedoms that no motor determines: spins and swings, which are held, then the ``passive`` ones. Empty where the motors
+        determine how all joints move."""
+        return self.undriven(self.motors).freedoms
+
+    def undriven(self, motors: Sequence[str]) -> Undriven:
+        """The freedoms that motors in other joints would leave, held joints counted as free; arguments and errors as of `freedoms`."""
+        if self.assembly.determined and not self.held and motors == self.drivers:
+            return Undriven((), ())
+        place = self.joints.index
+        taken = [*map(place, self.held), *map(place, self.passive)]
+        sprung, base = map(place, self.sprung), map(place, self.base)
+        return undriven(self.structure, self.closed, [*map(place, motors)], [*sprung], [*base], taken, len(self.held))
+
+    @property
+    def sprung(self) -> tuple[str, ...]:
+        """Names of the joints on which springs of the file act."""
+        return tuple(spring.joint for spring in self.joint_springs if spring.stiffness)
+
+    @property
+    def base(self) -> tuple[str, ...]:
+        """Names of the joints of free bodies, six each."""
+        return tuple(joint for six in self.document.description.bases.values() for joint in six if joint in self.joints)
 
     @property
     def rank(self) -> int:
-        """Rank of the equations of loops and relations in the closed home pose."""
+        """Rank of the equations of loops, relations and held joints in the closed drawn pose."""
         return self.assembly.rank
 
     @property
@@ -228,7 +246,7 @@ class Linkage(Frozen):
     def structure(self) -> Structure:
         """What the engines compute with. Joints whose spins are held stand still, each by a relation."""
         drivers = tuple(self.joints.index(driver) for driver in self.drivers)
-        still = tuple(Relation(name, {self.joints.index(name): 1.0}) for name in self.held_spins)
+        still = tuple(Relation(name, {self.joints.index(name): 1.0}) for name in self.held)
         return build_structure(self.model, self.loops, (*self.relations, *still), drivers)
 
     @property
@@ -274,12 +292,7 @@ class Linkage(Frozen):
             ratios: travel of every other driver by that of the one, by their names; one of 0 stands.
         """
         of_drivers = dict(zip(self.drivers, self.driver_indices, strict=True))
-        home = self.closed  # gears must fit there
-        followers = (
-            gear(name, joint, of_drivers[driver], ratios[name], float(home[joint] - ratios[name] * home[of_drivers[driver]]))
-            for name, joint in of_drivers.items()
-            if name != driver
-        )
+        followers = (gear(name, joint, of_drivers[driver], ratios[name]) for name, joint in of_drivers.items() if name != driver)
         return replace(self, drivers=(driver,), passive=(), relations=(*self.relations, *followers))
 
     @property
@@ -304,12 +317,12 @@ class Linkage(Frozen):
     @property
     @per_linkage
     def assembly(self) -> Assembly:
-        """The linkage put together in its home pose; `load` judges whether it closes and moves."""
-        return assemble(self.structure, self.home, self.mounted)
+        """The linkage put together in its drawn pose; `load` judges whether it closes and moves."""
+        return assemble(self.structure)
 
     @property
     def closed(self) -> Array:
-        """(nv,) joint coordinates of the home pose, closed exactly [rad or m]."""
+        """(nv,) joint coordinates of the drawn pose, closed exactly, drivers at zero [rad or m]."""
         return self.assembly.closed
 
     @property
@@ -388,7 +401,7 @@ class Linkage(Frozen):
         That takes a tenth of the time of walking it. If they differ too much, the branch is walked when it is needed.
         """
         if self.joints == other.joints and self.drivers == other.drivers and len(self.drivers) == 1:
-            nearby = walk_branch_beside(self.engine(), self.structure, other.branch, other.closed)
+            nearby = walk_branch_beside(self.engine(), self.structure, other.branch)
             if nearby is not None:
                 keep_geometry_of(vars(Linkage)["branch"].fget, self, nearby)
 
@@ -436,12 +449,6 @@ class Linkage(Frozen):
         """Raise PinpressError if the linkage has several drivers; ``refusal``: why that is not possible here, and what is."""
         if len(self.drivers) > 1:
             raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: {refusal}")
-
-    def refuse_joint_springs(self, refusal: str) -> None:
-        """Raise PinpressError if springs are in joints of the linkage; ``refusal``: what does not take them."""
-        if self.joint_springs:
-            names = ", ".join(repr(spring.joint) for spring in self.joint_springs)
-            raise PinpressError(f"{self.name} has springs in joints {names}: {refusal}")
 
     @property
     @per_linkage
@@ -528,14 +535,14 @@ class Linkage(Frozen):
         relations = tuple(replace(relation, offset=0.0) for relation in self.relations)
         moved = dict(zip(self.joints, pose, strict=True))
         springs = tuple(replace(spring, reference=spring.reference - float(moved[spring.joint])) for spring in self.joint_springs)
-        return replace(self, model=model, relations=relations, joint_springs=springs, zero=zero, home=(), mounted="")
+        return replace(self, model=model, relations=relations, joint_springs=springs, zero=zero)
 
     def configuration(self, angle: ArrayLike) -> Array:
         """Pinocchio's configuration q with the loops closed, in the drawn assembly. An unbounded joint has its cosine and sine in it.
 
         Args:
             angle: of the driver, one number or (n,), up to 1e7 rad [rad], of one that slides its position [m]; of several drivers
-                (drivers,) or (n, drivers), in the order of ``drivers``: the assembly is followed from the home pose to the first and from
+                (drivers,) or (n, drivers), in the order of ``drivers``: the assembly is followed from the drawn pose to the first and from
                 each to the next, on straight lines.
 
         Returns:
@@ -739,7 +746,6 @@ def _made_of(press: Linkage) -> tuple[object, ...]:
         press.joint_springs,
         press.slide,
         press.zero,
-        press.home,
         loops,
         relations,
         press.model,

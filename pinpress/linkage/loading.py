@@ -18,12 +18,11 @@ from ..engines.constraints import LoopJoint, Relation, gear
 from .base import Base, with_base
 from .checks import assembly as assembly_checks
 from .checks import elements as element_checks
-from .checks import mobility
 from .description import Description, Loop
 from .description import Relation as DescribedRelation
 from .document import Document, check_command, read, refuse_errors
+from .drivers import Proposal, propose, settle
 from .formats import companion, dialects
-from .home import mount
 from .linkage import Linkage
 
 
@@ -41,13 +40,9 @@ def load(
     *,
     drivers: str | Sequence[str] | None = None,
     base: Base = "fixed",
-    pose: Mapping[str, float] | None = None,
+    allow_open: bool = False,
 ) -> Linkage:
-    """Read a linkage from a URDF with ``<loop_joint>`` elements, put it together and check that its driver determines it.
-
-    A closed drawn pose is taken as it is. Where loops are drawn open, they are closed, in this order: near ``pose``; near the ``<home>`` of
-    the file; near the drawn pose with the drivers held, then with all joints free; from the middles of the limits; from random poses.
-    ``press.assembly.how`` says what was taken, ``press.closed`` has the joint coordinates. These count from the zeros of the file.
+    """Read a linkage from a URDF with ``<loop_joint>`` elements, close its drawn pose exactly and check that its driver determines it.
 
     Files in other formats are turned into such a URDF first (``press.text``): URDF with the loops of Drake, URDF+ and Gazebo, SDF, and MJCF
     (by the package mujoco). The manual says which parts of them are read.
@@ -64,15 +59,13 @@ def load(
             coordinates are then joints of their own, called after it with ``_x``, ``_y``, ``_z`` (along the axes of the body it hangs on),
             ``_rz``, ``_ry`` and ``_rx`` (one after the other, about the axes that the turns before have reached) behind. They are at
             their limit where the turn about y is a quarter turn. A free body that loops join to the rest is always free.
-        pose: coordinates of some joints [rad or m], by their names, from the zeros of the file: the linkage is put together near them, with
-            these joints held where it closes so. It chooses between assemblies.
+        allow_open: whether loops may be drawn open by more than a tenth of the linkage's size. They are then closed where they can be.
 
     Raises:
         UrdfError: the file cannot be read, or makes no sense; no driver, or more or fewer drivers than degrees of freedom; a loop drawn
-            far open that would be closed with its points read otherwise.
-        UnknownNameError: ``pose`` names no joint of the file.
-        AssemblyError: the loops do not close anywhere, or not near ``pose``.
-        SingularityError: the driver does not determine the drawn pose, or assemblies meet there: the message lists poses that choose one.
+            far open.
+        AssemblyError: the loops do not close near the drawn pose.
+        SingularityError: the driver does not determine the drawn pose.
 
     Warns:
         PinpressWarning: a linkage that is hardly meant: a loop drawn open by more than a hundredth of the linkage's size; lengths, angles,
@@ -80,7 +73,7 @@ def load(
     """
     if driver is not None and drivers is not None:
         raise PinpressError("driver and drivers are both given, two names of one argument: leave one of them out")
-    return load_document(parse(locate(path)), driver if drivers is None else drivers, slide, gravity, base=base, pose=pose)
+    return load_document(parse(locate(path)), driver if drivers is None else drivers, slide, gravity, base=base, allow_open=allow_open)
 
 
 def load_document(
@@ -90,7 +83,7 @@ def load_document(
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
     *,
     base: Base = "fixed",
-    pose: Mapping[str, float] | None = None,
+    allow_open: bool = False,
     in_file: bool = True,
     command: str = "",
 ) -> Linkage:
@@ -102,22 +95,23 @@ def load_document(
         slide: as for `load`.
         gravity: as for `load`.
         base: as for `load`.
-        pose: as for `load`.
+        allow_open: as for `load`.
         in_file: whether users see the URDF. Else warnings name no line of it, and its centres of mass are not checked: the program that
             wrote it knows them.
         command: what lists all that is wrong; empty for the command ``pinpress check``.
     """
     document = with_base(document, base)
     refuse_errors(element_checks.errors(document), command or check_command(document.file))
-    press = hold_spins(mount(build(document, driver, slide, gravity), pose))
+    press, of_drivers = settle(build(document, driver, slide, gravity))
+    refuse_without_driver(press)
     command = command or check_command(press.file, () if driver is None else press.drivers, slide)
     refuse_errors(assembly_checks.errors(press), command)
-    findings = list(assembly_checks.remarks(press, quick=True, centres=in_file))
+    findings = list(assembly_checks.remarks(press, allow_open, quick=True, centres=in_file))
     refuse_errors(findings, command)
     of_file = [finding for finding in document.remarks if finding.severity == "warning"]
     if in_file:
         of_file += element_checks.warnings(document)
-    for finding in (*of_file, *findings):
+    for finding in (*of_file, *of_drivers, *findings):
         caution((finding if in_file else replace(finding, line=None)).message(press.file))
     return press
 
@@ -187,7 +181,7 @@ def build(
     places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
     for name, inertia in description.armature.items():
         model.armature[places[name]] = inertia
-    press = Linkage(
+    return Linkage(
         name=description.name,
         document=document,
         model=model,
@@ -202,37 +196,44 @@ def build(
             ),
             *(_relation(relation, places) for relation in description.relations),
         ),
-        drivers=drivers or tuple(model.names)[1:2],
+        drivers=drivers,
         slide=_slide(description, slide),
         joint_springs=description.joint_springs,
     )
-    if not drivers:
-        raise _without_driver(press)
-    return press
 
 
-def _without_driver(press: Linkage) -> UrdfError:
-    """The error of a linkage of which nothing says what drives: how many drivers it takes as drawn, and which joints may be one of them."""
-    free = mobility.free_ways(press.assembly.rows_as_drawn.columns)
-    able = [name for name, share in zip(press.joints, np.linalg.norm(free, axis=1), strict=True) if share > mobility.TAKES_PART]
-    listed, count = f"{', '.join(able[:12])}{' and others' if len(able) > 12 else ''}", free.shape[1]
+def refuse_without_driver(press: Linkage) -> None:
+    """Raise UrdfError for a linkage of which nothing says what drives it; the message proposes drivers."""
+    if press.drivers or not press.assembly.closes:
+        return
+    proposal = propose(press)
     remedy = (
-        f"its mobility as drawn is {count}: name what drives, {'one' if count == 1 else count} of {listed}, in a URDF by"
-        ' <transmission name="drive"><joint name="..."/></transmission>, else by load(..., driver=...), in a job drivers: ...'
+        f"its mobility as drawn is {press.mobility}: name what drives, best {proposal.in_words}, in a URDF by"
+        ' <transmission name="drive"><joint name="..."/></transmission>, else by load(..., drivers=...), in a job drivers: ...'
     )
-    if not count:
+    if not press.mobility:
         remedy = "nothing can move as it is drawn: a loop, a gear pair or a fixed joint too many"
-    return UrdfError(press.file, press.document.called("robot", press.name), None, "no driver", remedy)
+    raise UrdfError(press.file, press.document.called("robot", press.name), None, "no driver", remedy)
 
 
-def hold_spins(press: Linkage) -> Linkage:
-    """The linkage with the idle spins of its rods held: those about the line of two ball joints, which no driver determines."""
-    if press.assembly.determined or not press.assembly.closes:
-        return press
-    spins = mobility.spins(press, press.assembly.rows)
-    if any(spin.eccentricity > mobility.BALANCED * press.size for spin in spins):
-        return press  # its weight would turn it
-    return replace(press, held_spins=tuple(press.joints[spin.joint] for spin in spins)) if spins else press
+@typed
+def propose_drivers(press: Linkage | str | os.PathLike[str]) -> Proposal:
+    """Propose drivers of a linkage: joints that move it independently and well, nearest to the frame and called like motors first.
+
+    Args:
+        press: a linkage, whatever drives it now, or the path of a file, or the name of a shipped press.
+
+    Raises:
+        UrdfError: the file cannot be read, or makes no sense.
+        AssemblyError: the loops do not close.
+    """
+    if not isinstance(press, Linkage):
+        document = with_base(parse(locate(press)), "fixed")
+        refuse_errors(element_checks.errors(document), check_command(document.file))
+        press = build(document, (), None)
+        if not press.assembly.closes:
+            refuse_errors(assembly_checks.errors(press), check_command(press.file))
+    return propose(press)
 
 
 def _library() -> Path:
@@ -242,13 +243,14 @@ def _library() -> Path:
 
 
 def _refuse_without_travel(document: Document, name: str, lower: float, upper: float) -> None:
-    """Raise UrdfError for a driver that slides and cannot move between these limits [m]."""
-    if lower < upper:
+    """Raise UrdfError for a driver that slides and cannot move from the drawn pose between these limits [m]."""
+    if lower <= 0.0 <= upper and lower < upper:
         return
-    problem = f"the driver slides from {lower:g} to {upper:g} m, the <limit> of its joint, and so not at all"
+    problem = f"the driver slides from {lower:g} to {upper:g} m, the <limit> of its joint, and "
+    problem += "the drawn pose, 0, is outside" if lower < upper else "so not at all"
     if lower == upper == 0.0:
         problem = "the <limit> of the driver, which slides, is 0 to 0 m, as programs write it that know no limits: it could not move"
-    remedy = "write its travel from the drawn pose in m: lower, and an upper above it"
+    remedy = "write its travel from the drawn pose in m: lower, 0 or less, and upper, 0 or more"
     raise UrdfError(document.file, document.called("joint", name), document.find("joint", name).line, problem, remedy)
 
 

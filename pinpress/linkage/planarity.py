@@ -33,8 +33,7 @@ class Planarity(NamedTuple):
         """How a linkage lies in the plane of its first driver."""
         turned = [place.rotation.copy() for place in drawn_placements(structure.model)]
         directions = [turned[joint] @ axis.direction for joint, axis in enumerate(structure.axes, 1)]
-        driver = structure.drivers[0]
-        turning = driver if structure.axes[driver].turns else next((j for j, axis in enumerate(structure.axes) if axis.turns), None)
+        turning = next((j for j in (*structure.drivers[:1], *range(len(directions))) if structure.axes[j].turns), None)
         normal = np.array([0.0, -1.0, 0.0]) if turning is None else directions[turning]
         joints_off = [
             _angle_between(direction, normal) if axis.turns else np.pi / 2 - _angle_between(direction, normal)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ import pinocchio as pin
 
 from ..common import files
 from ..common.arguments import truth_value, typed
-from ..common.errors import AssemblyError, PinpressError, shown
+from ..common.errors import PinpressError, shown
 from ..common.files import path_of
 from ..common.quantities import Array
 from ..engines.constraints import Coupling, LoopJoint, Relation
@@ -29,9 +29,9 @@ from . import description, loading
 from .checks import assembly as assembly_checks
 from .checks import elements as element_checks
 from .document import Document, Finding
+from .drivers import settle
 from .element import Element
 from .formats.urdf_writer import DIALECTS, in_dialect
-from .home import closed_as_drawn, mount
 from .linkage import Linkage
 from .text import MOMENTS, Text, as_text, tag
 
@@ -88,10 +88,8 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str], *, home: bool = Fal
         press = press.drawn_at_home()
     unwritten = f"{path_of('path', path)} (not written)"  # the file's name in errors
     template = press.document
-    before = loading.build(template, press.drivers, press.slide)
+    before = loading.build(template, press.motors, press.slide)
     _check(press, before)
-    if not press.home and not closed_as_drawn(press):
-        press = replace(press, home=tuple(press.closed.tolist()))
     text = edit_text(template, before, press)
     document = Document(unwritten, text)
     _raise_first(element_checks.errors(document))
@@ -99,16 +97,13 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str], *, home: bool = Fal
     for what, gap in _gaps(press, reached).items():
         if not gap <= ACCEPTED:
             raise PinpressError(f"{unwritten}: a URDF cannot hold the changed {what} of {press.name}; leave it as in {press.file}")
-    if not press.assembly.closes:
-        problem = f"{unwritten}: the loops of {press.name} do not close at its home pose; give another, replace(press, home=...)"
-        raise AssemblyError(problem, 0.0, float(press.assembly.drawn.gap[0]), press.assembly.drawn.iterations)
-    _raise_first(assembly_checks.errors(loading.hold_spins(mount(reached))))
+    _raise_first(assembly_checks.errors(settle(reached).press))
     return files.write(path, in_dialect(document, dialect))
 
 
 def drawn_text(press: Linkage) -> bytes:
     """The URDF of a linkage, perhaps a changed one, drawn in its home pose, in which all joints are at zero."""
-    before = loading.build(press.document, press.drivers, press.slide)
+    before = loading.build(press.document, press.motors, press.slide)
     _check(press, before)
     return edit_text(press.document, before, press.drawn_at_home())
 
@@ -132,7 +127,7 @@ def added_ballasts(press: Linkage) -> dict[int, AddedBallast]:
     """What was added to the masses of a linkage, as `balance` does, by the joint that carries the body: since it was read, and what its
     file says was added before."""
     try:
-        before = loading.build(press.document, press.drivers, press.slide)
+        before = loading.build(press.document, press.motors, press.slide)
     except PinpressError:  # of a text that was exchanged
         return {}
     if list(before.model.names) != list(press.model.names):
@@ -191,7 +186,7 @@ def _ball(added: AddedBallast, link: pin.SE3) -> str:
 
 def is_as_read(press: Linkage) -> bool:
     """Whether a linkage is still the one that its URDF describes, perhaps drawn at another crank angle."""
-    before = loading.build(press.document, press.drivers, press.slide)
+    before = loading.build(press.document, press.motors, press.slide)
     try:
         _check(press, before)
     except PinpressError:
@@ -272,7 +267,7 @@ def _contents(press: Linkage) -> Iterator[tuple[str, Array, float]]:
     yield "loop types", np.array([loop.type for loop in press.loops]), 0.0
     yield "gear pairs", np.array([(pair.leader, pair.multiplier, pair.offset) for pair in press.couplings]), 0.0
     yield "relations", np.array([value for each in _longer(press) for value in (*each.coefficients.values(), each.offset)]), 0.0
-    yield "drivers", np.array(press.drivers), 0.0
+    yield "drivers", np.array(press.motors), 0.0
     yield "name", np.array(press.name), 0.0
 
 
@@ -317,8 +312,7 @@ def edit_text(document: Document, before: Linkage, now: Linkage) -> bytes:
         text.set(element, _attributes_of_changes({"reference": (of_text.reference, spring.reference)}))
     for k, (loop, element) in enumerate(zip(read.loops, text.robot.all("loop_joint"), strict=True)):
         _edit_loop(text, element, loop, (old_model, before.loops[k]), (new_model, now.loops[k]))
-    _edit_drivers(text, read.drivers, now.drivers)
-    _edit_home(text, read.home, dict(zip(now.joints, now.home, strict=False)))
+    _edit_drivers(text, read.drivers, now.motors)
     bodies: dict[int, list[_Link]] = {}
     balls = _balls(document, old_model)
     for link, element in zip(now.links, text.robot.all("link"), strict=True):
@@ -397,17 +391,6 @@ def _edit_drivers(text: Text, before: Sequence[str], now: Sequence[str]) -> None
             text.remove(element)
     for driver in now[len(named) :]:
         text.append(text.robot, tag("transmission", {"name": f"{driver}_drive"}, tag("joint", {"name": driver})))
-
-
-def _edit_home(text: Text, before: Mapping[str, float], now: Mapping[str, float]) -> None:
-    """Write the home pose of a linkage that is not at home as drawn."""
-    if dict(now) == dict(before):
-        return
-    for element in text.robot.all("home"):
-        text.remove(element)
-    if now:
-        joints = (tag("joint", {"name": name, "position": as_text([position])}) for name, position in now.items())
-        text.append(text.robot, tag("home", {}, "".join(joints)))
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- inertias

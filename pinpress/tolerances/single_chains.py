@@ -114,5 +114,5 @@ def _reduced(press: Linkage, joints: list[int], loops: list[int]) -> Linkage | N
             for relation in press.relations
             if relation.coefficients.keys() <= index.keys()
         ),
-        held_spins=tuple(name for name in press.held_spins if press.joints.index(name) in index),
+        held=tuple(name for name in press.held if press.joints.index(name) in index),
     )

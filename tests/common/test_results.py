@@ -29,7 +29,7 @@ OF_CALLERS = {
     "Sweep",
     "SynthesisResult",
 }
-OF_WORDS = {"CheckResult", "Facts", "Finding", "Place"}
+OF_WORDS = {"CheckResult", "Facts", "Finding", "Place", "Proposal"}
 OF_SHARES = {"MotionLaw"}  # of a stroke of 1 in a time of 1
 OF_ROWS = {  # whose rows have units of their own
     "AllocatedTolerances",

@@ -39,7 +39,7 @@ REFUSALS = [
     (lambda: texts.load(GOES.replace("loop_joint", "lop_joint")), "unknown element <lop_joint>, did you mean 'loop_joint'"),
     (lambda: texts.load(changed(('<link name="slide">', '<link name="slide"><tool xyz="0 0"/>'))), "2 numbers, not 3"),
     # drivers
-    (lambda: texts.load(NO_DRIVER), '<robot name="goes">: no driver; .*load\\(..., driver=...\\)'),
+    (lambda: texts.load(NO_DRIVER), '<robot name="goes">: no driver; .* best drivers=\\[.O.\\] .*load\\(..., drivers=...\\)'),
     (lambda: texts.load(NO_DRIVER, driver=()), "no driver"),
     (
         lambda: texts.load(with_element('<transmission name="b"><joint name="P"/></transmission>')),
@@ -49,6 +49,10 @@ REFUSALS = [
     *(
         (lambda name=name: texts.load(with_element(WELDED), driver=name), f"^no moving joint {name!r}{guess}; there are: O, P, G, guide$")
         for name, guess in (("guid", ", did you mean 'guide'[?]"), ("W", ""), ("weld", ""), ("", ""), (3, ""))
+    ),
+    (
+        lambda: texts.load(SLIDES.replace('lower="-1"', 'lower="0.1"')),
+        '<joint name="guide">: .*slides from 0.1 to 1 m, .*pose, 0, is outside',
     ),
     (
         lambda: texts.load(SLIDES.replace('lower="-1" upper="1"', "")),
@@ -113,7 +117,7 @@ def test_errors_know_where_and_what():
         texts.load(GOES, driver="guid")
     assert (unknown.value.name, unknown.value.known) == ("guid", ("O", "P", "G", "guide"))
     assert (texts.load(NO_DRIVER, driver="O").drivers, texts.load(NO_DRIVER, driver=("O",)).drivers) == (("O",), ("O",))
-    with pytest.raises(pp.AssemblyError, match=r"loop 'W' does not close: .* mm apart as drawn, .* mm at best; draw it closed") as opened:
+    with pytest.raises(pp.AssemblyError, match=r"loop 'W' does not close near the drawn pose; draw it closed") as opened:
         texts.load(changed((ROD_END, ROD_END.replace("0.4 0 0", "0.4 0.02 0"))))
     assert (opened.value.crank_angle, opened.value.gap) == (0.0, pytest.approx(0.02, rel=1e-6))
     assert opened.value.iterations > 0

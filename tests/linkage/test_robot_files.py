@@ -7,11 +7,11 @@ from reference.robots.cases import CASES, Case
 import pinpress as pp
 
 WAITING = {
+    "10": "a drawing that is far open is refused",
+    "14": "a drawing that is far open is refused",
     "15": "load has no pose=",
-    "18_floating_base_floating": "coordinates that no motor moves have to be named",
     "16": "a spin of two welded bodies is refused",
-    "17": "a spin of two bodies that turn together is refused",
-    "22": "a joint that no motor moves is refused",
+    "21": "keyframes are not read",
     "23": "rounding by 1e-7 counts as one equation more",
 }
 
@@ -27,7 +27,7 @@ def test_mobility_positions_and_torques_are_those_of_other_programs(case: Case) 
     if case.path.suffix == ".xml":
         pytest.importorskip("mujoco")
     press = pp.load(case.path, **case.load)
-    assert press.mobility + len(press.held_spins) == case.mobility
+    assert press.mobility == case.mobility
     assert press.drivers == case.drivers
     at, speed, acceleration = ([values] if len(case.at) > 1 else values for values in (case.at, case.speed, case.acceleration))
     motion = pp.servo_cycle(press, at, speed=speed, acceleration=acceleration)

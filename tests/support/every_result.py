@@ -17,6 +17,7 @@ from pinpress import foundation
 from pinpress.balancing import classical
 from pinpress.common.results import Records
 from pinpress.kinematics.measures import stroke
+from pinpress.linkage.freedoms import Freedom
 
 SPEED = 7.0
 DEEP = pp.loads.DeepDrawing(force=1e4, start=0.05)
@@ -236,7 +237,17 @@ def held():
 
 def checked():
     found = pp.check(press().file)
-    return found, *found.findings, found.facts, *found.facts.closings, *found.facts.bearings, found.facts.data
+    freedom = Freedom("swing", ("A",), ("rod",), True, 0.012)
+    return (
+        found,
+        pp.propose_drivers(press()),
+        freedom,
+        *found.findings,
+        found.facts,
+        *found.facts.closings,
+        *found.facts.bearings,
+        found.facts.data,
+    )
 
 
 def shortest(trial):

@@ -5,7 +5,6 @@ The facts come from `Linkage.assembly`, `Linkage.planarity` and `mobility`; here
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -21,7 +20,7 @@ from ...engines.planar.model import PARALLEL
 from ...engines.rank import rank, singular_values
 from ...engines.structure import configuration, data_of, drawn_placements
 from ..document import Finding
-from ..home import HOME, POSE
+from ..freedoms import Freedom
 from ..linkage import LEVEL, Linkage
 from . import mobility, units
 
@@ -43,7 +42,7 @@ def errors(press: Linkage) -> Iterator[Finding]:
     yield from _unseen(press)
     if assembly.closes and freedom > len(press.drivers) and mobility.freedom_nearby(press) == len(press.drivers):
         yield _change_point(press, rows)
-    elif freedom != len(press.drivers):
+    elif freedom != len(press.drivers) and press.drivers:
         yield _mobility(press, rows, freedom)
     if not assembly.closes:
         yield from _open(press, rows)
@@ -51,12 +50,13 @@ def errors(press: Linkage) -> Iterator[Finding]:
         yield from list(_dead_point(press, rows)) or _massless(press)
 
 
-def _read_otherwise_far(press: Linkage) -> Iterator[Finding]:
-    """Errors of loops that are drawn far open, by a tenth of the linkage, and would be closed with their points read otherwise."""
-    for each in _loops(_open_beyond(press, 0.1)):
-        if likely := _read_otherwise(press, each):
-            problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
-            yield Finding.of(UrdfError(press.file, mobility.element(press, each), each.by.line, problem, likely))
+def _too_far_open(press: Linkage) -> Iterator[Finding]:
+    """Errors of loops that close, but are drawn so far open that the closed linkage is probably not the one that was meant."""
+    for each in _loops(_open_beyond(press, 0.1)):  # a tenth of the linkage's length, as the documentation of `load` says
+        problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
+        likely = _read_otherwise(press, each) or "correct its points or the lengths"
+        remedy = f"{likely}; allow_open=True (in a job allow_open: yes) closes it even so, and moves {_largest_move(press)}"
+        yield Finding.of(UrdfError(press.file, mobility.element(press, each), each.by.line, problem, remedy))
 
 
 def opening_in_words(press: Linkage, each: mobility.Constraint, gaps: Array) -> str:
@@ -108,8 +108,9 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
         read = ((each, _read_otherwise(press, each)) for each in mobility.constraints(press))
         exchanged = next((f"{each.title}: {likely}" for each, likely in read if likely), None)
         remedy = _without_axis(press) or exchanged or "a <loop_joint> is missing, a link hangs free, or a driver is missing"
-        if spins := mobility.spins(press, rows):  # those in balance are held
-            problem += f": {' and '.join(map(_spin_in_words, spins))}"
+        free = press.freedoms if press.assembly.closes else ()
+        if free and all(each.kind in ("spin", "swing") for each in free):  # those in balance would be held
+            problem += f": {' and '.join(map(_spin_in_words, free))}"
             remedy = (
                 "its weight would turn it: put its centre of mass on the line, or make one of its ball joints a universal one, of two pins"
             )
@@ -141,9 +142,9 @@ def _change_point(press: Linkage, rows: Rows) -> Finding:
 
 
 def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
-    """Errors of the loops and gear pairs that are open in the best pose that was found, the one furthest open first."""
-    owners, at_best = mobility.constraints(press), press.equations(np.array(press.home)).gaps
-    gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, at_best))
+    """Errors of the loops and gear pairs that Newton's method left open, the one drawn furthest open first."""
+    owners = mobility.constraints(press)
+    gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, press.assembly.rows.gaps))
     # Where loops overconstrain each other, all of them may be left open; those that are drawn closed are not at fault.
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.structure.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
@@ -153,15 +154,21 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     common = other_units or _without_axis(press) or remedy_of_rounded_axes(press)
     fit = "; loops hold each other here, so that lengths and angles must fit to all digits"
     beside = fit if press.engine().redundant(press.assembly.start) else ""
-    for k in sorted(still_open, key=lambda k: -left[k]):
-        each, opening = owners[k], opening_in_words(press, owners[k], rows.gaps)
-        apart = f"{opening} apart as drawn" if opening else "drawn closed, but the others cannot close beside it"
-        problem = f"does not close: {apart}, {opening_in_words(press, each, at_best) or 'closed'} at best"
+    for k in sorted(still_open, key=lambda k: -gaps[k]):
+        each, iterations = owners[k], press.assembly.drawn.iterations
+        problem = "does not close near the drawn pose"
         remedy = (common or _read_otherwise(press, each) or "draw it closed, or change the link lengths") + beside
-        error = AssemblyError(
-            f"{press.file}:{each.by.line}: {each.title} {problem}; {remedy}", 0.0, left[k], press.assembly.drawn.iterations
+        error = AssemblyError(f"{press.file}:{each.by.line}: {each.title} {problem}; {remedy}", 0.0, gaps[k], iterations)
+        opening = opening_in_words(press, each, rows.gaps)
+        apart = f"{opening} apart as drawn" if opening else "it is drawn closed, but the others cannot close beside it"
+        yield Finding(
+            "error",
+            mobility.element(press, each),
+            each.by.line,
+            f"{problem}: {apart}",
+            remedy,
+            error,
         )
-        yield Finding("error", mobility.element(press, each), each.by.line, problem, remedy, error)
 
 
 def _without_axis(press: Linkage) -> str | None:
@@ -180,7 +187,7 @@ def _read_otherwise(press: Linkage, each: mobility.Constraint) -> str | None:
     """What to write if a loop that is drawn open would be closed with its points read otherwise: with its links exchanged, or one point in
     world axes; else None."""
     loop = next((loop for loop in press.document.description.loops if loop.name == each.by.name), None)
-    if loop is None or not isinstance(each.by, LoopJoint) or mobility.opening(press, each, press.assembly.gaps)[0] <= CLOSED * press.size:
+    if loop is None or not isinstance(each.by, LoopJoint) or each.gap(press.assembly.gaps) <= CLOSED * press.size:
         return None
     places = drawn_placements(press.model)
 
@@ -245,20 +252,22 @@ def _joints(names: Sequence[str]) -> str:
     return f"joint {names[0]!r}" if len(names) == 1 else f"joints {', '.join(map(repr, names))}"
 
 
-def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Iterator[Finding]:
+def remarks(press: Linkage, allow_open: bool, *, quick: bool = False, centres: bool = True) -> Iterator[Finding]:
     """What is said of a linkage without `errors`: errors of loops that are drawn too far open, warnings and notes.
 
     Args:
         press: the linkage.
+        allow_open: whether loops may be drawn far open.
         quick: whether only warnings that are found quickly are wanted, about files that probably describe another linkage than was meant.
         centres: whether centres of mass are checked.
     """
-    refused = list(_read_otherwise_far(press))
+    refused = [] if allow_open else list(_too_far_open(press))
     yield from refused
     if quick:
         # A gap of a hundredth of the linkage is probably a mistake, and so is any that a joint has to move by 0.05 rad or m to close.
         far = np.abs(press.closed - press.assembly.start).max() > 0.05
         yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else 0.01)))
+        yield from (finding for finding in _undriven(press) if finding.severity == "warning")
         yield from units_remarks(press, centres)
         if "plane" in press.engines:  # other assemblies have not been followed yet, which takes long
             yield from (finding for finding in _driver(press)[1] if finding.severity == "warning")
@@ -276,7 +285,7 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
             # One pose alone may be a dead centre, where idle forces do not reach all loops.
             poses = np.hstack([poses, predict(branch, np.linspace(branch.angles[0], branch.angles[-1], 6))])
             yield from _limits(press, branch)
-    yield from _held_spins(press)
+    yield from _undriven(press)
     yield from _gears_without_carrier(press)
     yield from _redundant(press, poses)
     yield from _engine(press)
@@ -314,15 +323,24 @@ def _range_of_driver(press: Linkage, branch: Branch, where: tuple[str, int]) -> 
         yield Finding(severity, *where, f"{moves}, where the linkage locks", "keep motions inside, or correct the lengths")
 
 
-def _held_spins(press: Linkage) -> Iterator[Finding]:
-    """Notes of links whose spin is held."""
-    free = replace(press, held_spins=())
-    for spin in mobility.spins(free, free.assembly.rows) if press.held_spins else ():
-        problem = (
-            "it can spin about the line of its ball joints, through its centre of mass: no driver determines that, and no weight turns it"
-        )
-        remedy = f"it is held, with joint {press.joints[spin.joint]!r} as drawn: forces of a slender link do not depend on it"
-        yield Finding("note", press.document.called("link", spin.link), None, problem, remedy)
+def _undriven(press: Linkage) -> Iterator[Finding]:
+    """What becomes of the freedoms that no motor moves."""
+    robot = _robot(press)
+    for spin in (each for each in press.freedoms if each.held):
+        those, held = _links(spin.bodies), f"held, with joint {spin.joints[0]!r} as drawn"
+        if spin.kind == "spin":
+            problem = f"{those} can spin about the line of the bearings at the ends, through the centre of mass: no driver determines that"
+            remedy = f"it is {held}: no weight turns it, and forces of a slender link do not depend on it"
+            yield Finding("note", robot, None, problem, remedy)
+        else:
+            problem = f"{_spin_in_words(spin)}, and no driver determines that: its weight would turn it"
+            remedy = f"it is {held}: put its centre of mass on the line, or make one of its ball joints a universal one, of two pins"
+            yield Finding("warning", robot, None, problem, remedy)
+    if free := [each.joints[0] for each in press.freedoms if each.kind == "passive"]:
+        problem = f"no driver moves {_joints(free)}: {', '.join(press.motors) or 'what drives'} leaves {len(free)} free"
+        remedy = "it is free, as a passive coordinate" if len(free) == 1 else "they are free, as passive coordinates"
+        remedy += "; if that is not meant, a driver or a <loop_joint> is missing"
+        yield Finding("warning", robot, None, problem, remedy)
 
 
 def _gears_without_carrier(press: Linkage) -> Iterator[Finding]:
@@ -336,8 +354,13 @@ def _gears_without_carrier(press: Linkage) -> Iterator[Finding]:
             yield Finding("note", press.document.called("joint", pair.name), pair.line, problem, remedy)
 
 
-def _spin_in_words(spin: mobility.Spin) -> str:
-    return f"link {spin.link!r} can spin about a line {_short(1e3 * spin.eccentricity)} mm from its centre of mass"
+def _spin_in_words(spin: Freedom) -> str:
+    can = f"{_links(spin.bodies)} can spin about a line"
+    return f"{can} {_short(1e3 * spin.eccentricity)} mm from {'its' if len(spin.bodies) == 1 else 'their'} centre of mass"
+
+
+def _links(names: Sequence[str]) -> str:
+    return f"link {names[0]!r}" if len(names) == 1 else f"links {', '.join(map(repr, names))}"
 
 
 def units_remarks(press: Linkage, centres: bool = True) -> Iterator[Finding]:
@@ -393,8 +416,8 @@ def _slide_axis(press: Linkage) -> Iterator[Finding]:
 
 
 def _drawn_open(press: Linkage, those: list[mobility.Constraint]) -> Iterator[Finding]:
-    """Warnings of loops and gear pairs, that they are drawn open, of a file that does not say how to close them."""
-    for each in () if press.mounted.startswith((POSE, HOME)) else those:
+    """Warnings of loops and gear pairs, that they are drawn open."""
+    for each in those:
         problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn"
         remedy = f"{_read_otherwise(press, each) or 'draw it closed'}; to close it, load has moved {_largest_move(press)}"
         yield Finding("warning", mobility.element(press, each), each.by.line, problem, remedy)

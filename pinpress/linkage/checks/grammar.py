@@ -29,7 +29,7 @@ class _Rule(NamedTuple):
 _RULES = {
     "robot": _Rule(
         "name? version?",
-        "link* joint* loop_joint* relation* joint_spring* armature* material* transmission* home?",
+        "link* joint* loop_joint* relation* joint_spring* armature* material* transmission*",
         "warning",
         "gazebo ros2_control mujoco sensor fixed_frame frame",
     ),
@@ -54,8 +54,6 @@ _RULES = {
     "relation joint": _Rule("name coefficient?"),
     "inertial": _Rule("", "origin? mass inertia", "warning"),
     "transmission": _Rule("name? type?", "", "warning"),
-    "home": _Rule("", "joint*"),
-    "home joint": _Rule("name position"),
     "origin": _Rule("xyz? rpy?"),
     "parent": _Rule("link"),
     "child": _Rule("link"),
@@ -101,7 +99,6 @@ _QUANTITIES = (
     "stiffness",
     "reference",
     "damping",
-    "position",
     "inertia",
 )
 

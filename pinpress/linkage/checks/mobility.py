@@ -6,18 +6,14 @@ A joint or an equation takes part in a free motion, or in a redundancy, if its s
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 
 from ...common.quantities import Array
 from ...engines.constraints import LoopJoint, Relation
 from ...engines.pinocchio.equations import Rows
 from ...engines.rank import PassiveJacobian, rank, singular_values
-from ...engines.structure import data_of
 from ..linkage import Linkage
 
 TAKES_PART = 1e-6  # share of a unit null vector above which a joint or an equation takes part in it
-BALANCED = 1e-6  # a centre of mass this close to the line about which its link spins is on it [lengths of the linkage]
-NEARLY = 0.2  # up to this distance a message names the spin that keeps a linkage from being loaded [lengths of the linkage]
 
 
 class Constraint(NamedTuple):
@@ -88,60 +84,6 @@ def undetermined_joints(press: Linkage, rows: Rows) -> list[str]:
     return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
 
 
-def free_ways(columns: Array) -> Array:
-    """(nv, freedoms) orthonormal rates of the joints by which a Jacobian (rows, nv) of the equations lets a linkage move."""
-    return np.asarray(np.linalg.svd(columns)[2][rank(columns) :].T)
-
-
-class Spin(NamedTuple):
-    """A link that can spin about the line of its two ball joints, which no driver determines."""
-
-    link: str
-    joint: int  # index in v of the joint that moves most in the spin; held, it guides the link as a universal joint would
-    eccentricity: float  # distance of the centre of mass from the line [m]; if it is zero, weight and inertia do not turn the link
-
-
-def spins(press: Linkage, rows: Rows) -> list[Spin]:
-    """The spins, if the drivers leave nothing else undetermined; none if another motion is free too, or no motion.
-
-    A free motion is a spin if only one body with a mass moves in it, and turns about a line on which its centre of mass lies or nearly
-    lies.
-    """
-    passive = PassiveJacobian(rows.columns, press.structure.passive_joints)
-    free = passive.right[passive.rank :] / passive.lengths
-    if not len(free) or press.model.nv - rank(rows.columns) != len(press.drivers) + len(free):
-        return []
-    all_spins: list[Spin] = []
-    while len(free):  # each joint that is held removes a free motion
-        way, joint = np.unravel_index(int(np.abs(free).argmax()), free.shape)
-        motion = free[way] / free[way, joint]
-        free = np.delete(free - np.outer(free[:, joint], motion), way, axis=0)
-        spin = _spin(press, rows, passive.joints, motion, int(joint))
-        if spin is None or not press.structure.on_loop[spin.joint]:  # a link on no loop hangs free: a loop was forgotten
-            return []
-        all_spins.append(spin)
-    return all_spins
-
-
-def _spin(press: Linkage, rows: Rows, joints: list[int], motion: Array, held: int) -> Spin | None:
-    """A free motion (passive joints,) as a spin; None if it moves several bodies with a mass, or a centre of mass far."""
-    model, rates = press.model, np.zeros(press.model.nv)
-    rates[joints] = motion
-    data = data_of(model)
-    pin.forwardKinematics(model, data, rows.q, rates)
-    moved = []
-    for body in range(1, model.njoints):
-        velocity, inertia = data.v[body], model.inertias[body]
-        if not inertia.mass or np.abs(velocity.vector).max() <= TAKES_PART:
-            continue
-        angular = float(np.linalg.norm(velocity.angular))
-        centre = float(np.linalg.norm(velocity.linear + np.cross(velocity.angular, inertia.lever)))
-        if not angular or centre > NEARLY * press.size * angular:
-            return None
-        moved.append(Spin(press.link_of(body), joints[held], centre / angular))
-    return moved[0] if len(moved) == 1 else None
-
-
 def overconstraining(press: Linkage, rows: Rows) -> list[Constraint]:
     """The loops and gear pairs that are one too many: without this one alone, the drivers would move the linkage and determine it."""
     drivers = len(press.drivers)
@@ -190,7 +132,7 @@ def redundancy(press: Linkage, x: Array) -> Redundancy:
 def freedom_nearby(press: Linkage) -> int:
     """Degrees of freedom in a random pose near the drawn one, where no equation is redundant by chance."""
     away = np.random.default_rng(0).uniform(-1e-3, 1e-3, press.model.nv)  # a thousand times the rounding of files
-    nearby = press.closed + away * press.lengths
+    nearby = press.closed + away * _lengths(press)
     return int(press.model.nv) - rank(press.equations(nearby).columns)
 
 
@@ -202,12 +144,17 @@ def is_shaky(press: Linkage) -> bool:
     random, last = np.random.default_rng(0), press.model.nv - len(press.drivers) - 1
     away, largest = 1e-2, 0.0  # distance of the poses [rad, lengths of the linkage]
     for _ in range(6):
-        x = press.closed + away * press.lengths * random.uniform(-1, 1, press.model.nv)
+        x = press.closed + away * _lengths(press) * random.uniform(-1, 1, press.model.nv)
         for _ in range(40):  # at a double root steps of Newton's method halve the distance, here from 1e-2 to rounding
             rows = press.equations(x)
             x = x - np.linalg.lstsq(rows.columns, rows.gaps, rcond=1e-9)[0]
         largest = max(largest, float(singular_values(press.equations(x).columns)[last]))
     return largest < 1e-3 * away  # a double root is found to the square root of rounding, 1e-8
+
+
+def _lengths(press: Linkage) -> Array:
+    """(nv,) what counts as 1 rad of each joint [rad or m]."""
+    return np.array([1.0 if axis.turns else press.size for axis in press.axes])
 
 
 def rates_of_drivers(press: Linkage) -> Array:

@@ -333,8 +333,15 @@ def test_a_link_that_spins_freely_is_found(seed):
     drawing.loop("C", "spherical", "rod", "sleeve", rocker_pin)
     for link in ("crank", "rod", "rocker", "sleeve"):
         drawing.body(link, 1.0, crank_pin, 0.1)
-    with pytest.raises(pp.UrdfError, match="mobility is 2"):
-        texts.load(drawing.urdf("O"))
+    with pytest.warns(pp.PinpressWarning, match="its weight would turn it"):
+        press = texts.load(drawing.urdf("O"))
+    (swing,) = press.freedoms
+    placed = press.model.createData()
+    pin.forwardKinematics(press.model, placed, press.configuration(0.0))
+    body = press.joints.index("S") + 1
+    centre = np.cross(placed.oMi[body].act(press.model.inertias[body].lever) - rocker_pin, along / np.linalg.norm(along))
+    assert (press.mobility, press.held, swing.kind, swing.joints, swing.bodies) == (2, ("S",), "swing", ("S",), ("sleeve",))
+    assert swing.eccentricity == pytest.approx(np.linalg.norm(centre), rel=1e-9)
 
 
 def test_cassie_is_read_as_it_is_written():

@@ -136,7 +136,12 @@ CASES = (
     _five_bar("19_no_driver.urdf", load={"driver": ["turn_a", "turn_b"]}),
     _five_bar("20_ros2_control.urdf"),
     _five_bar("21_keyframe_home.xml", at=(1.55, -1.35), others={"knee_a": -1.750670936, "knee_b": 1.841550124}),
-    _five_bar("22_motor_and_spring.xml", (3.76462034, 0.0), acceleration=(3.0, 58.22628394)),  # turn_b is passive
+    _five_bar(  # turn_b is passive: its torque is 0; named, because else the sprung joint knee_a would be the coordinate
+        "22_motor_and_spring.xml",
+        (3.76462034, 0.0),
+        acceleration=(3.0, 58.22628394),
+        load={"driver": ["turn_a", "turn_b"]},
+    ),
     _five_bar("23_two_points_on_a_hinge.xml", tolerance=1e-6),  # values of the first point alone
     Case("24_actuator_on_a_tendon.xml", 1, ("grip_l",), (0.3,), (1.0,), (4.0,), {"grip_r": 0.3}, (-0.02923525222,)),
     _five_bar("25_empty_numbers.sdf", load={"driver": ["turn_a", "turn_b"]}),
