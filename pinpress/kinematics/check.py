@@ -216,7 +216,7 @@ def check_document(
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> CheckResult:
     """`check` of what was read from a file."""
-    findings = [*element_checks.errors(document), *document.remarks, *element_checks.remarks(document)]
+    findings = [*element_checks.errors(document), *element_checks.once(document.remarks), *element_checks.remarks(document)]
     facts = None
     if all(finding.error is None for finding in findings):
         try:

@@ -198,8 +198,8 @@ def _drivers(robot: Element) -> list[str]:
     is none either, of those that URDF+ calls ``independent="true"``."""
     joints = [joint for transmission in robot.all("transmission") for joint in transmission.all("joint")]
     joints = joints or [joint for part in robot.all("ros2_control") for joint in part.all("joint") if joint.all("command_interface")]
-    joints = joints or [joint for joint in robot.all("joint") if joint.get("independent") == "true" and joint.get("type") != "fixed"]
-    return [joint.get("name") for joint in joints]
+    independent = (joint for joint in robot.all("joint") if joint.get("independent").lower() == "true" and joint.get("type") != "fixed")
+    return [joint.get("name") for joint in joints or independent]
 
 
 def names(robot: Element, tag: str) -> list[str]:

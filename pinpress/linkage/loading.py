@@ -108,7 +108,7 @@ def load_document(
     refuse_errors(assembly_checks.errors(press), command)
     findings = list(assembly_checks.remarks(press, allow_open, quick=True, centres=in_file))
     refuse_errors(findings, command)
-    of_file = [finding for finding in document.remarks if finding.severity == "warning"]
+    of_file = list(element_checks.once(finding for finding in document.remarks if finding.severity == "warning"))
     if in_file:
         of_file += element_checks.warnings(document)
     for finding in (*of_file, *of_drivers, *findings):

@@ -88,7 +88,7 @@ def _type_problems(robot: Element) -> Iterator[Problem]:
     """Problems of joints and loops by themselves: types, limits and axes."""
     for joint in robot.all("joint"):
         yield from _unknown_type(joint, "joint", ("revolute", "continuous", "prismatic", "fixed"))
-        if joint.attributes.get("independent", "true") not in ("true", "false"):
+        if joint.attributes.get("independent", "true").lower() not in ("true", "false"):
             yield joint, f"independent={joint.get('independent')!r} is not true or false", 'write independent="true" for a driver'
         kind, limits = joint.get("type"), joint.all("limit")
         if kind in ("revolute", "prismatic") and not limits:
@@ -305,10 +305,6 @@ def _inertia_problems(robot: Element, description: Description) -> Iterator[Prob
     bodies = description.bodies
     connected = Counter(bodies.get(link) for joint in description.joints if joint.type != "fixed" for link in (joint.parent, joint.child))
     connected.update(bodies.get(end.link) for loop in description.loops for end in (loop.link1, loop.link2))
-    geared = {name for relation in description.relations for name in relation.joints} | {
-        each.name for each in description.joints if each.mimic
-    }
-    rotors = {joint.child for joint in description.joints if joint.name in geared}
     weighed = {bodies.get(link.get("name")) for link in robot.all("link") if any(map(_has_mass, link.all("inertial")))}
     for link in _without_inertial(robot, description):
         if connected[link.get("name")] < 2:  # nothing would resist its motion, nor move it
@@ -324,7 +320,7 @@ def _inertia_problems(robot: Element, description: Description) -> Iterator[Prob
                     between = moving and (connected[bodies[name]] > 1 or bodies[name] in weighed)
                     nothing = all(principal_moments(tensor) == (0.0, 0.0, 0.0) for tensor in inertial.all("inertia"))
                     # The rotor of a motor may have moments of inertia alone: its mass is counted with the link that carries it.
-                    idealised = between if nothing else name in rotors and connected[bodies[name]] == 1
+                    idealised = between if nothing else connected[bodies[name]] == 1
                     if moving and (mass < 0 or (mass == 0 and not idealised)):
                         remedy = (
                             "write it in kg, or remove <inertial>; a link between two bearings may have none, without moments of inertia"

@@ -285,23 +285,25 @@ def _second_ends(robot: Element, text: Text) -> list[Finding]:
 
 
 def _world(document: Document, text: Text, origins: dict[tuple[int, str], Origin]) -> list[Finding]:
-    """Declare a link ``world`` that carries joints; and let the root float in one that carries none: what that means is decided later."""
-    robot, description = document.robot, document.description
-    joined = {end for joint in description.joints for end in (joint.parent, joint.child)}
-    roots = [link for link in description.links if link not in {joint.child for joint in description.joints}]
-    if "world" not in description.links:
-        if any(joint.parent == "world" for joint in description.joints) and not roots:
-            text.append(robot, tag("link", {"name": "world"}))
+    """Declare a link ``world`` that carries joints; and let the one other root float in a world that carries nothing which moves: what that
+    means is decided later."""
+    robot, joints, links = document.robot, document.description.joints, document.description.links
+    children = {joint.child for joint in joints}
+    carried = [joint for joint in joints if joint.parent == "world"]
+    roots = [link for link in links if link not in children and link != "world"]
+    if "world" in children or not ("world" in links or carried):
         return []
-    if "world" in joined or len(roots) != 2:
+    if "world" not in links:
+        text.append(robot, tag("link", {"name": "world"}))
+    for joint in carried:  # grows as it goes
+        carried += [other for other in joints if other.parent == joint.child and other not in carried]
+    if len(roots) != 1 or any(joint.type != "fixed" for joint in carried):
         return []
-    (root,) = (link for link in roots if link != "world")
-    world = document.find("link", "world")
-    ends = tag("parent", {"link": "world"}) + tag("child", {"link": root})
-    name = make_unique(f"world_{root}", {joint.name for joint in description.joints})
-    text.insert(world, tag("joint", {"name": name, "type": "floating"}, ends))
-    origins[world.line, "joint"] = origin_of(world)
-    return [remark("note", world, f"no joint leads to it: link {root!r} floats in it", "write a fixed joint if the base stands")]
+    root = document.find("link", roots[0])
+    ends = tag("parent", {"link": "world"}) + tag("child", {"link": roots[0]})
+    text.insert(root, tag("joint", {"name": make_unique(f"world_{roots[0]}", {*names(robot, "joint")}), "type": "floating"}, ends))
+    origins[root.line, "joint"] = origin_of(root)
+    return [remark("note", root, "it floats in link 'world', to which no joint connects it", "write a fixed joint if it stands there")]
 
 
 # ----------------------------------------------------------------------------------------------------------------------------------- Gazebo
