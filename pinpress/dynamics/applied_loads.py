@@ -1,4 +1,4 @@
-"""Forces that act on the links from outside, and springs, dampers and process loads between them."""
+"""Forces that act on the links from outside, springs, dampers and process loads between them, and springs and rotors in joints."""
 
 import math
 from collections.abc import Sequence
@@ -13,11 +13,13 @@ from ..common import plausibility
 from ..common.arguments import numbers
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.quantities import GRAVITY, Array
+from ..engines.engine import ClosedStates
 from ..engines.friction import REST
 from ..engines.wrenches import AppliedForce
 from ..kinematics.motion import is_cycle
 from ..kinematics.poses import point_motion
 from ..kinematics.slide_path import dead_centres
+from ..linkage.joint_springs import spring_efforts
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
@@ -72,6 +74,18 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion", *, warned: 
                 f"load {shown(load)} is no load: give a PointForce, a SpringDamper, a process load (pinpress.loads) or a TimeForce"
             )
     return applied
+
+
+def joint_efforts(press: "Linkage", states: ClosedStates) -> Array | None:
+    """Efforts (nv, n) that springs and dampers in the joints supply, less those that accelerate rotors (the model's armature), along the
+    joints' axes [N m, N]; None where a linkage has neither.
+
+    A joint's bearing passes on what the links that it carries need: a rotor is between the drive and the bearing.
+    """
+    armature = press.model.armature
+    if not (press.joint_springs or armature.any()):
+        return None
+    return np.asarray(spring_efforts(press.joint_springs, press.joints, states.position, states.v) - armature[:, None] * states.a)
 
 
 def _on_slide(load: "ProcessLoad | TimeForce", press: "Linkage", along: Array) -> list[AppliedForce]:

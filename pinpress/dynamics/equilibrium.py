@@ -23,7 +23,6 @@ from ..kinematics.motion import Motion, closed_motion, shared_by_motions
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce, SpringDamper
 from . import applied_loads
-from .joint_efforts import joint_efforts
 
 STEP = 0.02  # of differences [rad or sizes of the linkage]
 FIRST = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0.0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])  # d/ds by 9 equal steps
@@ -99,7 +98,7 @@ class _Statics:
         states = ClosedStates(position, still, still)
         motion = closed_motion(press, shared_by_motions(press), states, np.zeros(position.shape[1]), None, None)
         loads = applied_loads.apply(self.loads, press, motion, warned=True)
-        conditions = AppliedConditions(loads, None, None, joint_efforts(press, states))
+        conditions = AppliedConditions(loads, None, None, applied_loads.joint_efforts(press, states))
         first = len(press.motors)
         torque = self.engine.inverse_dynamics(states, conditions, bearings=False).torque[first:]
         return np.asarray(torque * self.units[first:, None])

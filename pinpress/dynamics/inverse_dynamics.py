@@ -23,7 +23,6 @@ from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
 from . import applied_loads
 from .equilibrium import equilibrium
-from .joint_efforts import joint_efforts
 from .passive import free_accelerations
 from .reactions import Reactions, find_wrenches
 
@@ -100,7 +99,7 @@ def _move_passive(
     if press.passive and passive == "free":
         states = free_accelerations(press, engine, motion.states(press), conditions.loads, conditions.law)
         motion = accelerated(press, motion, states)
-    return motion, conditions._replace(efforts=joint_efforts(press, motion.states(press)))
+    return motion, conditions._replace(efforts=applied_loads.joint_efforts(press, motion.states(press)))
 
 
 def in_other_states(reactions: Reactions, motion: Motion) -> Reactions:

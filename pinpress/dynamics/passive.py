@@ -18,7 +18,7 @@ from ..engines.engine import ClosedStates, Engine
 from ..engines.friction import FrictionLaw
 from ..engines.wrenches import AppliedConditions, AppliedForce
 from ..linkage.linkage import Linkage
-from .joint_efforts import joint_efforts
+from .applied_loads import joint_efforts
 
 PROBE = 1e6  # acceleration beside which weights and the motion's own inertia forces are rounding [rad/s2 or m/s2]
 WITHOUT_INERTIA = 1e-12  # share of the largest inertia below which the inertia of a passive coordinate is rounding
