@@ -45,7 +45,7 @@ def test_six_joints_are_three_travels_then_yaw_pitch_and_roll():
     assert press.slide is None
     at = np.array([0.1, -0.2, 0.3, 0.5, -0.6, 0.7])
     place = free_base_pose(press, "frame", at)
-    np.testing.assert_allclose(place.translation, at[:3] + [0.0, 0.0, 0.5])
+    np.testing.assert_allclose(place.translation, at[:3] + np.array([0.0, 0.0, 0.5]))
     np.testing.assert_allclose(pin.rpy.matrixToRpy(place.rotation), at[:2:-1], atol=1e-12)
 
 
