@@ -188,16 +188,18 @@ def leads_on(close: Close, branch: Branch, size: float, tolerance: float, gap: G
     )
 
 
-def walk_beside(close: Close, branch: Branch, size: float, tolerance: float) -> Branch | None:
+def walk_beside(close: Close, branch: Branch, home: Array, driver: int, size: float, tolerance: float) -> Branch | None:
     """The branch of a linkage whose lengths are nearly those of another one, found without a walk: all nodes of the other one's table are
     closed at once.
 
-    It begins at the drawn pose, where all joint coordinates are zero. Each second node must lie where polynomials through its neighbours
-    predict it, and the linkage must be back after the period: so no node has gone over to another assembly.
+    Both begin in one pose, with equal joint coordinates. Each second node must lie where polynomials through its neighbours predict it, and
+    the linkage must be back after the period: so no node has gone over to another assembly.
 
     Args:
         close: the closing function of the linkage's engine.
         branch: the branch of the other one, over a period or a travel.
+        home: (nv,) joint coordinates of the pose in which both begin.
+        driver: index in v of the driver.
         size: length of the linkage [m].
         tolerance: gap at which a loop counts as closed [m].
 
@@ -211,12 +213,13 @@ def walk_beside(close: Close, branch: Branch, size: float, tolerance: float) -> 
     if not closure.widest <= tolerance:
         return None
     rows = closure.position, closure.first, closure.second
-    begin = int(np.argmin(np.abs(angles)))
+    begin = int(np.argmin(np.abs(angles - home[driver])))
     accepted = LARGEST_CORRECTION * (1 + size)
     coarse = Branch(angles[::2], quintics(np.diff(angles[::2]), *(values[:, ::2] for values in rows)), None, np.zeros(0), (None, None))
     missed = np.abs(predict(coarse, angles) - closure.position).max()
     gained = closure.position[:, -1] - closure.position[:, 0] - branch.gain_per_period if branch.period else np.zeros(1)
-    if angles[begin] or not max(missed, np.abs(gained).max(), np.abs(closure.position[:, begin]).max()) <= accepted:
+    off = np.abs(closure.position[:, begin] - home).max()
+    if abs(angles[begin] - home[driver]) > 1e-12 * (1 + size) or not max(missed, np.abs(gained).max(), off) <= accepted:
         return None
     return replace(branch, coefficients=quintics(np.diff(angles), *rows))
 

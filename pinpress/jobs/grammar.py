@@ -208,6 +208,18 @@ def _rate(made: Callable[..., Any], given: Given) -> Given:
     return given if strokes is None else {**given, "time": 60.0 / strokes}
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where a joint is: an angle, or the position of one that slides."""
+
+    def read(self, entry: Entry, around: Around) -> float:
+        """The coordinate [rad or m]."""
+        try:
+            return Number("m").read(entry, around)
+        except PinpressError:
+            return Number("rad").read(entry, around)
+
+
 EFFORT = OfDrivers(Number("N m"), "5 kN m")
 SPEEDS = OfDrivers(Number("rad/s"), "30 r/min")
 PLACES = OfDrivers(Number("rad"), "30 deg")
@@ -235,7 +247,12 @@ SECTIONS: Mapping[str, Section] = {
     "file": Section(Text(), "A URDF, SDF or MJCF file or a shipped press, in place of the table of pins.", "file: robot.urdf"),
     "drivers": Section(Names(), "Driven joints, where the file names none or others are driven.", "drivers: motor_left motor_right"),
     "slide": Section(Text(), "The slide, the link whose motion and process force are computed, if it is not called slide.", "slide: ram"),
-    "allow_open": Section(Truth(), "Whether loops may be drawn open by more than a tenth of the linkage.", "allow_open: yes"),
+    "pose": Section(
+        Named(Place(), "{knee: 30 deg}"),
+        "Where some joints are as the linkage is put together, if its file draws it open or two assemblies meet there.",
+        "pose: {knee: 30 deg, rod: -5 mm}",
+        by_keys=True,
+    ),
     "gravity": Section(Number("m/s2"), "Gravity downwards.", "gravity: 9.81 m/s2"),
     "zero": Section(Text(("drawn", "tdc", "bdc")), "Where crank angles are 0: as drawn, at top or bottom dead centre.", "zero: tdc"),
     "speed": Section(

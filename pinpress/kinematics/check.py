@@ -6,7 +6,7 @@ import contextlib
 import math
 import os
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,6 +25,7 @@ from ..linkage.checks.assembly import open_in_words
 from ..linkage.document import SEVERITIES, Document, Finding
 from ..linkage.drivers import Proposal, is_press, propose, settle
 from ..linkage.freedoms import Freedom
+from ..linkage.home import mount
 from ..linkage.linkage import Linkage
 from ..linkage.loading import build, locate, parse, refuse_without_driver
 from .main_data import MainData, main_data, main_lines
@@ -180,7 +181,7 @@ def check(
     driver: str | Sequence[str] | None = None,
     slide: str | None = None,
     *,
-    allow_open: bool = False,
+    pose: Mapping[str, float] | None = None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> CheckResult:
     """Find all errors of a file, and what else is odd in it or worth knowing, and say how the press moves. `load` raises the first error.
@@ -189,7 +190,7 @@ def check(
         path: as for `load`.
         driver: as for `load`.
         slide: as for `load`.
-        allow_open: as for `load`.
+        pose: as for `load`.
         gravity: as for `load`: it says what is up.
 
     Raises:
@@ -204,7 +205,7 @@ def check(
         if not os.path.exists(file):
             raise
         return CheckResult(file, Records(Finding, [Finding.of(error)]), None)
-    return check_document(file, document, driver, slide, allow_open, gravity)
+    return check_document(file, document, driver, slide, pose, gravity)
 
 
 def check_document(
@@ -212,7 +213,7 @@ def check_document(
     document: Document,
     driver: str | Sequence[str] | None = None,
     slide: str | None = None,
-    allow_open: bool = False,
+    pose: Mapping[str, float] | None = None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> CheckResult:
     """`check` of what was read from a file."""
@@ -220,7 +221,7 @@ def check_document(
     facts = None
     if all(finding.error is None for finding in findings):
         try:
-            more, facts = _put_together(document, driver, slide, allow_open, gravity)
+            more, facts = _put_together(document, driver, slide, pose, gravity)
             findings += more
         except UrdfError as error:
             findings.append(Finding.of(error))
@@ -229,10 +230,10 @@ def check_document(
 
 
 def _put_together(
-    document: Document, driver: str | Sequence[str] | None, slide: str | None, allow_open: bool, gravity: Sequence[float]
+    document: Document, driver: str | Sequence[str] | None, slide: str | None, pose: Mapping[str, float] | None, gravity: Sequence[float]
 ) -> tuple[list[Finding], Facts]:
     """Findings and facts of the linkage that the elements make; raises the errors of `build`."""
-    (press, of_drivers), proposal = settle(build(document, driver, slide, gravity)), None
+    (press, of_drivers), proposal = settle(mount(build(document, driver, slide, gravity), pose)), None
     if not press.drivers and press.assembly.closes:
         proposal = propose(press)
         if is_press(press) or not proposal.drivers:
@@ -241,7 +242,7 @@ def _put_together(
         problem, remedy = "no driver is named", f"this is the report with those proposed: load(..., {proposal.in_words})"
         of_drivers = (Finding("note", document.called("robot", press.name), None, problem, remedy),)
     errors = list(assembly_checks.errors(press))
-    findings = [*errors, *of_drivers, *(assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press, allow_open))]
+    findings = [*errors, *of_drivers, *(assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press))]
     rank = (rank_of(press.assembly.rows_as_drawn.columns) if errors else press.rank) - len(press.held)
     between: list[tuple[str, ...]] = [(loop.link1.link, loop.link2.link) for loop in document.description.loops]
     between += [tuple(press.joints[joint] for joint in relation.joints) for relation in press.relations]

@@ -19,6 +19,7 @@ from ..engines.change_points import Gap
 from ..engines.constraints import Relation
 from ..engines.engine import ACCEPTED, PIECE, Close, Closure, Engine, joined
 from ..engines.following import SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
+from ..engines.mounting import limits
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.equations import OneConfiguration, Rows
 from ..engines.planar.closing import can_move
@@ -28,19 +29,21 @@ from ..engines.rank import RANK, PassiveJacobian, rank
 from ..engines.spatial.engine import SpatialEngine
 from ..engines.structure import Structure
 
+AS_DRAWN = "as drawn"
 MANY_PERIODS = 1000  # from so many periods on the rounding of a crank angle is seen in the gaps of loops
 FARTHEST = 1e7  # larger crank angles are rounded by more than 1e-9 rad, which the slide's position would show [rad]
 
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
-    """A linkage put together in its drawn pose, the drivers at zero.
+    """A linkage put together in its home pose, see `Linkage.home`.
 
     Attributes:
         structure: of the linkage.
         engines: the engines that can compute the linkage, by their names, the fastest first.
         start: (nv,) joint coordinates as the file draws them, not yet closed [rad or m].
-        drawn: the drawn pose, closed as far as Newton's method could.
+        drawn: the home pose, closed as far as Newton's method could.
+        how: how the home pose was found.
         branch: the assembly over the crank angle; None if it has not been followed yet.
     """
 
@@ -48,6 +51,7 @@ class Assembly:
     engines: Mapping[str, Engine]
     start: Array
     drawn: Closure
+    how: str = AS_DRAWN
     branch: Branch | None = None
 
     @property
@@ -62,10 +66,20 @@ class Assembly:
 
     @cached_property
     def closes(self) -> bool:
-        """Whether the linkage closes near its drawn pose."""
-        near = 0.25 * max(1.0, self.structure.size)  # beyond a quarter radian, or of its length, it is another assembly than the drawn one
-        closed = bool(self.drawn.gap[0] <= ACCEPTED * self.engine.tolerance)
-        return closed and bool(np.abs(self.closed - self.start).max() <= near)
+        """Whether the linkage closes in its home pose."""
+        return bool(self.drawn.gap[0] <= ACCEPTED * self.engine.tolerance)
+
+    @cached_property
+    def moved(self) -> dict[str, float]:
+        """By how much closing has moved the joints from their drawn places, those that it moved [rad or m]."""
+        names = tuple(self.structure.model.names)[1:]
+        moves = (self.closed - self.start).tolist()
+        return {name: move for name, move in zip(names, moves, strict=True) if abs(move) > 1e-9}  # less is rounding
+
+    @property
+    def gap_drawn(self) -> float:
+        """The largest gap of a loop or relation as drawn [m]."""
+        return float(self.engine.gaps(self.start[:, None])[0])
 
     @cached_property
     def gaps(self) -> Array:
@@ -110,23 +124,24 @@ class Assembly:
         return int(self.structure.model.nv) - len(self.structure.drivers) if self.determined else rank(self.rows.columns)
 
 
-def assemble(structure: Structure) -> Assembly:
-    """The drawn pose of a linkage, closed by the fastest engine that can compute it."""
+def assemble(structure: Structure, home: Sequence[float] = (), how: str = "") -> Assembly:
+    """The home pose (nv,) of a linkage, by default the drawn one, closed by the fastest engine that can compute it."""
     start, in_space = drawn_coordinates(structure), SpatialEngine(structure)
+    home, how = (np.array(home), how) if len(home) else (start, AS_DRAWN)
+    drivers = home[list(structure.drivers)]
     for one_block in (False, True) if len(structure.drivers) == 1 else ():
         planar = PlanarEngine.of(structure, one_block)
         if planar is None:
             break
-        drawn = planar.close(np.zeros(1), start[:, None], with_margins=True)
+        drawn = planar.close(drivers, home[:, None], with_margins=True)
         # A block of a redundant linkage may lock where the other blocks lead it: a parallelogram with a third crank at its change point.
         walked = _full_turn(planar, structure, drawn) if planar.plane.redundant and not one_block else None
         fit = one_block or walked is not None or not planar.plane.redundant
         if fit and drawn.margins is not None and np.abs(drawn.margins).min(initial=1.0) > RANK:
             engines: dict[str, Engine] = {engine.name: engine for engine in (planar, in_space, PinocchioEngine(structure))}
-            return Assembly(structure, engines, start, drawn, walked)
-    count = len(structure.drivers)
-    drawn = in_space.closing_function()(np.zeros((count, 1)), np.eye(count, 1), start[:, None])
-    return Assembly(structure, {engine.name: engine for engine in (in_space, PinocchioEngine(structure))}, start, drawn)
+            return Assembly(structure, engines, start, drawn, how, walked)
+    drawn = in_space.closing_function()(drivers[:, None], np.eye(len(drivers), 1), home[:, None])
+    return Assembly(structure, {engine.name: engine for engine in (in_space, PinocchioEngine(structure))}, start, drawn, how)
 
 
 def walk_branch(
@@ -136,21 +151,23 @@ def walk_branch(
     *,
     smallest_margin: float = SMALLEST_MARGIN,
     gap: Gap | None = None,
-    begin: float = 0.0,
 ) -> Branch:
     """The assembly of a linkage with one driver, followed over the crank angle from a closed pose (nv,); see `engines.branch.walk`.
     A driver that slides goes as far as the limits of its joint."""
     close_angle, tolerance = _closing_function(engine), ACCEPTED * engine.tolerance
     returning = Returning(structure.on_loop, np.array([axis.turns for axis in structure.axes]))
-    return walk(close_angle, start, returning, structure.size, tolerance, smallest_margin, gap, begin, _travel(structure))
+    begin = float(start[structure.drivers[0]])
+    return walk(close_angle, start, returning, structure.size, tolerance, smallest_margin, gap, begin, _travel(structure, begin))
 
 
-def walk_branch_beside(engine: Engine, structure: Structure, branch: Branch) -> Branch | None:
-    """The assembly of a linkage with one driver, found from that of one with nearly the same lengths; see `engines.branch.walk_beside`."""
-    travel = _travel(structure)
+def walk_branch_beside(engine: Engine, structure: Structure, branch: Branch, home: Array) -> Branch | None:
+    """The assembly of a linkage with one driver, found from that of one with nearly the same lengths and the same home pose (nv,); see
+    `engines.branch.walk_beside`."""
+    driver = structure.drivers[0]
+    travel = _travel(structure, float(home[driver]))
     if travel is not None and (travel.lower, travel.upper) != (branch.angles[0], branch.angles[-1]):
         return None
-    return walk_beside(_closing_function(engine), branch, structure.size, ACCEPTED * engine.tolerance)
+    return walk_beside(_closing_function(engine), branch, home, driver, structure.size, ACCEPTED * engine.tolerance)
 
 
 def _closing_function(engine: Engine) -> Close:
@@ -163,14 +180,14 @@ def _closing_function(engine: Engine) -> Close:
     return close_angle
 
 
-def _travel(structure: Structure) -> Travel | None:
-    """How far a driver slides; None of one that turns."""
+def _travel(structure: Structure, home: float) -> Travel | None:
+    """How far a driver slides: between the limits of its joint, and from its ``home`` [m] if that is outside; None of one that turns."""
     driver = structure.drivers[0]
     if structure.axes[driver].turns:
         return None
-    model, place = structure.model, structure.slots[driver].start
     farthest = 20.0 * structure.size  # a driver that slides without limits is followed as far
-    lower, upper = max(float(model.lowerPositionLimit[place]), -farthest), min(float(model.upperPositionLimit[place]), farthest)
+    lower, upper = (float(limit[driver]) for limit in limits(structure))
+    lower, upper = min(home, max(lower, home - farthest)), max(home, min(upper, home + farthest))
     return Travel(lower, upper, min(structure.size, (upper - lower) / (2 * np.pi)))
 
 
@@ -183,7 +200,8 @@ def walk_through_change_points(engine: Engine, structure: Structure, walked: Bra
         return walked
     middle = 0.5 * float(walked.angles[0] + walked.angles[-1])  # the drawn pose may be beside a change point
     start = predict(walked, np.array([middle]))[:, 0]
-    further = walk_branch(engine, structure, start, gap=engine.gaps, begin=middle)
+    start[structure.drivers[0]] = middle
+    further = walk_branch(engine, structure, start, gap=engine.gaps)
     return further if further.change_points else walked
 
 
@@ -222,7 +240,7 @@ def follow_drivers(engine: Engine, structure: Structure, start: Array, angles: A
     Args:
         engine: engine of the linkage.
         structure: constants of the linkage.
-        start: (nv,) closed drawn pose, from which the first position is followed.
+        start: (nv,) closed home pose, from which the first position is followed.
         angles: (n, drivers) driver positions [rad or m].
         name: name of the linkage, for errors.
 
@@ -230,9 +248,10 @@ def follow_drivers(engine: Engine, structure: Structure, start: Array, angles: A
         SingularityError: the linkage locks on the way.
         PinpressError: a driver slides beyond the limits of its joint.
     """
-    _refuse_beyond_limits(structure, angles)
+    begin = start[list(structure.drivers)]
+    _refuse_beyond_limits(structure, begin, angles)
     close_drivers, tolerance = engine.closing_function(), ACCEPTED * engine.tolerance
-    path, here, pieces, tried = np.concatenate([np.zeros_like(angles[:1]), angles]), start, [], PIECE
+    path, here, pieces, tried = np.concatenate([begin[None], angles]), start, [], PIECE
     while len(path) > 1:
         ahead = path_between(path[: 1 + tried], _counted_as_angle(structure), PIECE)
         reached = follow_at_once(close_drivers, here, ahead, structure.size, tolerance)
@@ -268,19 +287,19 @@ def _counted_as_angle(structure: Structure) -> Array:
     return np.array([1.0 if each.turns else structure.size for each in structure.coordinates])
 
 
-def _refuse_beyond_limits(structure: Structure, angles: Array) -> None:
-    """Raise PinpressError if one of several drivers slides beyond the limits of its joint; ``angles``: (n, drivers) [rad or m]."""
-    model = structure.model
-    for driver, coordinate, positions in zip(structure.drivers, structure.coordinates, angles.T, strict=True):
+def _refuse_beyond_limits(structure: Structure, begin: Array, angles: Array) -> None:
+    """Raise PinpressError if one of several drivers slides beyond the limits of its joint, or beyond where it begins (drivers,);
+    ``angles``: (n, drivers) [rad or m]."""
+    lower, upper = limits(structure)
+    for driver, home, coordinate, positions in zip(structure.drivers, begin.tolist(), structure.coordinates, angles.T, strict=True):
         if coordinate.turns:
             continue
-        place = structure.slots[driver].start
-        low, high = float(model.lowerPositionLimit[place]), float(model.upperPositionLimit[place])
+        low, high = min(float(lower[driver]), home), max(float(upper[driver]), home)
         worst = float(positions[np.maximum(low - positions, positions - high).argmax()])
-        if not low <= worst <= high:
+        if not low - 1e-9 <= worst <= high + 1e-9:  # files round limits
             raise PinpressError(
-                f"driver {model.names[driver + 1]!r} slides from {coordinate.shown(low)} to {coordinate.shown(high)} only, the <limit> of"
-                f" its joint, and is to be at {coordinate.shown(worst)}: keep the motion inside, or widen the limit"
+                f"driver {structure.model.names[driver + 1]!r} slides from {coordinate.shown(low)} to {coordinate.shown(high)} only, the"
+                f" <limit> of its joint, and is to be at {coordinate.shown(worst)}: keep the motion inside, or widen the limit"
             )
 
 

@@ -88,7 +88,7 @@ class Description:
     """The contents of a URDF, in document order.
 
     Drivers are as `_drivers` finds them, each once; armature is the inertia of motors that turn with joints, by the names of these [kg m2
-    or kg]."""
+    or kg]; home are the joint coordinates in ``<home>`` [rad or m]."""
 
     name: str
     links: tuple[str, ...]
@@ -98,6 +98,7 @@ class Description:
     joint_springs: tuple[JointSpring, ...] = ()
     armature: Mapping[str, float] = field(default_factory=dict)
     relations: tuple[Relation, ...] = ()
+    home: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def types(self) -> dict[str, str]:
@@ -190,7 +191,8 @@ def describe(robot: Element) -> Description:
     springs = tuple(_joint_spring(spring) for spring in robot.all("joint_spring"))
     armature = {element.get("joint"): element.number("inertia", 0.0) for element in robot.all("armature")}
     relations = tuple(_relation(relation) for relation in robot.all("relation"))
-    return Description(robot.get("name"), links, joints, loops, drivers, springs, armature, relations)
+    home = {joint.get("name"): joint.number("position", 0.0) for home in robot.all("home") for joint in home.all("joint")}
+    return Description(robot.get("name"), links, joints, loops, drivers, springs, armature, relations, home)
 
 
 def _drivers(robot: Element) -> list[str]:

@@ -69,9 +69,9 @@ class Linkage(Frozen):
     """A closed linkage and its drivers, made by `load`. It is read-only, ``model`` too: after a change in place every use of the linkage
     raises a PinpressError. Inertias that no body has are refused, however the linkage was made.
 
-    World axes: up is against gravity, z by default (`up`); a planar press then stands in the x-z plane. Angles are zero in the drawn pose.
-    SI units. A changed linkage is made by ``dataclasses.replace(press, model=...)`` with a changed copy of the model: everything else here
-    is derived.
+    World axes: up is against gravity, z by default (`up`); a planar press then stands in the x-z plane. Joint coordinates count from the
+    zeros of the file: they are zero in the drawn pose. SI units. A changed linkage is made by ``dataclasses.replace(press, model=...)``
+    with a changed copy of the model: everything else here is derived.
 
     Attributes:
         name: the URDF's robot name.
@@ -89,6 +89,9 @@ class Linkage(Frozen):
         joint_springs: springs and dampers in joints, ``<joint_spring>``. Inertias of motors, ``<armature>``, are in ``model.armature``.
         passive: names of the drivers that no motor moves, such as sprung joints and the joints of a floating base. They are the last of
             ``drivers``, because together with the motors their coordinates determine all others.
+        home: (nv,) joint coordinates of the pose in which the linkage is put together, and in which paths of its drivers begin [rad or m];
+            empty for the drawn pose. ``closed`` is this pose, closed exactly.
+        mounted: how the home pose was found, if it is not the drawn one.
     """
 
     name: str
@@ -104,6 +107,8 @@ class Linkage(Frozen):
     zero: str = ""
     passive: tuple[str, ...] = ()
     joint_springs: tuple[JointSpring, ...] = ()
+    home: tuple[float, ...] = ()
+    mounted: str = ""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -122,7 +127,7 @@ class Linkage(Frozen):
         from .skeleton import skeleton  # to save start-up time: the XML library
 
         try:
-            shown = self.drawn_at(np.pi / 3)  # the pose of the file is often a dead centre
+            shown = self.drawn_at(float(self.closed[self.driver_indices[0]]) + np.pi / 3)  # the pose of the file is often a dead centre
         except PinpressError:
             shown = self
         links = [self.link_of(joint) for joint in range(self.model.njoints)]
@@ -153,6 +158,11 @@ class Linkage(Frozen):
     def size(self) -> float:
         """Largest extent of joints and loops in the drawn pose [m]: the length by which angles are compared with travels."""
         return self.structure.size
+
+    @property
+    def lengths(self) -> Array:
+        """(nv,) what counts as 1 rad of each joint [rad or m]."""
+        return np.array([1.0 if axis.turns else self.size for axis in self.axes])
 
     @property
     def axes(self) -> tuple[Axis, ...]:
@@ -238,7 +248,7 @@ class Linkage(Frozen):
 
     @property
     def rank(self) -> int:
-        """Rank of the equations of loops, relations and held joints in the closed drawn pose."""
+        """Rank of the equations of loops, relations and held joints in the closed home pose."""
         return self.assembly.rank
 
     @property
@@ -292,7 +302,12 @@ class Linkage(Frozen):
             ratios: travel of every other driver by that of the one, by their names; one of 0 stands.
         """
         of_drivers = dict(zip(self.drivers, self.driver_indices, strict=True))
-        followers = (gear(name, joint, of_drivers[driver], ratios[name]) for name, joint in of_drivers.items() if name != driver)
+        home = self.closed  # gears must fit there
+        followers = (
+            gear(name, joint, of_drivers[driver], ratios[name], float(home[joint] - ratios[name] * home[of_drivers[driver]]))
+            for name, joint in of_drivers.items()
+            if name != driver
+        )
         return replace(self, drivers=(driver,), passive=(), relations=(*self.relations, *followers))
 
     @property
@@ -317,12 +332,12 @@ class Linkage(Frozen):
     @property
     @per_linkage
     def assembly(self) -> Assembly:
-        """The linkage put together in its drawn pose; `load` judges whether it closes and moves."""
-        return assemble(self.structure)
+        """The linkage put together in its home pose; `load` judges whether it closes and moves."""
+        return assemble(self.structure, self.home, self.mounted)
 
     @property
     def closed(self) -> Array:
-        """(nv,) joint coordinates of the drawn pose, closed exactly, drivers at zero [rad or m]."""
+        """(nv,) joint coordinates of the home pose, closed exactly [rad or m]."""
         return self.assembly.closed
 
     @property
@@ -401,7 +416,7 @@ class Linkage(Frozen):
         That takes a tenth of the time of walking it. If they differ too much, the branch is walked when it is needed.
         """
         if self.joints == other.joints and self.drivers == other.drivers and len(self.drivers) == 1:
-            nearby = walk_branch_beside(self.engine(), self.structure, other.branch)
+            nearby = walk_branch_beside(self.engine(), self.structure, other.branch, other.closed)
             if nearby is not None:
                 keep_geometry_of(vars(Linkage)["branch"].fget, self, nearby)
 
@@ -535,14 +550,14 @@ class Linkage(Frozen):
         relations = tuple(replace(relation, offset=0.0) for relation in self.relations)
         moved = dict(zip(self.joints, pose, strict=True))
         springs = tuple(replace(spring, reference=spring.reference - float(moved[spring.joint])) for spring in self.joint_springs)
-        return replace(self, model=model, relations=relations, joint_springs=springs, zero=zero)
+        return replace(self, model=model, relations=relations, joint_springs=springs, zero=zero, home=(), mounted="")
 
     def configuration(self, angle: ArrayLike) -> Array:
         """Pinocchio's configuration q with the loops closed, in the drawn assembly. An unbounded joint has its cosine and sine in it.
 
         Args:
             angle: of the driver, one number or (n,), up to 1e7 rad [rad], of one that slides its position [m]; of several drivers
-                (drivers,) or (n, drivers), in the order of ``drivers``: the assembly is followed from the drawn pose to the first and from
+                (drivers,) or (n, drivers), in the order of ``drivers``: the assembly is followed from the home pose to the first and from
                 each to the next, on straight lines.
 
         Returns:
@@ -746,6 +761,7 @@ def _made_of(press: Linkage) -> tuple[object, ...]:
         press.joint_springs,
         press.slide,
         press.zero,
+        press.home,
         loops,
         relations,
         press.model,

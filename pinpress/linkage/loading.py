@@ -23,6 +23,7 @@ from .description import Relation as DescribedRelation
 from .document import Document, check_command, read, refuse_errors
 from .drivers import Proposal, propose, settle
 from .formats import companion, dialects
+from .home import mount
 from .linkage import Linkage
 
 
@@ -40,9 +41,13 @@ def load(
     *,
     drivers: str | Sequence[str] | None = None,
     base: Base = "fixed",
-    allow_open: bool = False,
+    pose: Mapping[str, float] | None = None,
 ) -> Linkage:
-    """Read a linkage from a URDF with ``<loop_joint>`` elements, close its drawn pose exactly and check that its driver determines it.
+    """Read a linkage from a URDF with ``<loop_joint>`` elements, put it together and check that its driver determines it.
+
+    A closed drawn pose is taken as it is. Where loops are drawn open, they are closed, in this order: near ``pose``; near the ``<home>`` of
+    the file; near the drawn pose with the drivers held, then with all joints free; from the middles of the limits; from random poses.
+    ``press.assembly.how`` says what was taken, ``press.closed`` has the joint coordinates. These count from the zeros of the file.
 
     Files in other formats are turned into such a URDF first (``press.text``): URDF with the loops of Drake, URDF+ and Gazebo, SDF, and MJCF
     (by the package mujoco). The manual says which parts of them are read.
@@ -59,13 +64,15 @@ def load(
             coordinates are then joints of their own, called after it with ``_x``, ``_y``, ``_z`` (along the axes of the body it hangs on),
             ``_rz``, ``_ry`` and ``_rx`` (one after the other, about the axes that the turns before have reached) behind. They are at
             their limit where the turn about y is a quarter turn. A free body that loops join to the rest is always free.
-        allow_open: whether loops may be drawn open by more than a tenth of the linkage's size. They are then closed where they can be.
+        pose: coordinates of some joints [rad or m], by their names, from the zeros of the file: the linkage is put together near them, with
+            these joints held where it closes so. It chooses between assemblies.
 
     Raises:
         UrdfError: the file cannot be read, or makes no sense; no driver, or more or fewer drivers than degrees of freedom; a loop drawn
-            far open.
-        AssemblyError: the loops do not close near the drawn pose.
-        SingularityError: the driver does not determine the drawn pose.
+            far open that would be closed with its points read otherwise.
+        UnknownNameError: ``pose`` names no joint of the file.
+        AssemblyError: the loops do not close anywhere, or not near ``pose``.
+        SingularityError: the driver does not determine the drawn pose, or assemblies meet there: the message lists poses that choose one.
 
     Warns:
         PinpressWarning: a linkage that is hardly meant: a loop drawn open by more than a hundredth of the linkage's size; lengths, angles,
@@ -73,7 +80,7 @@ def load(
     """
     if driver is not None and drivers is not None:
         raise PinpressError("driver and drivers are both given, two names of one argument: leave one of them out")
-    return load_document(parse(locate(path)), driver if drivers is None else drivers, slide, gravity, base=base, allow_open=allow_open)
+    return load_document(parse(locate(path)), driver if drivers is None else drivers, slide, gravity, base=base, pose=pose)
 
 
 def load_document(
@@ -83,7 +90,7 @@ def load_document(
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
     *,
     base: Base = "fixed",
-    allow_open: bool = False,
+    pose: Mapping[str, float] | None = None,
     in_file: bool = True,
     command: str = "",
 ) -> Linkage:
@@ -95,18 +102,18 @@ def load_document(
         slide: as for `load`.
         gravity: as for `load`.
         base: as for `load`.
-        allow_open: as for `load`.
+        pose: as for `load`.
         in_file: whether users see the URDF. Else warnings name no line of it, and its centres of mass are not checked: the program that
             wrote it knows them.
         command: what lists all that is wrong; empty for the command ``pinpress check``.
     """
     document = with_base(document, base)
     refuse_errors(element_checks.errors(document), command or check_command(document.file))
-    press, of_drivers = settle(build(document, driver, slide, gravity))
+    press, of_drivers = settle(mount(build(document, driver, slide, gravity), pose))
     refuse_without_driver(press)
     command = command or check_command(press.file, () if driver is None else press.drivers, slide)
     refuse_errors(assembly_checks.errors(press), command)
-    findings = list(assembly_checks.remarks(press, allow_open, quick=True, centres=in_file))
+    findings = list(assembly_checks.remarks(press, quick=True, centres=in_file))
     refuse_errors(findings, command)
     of_file = list(element_checks.once(finding for finding in document.remarks if finding.severity == "warning"))
     if in_file:
@@ -243,14 +250,13 @@ def _library() -> Path:
 
 
 def _refuse_without_travel(document: Document, name: str, lower: float, upper: float) -> None:
-    """Raise UrdfError for a driver that slides and cannot move from the drawn pose between these limits [m]."""
-    if lower <= 0.0 <= upper and lower < upper:
+    """Raise UrdfError for a driver that slides and cannot move between these limits [m]."""
+    if lower < upper:
         return
-    problem = f"the driver slides from {lower:g} to {upper:g} m, the <limit> of its joint, and "
-    problem += "the drawn pose, 0, is outside" if lower < upper else "so not at all"
+    problem = f"the driver slides from {lower:g} to {upper:g} m, the <limit> of its joint, and so not at all"
     if lower == upper == 0.0:
         problem = "the <limit> of the driver, which slides, is 0 to 0 m, as programs write it that know no limits: it could not move"
-    remedy = "write its travel from the drawn pose in m: lower, 0 or less, and upper, 0 or more"
+    remedy = "write its travel from the drawn pose in m: lower, and an upper above it"
     raise UrdfError(document.file, document.called("joint", name), document.find("joint", name).line, problem, remedy)
 
 

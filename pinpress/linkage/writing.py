@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ import pinocchio as pin
 
 from ..common import files
 from ..common.arguments import truth_value, typed
-from ..common.errors import PinpressError, shown
+from ..common.errors import AssemblyError, PinpressError, shown
 from ..common.files import path_of
 from ..common.quantities import Array
 from ..engines.constraints import Coupling, LoopJoint, Relation
@@ -32,6 +32,7 @@ from .document import Document, Finding
 from .drivers import settle
 from .element import Element
 from .formats.urdf_writer import DIALECTS, in_dialect
+from .home import closed_as_drawn, mount
 from .linkage import Linkage
 from .text import MOMENTS, Text, as_text, tag
 
@@ -90,6 +91,8 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str], *, home: bool = Fal
     template = press.document
     before = loading.build(template, press.motors, press.slide)
     _check(press, before)
+    if not press.home and not closed_as_drawn(press):
+        press = replace(press, home=tuple(press.closed.tolist()))
     text = edit_text(template, before, press)
     document = Document(unwritten, text)
     _raise_first(element_checks.errors(document))
@@ -97,7 +100,10 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str], *, home: bool = Fal
     for what, gap in _gaps(press, reached).items():
         if not gap <= ACCEPTED:
             raise PinpressError(f"{unwritten}: a URDF cannot hold the changed {what} of {press.name}; leave it as in {press.file}")
-    _raise_first(assembly_checks.errors(settle(reached).press))
+    if not press.assembly.closes:
+        problem = f"{unwritten}: the loops of {press.name} do not close at its home pose; give another, replace(press, home=...)"
+        raise AssemblyError(problem, 0.0, float(press.assembly.drawn.gap[0]), press.assembly.drawn.iterations)
+    _raise_first(assembly_checks.errors(settle(mount(reached)).press))
     return files.write(path, in_dialect(document, dialect))
 
 
@@ -313,6 +319,7 @@ def edit_text(document: Document, before: Linkage, now: Linkage) -> bytes:
     for k, (loop, element) in enumerate(zip(read.loops, text.robot.all("loop_joint"), strict=True)):
         _edit_loop(text, element, loop, (old_model, before.loops[k]), (new_model, now.loops[k]))
     _edit_drivers(text, read.drivers, now.motors)
+    _edit_home(text, read.home, dict(zip(now.joints, now.home, strict=False)))
     bodies: dict[int, list[_Link]] = {}
     balls = _balls(document, old_model)
     for link, element in zip(now.links, text.robot.all("link"), strict=True):
@@ -391,6 +398,17 @@ def _edit_drivers(text: Text, before: Sequence[str], now: Sequence[str]) -> None
             text.remove(element)
     for driver in now[len(named) :]:
         text.append(text.robot, tag("transmission", {"name": f"{driver}_drive"}, tag("joint", {"name": driver})))
+
+
+def _edit_home(text: Text, before: Mapping[str, float], now: Mapping[str, float]) -> None:
+    """Write the home pose of a linkage that is not at home as drawn."""
+    if dict(now) == dict(before):
+        return
+    for element in text.robot.all("home"):
+        text.remove(element)
+    if now:
+        joints = (tag("joint", {"name": name, "position": as_text([position])}) for name, position in now.items())
+        text.append(text.robot, tag("home", {}, "".join(joints)))
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- inertias

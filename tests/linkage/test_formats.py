@@ -69,7 +69,7 @@ def test_messages_name_the_element_and_line_of_the_file():
     line = next(k for k, text in enumerate(heavy.read_text().splitlines(), 1) if "-20.0" in text)
     with pytest.raises(UrdfError, match=re.escape(f'{heavy}:{line}: <inertial> of <link name="crank">: the mass -20.0')):
         pp.load(heavy)
-    apart = named("apart.xml", re.sub('<site name="W_1" pos="[^"]*"', '<site name="W_1" pos="2 0 0"', mjcf))
+    apart = named("apart.xml", re.sub('<site name="W_1" pos="[^"]*"', '<site name="W_1" pos="2 2 2"', mjcf))
     line = next(k for k, text in enumerate(mjcf.splitlines(), 1) if "<connect" in text)
     with pytest.raises(pp.PinpressError, match=re.escape(f"{apart}:{line}: ")):
         pp.load(apart)

@@ -7,11 +7,8 @@ from reference.robots.cases import CASES, Case
 import pinpress as pp
 
 WAITING = {
-    "10": "a drawing that is far open is refused",
-    "14": "a drawing that is far open is refused",
     "15": "load has no pose=",
     "16": "a spin of two welded bodies is refused",
-    "21": "keyframes are not read",
     "23": "rounding by 1e-7 counts as one equation more",
 }
 

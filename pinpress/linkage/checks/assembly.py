@@ -21,6 +21,7 @@ from ...engines.rank import rank, singular_values
 from ...engines.structure import configuration, data_of, drawn_placements
 from ..document import Finding
 from ..freedoms import Freedom
+from ..home import HOME, POSE
 from ..linkage import LEVEL, Linkage
 from . import mobility, units
 
@@ -50,13 +51,12 @@ def errors(press: Linkage) -> Iterator[Finding]:
         yield from list(_dead_point(press, rows)) or _massless(press)
 
 
-def _too_far_open(press: Linkage) -> Iterator[Finding]:
-    """Errors of loops that close, but are drawn so far open that the closed linkage is probably not the one that was meant."""
-    for each in _loops(_open_beyond(press, 0.1)):  # a tenth of the linkage's length, as the documentation of `load` says
-        problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
-        likely = _read_otherwise(press, each) or "correct its points or the lengths"
-        remedy = f"{likely}; allow_open=True (in a job allow_open: yes) closes it even so, and moves {_largest_move(press)}"
-        yield Finding.of(UrdfError(press.file, mobility.element(press, each), each.by.line, problem, remedy))
+def _read_otherwise_far(press: Linkage) -> Iterator[Finding]:
+    """Errors of loops that are drawn far open, by a tenth of the linkage, and would be closed with their points read otherwise."""
+    for each in _loops(_open_beyond(press, 0.1)):
+        if likely := _read_otherwise(press, each):
+            problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
+            yield Finding.of(UrdfError(press.file, mobility.element(press, each), each.by.line, problem, likely))
 
 
 def opening_in_words(press: Linkage, each: mobility.Constraint, gaps: Array) -> str:
@@ -142,9 +142,9 @@ def _change_point(press: Linkage, rows: Rows) -> Finding:
 
 
 def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
-    """Errors of the loops and gear pairs that Newton's method left open, the one drawn furthest open first."""
-    owners = mobility.constraints(press)
-    gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, press.assembly.rows.gaps))
+    """Errors of the loops and gear pairs that are open in the best pose that was found, the one furthest open first."""
+    owners, at_best = mobility.constraints(press), press.equations(np.array(press.home)).gaps
+    gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, at_best))
     # Where loops overconstrain each other, all of them may be left open; those that are drawn closed are not at fault.
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.structure.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
@@ -154,21 +154,15 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     common = other_units or _without_axis(press) or remedy_of_rounded_axes(press)
     fit = "; loops hold each other here, so that lengths and angles must fit to all digits"
     beside = fit if press.engine().redundant(press.assembly.start) else ""
-    for k in sorted(still_open, key=lambda k: -gaps[k]):
-        each, iterations = owners[k], press.assembly.drawn.iterations
-        problem = "does not close near the drawn pose"
+    for k in sorted(still_open, key=lambda k: -left[k]):
+        each, opening = owners[k], opening_in_words(press, owners[k], rows.gaps)
+        apart = f"{opening} apart as drawn" if opening else "drawn closed, but the others cannot close beside it"
+        problem = f"does not close: {apart}, {opening_in_words(press, each, at_best) or 'closed'} at best"
         remedy = (common or _read_otherwise(press, each) or "draw it closed, or change the link lengths") + beside
-        error = AssemblyError(f"{press.file}:{each.by.line}: {each.title} {problem}; {remedy}", 0.0, gaps[k], iterations)
-        opening = opening_in_words(press, each, rows.gaps)
-        apart = f"{opening} apart as drawn" if opening else "it is drawn closed, but the others cannot close beside it"
-        yield Finding(
-            "error",
-            mobility.element(press, each),
-            each.by.line,
-            f"{problem}: {apart}",
-            remedy,
-            error,
+        error = AssemblyError(
+            f"{press.file}:{each.by.line}: {each.title} {problem}; {remedy}", 0.0, left[k], press.assembly.drawn.iterations
         )
+        yield Finding("error", mobility.element(press, each), each.by.line, problem, remedy, error)
 
 
 def _without_axis(press: Linkage) -> str | None:
@@ -187,7 +181,7 @@ def _read_otherwise(press: Linkage, each: mobility.Constraint) -> str | None:
     """What to write if a loop that is drawn open would be closed with its points read otherwise: with its links exchanged, or one point in
     world axes; else None."""
     loop = next((loop for loop in press.document.description.loops if loop.name == each.by.name), None)
-    if loop is None or not isinstance(each.by, LoopJoint) or each.gap(press.assembly.gaps) <= CLOSED * press.size:
+    if loop is None or not isinstance(each.by, LoopJoint) or mobility.opening(press, each, press.assembly.gaps)[0] <= CLOSED * press.size:
         return None
     places = drawn_placements(press.model)
 
@@ -252,16 +246,15 @@ def _joints(names: Sequence[str]) -> str:
     return f"joint {names[0]!r}" if len(names) == 1 else f"joints {', '.join(map(repr, names))}"
 
 
-def remarks(press: Linkage, allow_open: bool, *, quick: bool = False, centres: bool = True) -> Iterator[Finding]:
+def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Iterator[Finding]:
     """What is said of a linkage without `errors`: errors of loops that are drawn too far open, warnings and notes.
 
     Args:
         press: the linkage.
-        allow_open: whether loops may be drawn far open.
         quick: whether only warnings that are found quickly are wanted, about files that probably describe another linkage than was meant.
         centres: whether centres of mass are checked.
     """
-    refused = [] if allow_open else list(_too_far_open(press))
+    refused = list(_read_otherwise_far(press))
     yield from refused
     if quick:
         # A gap of a hundredth of the linkage is probably a mistake, and so is any that a joint has to move by 0.05 rad or m to close.
@@ -416,8 +409,8 @@ def _slide_axis(press: Linkage) -> Iterator[Finding]:
 
 
 def _drawn_open(press: Linkage, those: list[mobility.Constraint]) -> Iterator[Finding]:
-    """Warnings of loops and gear pairs, that they are drawn open."""
-    for each in those:
+    """Warnings of loops and gear pairs, that they are drawn open, of a file that does not say how to close them."""
+    for each in () if press.mounted.startswith((POSE, HOME)) else those:
         problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn"
         remedy = f"{_read_otherwise(press, each) or 'draw it closed'}; to close it, load has moved {_largest_move(press)}"
         yield Finding("warning", mobility.element(press, each), each.by.line, problem, remedy)

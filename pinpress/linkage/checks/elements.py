@@ -41,6 +41,7 @@ def errors(document: Document) -> list[Finding]:
             _spring_problems(robot, description),
             _relation_problems(robot, description),
             _transmission_problems(robot, description),
+            _home_problems(robot, description),
             _tree_problems(robot, description),
             _inertia_problems(robot, description),
             _loop_problems(robot, description),
@@ -253,6 +254,13 @@ def _transmission_problems(robot: Element, description: Description) -> Iterator
             if not joint.get("name"):
                 yield joint, "has no name", 'write <joint name="..."/>, the driver'
             yield from _named_joint(joint, description, "is fixed and cannot drive")
+
+
+def _home_problems(robot: Element, description: Description) -> Iterator[Problem]:
+    moving = [name for name, kind in description.types.items() if kind != "fixed"]
+    for joint in (joint for home in robot.all("home") for joint in home.all("joint")):
+        if (name := joint.get("name")) and name not in moving:
+            yield joint, f"no moving joint {name!r}{suggestion(name, moving)}", "name a moving <joint> of this file"
 
 
 def _size_problems(robot: Element, description: Description) -> Iterator[Problem]:

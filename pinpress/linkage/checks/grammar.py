@@ -29,7 +29,7 @@ class _Rule(NamedTuple):
 _RULES = {
     "robot": _Rule(
         "name? version?",
-        "link* joint* loop_joint* relation* joint_spring* armature* material* transmission*",
+        "link* joint* loop_joint* relation* joint_spring* armature* material* transmission* home?",
         "warning",
         "gazebo ros2_control mujoco sensor fixed_frame frame",
     ),
@@ -54,6 +54,8 @@ _RULES = {
     "relation joint": _Rule("name coefficient?"),
     "inertial": _Rule("", "origin? mass inertia", "warning"),
     "transmission": _Rule("name? type?", "", "warning"),
+    "home": _Rule("", "joint*"),
+    "home joint": _Rule("name position"),
     "origin": _Rule("xyz? rpy?"),
     "parent": _Rule("link"),
     "child": _Rule("link"),
@@ -99,6 +101,7 @@ _QUANTITIES = (
     "stiffness",
     "reference",
     "damping",
+    "position",
     "inertia",
 )
 

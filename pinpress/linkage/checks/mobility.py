@@ -132,7 +132,7 @@ def redundancy(press: Linkage, x: Array) -> Redundancy:
 def freedom_nearby(press: Linkage) -> int:
     """Degrees of freedom in a random pose near the drawn one, where no equation is redundant by chance."""
     away = np.random.default_rng(0).uniform(-1e-3, 1e-3, press.model.nv)  # a thousand times the rounding of files
-    nearby = press.closed + away * _lengths(press)
+    nearby = press.closed + away * press.lengths
     return int(press.model.nv) - rank(press.equations(nearby).columns)
 
 
@@ -144,17 +144,12 @@ def is_shaky(press: Linkage) -> bool:
     random, last = np.random.default_rng(0), press.model.nv - len(press.drivers) - 1
     away, largest = 1e-2, 0.0  # distance of the poses [rad, lengths of the linkage]
     for _ in range(6):
-        x = press.closed + away * _lengths(press) * random.uniform(-1, 1, press.model.nv)
+        x = press.closed + away * press.lengths * random.uniform(-1, 1, press.model.nv)
         for _ in range(40):  # at a double root steps of Newton's method halve the distance, here from 1e-2 to rounding
             rows = press.equations(x)
             x = x - np.linalg.lstsq(rows.columns, rows.gaps, rcond=1e-9)[0]
         largest = max(largest, float(singular_values(press.equations(x).columns)[last]))
     return largest < 1e-3 * away  # a double root is found to the square root of rounding, 1e-8
-
-
-def _lengths(press: Linkage) -> Array:
-    """(nv,) what counts as 1 rad of each joint [rad or m]."""
-    return np.array([1.0 if axis.turns else press.size for axis in press.axes])
 
 
 def rates_of_drivers(press: Linkage) -> Array:

@@ -1,0 +1,117 @@
+"""The home pose of a linkage: the closed pose that is found first on a ladder of starts and of joints that are held.
+
+A drawn pose that is closed is home as it is, whatever the limits of its joints. Else damped least squares (`engines.mounting`) close the
+loops: from a pose that somebody named, from the drawn pose with the drivers where the file has them, with all joints free, from the middles
+of the limits, and from random poses. The first pose that closes within the limits of the joints is home; without any, limits are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.errors import AssemblyError, PinpressError, UnknownNameError, shown
+from ..common.quantities import Array
+from ..engines.mounting import Mounted, Mounting
+from .linkage import Linkage
+
+CLOSED = 1e-9  # misfit of a closed pose [lengths of the linkage, rad]
+ROUNDED = 1e-3  # misfit that rounded numbers may leave where equations are redundant
+NEAR = 0.05  # moves of joints up to which Newton's method reaches the same pose as damped steps [rad, lengths of the linkage]
+STARTS = 20  # random ones
+POSE, HOME = "pose=", "the <home> of the file"
+
+
+class _Rung(NamedTuple):
+    """A start (nv,), the joints that are held there, and whether the others keep to their limits."""
+
+    how: str
+    start: Array
+    held: Sequence[int]
+    limited: bool = True
+
+
+def mount(press: Linkage, pose: Mapping[str, float] | None = None) -> Linkage:
+    """The linkage with its home pose; with the best one that was found if its loops do not close, which `Linkage.assembly` then says.
+
+    Args:
+        press: the linkage as drawn.
+        pose: coordinates of some of its joints, by their names, near which it is to be put together [rad or m].
+
+    Raises:
+        UnknownNameError: the pose names a joint that the linkage does not have.
+        AssemblyError: the loops do not close near the pose.
+    """
+    home = _pose(press, pose or {})
+    of_file = press.document.description.home
+    if not home and not of_file and closed_as_drawn(press):
+        return press
+    mounting, best = Mounting(press.structure), Mounted(press.assembly.start, np.inf)
+    how = ""
+    for rungs in [_near(press, home, POSE)] if home else [(*_near(press, of_file, HOME), *_as_drawn(press)), _anywhere(press, mounting)]:
+        for rung in rungs:
+            reached = mounting.close(rung.start, rung.held, rung.limited)
+            if reached.misfit < best.misfit:
+                best, how = reached, rung.how
+            if best.misfit <= CLOSED:
+                break
+        if best.misfit <= ROUNDED:
+            break
+    if home and best.misfit > ROUNDED:
+        gap = 1e3 * best.misfit * press.size
+        named = ", ".join(f"{name} {value:g}" for name, value in home.items())
+        problem = f"{press.file}: its loops do not close near the pose {named}: at best they are {gap:.3g} mm apart"
+        raise AssemblyError(f"{problem}; give another pose, or fewer joints of it", 0.0, gap / 1e3, 0)
+    return replace(press, home=tuple(best.position.tolist()), mounted=how)
+
+
+def _pose(press: Linkage, pose: Mapping[str, float]) -> dict[str, float]:
+    """The pose that was given; raises errors of its names and numbers."""
+    for name, value in pose.items():
+        if name not in press.joints:
+            raise UnknownNameError("moving joint", name, press.joints)
+        if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not np.isfinite(value):
+            raise PinpressError(f"pose of joint {name!r} is {shown(value)}: give a finite number, in rad or m")
+    return {name: float(value) for name, value in pose.items()}
+
+
+def closed_as_drawn(press: Linkage) -> bool:
+    """Whether the drawn pose is closed, but for what a short step of Newton's method closes."""
+    assembly = press.assembly
+    return assembly.closes and bool((np.abs(assembly.closed - assembly.start) <= NEAR * press.lengths).all())
+
+
+def _near(press: Linkage, pose: Mapping[str, float], how: str) -> tuple[_Rung, ...]:
+    """Rungs near a pose: its joints held, then only the drivers among them, then none."""
+    start, named = press.assembly.start.copy(), [press.joints.index(name) for name in pose]
+    if not named:
+        return ()
+    start[named] = list(pose.values())
+    drivers = [joint for joint in named if joint in press.driver_indices]
+    exact = _Rung(f"{how} as it stands", start, named)
+    held = _Rung(f"{how} with the drivers held", start, drivers)
+    return exact, *([held] if drivers else []), _Rung(f"{how} with all joints free", start, ())
+
+
+def _as_drawn(press: Linkage) -> Iterator[_Rung]:
+    """Rungs from the drawn pose."""
+    start = press.assembly.start
+    yield _Rung("the drawn pose with the drivers held", start, press.driver_indices)
+    yield _Rung("the drawn pose with all joints free", start, ())
+
+
+def _anywhere(press: Linkage, mounting: Mounting) -> Iterator[_Rung]:
+    """Rungs from poses that nobody named, and at last without limits."""
+    start, finite = press.assembly.start, np.isfinite(mounting.lower) & np.isfinite(mounting.upper)
+    middle = start.copy()
+    middle[finite] = 0.5 * (mounting.lower[finite] + mounting.upper[finite])
+    yield _Rung("the middles of the limits with all joints free", middle, ())
+    random = np.random.default_rng(0)
+    for k in range(STARTS):
+        away = (0.3 + 2.7 * k / STARTS) * random.uniform(-1.0, 1.0, len(start)) * mounting.lengths
+        yield _Rung(f"random start {k + 1} with all joints free", (start, middle)[k % 2] + away, ())
+    yield _Rung("the drawn pose with the drivers held, outside limits", start, press.driver_indices, limited=False)
+    yield _Rung("the drawn pose with all joints free, outside limits", start, (), limited=False)
