@@ -108,12 +108,17 @@ def acceleration_derivatives(
     )
     if efforts is None:
         effort_rows = np.zeros((count, joints))
-        effort_rows[:, list(press.driver_indices)] = np.reshape(inverse_dynamics(press, motion).driving_torque, (count, -1))
+        effort_rows[:, list(press.driver_indices)] = np.reshape(
+            inverse_dynamics(press, motion, passive="given").driving_torque, (count, -1)
+        )
         effort_rows += added_inertia * motion.a
     else:
         wanted = f"({joints},) or ({count}, {joints}) finite efforts of the joints [N m, N]"
         numbers = suitable_numbers("efforts", efforts, wanted, None, lambda values: values.shape in ((joints,), (count, joints)))
         effort_rows = np.broadcast_to(numbers, (count, joints)).copy()
+    press.refuse_joint_springs(
+        "derivatives of accelerations leave them out; take them out, and add their slopes to by_position and by_rate"
+    )
     rows = press.structure.relation_coefficients[: len(press.relations)]
     with np.errstate(all="ignore"):  # what is not finite is refused
         derivatives = ForwardDerivatives(press.forward_dynamics(added_inertia), rows)

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..common.errors import shown
 from ..common.parameters import declared, in_signature
-from ..common.quantities import CRANK, GRAVITY, DriverCoordinate, quantity
+from ..common.quantities import CRANK, GRAVITY, RAM, DriverCoordinate, quantity
 from ..kinematics.main_data import tool_in_words
 from ..kinematics.motion import Motion, is_constant, is_cycle
 from ..linkage import loading
@@ -34,7 +34,7 @@ Inputs = Sequence[tuple[str, str]]
 
 
 def inputs(reactions: Reactions, motion: str = "", drives: Inputs = (), how: str = "") -> Inputs:
-    """Press and file, motion, loads, friction and stiffnesses of reactions, and by what and when they were stated.
+    """Press and file, motion, passive coordinates, loads, friction and stiffnesses of reactions, and by what and when they were stated.
 
     Args:
         reactions: the reactions.
@@ -46,6 +46,7 @@ def inputs(reactions: Reactions, motion: str = "", drives: Inputs = (), how: str
         *of_press(reactions._press),
         ("motion", motion or motion_in_words(reactions.motion)),
         *drives,
+        *([("passive coordinates", reactions.passive)] if reactions._press.passive else []),
         *of_loads(reactions.loads),
         *of_friction(reactions.friction),
         *([("stiffness", _by_bearing(reactions.stiffness, "N/m"))] if reactions.stiffness else []),
@@ -62,11 +63,17 @@ def stated(how: str = "") -> tuple[str, str]:
 def of_press(press: Linkage) -> Inputs:
     """The press, the file that it is from, where process forces act on it, and where crank angles are 0 and what gravity is, where they are
     not as usual."""
-    drivers = f"{'joints' if len(press.drivers) > 1 else 'joint'} {', '.join(press.drivers)}"
+    drivers = f"{'joints' if len(press.motors) != 1 else 'joint'} {', '.join(press.motors) or 'none'}"
     slide = f"its slide is link {press.slide}" if press.slide else "it has no slide"
     rows = [("press", f"{press.name}, driven at {drivers}; {slide}"), ("file", _file_in_words(press))]
     rows += [] if press.slide is None else [("process", f"force acts {tool_in_words(press)}")]
     rows += [("crank angles", f"counted from {press.zero}")] if press.zero else []
+    rows += [("passive", f"joints {', '.join(press.passive)}, without a motor")] if press.passive else []
+    coordinates = [CRANK if axis.turns else RAM for axis in press.axes]
+    rows += [("spring in a joint", described(each, coordinates[press.joints.index(each.joint)])) for each in press.joint_springs]
+    rotors = zip(press.joints, press.model.armature, coordinates, strict=True)
+    armature = [f"{value:.{DIGITS}g} {each.in_place_of('kg m2')} at {name}" for name, value, each in rotors if value]
+    rows += [("rotors", f"inertia {', '.join(armature)}")] if armature else []
     gravity = tuple(float(part) for part in press.model.gravity.linear)
     return rows if gravity == STANDARD_GRAVITY else [*rows, ("gravity", f"{_numbers(np.array(gravity))} m/s2")]
 

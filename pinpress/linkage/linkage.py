@@ -465,6 +465,12 @@ class Linkage(Frozen):
         if len(self.drivers) > 1:
             raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: {refusal}")
 
+    def refuse_joint_springs(self, refusal: str) -> None:
+        """Raise PinpressError if springs are in joints of the linkage; ``refusal``: what does not take them."""
+        if self.joint_springs:
+            names = ", ".join(repr(spring.joint) for spring in self.joint_springs)
+            raise PinpressError(f"{self.name} has springs in joints {names}: {refusal}")
+
     @property
     @per_linkage
     def turns_until_back(self) -> int | None:

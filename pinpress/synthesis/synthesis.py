@@ -199,6 +199,7 @@ class BoundedQuantity(Record):
 def state_problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geometry: Any) -> Problem:
     """The problem of checked arguments, with requirements that are not yet scaled."""
     planar(press)
+    press.refuse_joint_springs("a synthesis does not know them; take them out of the file")
     for name, mapping in (("variables", variables), ("subject_to", subject_to)):
         if not isinstance(mapping, Mapping):
             raise PinpressError(f"{name} is a {type(mapping).__name__}: give a mapping from names")

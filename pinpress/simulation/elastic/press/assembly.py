@@ -57,6 +57,7 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
         raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic(Stiffness(bearings={{...}}, moments={{...}}))")
     press.refuse_several_drivers("elastic motion is that of a press with one; see slide_deflection of their motion")
     press.refuse_sliding_driver("elastic motion is that of a press with a crank")
+    press.refuse_joint_springs("elastic motion has SpringDamper loads and preloaded joints instead")
     _ = press.slide_guide
     build = press_in_plane if "plane" in press.engines else press_in_space
     sprung = build(press, elastic, reference_motion(press))
