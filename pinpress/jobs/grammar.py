@@ -29,6 +29,7 @@ from ..common.reading.filling import (
 )
 from ..foundation.frame_file import MOUNTED, ON_MOUNTS, USUAL_WORDS
 from ..simulation.simulate import METHODS
+from ..visual.languages import LANGUAGES
 from .kinds import (
     BEARING,
     BRAKE,
@@ -46,7 +47,6 @@ from .kinds import (
 )
 
 ALL = "all"  # in place of a bearing's name: every bearing that does not say otherwise
-LANGUAGES = ("en",)
 JOB = FileKind("job", FileEntryError, "the press, or file: press.urdf, and what acts on it", USUAL_WORDS)
 Given = dict[str, Any]
 
@@ -432,7 +432,7 @@ SECTIONS: Mapping[str, Section] = {
             {
                 **{name: Text() for name in ("title", "company", "drawing", "author", "revision", "date", "notes", "before")},
                 "logo": DataFile(),
-                "language": Text(LANGUAGES),
+                "language": Text(tuple(LANGUAGES)),
             },
         ),
         "The head of the page, its language, and the variant or press with which it compares.",

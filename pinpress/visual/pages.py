@@ -24,7 +24,7 @@ import numpy as np
 from ..common import files
 from ..common.errors import PinpressError
 from ..common.quantities import Array
-from . import licences
+from . import languages, licences
 
 FIELD = re.compile(r"\{\{(\w+)\}\}")
 FILE = re.compile(r"\{\{(\w+\.\w+)\}\}")
@@ -49,7 +49,7 @@ class Library:
     licence: str
 
 
-def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[str, Library]) -> bytes:
+def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[str, Library], language: str = "en") -> bytes:
     """Make a page from the files of `templates/`; every ``{{name}}`` is replaced once.
 
     Libraries, data and the template's own scripts of the class ``packed`` are compressed; ``unpack.js`` opens them in the browser. The
@@ -60,11 +60,13 @@ def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[
         title: any text.
         data: data for the page's own scripts, written as JSON.
         libraries: libraries by their names in the template.
+        language: of its texts, one of `languages.LANGUAGES`.
 
     Raises:
         PinpressError: a number of the data is not finite.
     """
     whole = _with_files(template)
+    data = data if language == "en" else languages.language(language).of_page(data, whole)
     digests = [library.digest for library in libraries.values()]
 
     def finished(script: re.Match[str]) -> str:
@@ -78,6 +80,7 @@ def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[
     whole = re.sub(r"(<script[^>]*>)(.*?)</script>", finished, whole, flags=re.DOTALL)
     fields = {
         "title": html.escape(title),
+        "language": language,
         "data": pack(_as_json(data).encode()),
         "digests": " ".join(digests),
         "licences": html.escape("\n\n".join(library.licence for library in libraries.values()), quote=False),

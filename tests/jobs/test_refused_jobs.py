@@ -59,7 +59,7 @@ WRONG: list[tuple[str, str, str, bool]] = [
         True,
     ),
     ("speed: 70 r/min", "spead: 70 r/min", "'spead' is no key here, did you mean 'speed'?; write some of", False),
-    ("language: en", "language: xx", "report: language: 'xx' is not known here; write one of en", False),
+    ("language: en", "language: xx", "report: language: 'xx' is not known here; write one of en, de, zh, ja", False),
     ("count: 2", "count: 2.5", "loads: balance: count: '2.5' is no whole number; write one, such as 12", False),
     ("volume: 300 l", "volume: 0 l", "loads: balance: volume: 0.0; give a finite number that is positive [m3]", True),
     ("drawing: 4711-03,", "logo: logo.bmp,", "report: logo: {folder}/logo.bmp, which cannot be read: No such file", True),

@@ -171,7 +171,7 @@ def _line_chart(chart: described.Chart, shown: Shown, old: described.Chart | Non
         "logarithmic": chart.logarithmic,
         "stacked": chart.stacked,
         "square": chart.square,
-        "note": "; ".join(notes),
+        "note": "; ".join([*([chart.note.rstrip(".")] if chart.note and len(notes) > 1 else notes[:1]), *notes[1:]]),
         "marks": [
             {"name": mark.name, "axis": mark.axis, "at": [sizes[mark.axis] * each for each in np.atleast_1d(mark.at).tolist()]}
             for mark in chart.marks

@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 from ...common import files
 from ...common.errors import PinpressError, odd_character, shown
+from ..languages import LANGUAGES
 
 LARGEST = 1_000_000  # of a logo [bytes]
 BEGINNINGS = {b"\x89PNG\r\n\x1a\n": "png", b"\xff\xd8\xff": "jpeg"}
@@ -33,9 +34,10 @@ class Header:
         revision: of the page.
         date: as it is to be shown.
         notes: any text; its line ends are kept.
+        language: of the page, "en", "de", "zh" or "ja" (English, German, Chinese, Japanese); texts that you gave stay as they are.
 
     Raises:
-        PinpressError: a part is no text, or the logo cannot be read, is no such picture or larger than 1 MB.
+        PinpressError: a part is no text, the language is no such one, or the logo cannot be read, is no such picture or larger than 1 MB.
     """
 
     title: str = ""
@@ -46,6 +48,7 @@ class Header:
     revision: str = ""
     date: str = ""
     notes: str = ""
+    language: str = "en"
 
     def __post_init__(self) -> None:
         for name in (field.name for field in fields(self) if field.name != "logo"):
@@ -54,6 +57,8 @@ class Header:
                 raise PinpressError(f'Header: {name} is {shown(text)}: give a text, such as {name}="..."')
             if odd := odd_character(text, with_control=False):
                 raise PinpressError(f"Header: {name} has the character {odd}, which no page shows: leave it out")
+        if self.language not in LANGUAGES:
+            raise PinpressError(f"Header: language is {shown(self.language)}: write one of {', '.join(LANGUAGES)}")
         _ = self.picture
 
     @cached_property

@@ -77,8 +77,8 @@ def report(
             `ServoMotion`, `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`; `DeadCentreScatter` and its `Scatter`,
             `AllocatedTolerances`, `SlidePlay`, `DeadCentresInClearances`, `HeatShift`, `AccuracyBudget` and `SlideParallelism`.
         flywheel: As for `record`; by default those of a run, of the motion or among the results.
-        header: Title, company, logo and other parts of a title block, which stands at the top of the page and on its first sheet of paper;
-            by default the press's name is the title.
+        header: Language of the page, and title, company, logo and other parts of a title block, which stands at the top of the page and of
+            its first sheet; by default the page is in English, and the press's name is the title.
         inputs: More rows for the inputs of the page, names and texts, such as the files from which the press was made.
         before_name: What the dashed curves are, such as "at 50 r/min"; by default the name of their press.
         before_inputs: More rows for the inputs of the dashed curves.
@@ -105,7 +105,8 @@ def report(
     header = header or Header()
     content = {"header": header.block(), **_content(shown, dashed, results, rows, before_name, before_rows)}
     data = player | {"report": content}
-    page = pages.page("report.html", header.heading(press.name), data, {"viewer": pages.meshcat(), "plotly": pages.plotly()})
+    libraries = {"viewer": pages.meshcat(), "plotly": pages.plotly()}
+    page = pages.page("report.html", header.heading(press.name), data, libraries, header.language)
     return pages.write(path, page)
 
 

@@ -87,7 +87,7 @@ function newtons(force) {  // three digits, in the unit of this force; rounding 
   if (force < 1e-7 * data.peak) return "0 N";
   const [per, unit] = UNITS.find(([per]) => force >= 0.9995 * per) || UNITS[3];
   const digits = (force / per).toPrecision(3);
-  return `${digits.includes("e+") ? Number(digits) : digits} ${unit}`;
+  return `${spoken(digits.includes("e+") ? String(Number(digits)) : digits)} ${unit}`;
 }
 
 // ---- paths ----
@@ -160,8 +160,8 @@ function addLabels() {
   element("labels").append(leaders);
   const named = data.bearings.map(({ name, place }, i) => ({ name, place, arrow: arrows[i] }));
   places.forEach((series, place) => addLabel(series, named.filter(bearing => bearing.place === place)));
-  if (arrows.length) addLabel(foot(), [{ name: "shaking force", arrow: arrows[named.length] }]);
-  if (data.process) addLabel(floats(data.process.place), [{ name: "process force", arrow: arrows[named.length + 1] }]);
+  if (arrows.length) addLabel(foot(), [{ name: say("shaking force"), arrow: arrows[named.length] }]);
+  if (data.process) addLabel(floats(data.process.place), [{ name: say("process force"), arrow: arrows[named.length + 1] }]);
   if (labels.length > MANY) labels.sort((one, two) => two.peak - one.peak);  // these get a place first
 }
 

@@ -14,7 +14,7 @@ function toPaper() {
   viewer.render();
   const snapshot = document.createElement("img");
   snapshot.id = "snapshot";
-  snapshot.alt = `The press at ${element("slider").ariaValueText}`;
+  snapshot.alt = `${say("The press at")} ${element("slider").ariaValueText}`;
   snapshot.src = viewer.renderer.domElement.toDataURL();  // what is on the canvas is lost after this event
   element("view").prepend(snapshot);
   takeBack = forPaper.map(act => act());

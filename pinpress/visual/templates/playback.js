@@ -41,7 +41,7 @@ function showMode() {
 }
 
 function addModes() {  // a choice beside the speed, and words below the links
-  const choice = Object.assign(document.createElement("select"), { id: "mode", ariaLabel: "Mode", title: "Natural vibration" });
+  const choice = Object.assign(document.createElement("select"), { id: "mode", ariaLabel: say("Mode"), title: say("Natural vibration") });
   data.modes.forEach(({ name }, value) => make("option", choice, { value, textContent: name }));
   choice.addEventListener("change", () => seek(data.modes[choice.value].start + now - span().start));
   element("rate").before(choice);
@@ -51,13 +51,13 @@ function addModes() {  // a choice beside the speed, and words below the links
 function show(id, label, text) {
   const small = document.createElement("small");
   small.textContent = label && label + " ";
-  element(id).replaceChildren(small, text.replace("-", "\u2212"));
+  element(id).replaceChildren(small, spoken(text).replace("-", "\u2212"));
 }
 
 function setPlaying(on) {
   playing = on && duration > 0;
   before = null;
-  element("play").ariaLabel = playing ? "Pause" : "Play";
+  element("play").ariaLabel = playing ? say("Pause") : say("Play");
   element("play").querySelector("path").setAttribute("d", playing ? "M2 1h4v12H2zM8 1h4v12H8z" : "M2 0l11 7-11 7z");
 }
 
@@ -113,7 +113,16 @@ function addLegend() {
   }
 }
 
+function sayAll() {  // the words of the page's own elements
+  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (texts.nextNode())
+    if (texts.currentNode.parentNode.tagName !== "SCRIPT") texts.currentNode.textContent = texts.currentNode.textContent.replace(/\S.*\S/s, say);
+  for (const name of ["title", "aria-label"])
+    for (const each of document.body.querySelectorAll(`[${name}]`)) each.setAttribute(name, say(each.getAttribute(name)));
+}
+
 function start() {
+  if (data.language) sayAll();
   element("slider").max = duration;
   document.documentElement.style.setProperty("--title", JSON.stringify(document.title));
   element("rate").value = startingRate();
@@ -135,7 +144,7 @@ function start() {
   element("slide").hidden = data.height === null;
   element("front-view").hidden = !data.front.length;
   addLegend();
-  if (data.magnified) make("li", element("legend"), { textContent: `displacements on the springs drawn ${data.magnified}×` });
+  if (data.magnified) make("li", element("legend"), { textContent: `${say("displacements on the springs drawn")} ${data.magnified}×` });
   if (data.modes) addModes();
   addLights();
   addEdges();

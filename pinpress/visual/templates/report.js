@@ -6,7 +6,7 @@ const CONFIG = {  // nothing that would send a chart anywhere
   responsive: true, displaylogo: false, modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]],
 };
 const LAYOUT = {  // a finger on a chart scrolls the page
-  font: FONT, separators: ".\u202f", showlegend: false, paper_bgcolor: "#fff", plot_bgcolor: "#fff", dragmode: matchMedia("(hover: none)").matches ? false : "zoom",
+  font: FONT, separators: data.language?.comma ? ",\u202f" : ".\u202f", showlegend: false, paper_bgcolor: "#fff", plot_bgcolor: "#fff", dragmode: matchMedia("(hover: none)").matches ? false : "zoom",
 };
 const AXIS = { gridcolor: "#e9edf0", zerolinecolor: "#b9c3cc", linecolor: "#b9c3cc", ticks: "outside", ticklen: 4, tickcolor: "#b9c3cc", automargin: true, exponentformat: "none", separatethousands: true };
 const over = report.over.unit === "s" ? data.time : data.crank;
@@ -54,7 +54,7 @@ function card(parent, title, unit) {
 
 function rounded(value, largest) {  // to four digits of the largest value
   const digits = Math.max(0, 3 - Math.floor(Math.log10(largest || 1))), text = digits > 9 ? value.toPrecision(4) : value.toFixed(digits);
-  return Number(text) ? text.replace("-", "\u2212") : text.replace("-", "");
+  return spoken(Number(text) ? text.replace("-", "\u2212") : text.replace("-", ""));
 }
 
 const largestOf = values => values.reduce((largest, value) => Math.max(largest, Math.abs(value)), 0);
@@ -100,7 +100,7 @@ function lineChart(parent, chart) {
     }
     if (curve.before) {
       mine.push(traces.length);
-      traces.push({ ...line, x: overBefore, y: floats(curve.before), name: name + ", before", opacity: 0.65, line: { color: colour, width: 1.4, dash: "dash", simplify: false } });
+      traces.push({ ...line, x: overBefore, y: floats(curve.before), name: name + `, ${say("before")}`, opacity: 0.65, line: { color: colour, width: 1.4, dash: "dash", simplify: false } });
     }
     return { name: curve.name, colour, traces: mine, dash: curve.look === "dotted" || curve.look === "limit" || dashOf(place), pale };
   });
@@ -209,7 +209,7 @@ function polarChart(parent, title, axes, unit, path, before) {  // the tip of th
   const circles = Array.from({ length: Math.ceil(largest / step) }, (_, i) => (i + 1) * step).map(r => ({ type: "circle", layer: "below", x0: -r, x1: r, y0: -r, y1: r, line: { color: "#dfe5ea", width: 1 } }));
   const limit = 1.08 * Math.ceil(largest / step) * step, axis = { ...AXIS, showgrid: false, range: [-limit, limit], dtick: 2 * step, tickangle: 0, zeroline: true };
   const hover = { mode: MODE, hovertemplate: `%{text}<br>${axes[0]} %{x:.4g}, ${axes[1]} %{y:.4g} ${unit}<extra></extra>` };
-  const texts = values => Array.from(values, value => `${report.over.quantity} ${value.toFixed(report.over.unit === "s" ? 4 : 1)} ${report.over.unit}`);
+  const texts = values => Array.from(values, value => `${report.over.quantity} ${spoken(value.toFixed(report.over.unit === "s" ? 4 : 1))} ${report.over.unit}`);
   const traces = [{ ...hover, x: column(points, 0), y: column(points, 1), text: texts(over), line: { color: COLOURS[0], width: 1.8, simplify: false } }];
   if (before) traces.unshift({ ...hover, x: column(others, 0), y: column(others, 1), text: texts(overBefore), line: { color: "#8a949e", width: 1.4, dash: "dash", simplify: false } });
   const layout = { ...LAYOUT, margin: { l: 46, r: 10, t: 8, b: 40 }, hovermode: "closest", shapes: circles, xaxis: { ...axis, title: { text: axes[0], standoff: 4 }, constrain: "domain" }, yaxis: { ...axis, title: { text: axes[1], standoff: 2 }, scaleanchor: "x", constrain: "domain" } };
@@ -238,7 +238,7 @@ function polarChart(parent, title, axes, unit, path, before) {  // the tip of th
 }
 
 function bearingDetail(parent, { bearings }) {  // one at a time, as a press has up to a dozen; on paper all
-  const heading = make("h2", parent, { textContent: "Force in ", className: "choice" }), choice = make("select", heading, { id: "bearing", ariaLabel: "Bearing or guide" });
+  const heading = make("h2", parent, { textContent: say("Force in") + " ", className: "choice" }), choice = make("select", heading, { id: "bearing", ariaLabel: say("Bearing or guide") });
   bearings.forEach((bearing, i) => make("option", choice, { value: i, textContent: bearing.name }));
   const place = make("div", parent);
   let stop = [];
@@ -255,23 +255,23 @@ function bearingDetail(parent, { bearings }) {  // one at a time, as a press has
 
 function forceDetail(place, { link, axes, unit, frame, own, before, components, open }) {
   const box = make("div", place, { className: "bearing" }), note = make("p", box, { className: "note", hidden: !open });
-  note.textContent = `Rigid mechanics leaves open: ${open}. It is shared with the least sum of squared bearing forces, or as the stiffnesses say.`;
+  note.textContent = `${say("Rigid mechanics leaves open")}: ${open}. ${say("It is shared with the least sum of squared bearing forces, or as the stiffnesses say.")}`;
   const chart = lineChart(box, components), pair = make("div", box, { className: "pair" });
-  const frames = polarChart(pair, "Polar diagram, world axes", axes, unit, frame, before?.frame);
-  const links = polarChart(pair, `Polar diagram, axes of ${brief(link)}`, axes, unit, own, before?.own);
+  const frames = polarChart(pair, say("Polar diagram, world axes"), axes, unit, frame, before?.frame);
+  const links = polarChart(pair, `${say("Polar diagram, axes of")} ${brief(link)}`, axes, unit, own, before?.own);
   return [chart, frames, links, () => box.remove()];
 }
 
 function barChart(parent, { title, unit, places, bars, before, across, note, stacked, band }) {
   const box = card(parent, title, unit), traces = [], words = typeof places[0] === "string";
-  const x = words ? places.map(place => asText(brief(place, 24))) : places, where = words ? "%{x}" : "order %{x}";
+  const x = words ? places.map(place => asText(brief(place, 24))) : places, where = words ? "%{x}" : say("order") + " %{x}";
   const curves = Object.keys(bars).map((name, i) => {
     const bar = { type: "bar", x, hovertemplate: `${where}: %{y:.4g} ${unit}` }, mine = [traces.length];
     const labels = words ? { text: bars[name].map(value => rounded(value, largestOf(bars[name]))), textposition: "auto", cliponaxis: false } : {};
     traces.push({ ...bar, ...labels, y: bars[name], name: asText(brief(name)), marker: { color: COLOURS[i % COLOURS.length] } });
     if (before?.[name]) {
       mine.push(traces.length);
-      traces.push({ ...bar, y: before[name], name: asText(brief(name)) + ", before", marker: { color: COLOURS[i % COLOURS.length], opacity: 0.35 } });
+      traces.push({ ...bar, y: before[name], name: asText(brief(name)) + `, ${say("before")}`, marker: { color: COLOURS[i % COLOURS.length], opacity: 0.35 } });
     }
     return { name, colour: COLOURS[i % COLOURS.length], traces: mine };
   });
@@ -279,7 +279,7 @@ function barChart(parent, { title, unit, places, bars, before, across, note, sta
   if (band) {
     const sums = places.map((_, k) => Object.values(bars).reduce((sum, values) => sum + values[k], 0));
     const ends = { type: "data", symmetric: false, array: band.map(([, high], k) => high - sums[k]), arrayminus: band.map(([low], k) => sums[k] - low) };
-    traces.push({ type: "scatter", mode: "markers", x, y: sums, error_y: ends, name: "sum", marker: { color: "#000", size: 6 }, hovertemplate: `sum: %{y:.4g} ${unit}` });
+    traces.push({ type: "scatter", mode: "markers", x, y: sums, error_y: ends, name: say("sum"), marker: { color: "#000", size: 6 }, hovertemplate: `${say("sum")}: %{y:.4g} ${unit}` });
   }
   const layout = { ...LAYOUT, barmode: stacked ? "relative" : "group", margin: { l: 58, r: 12, t: 12, b: 38 }, bargap: words ? 0.5 : 0.25, xaxis, yaxis: { ...AXIS, rangemode: "tozero" } };
   const plot = document.createElement("div");
@@ -332,8 +332,8 @@ function facts(parent, { title, rows }) {
 }
 
 function titleBlock(article, { logo, company, rows, notes }) {  // beside the press; on paper above it, with the title
-  const box = make("section", article, { id: "head", className: "chart", ariaLabel: "Title block" });
-  if (logo) make("img", box, { src: logo, alt: company || "Logo" });
+  const box = make("section", article, { id: "head", className: "chart", ariaLabel: say("Title block") });
+  if (logo) make("img", box, { src: logo, alt: company || say("Logo") });
   if (company) make("strong", box, { textContent: company });
   const list = make("dl", box), title = document.querySelector("h1"), before = title.nextSibling;
   for (const [name, words] of rows) {

@@ -3,6 +3,8 @@
 const { Viewer, THREE } = MeshCat;
 const element = id => document.getElementById(id);
 const data = JSON.parse(element("data").textContent);
+const say = words => data.language?.words[words] ?? words;  // in the language of the page
+const spoken = text => data.language?.comma ? text.replace(/(\d)\.(\d)/g, "$1,$2") : text;  // numbers
 let duration = data.time[data.time.length - 1];  // s
 function floats(text) {
   const packed = atob(text), bytes = new Uint8Array(packed.length);
@@ -20,8 +22,7 @@ const upright = (x, y, z) => new THREE.Vector3(x, z, -y);  // three.js has y up:
 
 // ---- scene ----
 if (!["webgl2", "webgl"].some(kind => document.createElement("canvas").getContext(kind))) {
-  const message = Object.assign(document.createElement("p"), { className: "message", textContent: "This browser cannot draw the moving press: "
-    + "WebGL is switched off or missing. Allow hardware acceleration, or open the page in another browser." });
+  const message = Object.assign(document.createElement("p"), { className: "message", textContent: say("This browser cannot draw the moving press: WebGL is switched off or missing. Allow hardware acceleration, or open the page in another browser.") });
   message.setAttribute("role", "alert");
   document.body.prepend(message);
   throw new Error("no WebGL");
