@@ -60,7 +60,7 @@ def _of_press(found: Source) -> CheckResult:
     try:
         drawn = found.drawn()
         if drawn is None:
-            return check(found.model, driver=given.get("drivers"), slide=slide, pose=given.get("pose"))
+            return check(found.model, driver=given.get("drivers"), slide=slide, base=given.get("base", "fixed"), pose=given.get("pose"))
         return drawn.check(slide)
     except PinTableError as error:
         if error.line is None:

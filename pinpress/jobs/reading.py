@@ -37,14 +37,14 @@ def press_of(found: Source, made: Mapping[str, Any], drawn: DrawnPress | None) -
         found.items["gravity"].refuse("it counts downwards, and is negative", "write gravity: 9.81 m/s2")
     gravity, slide = (0.0, 0.0, -made.get("gravity", 9.81)), made.get("slide")
     if drawn is not None:
-        for name in ("drivers", "pose"):
+        for name in ("drivers", "base", "pose"):
             if name in found.items:
                 found.items[name].refuse("it is for a press of a file", "leave it out: a table of pins has its drive")
         return drawn.press(gravity, slide=slide)
     for name in ("pins", "links"):
         if name in found.items:
             found.items[name].refuse("the press is that of file", "leave out one of them")
-    press = load(found.model, made.get("drivers"), slide, gravity, pose=made.get("pose"))
+    press = load(found.model, made.get("drivers"), slide, gravity, base=made.get("base", "fixed"), pose=made.get("pose"))
     for name, each in found.items["pose"].items("poses").items() if "pose" in made else ():
         Number("rad" if turns(press, name) else "m").read(each, Around())  # one or the other was read before the press was known
     return press

@@ -18,6 +18,7 @@ from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..engines.constraints import LoopJoint
 from ..engines.rank import rank as rank_of
+from ..linkage.base import Base, with_base
 from ..linkage.checks import assembly as assembly_checks
 from ..linkage.checks import elements as element_checks
 from ..linkage.checks import mobility
@@ -181,6 +182,7 @@ def check(
     driver: str | Sequence[str] | None = None,
     slide: str | None = None,
     *,
+    base: Base = "fixed",
     pose: Mapping[str, float] | None = None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> CheckResult:
@@ -190,6 +192,7 @@ def check(
         path: as for `load`.
         driver: as for `load`.
         slide: as for `load`.
+        base: as for `load`.
         pose: as for `load`.
         gravity: as for `load`: it says what is up.
 
@@ -200,7 +203,7 @@ def check(
     """
     file = os.fspath(locate(path))
     try:
-        document = parse(file)
+        document = with_base(parse(file), base)
     except UrdfError as error:
         if not os.path.exists(file):
             raise
