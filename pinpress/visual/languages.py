@@ -95,7 +95,7 @@ class Language:
     def _between(self, separators: Sequence[re.Pattern[str]], text: str) -> str | None:
         """A text said piece by piece; None where none of the separators is in it."""
         pieces = next((pieces for between in separators if len(pieces := between.split(text)) > 1), None)
-        return pieces and "".join(piece if k % 2 else self._said(piece) for k, piece in enumerate(pieces))
+        return None if pieces is None else "".join(piece if k % 2 else self._said(piece) for k, piece in enumerate(pieces))
 
     def _with_comma(self, text: str) -> str:
         if self.code not in WITH_COMMA or not NUMBER.search(text):
