@@ -48,7 +48,7 @@ JOINTS = {
 class Model:
     """Chains of joints from the frame, whose last bodies are held together by a loop each."""
 
-    def __init__(self, chains, loops, seed, at_home=False):
+    def __init__(self, chains, loops, seed, elsewhere=False):
         rng = np.random.default_rng(seed)
         pin.seed(seed)
         self.model = model = pin.Model()
@@ -61,10 +61,15 @@ class Model:
                 model.appendBodyToJoint(joint, pin.Inertia.FromBox(*rng.uniform(0.1, 1, 4)), pin.SE3.Random())
             ends[chain] = joint
         model.addBodyFrame("tool", joint, pin.SE3.Random(), 0)
-        if 0:
-            model.armature = rng.uniform(0, 1, model.nv) * [joint_is_single(model, k) for k in range(model.nv)]
-        lower, upper = -np.ones(model.nq), np.ones(model.nq)
-        self.q = pin.randomConfiguration(model, lower, upper) if at_home else pin.neutral(model)
+        model.armature = rng.uniform(0, 1, model.nv)
+        self.q = pin.neutral(model)
+        for joint in list(model.joints)[1:]:
+            turned = {"JointModelSpherical": range(4), "JointModelFreeFlyer": range(3, 7)}.get(joint.shortname(), range(0))
+            self.q[[joint.idx_q + k for k in turned]] = pin.Quaternion(pin.SE3.Random().rotation).coeffs()[: len(turned)]
+            if turned or "balls" in sum(chains.values(), ()):
+                model.armature[joint.idx_v : joint.idx_v + joint.nv] = 0.0
+        if elsewhere:
+            self.q = pin.integrate(model, self.q, rng.uniform(-1, 1, model.nv))
         data = model.createData()
         pin.forwardKinematics(model, data, self.q)
         self.constraints, self.anchors = [], []
@@ -82,27 +87,23 @@ class Model:
         model, data, q = self.model, self.model.createData(), self.q
         pin.computeJointJacobians(model, data, q)
         datas = [anchor.createData() for anchor in self.anchors]
+        base = np.eye(model.nv)[: 6 * (model.joints[1].shortname() == "JointModelFreeFlyer")]  # a free base is held
 
         def drift(v):
             pin.forwardKinematics(model, data, q, v, np.zeros(model.nv))
             for anchor, of in zip(self.anchors, datas, strict=True):
                 anchor.calc(model, data, of)
-            return np.concatenate([of.constraint_acceleration_error for of in datas])
+            return np.concatenate([*(of.constraint_acceleration_error for of in datas), np.zeros(len(base))])
 
         drift(np.zeros(model.nv))
-        rows = np.vstack([anchor.jacobian(model, data, of) for anchor, of in zip(self.anchors, datas, strict=True)])
+        rows = np.vstack([*(anchor.jacobian(model, data, of) for anchor, of in zip(self.anchors, datas, strict=True)), base])
         free = null_space(rows)
         v = free @ rng.normal(size=free.shape[1])
         chosen = np.eye(model.nv)[drivers]
         a = np.linalg.lstsq(np.vstack([rows, chosen]), np.concatenate([-drift(v), acceleration]))[0]
-        # rnea has no armature
-        effort = pin.rnea(model, data, q, v, a) + model.armature * a
+        effort = pin.rnea(model, data, q, v, a)
         torque = np.linalg.lstsq(np.vstack([rows, chosen]).T, effort)[0][len(rows) :]
         return v[drivers], torque
-
-
-def joint_is_single(model, v):
-    return any(joint.idx_v == v and joint.nv == 1 for joint in model.joints)
 
 
 def driven(press, at, speed, acceleration):
@@ -118,6 +119,16 @@ CASES = {  # chains: where they begin, and their joints; loops; drivers
     "planar": ({"a": ("ground", "RUBX", "planar", "P", "universal")}, [("ground", "a", "frame")], ["a0"]),
     "composite": ({"a": ("ground", "RX", "composite", "balls")}, [("a", "ground", "frame")], ["a0", "a1_2"]),
     "screws": ({"a": ("ground", "H", "HX", "R", "P")}, [("a", "ground", "point")], ["a0"]),
+    "platform": (
+        {"a": ("ground", "RX", "R"), "b": ("ground", "PZ", "universal"), "c": ("ground", "RUBY", "P", "R"), "d": ("ground", "free")},
+        [("a", "d", "frame"), ("b", "d", "point"), ("c", "d", "point")],
+        ["b0", "c0"],
+    ),
+    "base": (
+        {"r": ("ground", "free"), "a": ("r", "RX", "R"), "b": ("r", "RUBY", "R", "PZ")},
+        [("a", "b", "point")],
+        ["a0", "b0"],
+    ),
     "between": (
         {"a": ("ground", "RX", "R"), "b": ("a", "universal", "R"), "c": ("a", "translation")},
         [("b", "c", "point"), ("b", "ground", "point")],
@@ -133,16 +144,16 @@ def loaded(model, drivers, **more):
 
 
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("seed", range(3))
-def test_the_torque_is_that_of_the_model_with_multipliers(case, seed):
+@pytest.mark.parametrize(("seed", "elsewhere"), [(0, False), (1, False), (2, True), (3, True)])
+def test_the_torque_is_that_of_the_model_with_multipliers(case, seed, elsewhere):
     chains, loops, drivers = CASES[case]
-    model, rng = Model(chains, loops, seed), np.random.default_rng(seed)
+    model, rng = Model(chains, loops, seed, elsewhere), np.random.default_rng(seed)
     press = loaded(model, drivers)
     assert press.mobility == len(drivers)
     acceleration = rng.normal(size=len(drivers))
     places = [place_in_v(model.model, name) for name in drivers]
     speed, expected = model.driving(places, acceleration, rng)
-    got = driven(press, np.zeros(len(drivers)), speed, acceleration)
+    got = driven(press, press.closed[list(press.driver_indices)], speed, acceleration)
     np.testing.assert_allclose(got, expected, rtol=0, atol=SAME * np.abs(expected).max())
 
 
