@@ -27,7 +27,7 @@ def with_base(document: Document, base: Base) -> Document:
         PinpressError: ``base`` is neither "fixed" nor "floating".
         UrdfError: the base shall float, but the file has neither a free joint nor a root link with a mass.
     """
-    if base not in ("fixed", "floating"):
+    if not isinstance(base, str) or base not in ("fixed", "floating"):
         raise PinpressError(f"base is {shown(base)}: write 'fixed' or 'floating'")
     robot = document.robot
     free = [joint for joint in robot.all("joint") if joint.get("type") == "floating"]

@@ -66,7 +66,7 @@ def from_pinocchio(
         SingularityError: as `load`.
 
     Warns:
-        PinpressWarning: as `load`; an armature at a spherical joint or free flyer, which is left out.
+        PinpressWarning: as `load`; an armature of a spherical joint, of a free flyer or of the slides of a planar joint, which is left out.
     """
     if not isinstance(model, pin.Model):
         raise PinpressError(f"model is {shown(model)}: give a pinocchio.Model")
@@ -89,6 +89,7 @@ class _Part(NamedTuple):
         q: its places in q, of which two hold cosine and sine; empty where q holds no coordinate of it.
         v: its place in v; -1 where none is its own.
         follow: name of the joint that it follows, ratio and offset.
+        rotor: whether an armature at its place in v turns or slides with this coordinate.
     """
 
     ending: str
@@ -98,6 +99,7 @@ class _Part(NamedTuple):
     q: tuple[int, ...] = ()
     v: int = -1
     follow: tuple[str, float, float] | None = None
+    rotor: bool = True
 
 
 _X = np.array([1.0, 0.0, 0.0])
@@ -198,7 +200,7 @@ class _Reader:
             velocity=velocity if velocity < LARGEST else None,
             damping=float(model.damping[v]),
             friction=float(model.upperDryFrictionLimit[v]),
-            armature=float(model.armature[v]) or rotor,
+            armature=(float(model.armature[v]) or rotor) if part.rotor else 0.0,
         )
 
     def _parts(self, name: str, kind: pin.JointModel) -> list[_Part]:
@@ -225,7 +227,9 @@ class _Reader:
         if form == "Translation":
             return slides
         if form == "Planar":
-            return [*slides[:2], _Part("_rz", "revolute", axes[2], _HERE, (q + 2, q + 3), v + 2)]
+            self._warn_of_armature(name, v, 2)  # its rates are those along the axes of the child, which turn
+            of_parent = [part._replace(rotor=False) for part in slides[:2]]
+            return [*of_parent, _Part("_rz", "revolute", axes[2], _HERE, (q + 2, q + 3), v + 2)]
         if joint.nvExtended != 1:
             raise PinpressError(f"{self.model.name}: joint {name!r} is a {form} joint, which cannot be read: write it as single joints")
         return list(self._parts_of_single(name, kind))

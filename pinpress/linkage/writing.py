@@ -83,7 +83,7 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str], *, home: bool = Fal
         AssemblyError: `load` would refuse the file.
         SingularityError: `load` would refuse the file.
     """
-    if dialect not in DIALECTS:
+    if not isinstance(dialect, str) or dialect not in DIALECTS:
         raise PinpressError(f"dialect is {shown(dialect)}: write one of {', '.join(DIALECTS)}")
     if truth_value("home", home) or dialect == "gazebo":
         press = press.drawn_at_home()

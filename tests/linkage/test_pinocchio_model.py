@@ -66,8 +66,8 @@ class Model:
         for joint in list(model.joints)[1:]:
             turned = {"JointModelSpherical": range(4), "JointModelFreeFlyer": range(3, 7)}.get(joint.shortname(), range(0))
             self.q[[joint.idx_q + k for k in turned]] = pin.Quaternion(pin.SE3.Random().rotation).coeffs()[: len(turned)]
-            if turned or "balls" in sum(chains.values(), ()):
-                model.armature[joint.idx_v : joint.idx_v + joint.nv] = 0.0
+            if turned or joint.shortname() == "JointModelPlanar" or "balls" in sum(chains.values(), ()):
+                model.armature[joint.idx_v : joint.idx_v + joint.nv] = 0.0  # which is left out
         if elsewhere:
             self.q = pin.integrate(model, self.q, rng.uniform(-1, 1, model.nv))
         data = model.createData()
