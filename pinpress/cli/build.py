@@ -108,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
         press = draft.press(slide=slide)
         files.write(out, draft.urdf)
     files.write(sketch, draft.sketch.encode())
-    print(check_document(str(out), replace(draft._document(), file=str(out), text=draft.urdf), slide=slide))
+    print(check_document(str(out), replace(draft._document(), file=str(out), text=draft.urdf), slide=slide, in_file=False))
     print("\n".join([*_other_places(draft, slide), *_estimates(draft)]))
     print(f"wrote {out} and {sketch} of {press.name}")
     return 0

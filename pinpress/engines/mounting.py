@@ -18,7 +18,9 @@ from ..common.quantities import Array
 from .pinocchio.equations import OneConfiguration
 from .structure import Structure
 
-CLOSED = 1e-11  # misfit at which a pose is closed
+CLOSED = 1e-9  # misfit of a closed pose [lengths of the linkage, rad]
+DONE = 1e-11  # misfit at which no further step is taken
+STARTS = 20  # random ones
 MOST_STEPS = 200
 LONGEST_STEP = 0.5  # of a joint [rad, lengths of the linkage]
 
@@ -57,7 +59,7 @@ class Mounting:
         gaps, columns = self.equations(x)
         cost = checked = float(gaps @ gaps)
         for step in range(1, MOST_STEPS + 1):
-            if cost <= CLOSED**2 or not len(free):
+            if cost <= DONE**2 or not len(free):
                 break
             slopes = columns[:, free] * self.lengths[free]
             gradient, curvature = slopes.T @ gaps, slopes.T @ slopes
@@ -82,6 +84,38 @@ class Mounting:
                     break
                 checked = cost
         return Mounted(x, float(np.sqrt(cost)))
+
+    def assemblies(self, around: Array, held: Sequence[int], spread: float) -> list[Array]:
+        """Different closed poses (nv,) with some joints held, from a pose (nv,) and from random ones about it, each joint up to ``spread``
+        away [rad, lengths of the linkage]. They are sought within the limits, the one from the pose itself comes first."""
+        random, found = np.random.default_rng(0), list[Array]()
+        for k in range(STARTS):
+            start = around + min(k, 1) * spread * random.uniform(-1.0, 1.0, len(around)) * self.lengths
+            start[list(held)] = around[list(held)]
+            reached = self.close(start, held)
+            if reached.misfit <= CLOSED and all(self.apart(reached.position, other).max() > 1e-3 for other in found):
+                found.append(reached.position)
+        return found
+
+    def apart(self, one: Array, other: Array) -> Array:
+        """Distances (nv,) of the joints in two poses (nv,), those of angles without whole turns [rad, lengths of the linkage]."""
+        away = (one - other) / self.lengths
+        turns = [axis.turns for axis in self.structure.axes]
+        return np.asarray(np.abs(np.where(turns, np.remainder(away + np.pi, 2 * np.pi) - np.pi, away)))
+
+    def told_apart(self, poses: Sequence[Array], count: int, able: Sequence[int]) -> list[dict[str, float]]:
+        """The first ``count`` of several poses (nv,) by the one or two joints, of those that are ``able``, that tell each from all others:
+        coordinates by the names of joints."""
+        names, found = tuple(self.structure.model.names)[1:], list[dict[str, float]]()
+        for pose in poses[:count]:
+            apart = np.array([self.apart(pose, other)[list(able)] for other in poses if other is not pose]).reshape(-1, len(able))
+            places: list[int] = []
+            if len(apart):
+                places.append(int(apart.min(axis=0).argmax()))
+                if apart[:, places[0]].min() < 0.1:  # other assemblies have nearly the same
+                    places.append(int(np.maximum(apart, apart[:, places]).min(axis=0).argmax()))
+            found.append({names[able[place]]: float(pose[able[place]]) for place in places})
+        return found
 
     def equations(self, x: Array) -> tuple[Array, Array]:
         """Gaps (rows,) and their Jacobian (rows, nv) at joint coordinates (nv,), the order of rows being that of `engines.structure`."""

@@ -101,6 +101,7 @@ class Facts(Record):
         data: stroke, dead centres, masses and the like.
         dyads: of a planar linkage, with their least transmission angles.
         proposal: of drivers, where the file names none; these are then the drivers here.
+        assembly: how the closed pose was found, as text; empty for the drawn pose.
     """
 
     drivers: tuple[str, ...]
@@ -115,6 +116,7 @@ class Facts(Record):
     data: MainData = field(repr=False)
     dyads: Records[Dyad] = field(repr=False)
     proposal: Proposal | None = field(repr=False)
+    assembly: str = ""
 
     @property
     def mobility(self) -> int:
@@ -208,7 +210,7 @@ def check(
         if not os.path.exists(file):
             raise
         return CheckResult(file, Records(Finding, [Finding.of(error)]), None)
-    return check_document(file, document, driver, slide, pose, gravity)
+    return check_document(file, document, driver, slide, gravity, pose=pose)
 
 
 def check_document(
@@ -216,15 +218,17 @@ def check_document(
     document: Document,
     driver: str | Sequence[str] | None = None,
     slide: str | None = None,
-    pose: Mapping[str, float] | None = None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
+    *,
+    pose: Mapping[str, float] | None = None,
+    in_file: bool = True,
 ) -> CheckResult:
-    """`check` of what was read from a file."""
+    """`check` of what was read from a file; ``in_file``: as of `load_document`."""
     findings = [*element_checks.errors(document), *element_checks.once(document.remarks), *element_checks.remarks(document)]
     facts = None
     if all(finding.error is None for finding in findings):
         try:
-            more, facts = _put_together(document, driver, slide, pose, gravity)
+            more, facts = _put_together(document, driver, slide, gravity, pose, in_file)
             findings += more
         except UrdfError as error:
             findings.append(Finding.of(error))
@@ -233,7 +237,12 @@ def check_document(
 
 
 def _put_together(
-    document: Document, driver: str | Sequence[str] | None, slide: str | None, pose: Mapping[str, float] | None, gravity: Sequence[float]
+    document: Document,
+    driver: str | Sequence[str] | None,
+    slide: str | None,
+    gravity: Sequence[float],
+    pose: Mapping[str, float] | None,
+    in_file: bool,
 ) -> tuple[list[Finding], Facts]:
     """Findings and facts of the linkage that the elements make; raises the errors of `build`."""
     (press, of_drivers), proposal = settle(mount(build(document, driver, slide, gravity), pose)), None
@@ -244,7 +253,7 @@ def _put_together(
         press, _ = settle(replace(press, drivers=proposal.drivers))
         problem, remedy = "no driver is named", f"this is the report with those proposed: load(..., {proposal.in_words})"
         of_drivers = (Finding("note", document.called("robot", press.name), None, problem, remedy),)
-    errors = list(assembly_checks.errors(press))
+    errors = list(assembly_checks.errors(press, in_file))
     findings = [*errors, *of_drivers, *(assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press))]
     rank = (rank_of(press.assembly.rows_as_drawn.columns) if errors else press.rank) - len(press.held)
     between: list[tuple[str, ...]] = [(loop.link1.link, loop.link2.link) for loop in document.description.loops]
@@ -274,6 +283,7 @@ def _put_together(
         data,
         Records(Dyad, []) if errors else _dyads(press),
         proposal,
+        "" if errors else assembly_checks.assembly_in_words(press),
     )
 
 
@@ -398,6 +408,7 @@ def _mobility(facts: Facts) -> list[str]:
     return [
         tables.entry("mobility", f"{facts.mobility}", "", left),
         *(tables.entry(kind, f"{len(joints)}", "", f"{KINDS[kind]} {', '.join(joints)}") for kind, joints in kinds.items() if joints),
+        *([tables.entry("assembly", "closed", "", facts.assembly)] if facts.assembly else []),
         *([tables.entry("engine", facts.engine)] if facts.engine else []),
     ]
 

@@ -19,7 +19,7 @@ from ..engines.change_points import Gap
 from ..engines.constraints import Relation
 from ..engines.engine import ACCEPTED, PIECE, Close, Closure, Engine, joined
 from ..engines.following import SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
-from ..engines.mounting import limits
+from ..engines.mounting import Mounting, limits
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.equations import OneConfiguration, Rows
 from ..engines.planar.closing import can_move
@@ -80,6 +80,14 @@ class Assembly:
     def gap_drawn(self) -> float:
         """The largest gap of a loop or relation as drawn [m]."""
         return float(self.engine.gaps(self.start[:, None])[0])
+
+    @cached_property
+    def others(self) -> tuple[dict[str, float], ...]:
+        """Other closed poses with the drivers at home, those among 20 random starts: each as the coordinates of the one or two joints that
+        tell it from the rest [rad or m], which ``load(..., pose=...)`` takes. At most 8. They are sought when they are first asked for."""
+        mounting, drivers = Mounting(self.structure), self.structure.drivers
+        poses = [pose for pose in mounting.assemblies(self.closed, drivers, np.pi) if mounting.apart(pose, self.closed).max() > 1e-3][:8]
+        return tuple(mounting.told_apart([*poses, self.closed], len(poses), self.structure.passive_joints))
 
     @cached_property
     def gaps(self) -> Array:

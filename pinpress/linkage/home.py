@@ -15,13 +15,14 @@ import numpy as np
 
 from ..common.errors import AssemblyError, PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
-from ..engines.mounting import Mounted, Mounting
+from ..engines.mounting import CLOSED, STARTS, Mounted, Mounting
+from ..engines.rank import PassiveJacobian
 from .linkage import Linkage
 
-CLOSED = 1e-9  # misfit of a closed pose [lengths of the linkage, rad]
 ROUNDED = 1e-3  # misfit that rounded numbers may leave where equations are redundant
 NEAR = 0.05  # moves of joints up to which Newton's method reaches the same pose as damped steps [rad, lengths of the linkage]
-STARTS = 20  # random ones
+BESIDE = 0.3  # distance of the drivers from a pose in which assemblies meet, where these are told apart [rad, lengths of the linkage]
+MOST_LISTED = 4
 POSE, HOME = "pose=", "the <home> of the file"
 
 
@@ -49,8 +50,13 @@ def mount(press: Linkage, pose: Mapping[str, float] | None = None) -> Linkage:
     of_file = press.document.description.home
     if not home and not of_file and closed_as_drawn(press):
         return press
-    mounting, best = Mounting(press.structure), Mounted(press.assembly.start, np.inf)
-    how = ""
+    mounting, best, how = Mounting(press.structure), Mounted(press.assembly.start, np.inf), ""
+    if home and closed_as_drawn(press) and not press.assembly.determined:
+        rung = _near(press, home, POSE)[0]
+        # Assemblies meet as drawn, so that several may be near the pose: the one that is farthest from locking.
+        if poses := mounting.assemblies(rung.start, rung.held, 2 * BESIDE):
+            chosen = max(poses, key=lambda pose: _margin(press, pose))
+            return replace(press, home=tuple(chosen.tolist()), mounted=rung.how)
     for rungs in [_near(press, home, POSE)] if home else [(*_near(press, of_file, HOME), *_as_drawn(press)), _anywhere(press, mounting)]:
         for rung in rungs:
             reached = mounting.close(rung.start, rung.held, rung.limited)
@@ -66,6 +72,44 @@ def mount(press: Linkage, pose: Mapping[str, float] | None = None) -> Linkage:
         problem = f"{press.file}: its loops do not close near the pose {named}: at best they are {gap:.3g} mm apart"
         raise AssemblyError(f"{problem}; give another pose, or fewer joints of it", 0.0, gap / 1e3, 0)
     return replace(press, home=tuple(best.position.tolist()), mounted=how)
+
+
+def nearby(press: Linkage) -> list[dict[str, float]]:
+    """Poses that choose one of the assemblies near a closed pose in which some meet: coordinates by the names of joints [rad or m].
+
+    With the drivers a little further on, either way, closed poses with the other joints nearby differ by the assembly that they are of."""
+    mounting, drivers = Mounting(press.structure), list(press.driver_indices)
+    able = [j for j in range(press.model.nv) if j not in drivers]
+    found: list[dict[str, float]] = []
+    for way in (1.0, -1.0):
+        start = press.closed.copy()
+        start[drivers] += (
+            way * BESIDE * mounting.lengths[drivers] * np.where(np.array([axis.turns for axis in press.axes])[drivers], 1.0, 0.1)
+        )
+        if not able or len(poses := mounting.assemblies(start, drivers, 2 * BESIDE)[:MOST_LISTED]) <= len(found):
+            continue
+        of_drivers = {name: float(start[j]) for name, j in zip(press.drivers, drivers, strict=True)}
+        rounded = [
+            {name: float(f"{value:.3g}") for name, value in {**of_drivers, **each}.items()}
+            for each in mounting.told_apart(poses, len(poses), able)
+        ]
+        found = [each for each, pose in zip(rounded, poses, strict=True) if _chooses(press, mounting, each, pose)]
+    return found
+
+
+def _chooses(press: Linkage, mounting: Mounting, named: Mapping[str, float], pose: Array) -> bool:
+    """Whether coordinates of joints choose the assembly of a pose (nv,)."""
+    try:
+        home = mount(replace(press, home=(), mounted=""), named).home
+    except AssemblyError:
+        return False
+    return bool(mounting.apart(np.array(home), pose).max() < 0.05)
+
+
+def _margin(press: Linkage, pose: Array) -> float:
+    """How far a pose (nv,) is from locking: the least singular value of the columns of the passive joints."""
+    passive = PassiveJacobian(press.equations(pose).columns, press.structure.passive_joints)
+    return float(passive.values.min(initial=1.0)) if len(passive.values) == len(passive.joints) else 0.0
 
 
 def _pose(press: Linkage, pose: Mapping[str, float]) -> dict[str, float]:

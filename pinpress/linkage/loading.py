@@ -112,7 +112,7 @@ def load_document(
     press, of_drivers = settle(mount(build(document, driver, slide, gravity), pose))
     refuse_without_driver(press)
     command = command or check_command(press.file, () if driver is None else press.drivers, slide)
-    refuse_errors(assembly_checks.errors(press), command)
+    refuse_errors(assembly_checks.errors(press, in_file), command)
     findings = list(assembly_checks.remarks(press, quick=True, centres=in_file))
     refuse_errors(findings, command)
     of_file = list(element_checks.once(finding for finding in document.remarks if finding.severity == "warning"))

@@ -120,7 +120,7 @@ class DrawnPress(Tabular):
         Args:
             slide: as for `load`.
         """
-        result = check_document(self.file, self._document(), slide=slide)
+        result = check_document(self.file, self._document(), slide=slide, in_file=False)
         findings = (replace(finding, line=None) for finding in result.findings)  # the lines belong to a URDF that the user has not seen
         return replace(result, findings=Records(Finding, findings))
 

@@ -111,9 +111,9 @@ def test_angles_in_degrees_are_warned_of(tmp_path, place):
     said = r"rpy='0 90 0' turns by more than a full turn: it seems to be in degrees; write radians, 1.5707963267948966 for 90 degrees"
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        press = load(tmp_path, text=text, allow_open=True)
+        press = load(tmp_path, text=text)
     assert [re.search(said, str(warning.message)) is not None for warning in caught].count(True) == 1
-    assert any(re.search(said, f"{found.problem}; {found.remedy}") for found in pp.check(press.file, allow_open=True).warnings)
+    assert any(re.search(said, f"{found.problem}; {found.remedy}") for found in pp.check(press.file).warnings)
 
 
 def test_angles_in_degrees_are_why_a_loop_does_not_close(tmp_path):
@@ -145,25 +145,20 @@ def test_a_loop_that_is_drawn_open_is_warned_of(tmp_path, rod):
 
 
 @pytest.mark.exhaustive
-def test_a_loop_that_is_drawn_far_open_is_closed_only_where_it_is_asked_for(tmp_path, capsys):
-    """As a point in the wrong frame makes it: the linkage closes, and is another one."""
+def test_a_loop_that_is_drawn_far_open_is_closed_with_a_warning(tmp_path, capsys):
     edit = ('<link1 link="rod" xyz="0.400 0 0"', '<link1 link="rod" xyz="0.340 0 0"')
-    said = r"it is 60 mm apart as drawn, in a linkage of 0.5 m; correct .* moves joint 'slide_guide' by 0.06 m"
-    with pytest.raises(pp.UrdfError, match=said) as caught:
-        load(tmp_path, edit)
-    assert caught.value.element == '<loop_joint name="W">'
-    assert [str(found.error) for found in pp.check(caught.value.file).errors] == [str(caught.value)]
-    assert main(["analyse", caught.value.file, "--speed", "60r/min"]) == 2
-    assert main(["check", caught.value.file]) == 1
-    with pytest.warns(pp.PinpressWarning, match="it is 60 mm apart as drawn; draw it closed"):
-        press = load(tmp_path, edit, allow_open=True)
+    with pytest.warns(pp.PinpressWarning, match="it is 60 mm apart as drawn; draw it closed.*moved joint 'slide_guide' by 0.06 m"):
+        press = load(tmp_path, edit)
+    assert press.assembly.how == "the drawn pose with the drivers held"
+    assert press.assembly.moved == pytest.approx({"slide_guide": 0.06})
+    assert press.assembly.gap_drawn == pytest.approx(0.06)
     assert pp.dead_centres(press).stroke == pytest.approx(0.2)
-    assert not pp.check(press.file, allow_open=True).errors
+    assert not pp.check(press.file).errors
     with pytest.warns(pp.PinpressWarning, match="it is 60 mm apart as drawn"):
-        assert main(["analyse", press.file, "--speed", "60r/min", "--set", "allow_open=yes"]) == 0
-    assert main(["check", press.file, "--set", "allow_open=yes"]) == 0
-    with pytest.raises(pp.PinpressError, match="allow_open is 1: give True or False"):
-        load(tmp_path, edit, allow_open=1)
+        assert main(["analyse", press.file, "--speed", "60r/min"]) == 0
+    assert main(["check", press.file, "--set", "pose={slide_guide: 60 mm}"]) == 0
+    with pytest.raises(pp.UnknownNameError, match="slide_gide"):
+        load(tmp_path, edit, pose={"slide_gide": 0.06})
 
 
 @pytest.mark.exhaustive

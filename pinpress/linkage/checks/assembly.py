@@ -15,24 +15,28 @@ from ...common.quantities import Array
 from ...engines.branch import MOST_TURNS, Branch, predict
 from ...engines.constraints import LoopJoint
 from ...engines.engine import ACCEPTED
+from ...engines.mounting import within
 from ...engines.pinocchio.equations import Rows
 from ...engines.planar.model import PARALLEL
 from ...engines.rank import rank, singular_values
 from ...engines.structure import configuration, data_of, drawn_placements
 from ..document import Finding
-from ..freedoms import Freedom
-from ..home import HOME, POSE
+from ..freedoms import Freedom, generic_ways
+from ..home import HOME, POSE, nearby
 from ..linkage import LEVEL, Linkage
 from . import mobility, units
 
 SEEN = 1e-9  # smaller gaps and motions are rounding [lengths of the linkage, rad]
 OPEN = 1e-6  # a loop drawn further open than this is reported [lengths of the linkage, rad]
 CLOSED = 1e-3  # a loop is closed if it is drawn less open than this [lengths of the linkage]
+FAR = 0.8  # moves of joints from which on closing often ends in another assembly than was meant [rad, lengths of the linkage]
 SAMPLES = 720  # crank angles of a turn at which positions of joints are checked
 
 
-def errors(press: Linkage) -> Iterator[Finding]:
-    """Everything that keeps the linkage from being loaded; each finding carries a UrdfError, AssemblyError or SingularityError."""
+def errors(press: Linkage, in_file: bool = True) -> Iterator[Finding]:
+    """Everything that keeps the linkage from being loaded; each finding carries a UrdfError, AssemblyError or SingularityError.
+
+    ``in_file``: whether the linkage is that of a file that `load` reads, which takes a pose."""
     assembly = press.assembly
     if assembly.closes and assembly.determined:
         yield from _unseen(press)
@@ -41,14 +45,14 @@ def errors(press: Linkage) -> Iterator[Finding]:
     rows = assembly.rows if assembly.closes else assembly.rows_as_drawn
     freedom = press.model.nv - rank(rows.columns)
     yield from _unseen(press)
-    if assembly.closes and freedom > len(press.drivers) and mobility.freedom_nearby(press) == len(press.drivers):
-        yield _change_point(press, rows)
+    if assembly.closes and _meets(press, freedom):
+        yield _change_point(press, rows, in_file)
     elif freedom != len(press.drivers) and press.drivers:
         yield _mobility(press, rows, freedom)
     if not assembly.closes:
         yield from _open(press, rows)
     elif freedom == len(press.drivers):
-        yield from list(_dead_point(press, rows)) or _massless(press)
+        yield from list(_dead_point(press, rows, in_file)) or _massless(press)
 
 
 def _read_otherwise_far(press: Linkage) -> Iterator[Finding]:
@@ -128,11 +132,26 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
     return Finding.of(UrdfError(press.file, _robot(press), None, problem, remedy))
 
 
-def _change_point(press: Linkage, rows: Rows) -> Finding:
+def _meets(press: Linkage, freedom: int) -> bool:
+    """Whether a linkage has fewer degrees of freedom in poses beside its home pose than there, where it has ``freedom``."""
+    if freedom <= len(press.drivers):
+        return False
+    return mobility.freedom_nearby(press) == len(press.drivers) or generic_ways(press.structure, press.closed) < freedom
+
+
+def _choice(press: Linkage, in_file: bool) -> str:
+    """The poses that choose one of the assemblies beside a singular pose, as the end of a remedy."""
+    poses = nearby(press) if in_file else []
+    return f"; or choose an assembly by load(..., pose=...): {' or '.join(map(repr, poses))}" if poses else ""
+
+
+def _change_point(press: Linkage, rows: Rows, in_file: bool) -> Finding:
     """The error of a linkage drawn at a change point, such as a parallelogram drawn in one line."""
     problem = "two assemblies meet in the drawn pose, and the loops do not say which of them it is"
     remedy = "draw the linkage a little further on"
-    if mobility.is_shaky(press):
+    if not mobility.is_shaky(press):
+        remedy += _choice(press, in_file)
+    else:
         moving = _joints(mobility.undetermined_joints(press, rows))
         problem = f"its loops hold {moving} only at second order, in this pose and beside it: it is shaky, and no forces follow"
         remedy = "another pose does not help: change lengths or guides that are equal or parallel, or leave out a link"
@@ -200,14 +219,17 @@ def _read_otherwise(press: Linkage, each: mobility.Constraint) -> str | None:
     return readings[best][0] if gaps[best] <= CLOSED * press.size else None
 
 
-def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
+def _dead_point(press: Linkage, rows: Rows, in_file: bool) -> Iterator[Finding]:
     columns = rows.columns[:, press.structure.passive_joints]
     values = singular_values(columns)
     if rank(columns) == columns.shape[1]:
         return
     problem = f"{_joints(press.drivers)} {'does' if len(press.drivers) == 1 else 'do'} not determine the drawn pose"
     free = _joints(mobility.undetermined_joints(press, rows))
-    remedy = _without_axis(press) or f"draw the linkage away from its dead point ({free} can move with the driver held still)"
+    remedy = (
+        _without_axis(press)
+        or f"draw the linkage away from its dead point ({free} can move with the driver held still){_choice(press, in_file)}"
+    )
     smallest = float(values.min()) if len(values) == columns.shape[1] else 0.0
     error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
     yield Finding("error", _robot(press), None, problem, remedy, error)
@@ -260,6 +282,7 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
         # A gap of a hundredth of the linkage is probably a mistake, and so is any that a joint has to move by 0.05 rad or m to close.
         far = np.abs(press.closed - press.assembly.start).max() > 0.05
         yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else 0.01)))
+        yield from _outside_limits(press)
         yield from (finding for finding in _undriven(press) if finding.severity == "warning")
         yield from units_remarks(press, centres)
         if "plane" in press.engines:  # other assemblies have not been followed yet, which takes long
@@ -267,6 +290,7 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
         return
     elements = {error.element for error in refused}
     yield from (finding for finding in _drawn_open(press, _open_beyond(press, OPEN)) if finding.element not in elements)
+    yield from _outside_limits(press)
     yield from units_remarks(press)
     yield from _slide_axis(press)
     yield from _stroke(press)
@@ -413,7 +437,30 @@ def _drawn_open(press: Linkage, those: list[mobility.Constraint]) -> Iterator[Fi
     for each in () if press.mounted.startswith((POSE, HOME)) else those:
         problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn"
         remedy = f"{_read_otherwise(press, each) or 'draw it closed'}; to close it, load has moved {_largest_move(press)}"
+        if (np.abs(press.closed - press.assembly.start) > FAR * press.lengths).any():
+            remedy += ", so far that another assembly may be meant: say which by load(..., pose={joint: rad or m})"
         yield Finding("warning", mobility.element(press, each), each.by.line, problem, remedy)
+
+
+def _outside_limits(press: Linkage) -> Iterator[Finding]:
+    """Warnings of joints that are outside their limits in the home pose."""
+    inside, description = within(press.structure, press.closed), press.document.description
+    for joint in (press.document.find("joint", press.joints[j]) for j in np.flatnonzero(~inside)):
+        j, limit = press.joints.index(joint.get("name")), joint.all("limit")[-1]
+        lower, upper = next(each.limits or () for each in description.joints if each.name == joint.get("name"))
+        problem = f"the linkage is put together with it at {_value(press, j, press.closed[j])}, outside its limits {lower:g} to {upper:g}"
+        yield Finding("warning", str(limit), limit.line, problem, "limits count from the zeros of the file: correct them")
+
+
+def assembly_in_words(press: Linkage) -> str:
+    """How a linkage that is drawn open was closed, and which other assemblies there are; empty for the drawn pose."""
+    if not press.home:
+        return ""
+    text = f"from {press.assembly.how}, where loops are up to {1e3 * press.assembly.gap_drawn:.3g} mm apart as drawn"
+    if press.assembly.moved:
+        text += f"; moves {_largest_move(press)}"
+    others = [", ".join(f"{name} {value:.3g}" for name, value in each.items()) for each in press.assembly.others]
+    return f"{text}; other assemblies there have {' or '.join(others)}" if others else text
 
 
 def _open_beyond(press: Linkage, beyond: float) -> list[mobility.Constraint]:
@@ -447,8 +494,8 @@ def _limits(press: Linkage, branch: Branch) -> Iterator[Finding]:
         if described.limits is None:
             continue
         (lower, upper), joint, element = described.limits, press.joints.index(described.name), of.all("limit")[0]
-        if not lower <= 0.0 <= upper and not press.assembly.start[joint]:
-            continue  # this is reported of the drawn pose
+        if not within(press.structure, press.closed)[joint]:
+            continue  # this is reported of the home pose
         for beyond, side, limit in ((lower - positions[joint], "lower", lower), (positions[joint] - upper, "upper", upper)):
             at = int(np.argmax(beyond))
             if beyond[at] > 1e-9:  # [rad or m]: less is rounding

@@ -436,7 +436,6 @@ def remarks(document: Document) -> Iterator[Finding]:
     yield from once(Finding("note", str(each), each.line, "an <origin> of a <link> is not read", "remove it") for each in origins)
     yield from _names(robot, "link")
     yield from _names(robot, "joint", "loop_joint")
-    yield from _drawn_limits(robot, description)
     yield from _massless(robot, description)
     for joint in robot.all("joint"):
         for dynamics in joint.all("dynamics"):
@@ -457,15 +456,6 @@ def _names(robot: Element, *tags: str) -> Iterator[Finding]:
         if alike.get("name") != name:  # a name that is there twice is an error
             said = f"{alike.get('name')!r} on line {alike.line}"
             yield warning(element, f"the name {name!r} differs from {said} only in case or spaces", "give one of them another name")
-
-
-def _drawn_limits(robot: Element, description: Description) -> Iterator[Finding]:
-    for element, joint in zip(robot.all("joint"), description.joints, strict=True):
-        lower, upper = joint.limits or (0.0, 0.0)
-        if not lower <= 0.0 <= upper and not (joint.mimic and joint.mimic.offset):
-            problem = f"the drawn pose, 0, is outside the limits {lower:g} to {upper:g}"
-            remedy = "limits count from the drawn pose: shift them (they do not enter any computation)"
-            yield warning(element.all("limit")[-1], problem, remedy)
 
 
 def _massless(robot: Element, description: Description) -> Iterator[Finding]:
