@@ -326,7 +326,7 @@ def test_slide_that_leaves_its_limits(check):
 
 def test_drawn_pose_outside_the_limits(check):
     (finding,) = check(edited(ZXN2, 'lower="-0.05" upper="0.35"', 'lower="0.05" upper="0.35"')).warnings
-    assert finding.problem == "the drawn pose, 0, is outside the limits 0.05 to 0.35"
+    assert finding.problem == "the linkage is put together with it at 0 m, outside its limits 0.05 to 0.35"
 
 
 def test_limits_of_a_continuous_joint_mean_nothing(check):

@@ -7,7 +7,6 @@ from reference.robots.cases import CASES, Case
 import pinpress as pp
 
 WAITING = {
-    "16": "a spin of two welded bodies is refused",
     "23": "rounding by 1e-7 counts as one equation more",
 }
 

@@ -123,7 +123,12 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
             problem += f": {' or '.join(each.title for each in alone)} contradicts the others"
         elif freedom == 0 and (locking := mobility.locking(press, rows)):
             problem += f": held by {', '.join(each.title for each in locking)}"
-        stuck = _without_axis(press) or remedy_of_rounded_axes(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
+        stuck = (
+            _other_units(press)
+            or _without_axis(press)
+            or remedy_of_rounded_axes(press)
+            or "a loop, a gear pair or a fixed joint too many: nothing can move"
+        )
         remedy = "drive fewer joints" if freedom > 0 else stuck
         least = float(singular_values(rows.columns)[press.model.nv - len(press.drivers)])
         if least < 1e-3:  # equations that are clearly independent have singular values of about 1
@@ -167,10 +172,7 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     # Where loops overconstrain each other, all of them may be left open; those that are drawn closed are not at fault.
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.structure.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
-    robot = press.document.robot
-    wrong_units = (*units.angles(robot), *units.length(robot, press.size))
-    other_units = next((f"{finding.problem}; {finding.remedy}" for finding in wrong_units), None)
-    common = other_units or _without_axis(press) or remedy_of_rounded_axes(press)
+    common = _other_units(press) or _without_axis(press) or remedy_of_rounded_axes(press)
     fit = "; loops hold each other here, so that lengths and angles must fit to all digits"
     beside = fit if press.engine().redundant(press.assembly.start) else ""
     for k in sorted(still_open, key=lambda k: -left[k]):
@@ -182,6 +184,13 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
             f"{press.file}:{each.by.line}: {each.title} {problem}; {remedy}", 0.0, left[k], press.assembly.drawn.iterations
         )
         yield Finding("error", mobility.element(press, each), each.by.line, problem, remedy, error)
+
+
+def _other_units(press: Linkage) -> str | None:
+    """Which angles or lengths seem to be in other units, and what to write; None if none do."""
+    robot = press.document.robot
+    wrong_units = (*units.angles(robot), *units.length(robot, press.size))
+    return next((f"{finding.problem}; {finding.remedy}" for finding in wrong_units), None)
 
 
 def _without_axis(press: Linkage) -> str | None:

@@ -328,7 +328,7 @@ def _inertia_problems(robot: Element, description: Description) -> Iterator[Prob
                     between = moving and (connected[bodies[name]] > 1 or bodies[name] in weighed)
                     nothing = all(principal_moments(tensor) == (0.0, 0.0, 0.0) for tensor in inertial.all("inertia"))
                     # The rotor of a motor may have moments of inertia alone: its mass is counted with the link that carries it.
-                    idealised = between if nothing else connected[bodies[name]] == 1
+                    idealised = between if nothing else connected[bodies.get(name)] == 1
                     if moving and (mass < 0 or (mass == 0 and not idealised)):
                         remedy = (
                             "write it in kg, or remove <inertial>; a link between two bearings may have none, without moments of inertia"
@@ -350,7 +350,7 @@ def _without_inertial(robot: Element, description: Description) -> list[Element]
     bodies = description.bodies
     heavy = {bodies.get(link.get("name")) for link in robot.all("link") if link.all("inertial")}
     bare = (link for link in robot.all("link") if description.moves(link.get("name")) and link.get("name") not in heavy)
-    return [link for link in bare if bodies[link.get("name")] == link.get("name")]
+    return [link for link in bare if bodies.get(link.get("name")) == link.get("name")]
 
 
 def _loop_problems(robot: Element, description: Description) -> Iterator[Problem]:
