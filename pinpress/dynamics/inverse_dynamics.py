@@ -17,7 +17,7 @@ from ..engines.engine import Engine
 from ..engines.racks import PlacedAxis, between_teeth
 from ..engines.sharing import compliances
 from ..engines.wrenches import AppliedConditions, Wrenches
-from ..kinematics.motion import Motion, accelerated, refuse_other_joints
+from ..kinematics.motion import Motion, accelerated, blank, filled, refuse_other_joints, with_gaps_of
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
@@ -47,7 +47,7 @@ def inverse_dynamics(
 
     Args:
         press: the press.
-        motion: its motion, from `cycle`, `servo_cycle` or `simulate`.
+        motion: its motion, from `cycle`, `servo_cycle` or `simulate`. In states that are not `Motion.valid` all results are NaN.
         loads: forces on links from outside, springs and dampers between links, process loads.
         friction: friction of bearings and guides, by their names.
         stiffness: stiffnesses of bearings and guides, by their names [N/m]. Where rigid mechanics leaves open how bearings share a force,
@@ -79,6 +79,7 @@ def inverse_dynamics(
     indices = _select_bearings(press, bearings)
     if passive not in PASSIVE:
         raise PinpressError(f"passive is {shown(passive)}: write {', '.join(map(repr, PASSIVE))}")
+    asked, motion = motion, filled(press, motion)
     _refuse_change_points(press, motion)
     law, compliance = friction_law(friction, press), compliances(stiffness, press.bearings)
     checked_loads = applied_loads.wrap_laws(loads)
@@ -89,7 +90,7 @@ def inverse_dynamics(
         motion, conditions = _move_passive(press, chosen, motion, conditions, passive)
         wrenches = find_wrenches(press, chosen, motion, conditions, bearings=bool(indices))
     inputs = (tuple(loads), _freeze(friction), _freeze(stiffness), passive)
-    return _reactions(press, motion, chosen.name, conditions, indices, wrenches, inputs)
+    return _reactions(press, with_gaps_of(press, motion, asked), chosen.name, conditions, indices, wrenches, inputs)
 
 
 def _move_passive(
@@ -132,10 +133,11 @@ def _reactions(
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(indices) == len(names) else tuple(names[k] for k in indices)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
-    forces, moments = _between_teeth(press, press.engine(engine), motion, wrenches)
+    forces, moments = (blank(motion, each, 1) for each in _between_teeth(press, press.engine(engine), filled(press, motion), wrenches))
     if 0 < len(kept) < len(names):
         forces, moments = forces[list(indices)], moments[list(indices)]
     wrenches.torque.setflags(write=False)  # before there are views of it
+    torque = blank(motion, wrenches.torque, 1)
     return Reactions(
         motion=motion,
         engine=engine,
@@ -143,10 +145,10 @@ def _reactions(
         friction=inputs[1],
         stiffness=inputs[2],
         passive=inputs[3],
-        driving_torque=wrenches.torque.T if several else wrenches.torque[0],
+        driving_torque=torque.T if several else torque[0],
         bearing_force=NamedArrays(kept, forces, left_out),
         bearing_moment=NamedArrays(kept, moments, left_out),
-        friction_power=NamedArrays(names, wrenches.friction),
+        friction_power=NamedArrays(names, blank(motion, wrenches.friction, 1)),
         left_out=left_out,
         _wrenches=wrenches,
         _press=press,

@@ -24,7 +24,7 @@ from ..common.results import Tabular
 from ..engines.energies import power_balance
 from ..engines.engine import Engine
 from ..engines.wrenches import AppliedConditions, Wrenches
-from ..kinematics.motion import MOST_IN_TITLE, Motion
+from ..kinematics.motion import MOST_IN_TITLE, Motion, blank, filled
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import applied_loads
@@ -108,14 +108,14 @@ class Reactions(Tabular):
     def coupling_torque(self) -> NamedArrays[np.float64]:
         press = self._press
         pairs = [k for k, relation in enumerate(press.relations) if relation.is_pair]
-        torques = self._complete.relations[pairs] if pairs else ()
+        torques = blank(self.motion, self._complete.relations[pairs], 1) if pairs else ()
         by_pair = [np.stack([torque, -pair.multiplier * torque], axis=1) for pair, torque in zip(press.couplings, torques, strict=True)]
         return NamedArrays(tuple(pair.name for pair in press.couplings), np.array(by_pair))
 
     @cached_property
     def held_moment(self) -> NamedArrays[np.float64]:
         names, first = self._press.held, len(self._press.relations)
-        return NamedArrays(names, self._complete.relations[first:] if names else np.empty((0, len(self.motion.v))))
+        return NamedArrays(names, blank(self.motion, self._complete.relations[first:], 1) if names else np.empty((0, len(self.motion.v))))
 
     @cached_property
     def power_residual(self) -> Array:
@@ -134,12 +134,12 @@ class Reactions(Tabular):
         largest = max(total.max(), ROUNDED * apparent.max(), 1e-290)  # smaller numbers have fewer digits [W]
         if not np.isfinite(largest):
             raise PinpressError(f"the powers of {self._press.name} are too large for floating point: lower speed or loads")
-        return np.asarray(read_only(balance / largest))
+        return np.asarray(read_only(blank(self.motion, balance / largest)))
 
     @cached_property
     def process_force(self) -> Array:
         """(n,) sum of the process loads and forces in time on the slide along its guide's axis [N]; positive resists the working stroke."""
-        return read_only(applied_loads.process_force(self.loads, self._press, self.motion))
+        return read_only(blank(self.motion, applied_loads.process_force(self.loads, self._press, self._filled)))
 
     @cached_property
     def process_work(self) -> float:
@@ -183,7 +183,7 @@ class Reactions(Tabular):
 
     @cached_property
     def _indeterminate(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        positions, press = self.motion.joint_position.T, self._press
+        positions, press = self._filled.joint_position.T, self._press
         # 256 states are enough: the rank hardly changes along a motion.
         some = positions[:, :: max(1, positions.shape[1] // 256)]
         return press.engine(self.engine).indeterminate(some, self.indeterminate_axes)
@@ -196,27 +196,32 @@ class Reactions(Tabular):
     def shaking_moment(self) -> Array:
         return self._shaking[1]
 
+    @property
+    def _filled(self) -> Motion:
+        """The motion as it was computed."""
+        return filled(self._press, self.motion)
+
     @cached_property
     def _complete(self) -> Wrenches:
         """The wrenches of all bearings, found now where all were left out."""
         if len(self._wrenches.force):
             return self._wrenches
         with np.errstate(all="ignore"):  # what overflows is refused
-            return find_wrenches(self._press, self._press.engine(self.engine), self.motion, self._conditions, bearings=True)
+            return find_wrenches(self._press, self._press.engine(self.engine), self._filled, self._conditions, bearings=True)
 
     @cached_property
     def _shaking(self) -> tuple[Array, Array]:
         press, wrenches = self._press, self._complete
         with np.errstate(all="ignore"):  # what overflows is refused below
-            force, moment = shaking(press, self.motion, wrenches.force, wrenches.moment, self._conditions.loads)
+            force, moment = shaking(press, self._filled, wrenches.force, wrenches.moment, self._conditions.loads)
             if not math.isfinite(force.sum() + moment.sum()):
                 raise PinpressError(f"the shaking moment of {self._press.name} is not finite: a load is too large for floating point")
-        return read_only((force, moment))
+        return read_only((blank(self.motion, force), blank(self.motion, moment)))
 
     def _power_balance(self) -> tuple[Array, Array, Array]:
-        press, motion = self._press, self.motion
+        press, motion = self._press, self._filled
         balance, total, apparent = power_balance(press.engine(self.engine), motion.states(press), self._conditions.loads)
-        torque = self.driving_torque.reshape(len(motion.crank_angle), -1).T
+        torque = np.nan_to_num(self.driving_torque).reshape(len(motion.crank_angle), -1).T  # of states that are not valid 0
         if self._conditions.efforts is not None:
             supplied = self._conditions.efforts * motion.v.T
             balance, total = balance + supplied.sum(axis=0), total + np.abs(supplied).sum(axis=0)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..common import plausibility
 from ..common.arguments import numbers, typed, whole_number
-from ..common.errors import PinpressError
+from ..common.errors import PinpressError, SingularityError
 from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure, Engine
@@ -153,14 +153,15 @@ def moved(
     accelerations: Array | float,
     times: Array | None,
     engine: str | Engine,
+    locked: dict[int, SingularityError] | None = None,
 ) -> Motion:
     """The motion with these driver angles, speeds and accelerations: (n,) along a ``branch``, where constant speeds may be one number and
-    have the accelerations 0.0; (n, drivers) where there is no branch."""
+    have the accelerations 0.0; (n, drivers) where there is no branch. ``locked``: of several drivers as of `follow_drivers`."""
     chosen = engine if isinstance(engine, ENGINES) else press.engine(cast(str, engine))  # which refuses what is none
     if branch is not None:
         return _along_branch(press, _constants(press), branch, angles, speeds, accelerations, times, chosen)
     with np.errstate(all="ignore"):  # what overflows is refused
-        position = follow_drivers(press.engine(), press.structure, press.closed, angles, press.name)
+        position = follow_drivers(press.engine(), press.structure, press.closed, angles, press.name, locked)
         v, a, gap, solved = chosen.rates(position, np.transpose(speeds), np.transpose(accelerations))
         _refuse_too_fast(press, a)
     return closed_motion(press, shared_by_motions(press), ClosedStates(position, v, a, solved=solved), gap, times, None)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common import tables
 from ..common.errors import PinpressError
@@ -55,6 +57,9 @@ class Motion(Tabular):
         slide_velocity: (n,) velocity of the slide in this direction [m/s].
         slide_acceleration: (n,) acceleration of the slide in this direction [m/s2].
         period_turns: turns of the crank in a period, see `Linkage.period_turns`; None where the linkage has no period, or several drivers.
+        valid: (n,) bool: whether the drivers bring the linkage into each state. In the others, which only `servo_cycle` with
+            ``on_singular="nan"`` makes, all but the coordinates, rates and accelerations of the drivers is NaN.
+        reasons: why the first state of each stretch of such states is not reached.
     """
 
     linkage: str
@@ -72,6 +77,7 @@ class Motion(Tabular):
     _slots: tuple[Slot, ...]
     _guide: SlideGuide | None
     period_turns: int | None
+    reasons: tuple[str, ...] = field(default=(), init=False)
     # Not taken over by dataclasses.replace: a motion with other positions must not keep the closure of this one.
     _closed_for: ClosedFor | None = field(default=None, init=False)
 
@@ -100,6 +106,10 @@ class Motion(Tabular):
     def __getstate__(self) -> dict[str, Any]:
         """The state for copies and pickles, which do not know the linkage."""
         return vars(self) | {"_closed_for": None}
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        return np.isfinite(self.closure_error)
 
     @property
     def time(self) -> Array:
@@ -271,6 +281,54 @@ def accelerated(press: Linkage, motion: Motion, states: ClosedStates) -> Motion:
     """The motion of a linkage with the accelerations of these states, which are else its own. From a simulated run only the motion is
     taken."""
     return closed_motion(press, shared_by_motions(press), states, motion.closure_error, motion._time, motion.period_turns)
+
+
+def filled(press: Linkage, motion: Motion) -> Motion:
+    """The motion with the home pose of its press, at rest, in place of states that are not valid; the motion itself if all are."""
+    gaps = ~motion.valid
+    if not gaps.any():
+        return motion
+    rest = np.zeros(len(press.joints))
+    of_states_filled = (
+        np.where(gaps[:, None], fill, values).T.copy()
+        for values, fill in ((motion.joint_position, press.closed), (motion.v, rest), (motion.a, rest))
+    )
+    return of_states(press, *of_states_filled, np.where(gaps, 0.0, motion.closure_error), motion._time, motion.period_turns)
+
+
+def with_gaps(press: Linkage, motion: Motion, drivers: Sequence[Array], gaps: Sequence[int], reasons: Sequence[str]) -> Motion:
+    """The motion with gaps in some states, where ``drivers`` are positions, speeds and accelerations (n, drivers) of the drivers."""
+    blanked = []
+    for values, of_drivers in zip((motion.joint_position, motion.v, motion.a), drivers, strict=True):
+        own = values.T.copy()
+        own[:, gaps] = np.nan
+        own[list(press.driver_indices)] = np.reshape(of_drivers, (-1, len(press.drivers))).T
+        blanked.append(own)
+    error = motion.closure_error.copy()
+    error[gaps] = np.nan
+    result = of_states(press, *blanked, error, motion._time, motion.period_turns)
+    vars(result)["reasons"] = tuple(reasons)
+    return result
+
+
+def with_gaps_of(press: Linkage, motion: Motion, asked: Motion) -> Motion:
+    """The motion with the gaps of another one, of which it has been `filled`."""
+    if motion is asked or asked.valid.all():
+        return motion
+    indices, valid = list(press.driver_indices), asked.valid[:, None]
+    pairs = zip((motion.joint_position, motion.v, motion.a), (asked.joint_position, asked.v, asked.a), strict=True)
+    of_drivers = [np.where(valid, values[:, indices], given[:, indices]) for values, given in pairs]
+    return with_gaps(press, motion, of_drivers, np.flatnonzero(~asked.valid).tolist(), asked.reasons)
+
+
+def blank(motion: Motion, values: Array, axis: int = 0) -> Array:
+    """Values with NaN in the states of a motion that are not valid; states are along the axis."""
+    gaps = ~motion.valid
+    if not gaps.any():
+        return values
+    result = np.array(values)
+    np.moveaxis(result, axis, 0)[gaps] = np.nan
+    return result
 
 
 def refuse_other_joints(press: Linkage, motion: Motion) -> None:

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.arguments import in_unit, numbers, typed
-from ..common.errors import PinpressError, shown
+from ..common.errors import PinpressError, SingularityError, shown
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
+from ..engines.branch import Branch, out_of_branch
 from ..linkage.linkage import Linkage
 from .cycle import doubt_speeds, motion_through_change_points, moved
 from .driver_motion import DriverMotion, Drivers, driver_motion
-from .motion import Motion
+from .motion import Motion, with_gaps
 from .slide_path import EQUAL, ROUNDING, DeadCentres, dead_centres
 
 Flank = Literal["down", "up"]
@@ -35,6 +36,7 @@ def servo_cycle(
     height: ArrayLike | None = None,
     flank: Flank | Sequence[Flank] | None = None,
     engine: str = "auto",
+    on_singular: Literal["error", "nan"] = "error",
 ) -> Motion:
     """Move a press as a servo drive prescribes it.
 
@@ -78,11 +80,13 @@ def servo_cycle(
             turns back elsewhere, the crank turns back too. A sequence has a word for each state. Leave it out where the driver slides; the
             driver must then move the slide one way all along.
         engine: as of `inverse_dynamics`: "plane", "space", "pinocchio", or "auto", the fastest.
+        on_singular: what becomes of states that are not reached because the linkage locks on the way from the last one that is: "error",
+            or "nan": they are not `Motion.valid`, and NaN, in the motion and in its `inverse_dynamics`. All other results are finite.
 
     Raises:
         PinpressError: what is given does not determine the motion, or contradicts itself, with the instant; a number is not finite, arrays
             differ in length, time does not rise, the slide does not reach a height.
-        SingularityError: the linkage locks within the motion.
+        SingularityError: the linkage locks within the motion, and ``on_singular`` is "error".
         AssemblyError: the loops do not close.
 
     Warns:
@@ -113,8 +117,13 @@ def servo_cycle(
     found = driver_motion(Drivers(given, press.driver_coordinates[: len(given)]), angle, speed, acceleration, time, period)
     if len(given) < len(press.drivers):
         found = _with_passive(press, found)
+    if on_singular not in ("error", "nan"):
+        raise PinpressError(f'on_singular is {shown(on_singular)}: write "error" or "nan"')
     branch = None if len(press.drivers) > 1 else press.branch
-    motion = moved(press, branch, found.angle, found.speed, found.acceleration, found.time, engine)
+    if on_singular == "error":
+        motion = moved(press, branch, found.angle, found.speed, found.acceleration, found.time, engine)
+    else:
+        motion = _moved_where_reached(press, branch, found, engine)
     doubt_speeds(press, found.speed, motion)
     return motion
 
@@ -125,6 +134,24 @@ def _with_passive(press: Linkage, motors: DriverMotion) -> DriverMotion:
     rest = np.zeros((count, len(passive)))
     values = ((motors.angle, rest + press.closed[list(passive)]), (motors.speed, rest), (motors.acceleration, rest))
     return DriverMotion(*(np.concatenate([given.reshape(count, -1), others], axis=1) for given, others in values), motors.time)
+
+
+def _moved_where_reached(press: Linkage, branch: Branch | None, asked: DriverMotion, engine: str) -> Motion:
+    """The motion with gaps in the states that are not reached."""
+    locked: dict[int, SingularityError] = {}
+    angles = asked.angle
+    if branch is not None and branch.period is None:
+        home = float(press.closed[press.driver_indices[0]])
+        for upwards, beyond in ((False, angles < branch.angles[0]), (True, angles > branch.angles[-1])):
+            if branch.locks[upwards] is not None:
+                locked |= dict.fromkeys(np.flatnonzero(beyond).tolist(), out_of_branch(branch, upwards))
+                angles = np.where(beyond, home, angles)
+    motion = moved(press, branch, angles, asked.speed, asked.acceleration, asked.time, engine, locked)
+    if not locked:
+        return motion
+    gaps = sorted(locked)
+    reasons = [str(locked[state]) for state in gaps if state - 1 not in locked]
+    return with_gaps(press, motion, (asked.angle, asked.speed, asked.acceleration), gaps, reasons)
 
 
 def _angles_at(

@@ -18,7 +18,7 @@ from ..engines.branch import LARGEST_CORRECTION, Branch, Returning, Travel, lead
 from ..engines.change_points import Gap
 from ..engines.constraints import Relation
 from ..engines.engine import ACCEPTED, PIECE, Close, Closure, Engine, joined
-from ..engines.following import SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
+from ..engines.following import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
 from ..engines.mounting import Mounting, limits
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.equations import OneConfiguration, Rows
@@ -242,7 +242,9 @@ def close_on_branch(engine: Engine, structure: Structure, branch: Branch, angles
     return joined((_close_piece(engine, structure, part, predict(branch, part), name) for part in parts), len(angles))
 
 
-def follow_drivers(engine: Engine, structure: Structure, start: Array, angles: Array, name: str) -> Array:
+def follow_drivers(
+    engine: Engine, structure: Structure, start: Array, angles: Array, name: str, locked: dict[int, SingularityError] | None = None
+) -> Array:
     """Closed positions (nv, n) of a linkage with several drivers at driver positions (n, drivers), each followed from the one before.
 
     Args:
@@ -251,6 +253,8 @@ def follow_drivers(engine: Engine, structure: Structure, start: Array, angles: A
         start: (nv,) closed home pose, from which the first position is followed.
         angles: (n, drivers) driver positions [rad or m].
         name: name of the linkage, for errors.
+        locked: to be filled in: which positions are not reached because the linkage locks on the way from the last one that is, and the
+            errors that say where. They are then ``start``. None: the first of these errors is raised.
 
     Raises:
         SingularityError: the linkage locks on the way.
@@ -259,16 +263,51 @@ def follow_drivers(engine: Engine, structure: Structure, start: Array, angles: A
     begin = start[list(structure.drivers)]
     _refuse_beyond_limits(structure, begin, angles)
     close_drivers, tolerance = engine.closing_function(), ACCEPTED * engine.tolerance
-    path, here, pieces, tried = np.concatenate([begin[None], angles]), start, [], PIECE
-    while len(path) > 1:
-        ahead = path_between(path[: 1 + tried], _counted_as_angle(structure), PIECE)
-        reached = follow_at_once(close_drivers, here, ahead, structure.size, tolerance)
-        tried = min(PIECE, max(1, 2 * reached.shape[1]))
-        if not reached.shape[1]:
-            reached = _walk_between(engine, structure, here, path[0], path[1], name)[:, None]
-        pieces.append(reached)
-        path, here = path[reached.shape[1] :], reached[:, -1]
-    return np.concatenate(pieces, axis=1)
+    at, here, result, done, tried = begin, start, np.empty((len(start), len(angles))), 0, PIECE
+    while done < len(angles):
+        path = np.concatenate([at[None], angles[done : done + tried]])
+        reached = follow_at_once(close_drivers, here, path_between(path, _counted_as_angle(structure), PIECE), structure.size, tolerance)
+        count = reached.shape[1]
+        tried = min(PIECE, max(1, 2 * count))
+        if not count:
+            try:
+                reached, count = _walk_between(engine, structure, here, path[0], path[1], name)[:, None], 1
+            except SingularityError as error:
+                if locked is None:
+                    raise
+                skipped = 1 + _first_within_reach(engine, structure, here, angles[done + 1 :])
+                locked |= dict.fromkeys(range(done, done + skipped), error)
+                result[:, done : done + skipped] = start[:, None]
+                done += skipped
+                continue
+        result[:, done : done + count] = reached
+        at, here, done = path[count], reached[:, -1], done + count
+    return result
+
+
+def _first_within_reach(engine: Engine, structure: Structure, start: Array, angles: Array) -> int:
+    """How many of the driver positions (n, drivers) come before the first to which the linkage may be moved from a closed pose (nv,), on a
+    straight line.
+
+    All are tried at once, in steps that grow as those of a walk, of which each has to close. Walking to each would take a thousand times as
+    long where the way is locked.
+    """
+    close_drivers, unit, begin = engine.closing_function(), _counted_as_angle(structure), start[list(structure.drivers)]
+    tried, count = 0, 16
+    while tried < len(angles):
+        ways = (angles[tried : tried + count] - begin).T
+        distances, kept = np.linalg.norm(ways / unit[:, None], axis=0), np.arange(ways.shape[1])
+        x, gone, step = np.repeat(start[:, None], len(kept), axis=1), 0.0, FIRST_STEP
+        while len(kept) and gone < distances[kept].max():
+            gone, step = gone + step, min(2 * step, COARSE_STEP)
+            share = np.minimum(1.0, gone / np.maximum(distances[kept], FIRST_STEP))
+            closure = close_drivers(begin[:, None] + share * ways[:, kept], np.zeros_like(ways[:, kept]), x)
+            closes = closure.gap <= ACCEPTED * engine.tolerance
+            kept, x = kept[closes], closure.position[:, closes]
+        if len(kept):
+            return tried + int(kept[0])
+        tried, count = tried + count, min(PIECE, 2 * count)
+    return len(angles)
 
 
 def _walk_between(engine: Engine, structure: Structure, start: Array, before: Array, after: Array, name: str) -> Array:
