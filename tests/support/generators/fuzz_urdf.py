@@ -289,7 +289,9 @@ def model_mass(press: pp.Linkage) -> float:
 
 
 def written_mass(data: bytes) -> float:
-    return math.fsum(float(mass.get("value")) for mass in ElementTree.fromstring(data).findall("link/inertial/mass"))
+    """Of a repeated element the first counts: only equal ones are read."""
+    masses = (link.find("inertial/mass") for link in ElementTree.fromstring(data).findall("link"))
+    return math.fsum(float(mass.get("value")) for mass in masses if mass is not None)
 
 
 def gap_of(press: pp.Linkage, loop: ElementTree.Element, q: np.ndarray) -> float:
