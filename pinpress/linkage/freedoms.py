@@ -29,13 +29,13 @@ from numpy.typing import NDArray
 
 from ..common.quantities import Array
 from ..common.results import Record
+from ..engines.mounting import CLOSED, Mounting
 from ..engines.pinocchio.equations import OneConfiguration
 from ..engines.rank import rank
 from ..engines.structure import Structure, configuration, data_of
 
 LONGEST = 7  # most bodies of a chain, on either side of a loop: a telescopic leg between two balls that are split into hinges has 7
 RESTS = 1e-4  # share of the fastest motion below which a body rests; rounded numbers of a file move it by up to 1e-5
-LIGHT = 1e-9  # share of the whole mass up to which a body has none: formats that take no zero have 1e-12 kg or less in its place
 BALANCED = 1e-6  # a centre of mass this close to the line about which its link spins is on it [sizes of the linkage]
 WEAK = 0.02  # share of a way below which a joint hardly moves in it, and is no good coordinate
 
@@ -172,16 +172,12 @@ def conditioning(ways: Array, joints: Sequence[int]) -> float:
 def generic_ways(structure: Structure, x: Array) -> int:
     """Number of free ways in closed poses near a closed pose (nv,): the smallest of four poses, with joints moved by up to 0.15 rad. In the
     pose itself it is larger where assemblies meet, as in a parallelogram drawn in one line."""
-    one, random, unit = OneConfiguration(structure), np.random.default_rng(0), lengths(structure)
-    numbers = [free_ways(structure, one.at(x).columns).shape[1]]
+    mounting, random = Mounting(structure), np.random.default_rng(0)
+    numbers = [free_ways(structure, columns_at(structure, x)).shape[1]]
     for _ in range(4):
-        near = x + 0.15 * unit * random.uniform(-1.0, 1.0, len(x))
-        for _ in range(30):
-            rows = one.at(near)
-            near = near - unit * np.clip(np.linalg.lstsq(rows.columns * unit, rows.gaps, rcond=1e-9)[0], -0.3, 0.3)
-        rows = one.at(near)
-        if np.abs(rows.gaps).max(initial=0.0) < 1e-9 * structure.size:
-            numbers.append(free_ways(structure, rows.columns).shape[1])
+        near = mounting.close(x + 0.15 * mounting.lengths * random.uniform(-1.0, 1.0, len(x)), limited=False)
+        if near.misfit <= CLOSED:
+            numbers.append(free_ways(structure, columns_at(structure, near.position)).shape[1])
     return min(numbers)
 
 
@@ -300,9 +296,7 @@ class _Bodies:
         speeds: NDArray[np.float64] = np.linalg.norm(self.twists @ way, axis=1)
         moving = [int(body) for body in np.flatnonzero(speeds > RESTS * speeds.max(initial=0.0))]
         inertias = self.structure.model.inertias
-        least = LIGHT * sum(inertia.mass for inertia in inertias)
-        of_size = least * self.structure.size**2
-        return moving, [b for b in moving if inertias[b + 1].mass > least or np.abs(inertias[b + 1].inertia).max() > of_size]
+        return moving, [body for body in moving if inertias[body + 1].mass or inertias[body + 1].inertia.any()]
 
     def _bearings(self, moving: set[int]) -> int:
         """How many joints and loops join moving bodies to resting ones."""

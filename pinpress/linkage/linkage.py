@@ -83,8 +83,8 @@ class Linkage(Frozen):
         relations: gear pairs, racks and screws, as equations between the coordinates of their joints. ``couplings`` lists them by pairs.
         drivers: names of the driver joints, as many as degrees of freedom: `motors`, then ``passive``.
         slide: name of the slide link, None if the linkage has none.
-        held: names of the joints that are held still, because a link could spin about the line of its bearings, which no driver determines;
-            which joint of such a link is held, and what follows from that, is told in `freedoms`.
+        held: names of the joints that are held as in the home pose, because a link could spin about the line of its bearings, which no
+            driver determines. Which joint of such a link is held, and what follows from that, is told in `freedoms`.
         zero: where the driver's coordinate is 0, as in "top dead centre"; empty for the pose that the file draws. See `drawn_at`.
         joint_springs: springs and dampers in joints, ``<joint_spring>``. Inertias of motors, ``<armature>``, are in ``model.armature``.
         passive: names of the drivers that no motor moves, such as sprung joints and the joints of a floating base. They are the last of
@@ -254,9 +254,10 @@ class Linkage(Frozen):
     @property
     @per_linkage
     def structure(self) -> Structure:
-        """What the engines compute with. Joints whose spins are held stand still, each by a relation."""
+        """What the engines compute with. Held joints stand still where they are in the home pose, each by a relation."""
         drivers = tuple(self.joints.index(driver) for driver in self.drivers)
-        still = tuple(Relation(name, {self.joints.index(name): 1.0}) for name in self.held)
+        held = {name: self.joints.index(name) for name in self.held}
+        still = tuple(Relation(name, {joint: 1.0}, self.home[joint] if self.home else 0.0) for name, joint in held.items())
         return build_structure(self.model, self.loops, (*self.relations, *still), drivers)
 
     @property

@@ -237,7 +237,7 @@ def propose_drivers(press: Linkage | str | os.PathLike[str]) -> Proposal:
     if not isinstance(press, Linkage):
         document = with_base(parse(locate(press)), "fixed")
         refuse_errors(element_checks.errors(document), check_command(document.file))
-        press = build(document, (), None)
+        press = mount(build(document, (), None))
         if not press.assembly.closes:
             refuse_errors(assembly_checks.errors(press), check_command(press.file))
     return propose(press)

@@ -47,7 +47,7 @@ def errors(press: Linkage, in_file: bool = True) -> Iterator[Finding]:
     yield from _unseen(press)
     if assembly.closes and _meets(press, freedom):
         yield _change_point(press, rows, in_file)
-    elif freedom != len(press.drivers) and press.drivers:
+    elif freedom != len(press.drivers) and (assembly.closes or (press.slide and press.drivers)):
         yield _mobility(press, rows, freedom)
     if not assembly.closes:
         yield from _open(press, rows)
@@ -352,16 +352,17 @@ def _range_of_driver(press: Linkage, branch: Branch, where: tuple[str, int]) -> 
 def _undriven(press: Linkage) -> Iterator[Finding]:
     """What becomes of the freedoms that no motor moves."""
     robot = _robot(press)
-    for spin in (each for each in press.freedoms if each.held):
-        those, held = _links(spin.bodies), f"held, with joint {spin.joints[0]!r} as drawn"
-        if spin.kind == "spin":
-            problem = f"{those} can spin about the line of the bearings at the ends, through the centre of mass: no driver determines that"
-            remedy = f"it is {held}: no weight turns it, and forces of a slender link do not depend on it"
-            yield Finding("note", robot, None, problem, remedy)
+    for kind in ("spin", "swing"):
+        if not (spins := [each for each in press.freedoms if each.kind == kind]):
+            continue
+        they, held = "; ".join(map(_spin_in_words, spins)), f"held, with {_joints([each.joints[0] for each in spins])} as in the home pose"
+        if kind == "spin":
+            problem = f"{they}: no driver determines that"
+            yield Finding("note", robot, None, problem, f"this is {held}: forces of slender links do not depend on it")
         else:
-            problem = f"{_spin_in_words(spin)}, and no driver determines that: its weight would turn it"
-            remedy = f"it is {held}: put its centre of mass on the line, or make one of its ball joints a universal one, of two pins"
-            yield Finding("warning", robot, None, problem, remedy)
+            problem = f"{they}: no driver determines that, and weight would turn them"
+            remedy = "put centres of mass on the lines, or make one of two ball joints a universal one, of two pins"
+            yield Finding("warning", robot, None, problem, f"this is {held}; {remedy}")
     if free := [each.joints[0] for each in press.freedoms if each.kind == "passive"]:
         problem = f"no driver moves {_joints(free)}: {', '.join(press.motors) or 'what drives'} leaves {len(free)} free"
         remedy = "it is free, as a passive coordinate" if len(free) == 1 else "they are free, as passive coordinates"
@@ -381,8 +382,9 @@ def _gears_without_carrier(press: Linkage) -> Iterator[Finding]:
 
 
 def _spin_in_words(spin: Freedom) -> str:
-    can = f"{_links(spin.bodies)} can spin about a line"
-    return f"{can} {_short(1e3 * spin.eccentricity)} mm from {'its' if len(spin.bodies) == 1 else 'their'} centre of mass"
+    those, own = _links(spin.bodies), "its" if len(spin.bodies) == 1 else "their"
+    off = f"a line {_short(1e3 * (spin.eccentricity or 0.0))} mm from" if spin.kind == "swing" else "the line of bearings through"
+    return f"{those} can spin about {off} {own} centre of mass"
 
 
 def _links(names: Sequence[str]) -> str:
