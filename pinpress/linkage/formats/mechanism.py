@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from scipy.spatial.transform import Rotation
 
 from ...common.quantities import Array
 from ..document import Document, Finding, Origin
@@ -300,6 +299,8 @@ def _home(mechanism: Mechanism, joints: Sequence[Joint]) -> dict[str, float]:
     for name, position in mechanism.home.items():
         if name in balls:
             if not np.array_equal(position, np.eye(3)):  # else its angles would be rounding errors
+                from scipy.spatial.transform import Rotation  # its import takes longer than reading a file
+
                 turned = Rotation.from_matrix(position)
                 angles = turned.as_davenport([axes[each] for each in balls[name]], "intrinsic", suppress_warnings=True)
                 home |= zip(balls[name], map(float, angles), strict=True)
