@@ -4,6 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
+from reference.robots.cases import CASES
 from support import texts
 from support.generators.spatial_linkages import bennett, bricard, four_bar
 
@@ -69,3 +70,37 @@ def test_a_urdf_in_another_dialect_loads_to_the_same_forces(name, dialect, home,
     assert_same(press, again)
     if home:
         assert np.abs(again.closed).max() < 1e-14
+
+
+FORMS = {  # how a linkage is written, and whether joints are at zero at home then
+    "urdf": (pp.write_urdf, False),
+    "home": (lambda press, path: pp.write_urdf(press, path, home=True), True),
+    "urdf+": (lambda press, path: pp.write_urdf(press, path, dialect="urdf+"), False),
+    "gazebo": (lambda press, path: pp.write_urdf(press, path, dialect="gazebo"), True),
+    "sdf": (pp.write_sdf, True),
+}
+OUTSIDE = ("15_", "23_")  # their states are not of one assembly, and not closed exactly
+
+
+def torque(press, case, at):
+    """Of all drivers at the state of a case, but its drivers at other places."""
+    states = [[values] if len(at) > 1 else values for values in (at, case.speed, case.acceleration)]
+    motion = pp.servo_cycle(press, states[0], speed=states[1], acceleration=states[2])
+    return np.ravel(pp.inverse_dynamics(press, motion).driving_torque)
+
+
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("case", [case for case in CASES if not case.file.startswith(OUTSIDE)], ids=lambda case: case.id)
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+def test_robots_keep_their_torque_in_every_format(case, form, tmp_path):
+    if case.path.suffix == ".xml":
+        pytest.importorskip("mujoco")
+    press = pp.load(case.path, **case.load)
+    write, at_zero = FORMS[form]
+    base = {"base": "floating"} if case.load.get("base") == "floating" and form == "sdf" else {}
+    again = pp.load(write(press, tmp_path / ("robot.sdf" if form == "sdf" else "robot.urdf")), **base)
+    assert (again.mobility, again.motors, len(again.passive)) == (press.mobility, press.motors, len(press.passive))
+    at = np.array(case.at) - at_zero * press.closed[list(press.driver_indices)]
+    expected = torque(press, case, case.at)
+    np.testing.assert_allclose(torque(again, case, at), expected, rtol=0, atol=1e-11 * np.abs(expected).max())

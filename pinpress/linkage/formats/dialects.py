@@ -67,9 +67,7 @@ def plain(document: Document) -> Document:
     text, taken = Text(document), {*names(robot, "joint"), *names(robot, "loop_joint")}
     origins = dict(document.origins)
     remarks_of_loops = [*_second_ends(robot, text), *_world(document, text, origins)]
-    for link, loop in _closing_frames(file, robot, taken):
-        text.insert(link, loop_element(loop))
-        origins[link.line, "loop_joint"] = loop.origin
+    joined = {end.get("link") for loop in robot.all("loop_joint") for end in loop.all("link1", "link2")}
     for element, relation in _couplings(document):
         text.replace(element, relation_element(relation))
         origins[element.line, "relation"] = relation.origin
@@ -84,7 +82,11 @@ def plain(document: Document) -> Document:
         if element.tag == BUSHING:
             remarks_of_loops.append(bushing_remark(loop.origin))
         taken.add(loop.name)
+        joined |= {link for link, _ in loop.ends}
         origins[element.line, "loop_joint"] = loop.origin
+    for link, loop in _closing_frames(file, robot, joined, taken):
+        text.insert(link, loop_element(loop))
+        origins[link.line, "loop_joint"] = loop.origin
     edited, remarks = text.edited(), (*remarks, *remarks_of_loops)
     return document if (edited, remarks) == (document.text, document.remarks) else Document(file, edited, origins, remarks)
 
@@ -239,11 +241,10 @@ def joints_below(description: Description, link: str) -> list[str]:
 # ------------------------------------------------------------------------------------------------------------- onshape-to-robot, Isaac Gym
 
 
-def _closing_frames(file: str, robot: Element, taken: set[str]) -> Iterator[tuple[Element, Loop]]:
+def _closing_frames(file: str, robot: Element, ends: Collection[str], taken: set[str]) -> Iterator[tuple[Element, Loop]]:
     """The loops that pairs of links ``closing_NAME_1``, ``closing_NAME_2`` close, each with the first of them: a ball at their origins; a
-    hinge, if links ``closing_NAME_1_z``, ``closing_NAME_2_z`` stand on its axis."""
+    hinge, if links ``closing_NAME_1_z``, ``closing_NAME_2_z`` stand on its axis. Links that other loops join, the ``ends``, close none."""
     links = {link.get("name"): link for link in robot.all("link")}
-    ends = {end.get("link") for loop in robot.all("loop_joint") for end in loop.all("link1", "link2")}
     places: dict[str, pin.SE3] = {}
     for name, link in links.items():
         found = re.fullmatch(r"closing_(.+)_([12])(_z)?", name)

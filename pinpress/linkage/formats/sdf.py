@@ -46,6 +46,7 @@ from .mechanism import (
     Loop,
     Mechanism,
     Shape,
+    Spring,
     as_document,
     capsule,
     massless_link,
@@ -309,7 +310,7 @@ class _Reader:
 
     def _root(self, bearings: Sequence[_Bearing]) -> tuple[str, Joint | None]:
         """Name of the root link, and the joint that holds it: the world, if joints connect it, without such a joint; else the link that is
-        no joint's child, with a fixed joint if it is not at the origin."""
+        no joint's child, with a free joint if it is not at the origin."""
         if any(WORLD in (bearing.parent, bearing.child) for bearing in bearings):
             return WORLD, None
         children = {bearing.child for bearing in bearings}
@@ -317,10 +318,11 @@ class _Reader:
         first = free[0] if free else next(iter(self.links))
         place = self.model_place * self.place(first, self.links[first])
         name = make_unique(f"{first}_held", {*self.joints})
-        held = Joint(name, "fixed", WORLD, first, place, np.array([1.0, 0.0, 0.0]), origin_of(self.links[first]))
-        problem = f"no joint connects the model to the world: link {first!r} is held where it is drawn"
-        self.remarks.append(remark("warning", self.links[first], problem, "write a fixed joint whose parent is world"))
-        return first, None if np.array_equal(place.homogeneous, np.eye(4)) else held
+        if np.array_equal(place.homogeneous, np.eye(4)):
+            problem = f"no joint connects the model to the world: link {first!r} is held where it is drawn"
+            self.remarks.append(remark("warning", self.links[first], problem, "write a fixed joint whose parent is world"))
+            return first, None
+        return first, Joint(name, "floating", WORLD, first, place, np.array([1.0, 0.0, 0.0]), origin_of(self.links[first]))
 
     def _bearing(self, name: str, element: Element) -> _Bearing:
         refuse_unknown(self.file, element, _KNOWN["joint"].split())
@@ -382,9 +384,7 @@ class _Reader:
         for part in (dynamics, limit):
             if part is not None:
                 refuse_unknown(self.file, part, _KNOWN[part.tag].split())
-        if self._number(dynamics, "spring_stiffness", 0.0):
-            remedy = "give it as a load: loads=[SpringDamper(...)]"
-            self.remarks.append(remark("warning", bearing.element, "the spring of the joint is not read", remedy))
+        stiffness, reference, damping = (self._number(dynamics, name, 0.0) for name in ("spring_stiffness", "spring_reference", "damping"))
         effort, velocity = (self._limit(limit, name) for name in ("effort", "velocity"))
         return [
             Joint(
@@ -398,9 +398,10 @@ class _Reader:
                 limits=self._limits(bearing, limit),
                 effort=effort if 0 <= effort < math.inf else None,
                 velocity=velocity if 0 <= velocity < math.inf else None,
-                damping=self._number(dynamics, "damping", 0.0),
+                damping=damping,
                 friction=self._number(dynamics, "friction", 0.0),
                 follow=self._mimic(bearing, element),
+                spring=Spring(stiffness, reference, damping) if stiffness else None,
             )
         ], []
 

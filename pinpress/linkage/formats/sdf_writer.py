@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,11 +19,11 @@ from ..linkage import Linkage
 from ..text import MOMENTS, as_text, tag
 from ..writing import drawn_text
 from .elements import make_unique
-from .mechanism import Joint, Link, Loop, Mechanism, Shape
+from .mechanism import Follow, Joint, Link, Loop, Mechanism, Shape
 from .urdf import mechanism_of
 
 WORLD = "world"
-LEAST = 1e-12, 1e-15  # mass and moments of moving links without mass, as SDF gives a link without them 1 kg and 1 kg m2 [kg, kg m2]
+LEAST = 1e-15, 1e-18  # mass and moments of moving links without mass, as SDF gives a link without them 1 kg and 1 kg m2 [kg, kg m2]
 TYPES = {"spherical": "ball", "revolute": "revolute", "fixed": "fixed"}
 PLUGIN = {"filename": "gz-sim-joint-controller-system", "name": "gz::sim::systems::JointController"}
 
@@ -48,24 +49,48 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
             name.
     """
     document = Document(press.file, drawn_text(press))
-    mechanism = mechanism_of(document)
-    for relation in mechanism.relations:
-        raise PinpressError(f"{press.name}: SDF has no element for relation {relation.name!r} of {len(relation.coefficients)} joints")
+    drawn = _with_gears(mechanism_of(document), press.name)
+    mechanism = _without_free_joints(drawn, press.root, document.description.bases)
     for link in document.robot.all("link"):
         if link.all("tool"):
             caution(f"{press.name}: SDF does not hold the <tool> of link {link.get('name')!r}: it was left out")
     for joint in mechanism.joints:
         if joint.armature:
             caution(f"{press.name}: SDF does not hold the armature of joint {joint.name!r}, {joint.armature:g}: it was left out")
-    return files.write(path, ("\n".join(_Writer(mechanism, press).lines()) + "\n").encode())
+    return files.write(path, ("\n".join(_Writer(mechanism, _places(drawn, press.root), press).lines()) + "\n").encode())
+
+
+def _without_free_joints(mechanism: Mechanism, root: str, bases: Mapping[str, Sequence[str]]) -> Mechanism:
+    """The mechanism without the joints of free bodies, and without a root that only they had: in SDF a link that no joint carries is
+    free."""
+    chains = [joint for joint in mechanism.joints if any(joint.name in names for names in bases.values())]
+    joints = tuple(joint for joint in mechanism.joints if joint not in chains)
+    left_out = {joint.child for joint in chains} & {joint.parent for joint in chains}
+    joined = {joint.parent for joint in joints} | {link for loop in mechanism.loops for link, _ in loop.ends}
+    left_out |= {root} if chains and root not in joined else set()
+    return replace(mechanism, joints=joints, links=tuple(link for link in mechanism.links if link.name not in left_out))
+
+
+def _with_gears(mechanism: Mechanism, name: str) -> Mechanism:
+    """The mechanism with relations of two joints as gears of the first; raises PinpressError for others."""
+    gears = {}
+    for relation in mechanism.relations:
+        (joint, first), *others = relation.coefficients.items()
+        if len(others) != 1 or joint in gears or any(each.follow for each in mechanism.joints if each.name == joint):
+            raise PinpressError(
+                f"{name}: SDF has no element for relation {relation.name!r}: it gears pairs of joints, and each follower once"
+            )
+        ((leader, second),) = others
+        gears[joint] = Follow(leader, -second / first, relation.offset / first, relation.origin)
+    geared = (replace(joint, follow=gears[joint.name]) if joint.name in gears else joint for joint in mechanism.joints)
+    return replace(mechanism, joints=tuple(geared), relations=())
 
 
 class _Writer:
     """Writes a mechanism that is closed where its joints are at zero."""
 
-    def __init__(self, mechanism: Mechanism, press: Linkage) -> None:
-        self.mechanism, self.drivers = mechanism, press.motors
-        self.places = _places(mechanism, press.root)
+    def __init__(self, mechanism: Mechanism, places: Mapping[str, pin.SE3], press: Linkage) -> None:
+        self.mechanism, self.places, self.drivers = mechanism, places, press.motors
         self.root, self.moving = press.root, {link for link, body in press.document.description.bodies.items() if body != press.root}
         taken = {link.name for link in mechanism.links} | {WORLD}
         self.names: dict[str, str] = {}  # of joints and loops: in SDF links and joints share names
@@ -84,7 +109,7 @@ class _Writer:
         for link in self.mechanism.links:
             if link.name != WORLD:
                 yield from self._link(link)
-        if self.root != WORLD:
+        if self.root != WORLD and any(link.name == self.root for link in self.mechanism.links):
             yield from self._bearing(self.held, "fixed", WORLD, self.root, "")
         # A reader that closes loops at the last joints of a file then keeps drivers, geared and sprung joints in its tree.
         followed = {joint.follow.leader for joint in self.mechanism.joints if joint.follow}
