@@ -36,6 +36,7 @@ from ..engines.structure import Structure, configuration, data_of
 
 LONGEST = 7  # most bodies of a chain, on either side of a loop: a telescopic leg between two balls that are split into hinges has 7
 RESTS = 1e-4  # share of the fastest motion below which a body rests; rounded numbers of a file move it by up to 1e-5
+LIGHT = 1e-9  # share of the whole mass up to which a body has none: formats that take no zero have 1e-12 kg or less in its place
 BALANCED = 1e-6  # a centre of mass this close to the line about which its link spins is on it [sizes of the linkage]
 WEAK = 0.02  # share of a way below which a joint hardly moves in it, and is no good coordinate
 
@@ -296,7 +297,9 @@ class _Bodies:
         speeds: NDArray[np.float64] = np.linalg.norm(self.twists @ way, axis=1)
         moving = [int(body) for body in np.flatnonzero(speeds > RESTS * speeds.max(initial=0.0))]
         inertias = self.structure.model.inertias
-        return moving, [body for body in moving if inertias[body + 1].mass or inertias[body + 1].inertia.any()]
+        least = LIGHT * sum(inertia.mass for inertia in inertias)
+        of_size = least * self.structure.size**2
+        return moving, [b for b in moving if inertias[b + 1].mass > least or np.abs(inertias[b + 1].inertia).max() > of_size]
 
     def _bearings(self, moving: set[int]) -> int:
         """How many joints and loops join moving bodies to resting ones."""
