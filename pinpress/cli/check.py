@@ -7,6 +7,7 @@ import warnings
 from ..common.errors import PinpressError, PinpressWarning, PinTableError
 from ..common.results import Records
 from ..jobs.job import read_job
+from ..jobs.reading import base_of
 from ..jobs.sources import Source
 from ..kinematics.check import CheckResult, check
 from ..linkage.document import Finding
@@ -60,7 +61,7 @@ def _of_press(found: Source) -> CheckResult:
     try:
         drawn = found.drawn()
         if drawn is None:
-            return check(found.model, driver=given.get("drivers"), slide=slide, base=given.get("base", "fixed"), pose=given.get("pose"))
+            return check(found.model, driver=given.get("drivers"), slide=slide, base=base_of(given), pose=given.get("pose"))
         return drawn.check(slide)
     except PinTableError as error:
         if error.line is None:

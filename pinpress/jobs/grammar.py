@@ -247,7 +247,7 @@ SECTIONS: Mapping[str, Section] = {
     "file": Section(Text(), "A URDF, SDF or MJCF file or a shipped press, in place of the table of pins.", "file: robot.urdf"),
     "drivers": Section(Names(), "Driven joints, where the file names none or others are driven.", "drivers: motor_left motor_right"),
     "slide": Section(Text(), "The slide, the link whose motion and process force are computed, if it is not called slide.", "slide: ram"),
-    "base": Section(Text(("fixed", "floating")), "Whether a free joint of the file holds its body, or leaves it free.", "base: floating"),
+    "floating": Section(Truth(), "Whether free joints of the file leave their bodies free, as that of a robot's base.", "floating: yes"),
     "pose": Section(
         Named(Place(), "{knee: 30 deg}"),
         "Where some joints are as the linkage is put together, if its file draws it open or two assemblies meet there.",

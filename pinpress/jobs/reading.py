@@ -9,6 +9,7 @@ from ..common.errors import PinpressError, suggestion
 from ..common.reading.entries import Entry
 from ..common.reading.filling import Around, Named, Number
 from ..kinematics.slide_path import dead_centres
+from ..linkage.base import Base
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..pin_table.building import DrawnPress
@@ -32,19 +33,24 @@ def read_value(value: Any, entry: Entry, around: Around, refuse: Callable[[Pinpr
     return read
 
 
+def base_of(made: Mapping[str, Any]) -> Base:
+    """What free joints of the file do, as an argument of `load`."""
+    return "floating" if made.get("floating") else "fixed"
+
+
 def press_of(found: Source, made: Mapping[str, Any], drawn: DrawnPress | None) -> Linkage:
     if made.get("gravity", 0.0) < 0:  # a press under upward gravity is not meant
         found.items["gravity"].refuse("it counts downwards, and is negative", "write gravity: 9.81 m/s2")
     gravity, slide = (0.0, 0.0, -made.get("gravity", 9.81)), made.get("slide")
     if drawn is not None:
-        for name in ("drivers", "base", "pose"):
+        for name in ("drivers", "floating", "pose"):
             if name in found.items:
                 found.items[name].refuse("it is for a press of a file", "leave it out: a table of pins has its drive")
         return drawn.press(gravity, slide=slide)
     for name in ("pins", "links"):
         if name in found.items:
             found.items[name].refuse("the press is that of file", "leave out one of them")
-    press = load(found.model, made.get("drivers"), slide, gravity, base=made.get("base", "fixed"), pose=made.get("pose"))
+    press = load(found.model, made.get("drivers"), slide, gravity, base=base_of(made), pose=made.get("pose"))
     for name, each in found.items["pose"].items("poses").items() if "pose" in made else ():
         Number("rad" if turns(press, name) else "m").read(each, Around())  # one or the other was read before the press was known
     return press

@@ -88,7 +88,7 @@ class Source:
         return {name: SECTIONS[name].value.read(self.items[name], Around()) for name in OF_PRESS if name in self.items}
 
 
-OF_PRESS = ("file", "drivers", "slide", "base", "pose", "gravity", "zero")  # sections that make the press
+OF_PRESS = ("file", "drivers", "slide", "floating", "pose", "gravity", "zero")  # sections that make the press
 
 
 def source(file: str | os.PathLike[str] | None, variant: str | None, words: Sequence[str], changes: Mapping[str, Any]) -> Source:

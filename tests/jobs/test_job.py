@@ -111,7 +111,7 @@ def test_examples_make_their_parts(name: str, part: Part, tmp_path: Path) -> Non
 
 def test_sections_of_tables_are_those_of_jobs() -> None:
     """A table of pins leaves all sections of a job alone, and refuses no other ones than those that name a press from elsewhere."""
-    assert set(BESIDE) == set(SECTIONS) - {"file", "drivers", "base", "pose"}
+    assert set(BESIDE) == set(SECTIONS) - {"file", "drivers", "floating", "pose"}
 
 
 def test_tables_of_parts_come_from_beside_their_file(tmp_path: Path) -> None:
