@@ -149,9 +149,9 @@ def limits(structure: Structure) -> tuple[Array, Array]:
 
 
 def within(structure: Structure, position: Array) -> NDArray[np.bool_]:
-    """Whether each joint (nv,) is within its limits, of which files round the last digits."""
+    """Whether each joint (nv,) is within its limits, but for what rounding and closing leave."""
     lower, upper = limits(structure)
-    return np.asarray((position >= lower - 1e-9) & (position <= upper + 1e-9))
+    return np.asarray((position >= lower - 1e-6) & (position <= upper + 1e-6))
 
 
 def _aligning(axis: Array, turned: Array) -> tuple[Array, Array]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..common.errors import AssemblyError, PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
-from ..engines.mounting import CLOSED, STARTS, Mounted, Mounting
+from ..engines.mounting import CLOSED, STARTS, Mounted, Mounting, limits
 from ..engines.rank import PassiveJacobian
 from .linkage import Linkage
 
@@ -23,6 +23,7 @@ ROUNDED = 1e-3  # misfit that rounded numbers may leave where equations are redu
 NEAR = 0.05  # moves of joints up to which Newton's method reaches the same pose as damped steps [rad, lengths of the linkage]
 BESIDE = 0.3  # distance of the drivers from a pose in which assemblies meet, where these are told apart [rad, lengths of the linkage]
 MOST_LISTED = 4
+MOST_ALIKE = 6  # starts one after the other that end at the same misfit, after which no better one is expected
 POSE, HOME = "pose=", "the <home> of the file"
 
 
@@ -57,12 +58,18 @@ def mount(press: Linkage, pose: Mapping[str, float] | None = None) -> Linkage:
         if poses := mounting.assemblies(rung.start, rung.held, 2 * BESIDE):
             chosen = max(poses, key=lambda pose: _margin(press, pose))
             return replace(press, home=tuple(chosen.tolist()), mounted=rung.how)
-    for rungs in [_near(press, home, POSE)] if home else [(*_near(press, of_file, HOME), *_as_drawn(press)), _anywhere(press, mounting)]:
+    for rungs in (
+        (*_near(press, home, POSE),) if home else (*_near(press, of_file, HOME), *_as_drawn(press)),
+        () if home else _anywhere(press, mounting),
+        () if home else _outside_limits(press),
+    ):
+        alike = 0
         for rung in rungs:
             reached = mounting.close(rung.start, rung.held, rung.limited)
+            alike = alike + 1 if abs(reached.misfit - best.misfit) <= 1e-6 * best.misfit else 0
             if reached.misfit < best.misfit:
                 best, how = reached, rung.how
-            if best.misfit <= CLOSED:
+            if best.misfit <= CLOSED or alike == MOST_ALIKE:
                 break
         if best.misfit <= ROUNDED:
             break
@@ -71,7 +78,16 @@ def mount(press: Linkage, pose: Mapping[str, float] | None = None) -> Linkage:
         named = ", ".join(f"{name} {value:g}" for name, value in home.items())
         problem = f"{press.file}: its loops do not close near the pose {named}: at best they are {gap:.3g} mm apart"
         raise AssemblyError(f"{problem}; give another pose, or fewer joints of it", 0.0, gap / 1e3, 0)
-    return replace(press, home=tuple(best.position.tolist()), mounted=how)
+    return replace(press, home=tuple(_without_turns(press, best.position).tolist()), mounted=how)
+
+
+def _without_turns(press: Linkage, position: Array) -> Array:
+    """A pose (nv,) without the whole turns that joints without limits have made from the drawn pose, but those of relations."""
+    lower, upper = limits(press.structure)
+    turning = np.array([axis.turns for axis in press.axes]) & np.isinf(lower) & np.isinf(upper)
+    turning[[joint for relation in press.structure.relations for joint in relation.joints]] = False
+    turns = np.round((position - press.assembly.start) / (2 * np.pi))
+    return np.asarray(np.where(turning, position - 2 * np.pi * turns, position))
 
 
 def nearby(press: Linkage) -> list[dict[str, float]]:
@@ -157,5 +173,10 @@ def _anywhere(press: Linkage, mounting: Mounting) -> Iterator[_Rung]:
     for k in range(STARTS):
         away = (0.3 + 2.7 * k / STARTS) * random.uniform(-1.0, 1.0, len(start)) * mounting.lengths
         yield _Rung(f"random start {k + 1} with all joints free", (start, middle)[k % 2] + away, ())
+
+
+def _outside_limits(press: Linkage) -> Iterator[_Rung]:
+    """Rungs from the drawn pose, without limits."""
+    start = press.assembly.start
     yield _Rung("the drawn pose with the drivers held, outside limits", start, press.driver_indices, limited=False)
     yield _Rung("the drawn pose with all joints free, outside limits", start, (), limited=False)

@@ -290,7 +290,7 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
     if quick:
         # A gap of a hundredth of the linkage is probably a mistake, and so is any that a joint has to move by 0.05 rad or m to close.
         far = np.abs(press.closed - press.assembly.start).max() > 0.05
-        yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else 0.01)))
+        yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else 0.01)), together=True)
         yield from _outside_limits(press)
         yield from (finding for finding in _undriven(press) if finding.severity == "warning")
         yield from units_remarks(press, centres)
@@ -443,10 +443,15 @@ def _slide_axis(press: Linkage) -> Iterator[Finding]:
         yield Finding("note", str(joint), joint.line, problem, f"only the coordinate of joint {name!r} itself counts along its axis")
 
 
-def _drawn_open(press: Linkage, those: list[mobility.Constraint]) -> Iterator[Finding]:
-    """Warnings of loops and gear pairs, that they are drawn open, of a file that does not say how to close them."""
-    for each in () if press.mounted.startswith((POSE, HOME)) else those:
+def _drawn_open(press: Linkage, those: list[mobility.Constraint], together: bool = False) -> Iterator[Finding]:
+    """Warnings of loops and gear pairs, that they are drawn open, of a file that does not say how to close them; ``together``: one warning,
+    of the widest."""
+    if press.mounted.startswith((POSE, HOME)) or not those:
+        return
+    widest, more = max(those, key=lambda each: each.gap(press.assembly.gaps)), len(those) - 1
+    for each in [widest] if together else those:
         problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn"
+        problem += f", and {more} more loop{'s are' if more > 1 else ' is'} open" if together and more else ""
         remedy = f"{_read_otherwise(press, each) or 'draw it closed'}; to close it, load has moved {_largest_move(press)}"
         if (np.abs(press.closed - press.assembly.start) > FAR * press.lengths).any():
             remedy += ", so far that another assembly may be meant: say which by load(..., pose={joint: rad or m})"
