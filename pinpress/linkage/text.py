@@ -6,6 +6,7 @@ import codecs
 import html
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cached_property
 from xml.parsers import expat
 
 from .document import Document
@@ -25,8 +26,12 @@ class Text:
         self.robot = document.robot
         self._mark = codecs.BOM_UTF8 if document.text.startswith(codecs.BOM_UTF8) else b""
         self._text = document.text[len(self._mark) :]
-        self._spans = dict(zip(_elements(self.robot), _spans(self._text), strict=True))
         self._edits: list[tuple[int, int, str]] = []
+
+    @cached_property
+    def _spans(self) -> dict[Element, tuple[int, int, int]]:
+        """Where elements begin, where their first tags end, and where they end."""
+        return dict(zip(_elements(self.robot), _spans(self._text), strict=True))
 
     def set(self, element: Element, attributes: Mapping[str, str]) -> None:
         """Give an element these attributes, which replace those of the same names."""

@@ -62,8 +62,10 @@ def plain(document: Document) -> Document:
     remarks = (*document.remarks, *_remarks(robot))
     if len(foreign) > MOST["loop_joint"]:
         refuse(file, foreign[MOST["loop_joint"]], f"there are {len(foreign)} loops, more than {MOST['loop_joint']}", ALONE)
-    with_text = tree(file, document.text.decode("utf-8-sig").encode(), with_text=True)
-    worded = {element.start: element for part in with_text.all("gazebo") for element in part.all("joint")}
+    worded = {}
+    if gazebo:
+        with_text = tree(file, document.text.decode("utf-8-sig").encode(), with_text=True)
+        worded = {element.start: element for part in with_text.all("gazebo") for element in part.all("joint")}
     text, taken = Text(document), {*names(robot, "joint"), *names(robot, "loop_joint")}
     origins = dict(document.origins)
     remarks_of_loops = [*_second_ends(robot, text), *_world(document, text, origins)]
