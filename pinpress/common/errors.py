@@ -6,7 +6,7 @@ import pickle
 import sys
 import unicodedata
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
@@ -106,10 +106,13 @@ class SingularityError(PinpressError):
     Attributes:
         crank_angle: angle of the driver joint [rad]; position of one that slides [m]; of several drivers, that of the first.
         smallest_singular_value: smallest singular value of the passive joints' columns in the loop Jacobian, scaled to unit length [-].
+        drivers: positions of several drivers there [rad or m]; () for one driver.
     """
 
-    def __init__(self, problem: str, crank_angle: float, smallest_singular_value: float, place: str = "") -> None:
-        self.crank_angle, self.smallest_singular_value = crank_angle, smallest_singular_value
+    def __init__(
+        self, problem: str, crank_angle: float, smallest_singular_value: float, place: str = "", drivers: Sequence[float] = ()
+    ) -> None:
+        self.crank_angle, self.smallest_singular_value, self.drivers = crank_angle, smallest_singular_value, tuple(drivers)
         super().__init__(f"{problem} ({place or CRANK.at(crank_angle)})")
 
 

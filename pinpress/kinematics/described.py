@@ -13,11 +13,12 @@ import numpy as np
 from ..common.arguments import expect
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
-from ..common.outlets.described import Along, Chart, Curve, Section
+from ..common.outlets.described import Along, Chart, Curve, Figure, Map, Section
 from ..common.quantities import Array, DriverCoordinate
 from ..linkage.linkage import Linkage
 from .motion import ROUNDING, Motion, finite, is_constant, is_cycle
 from .slide_path import DeadCentres, dead_centres
+from .workspace import Workspace
 
 
 def described(motion: Motion) -> tuple[Section, ...]:
@@ -127,5 +128,37 @@ def chart(name: str, title: str, unit: str, along: Along, series: Mapping[str, A
     )
 
 
-SECTIONS = {Motion: lambda motion, page: described(motion)}
+def workspace(found: Workspace) -> tuple[Section, ...]:
+    """Maps of both margins over the drivers, and the places of the frame, with the singular poses on them."""
+    first, second = (
+        Along(name, each.unit, values) for name, each, values in zip(found.drivers, found.driver_coordinates, found.positions, strict=True)
+    )
+    marks = [Curve(name, at[:, 1], at[:, 0], look="points") for name, at in (("locks", found.locks), ("dead points", found.dead_points))]
+    marks = [curve for curve in marks if len(curve.y)]
+    maps = [
+        Map(f"map {name}", title, "-", first, second, values.T, curves=marks)
+        for name, title, values in (
+            ("loops", "How far the loops are from locking", found.loop_margin),
+            ("frame", f"How far {found.frame} is from a dead point", found.frame_margin),
+        )
+    ]
+    places = found.place[found.reached]
+    wide, high = sorted(np.argsort(np.ptp(places, axis=0))[1:].tolist())
+    inside = found.within_limits[found.reached]
+    curves = [
+        Curve(name, places[some, high], places[some, wide], look="points")
+        for name, some in (("within the limits of the joints", inside), ("beyond them", ~inside))
+        if some.any()
+    ]
+    title = f"Places of {found.frame}, {'xyz'[high]} over {'xyz'[wide]}"
+    chart = Chart("places", title, "m", Along("xyz"[wide], "m"), curves, square=True)
+    figures = [
+        Figure("nodes reached", float(found.reached.mean()), "share"),
+        Figure("least margin of the loops", float(np.nanmin(found.loop_margin))),
+        Figure(f"least margin of {found.frame}", float(np.nanmin(found.frame_margin))),
+    ]
+    return (Section(f"Workspace of {found.frame}", figures, [*maps, chart]),)
+
+
+SECTIONS = {Motion: lambda motion, page: described(motion), Workspace: lambda found, page: workspace(found)}
 """How results of this room are described."""

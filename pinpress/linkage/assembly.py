@@ -325,7 +325,7 @@ def _walk_between(engine: Engine, structure: Structure, start: Array, before: Ar
         locked = before + end.angle * along
         from_here, to_there, place = map(structure.place_of_drivers, (before, after, locked))
         problem = f"{name} locks on the way from {from_here} to {to_there}: keep the motion away from there"
-        raise SingularityError(problem, float(locked[0]), end.margin, place)
+        raise SingularityError(problem, float(locked[0]), end.margin, place, locked.tolist())
     return end
 
 

@@ -495,5 +495,12 @@ def _map(axes: Axes, chart: Map) -> None:
         if not isinstance(mark.at, tuple):
             line, size = (axes.axvline, across) if mark.axis == "x" else (axes.axhline, up)
             line(size.factor * mark.at, color="white", linewidth=0.8, linestyle=DASHED)
+    handles: list[Artist] = []
+    for k, curve in enumerate(chart.curves):
+        assert curve.x is not None
+        look: dict[str, Any] = {"color": COLOURS[(1 + 2 * k) % len(COLOURS)], "linestyle": "none", "marker": "o", "markersize": 2.5}
+        handles += axes.plot(across.factor * curve.x, up.factor * curve.y, **look)
     plain(axes.set_xlabel(_label(chart.across.name, across)))
-    plain(axes.set_title(brief(chart.title, 90), loc="left"))
+    plain(axes.set_title(brief(chart.title, 90), loc="left", pad=17.0 if handles else 5.0))
+    if handles:
+        above(axes, handles, [curve.name for curve in chart.curves])

@@ -183,6 +183,7 @@ class Map:
         written: whether each value is written in its place.
         decades: how many decades of size the colours show; 0 for a linear scale.
         marks: lines across it.
+        curves: points over the colours; their ``x`` and ``y`` are those of across and up.
         note: a remark; empty for none.
         detail: whether it is of one part among many; drawn if asked for by name.
     """
@@ -196,6 +197,7 @@ class Map:
     written: bool = False
     decades: float = 0.0
     marks: Sequence[Mark] = ()
+    curves: Sequence[Curve] = ()
     note: str = ""
     detail: bool = False
 

@@ -310,14 +310,20 @@ def _map(chart: described.Map) -> dict[str, Any]:
     assert y is not None
     if y.ndim == 2:
         x, y, values = _on_a_grid(x, y, values)
-    names, places = [], []
+    names, places, factors = [], [], []
     for along, row in ((chart.across, x), (chart.up, y)):
         its = quantity(along.quantity).scale(np.abs(row).tolist(), digits=4)
+        factors.append(its.factor)
         names.append(f"{along.name} [{its.unit}]" if its.unit else along.name)
         places.append([its.shown(float(value)) for value in row] if chart.written else (its.factor * row).tolist())
     rows = [[None if np.isnan(value) else float(value) for value in row] for row in values]
     words = {"title": chart.title, "unit": scale.unit, "across": names[0], "up": names[1], "note": chart.note}
-    return {"kind": "map", **words, "x": places[0], "y": places[1], "values": rows, "written": chart.written}
+    points = [
+        {"name": curve.name} | {axis: (factor * at).tolist() for axis, factor, at in zip("xy", factors, (curve.x, curve.y), strict=True)}
+        for curve in chart.curves
+        if curve.x is not None
+    ]
+    return {"kind": "map", **words, "x": places[0], "y": places[1], "values": rows, "written": chart.written, "points": points}
 
 
 def _on_a_grid(x: Array, y: Array, values: Array) -> tuple[Array, Array, Array]:

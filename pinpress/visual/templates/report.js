@@ -158,13 +158,15 @@ function marksOf({ marks }) {  // straight lines across a chart, or the room bet
   return { shapes, annotations };
 }
 
-function mapChart(parent, { title, unit, across, up, x, y, values, written, note }) {
+function mapChart(parent, { title, unit, across, up, x, y, values, written, note, points }) {
   const box = card(parent, title, unit), plot = make("div", box, { className: "plot" }), named = places => places.map(place => typeof place === "string" ? asText(brief(place)) : place);
   const heat = { type: "heatmap", x: named(x), y: named(y), z: values, colorscale: written ? "Blues" : "Viridis", reversescale: written, colorbar: { thickness: 12 }, hovertemplate: `%{x}, %{y}: %{z:.4g} ${unit}<extra></extra>` };
   if (written) Object.assign(heat, { texttemplate: "%{z:.2f}" });
   const axis = title => ({ ...AXIS, title: { text: asText(title), standoff: 6 } });
   if (note) make("p", box, { className: "remark", textContent: note });
-  plotted(plot, [heat], { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: 38 }, xaxis: axis(across), yaxis: axis(up) });
+  const over = points.map(({ name, x, y }, k) => ({ type: "scatter", mode: "markers", name: asText(brief(name)), x, y, marker: { size: 4, color: COLOURS[(1 + 2 * k) % COLOURS.length] } }));
+  const named_points = over.length ? { showlegend: true, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom" } } : {};
+  plotted(plot, [heat, ...over], { ...LAYOUT, ...named_points, margin: { l: 58, r: 12, t: over.length ? 30 : 8, b: 38 }, xaxis: axis(across), yaxis: axis(up) });
 }
 
 const pairAt = pairs => [0, 1].map(i => pairs[2 * moment.before + i] + moment.part * (pairs[2 * moment.after + i] - pairs[2 * moment.before + i]));
