@@ -24,7 +24,7 @@ from .kinematics.transmission_angles import Dyad as Dyad
 from .kinematics.transmission_angles import DyadAngles as DyadAngles
 from .kinematics.transmission_angles import least_transmission_angles as least_transmission_angles
 from .kinematics.transmission_angles import transmission_angle_curves as transmission_angle_curves
-from .kinematics.workspace import Workspace as Workspace
+from .kinematics.workspace import ReachMap as ReachMap
 from .kinematics.workspace import workspace as workspace
 from .simulation.duty import MotorDuty as MotorDuty
 from .simulation.duty import duty_cycle as duty_cycle

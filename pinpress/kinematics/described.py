@@ -18,7 +18,7 @@ from ..common.quantities import Array, DriverCoordinate
 from ..linkage.linkage import Linkage
 from .motion import ROUNDING, Motion, finite, is_constant, is_cycle
 from .slide_path import DeadCentres, dead_centres
-from .workspace import Workspace
+from .workspace import ReachMap
 
 
 def described(motion: Motion) -> tuple[Section, ...]:
@@ -128,7 +128,7 @@ def chart(name: str, title: str, unit: str, along: Along, series: Mapping[str, A
     )
 
 
-def workspace(found: Workspace) -> tuple[Section, ...]:
+def workspace(found: ReachMap) -> tuple[Section, ...]:
     """Maps of both margins over the drivers, and the places of the frame, with the singular poses on them."""
     first, second = (
         Along(name, each.unit, values) for name, each, values in zip(found.drivers, found.driver_coordinates, found.positions, strict=True)
@@ -160,5 +160,5 @@ def workspace(found: Workspace) -> tuple[Section, ...]:
     return (Section(f"Workspace of {found.frame}", figures, [*maps, chart]),)
 
 
-SECTIONS = {Motion: lambda motion, page: described(motion), Workspace: lambda found, page: workspace(found)}
+SECTIONS = {Motion: lambda motion, page: described(motion), ReachMap: lambda found, page: workspace(found)}
 """How results of this room are described."""

@@ -117,7 +117,7 @@ def servo_cycle(
     found = driver_motion(Drivers(given, press.driver_coordinates[: len(given)]), angle, speed, acceleration, time, period)
     if len(given) < len(press.drivers):
         found = _with_passive(press, found)
-    if on_singular not in ("error", "nan"):
+    if not isinstance(on_singular, str) or on_singular not in ("error", "nan"):
         raise PinpressError(f'on_singular is {shown(on_singular)}: write "error" or "nan"')
     branch = None if len(press.drivers) > 1 else press.branch
     if on_singular == "error":

@@ -16,7 +16,7 @@ from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
 from ..engines.mounting import limits
 from ..engines.spatial.frames import moving_frame
-from ..linkage.assembly import follow_drivers
+from ..linkage.assembly import follow_drivers, refuse_far
 from ..linkage.frames import frame_named, loops_of, placed_frame
 from ..linkage.linkage import Linkage
 
@@ -24,7 +24,7 @@ WAYS = ((0, 1), (0, -1), (1, 0), (-1, 0))  # from a node of the grid to its neig
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Workspace(Tabular):
+class ReachMap(Tabular):
     """What a linkage reaches over a grid of the positions of two drivers, a of the first one and b of the second, while others stand.
 
     Attributes:
@@ -61,8 +61,11 @@ class Workspace(Tabular):
 
     @property
     def title(self) -> str:
-        drivers, reached = " and ".join(self.drivers), f"{100 * float(self.reached.mean()):.3g} % of {self.reached.size} nodes reached"
-        return f"Workspace of {self.linkage}: {self.frame} over {drivers}, {reached}"
+        rows = zip(self.drivers, self.driver_coordinates, self.positions, strict=True)
+        ends = [f"{name} {at[0] * each.scale:.6g} to {at[-1] * each.scale:.6g} {each.shown_unit}" for name, each, at in rows]
+        return (
+            f"ReachMap of {self.linkage}: {self.frame} over {' and '.join(ends)}, {self.reached.sum()} of {self.reached.size} nodes reached"
+        )
 
     def columns(self) -> dict[str, tables.Column]:
         """A row for each node that is reached."""
@@ -81,7 +84,7 @@ def workspace(
     *,
     points: int = 41,
     oriented: bool | None = None,
-) -> Workspace:
+) -> ReachMap:
     """Find what a linkage reaches over a grid of the positions of two drivers, and where it is singular.
 
     From the node nearest to the home pose the assembly is followed from node to node along the lines of the grid. Other drivers stand where
@@ -111,6 +114,7 @@ def workspace(
     home = press.closed[list(press.driver_indices)]
     grid = np.tile(home, (count, count, 1))
     grid[:, :, columns[0]], grid[:, :, columns[1]] = np.meshgrid(*lines, indexing="ij")
+    refuse_far("ranges", grid, press.driver_coordinates)
     flooded = _flood(press, grid)
     place, loop_margin, frame_margin = np.full((count, count, 3), np.nan), *np.full((2, count, count), np.nan)
     x = flooded.position[:, flooded.reached]
@@ -127,7 +131,7 @@ def workspace(
     signed[flooded.reached] = signs * values
     lower, upper = (limit[:, None, None] for limit in limits(press.structure))
     coordinates = tuple(press.driver_coordinates[column] for column in columns)
-    return Workspace(
+    return ReachMap(
         linkage=press.name,
         frame=frame,
         drivers=tuple(ranges),  # type: ignore[arg-type]

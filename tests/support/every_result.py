@@ -295,6 +295,16 @@ def trade_off():
 
 
 @cache
+def leg():
+    return pp.load(Path(__file__).resolve().parents[2] / "docs" / "robots" / "leg.urdf")
+
+
+@cache
+def workspace():
+    return pp.measures.workspace(leg(), "foot", {"hip": (-0.5, 0.5), "crank": (-1.4, 0.4)}, points=5)
+
+
+@cache
 def compared_conditions():
     conditions = [pp.balancing.OperatingCondition(motion(), name=name) for name in ("one", "two")]
     regions = [pp.balancing.CounterweightRegion("crank", radius=0.2, mass=(0, 50))]
@@ -424,7 +434,13 @@ def made():
         *descriptions(),
         *(press(), motion(), reactions(), run(), run().stats, elastic_run(), impacts(), run_over_joints(), runs()),
         *(sweep(), *sweep().failed),
-        *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), *pp.measures.least_transmission_angles(press()), *checked()),
+        *(
+            pp.dead_centres(press()),
+            pp.measures.duty_cycle(run()),
+            *pp.measures.least_transmission_angles(press()),
+            *checked(),
+            workspace(),
+        ),
         *(pp.measures.phases(motion(), 0.05)[0], pp.measures.transmission_angle_curves(press(), motion()), motor_energy()),
         *(pp.measures.driving_energy(reactions()), pp.measures.harmonics(motion(), motion().v), pp.measures.extremes(reactions())[0]),
         *(balance(), *balance().changes, *balance().active, *balance().counterweights, trade_off(), compared_conditions()),

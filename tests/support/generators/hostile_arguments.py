@@ -225,6 +225,7 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
         "drivers": "O",
         "q": Late(lambda: press().configuration(0.0)),
     },
+    "inverse_kinematics": {"frame": "slide", "places": Late(lambda: press().placements("slide", [0.1, 0.2]))},
     "inverse_dynamics": {"friction": {"O": pp.loads.Friction(0.1, 0.02)}, "bearings": ("O",)},
     "load": {"path": "crank_slide", "driver": "O", "slide": "slide"},
     "read_motion": {"path": TESTS / "kinematics" / "turn.csv", "period": 1.0},
@@ -370,6 +371,12 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
         "force": Late(lambda: reactions().shaking_force),
     },
     "measures.duty_cycle": {"end": 0.5},
+    "measures.workspace": {
+        "press": Late(every_result.leg),
+        "frame": "foot",
+        "ranges": {"hip": (-0.1, 0.1), "crank": (0.0, 0.1)},
+        "points": 3,
+    },
     "measures.motor_energy": {
         "run": Late(servo_run),
         "initial_rise": 20.0,
