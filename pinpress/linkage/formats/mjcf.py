@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     import mujoco
 
 WORLD = "world"
+FIRST_AXIS = np.array([1.0, 0.0, 0.0])  # of a hinge that two points make
 
 
 def read(document: Document) -> Document:
@@ -452,7 +453,26 @@ class _Reader:
                 self.taken.add(name)
             else:
                 refuse(self.file, origin, f"<equality><{tag}> cannot be read", "write <connect>, <weld>, <joint> or <tendon>")
-        return list(by_name.values()), loops, relations
+        return list(by_name.values()), self._with_hinges(loops), relations
+
+    def _with_hinges(self, loops: list[Loop]) -> list[Loop]:
+        """The loops; two balls between the same two bodies whose points are equally far apart in both are one hinge."""
+        kept: list[Loop] = []
+        for loop in loops:
+            place = next((k for k, other in enumerate(kept) if _form_hinge(other, loop)), None)
+            if place is None:
+                kept.append(loop)
+                continue
+            first = kept[place]
+            (link1, place1), (link2, place2) = first.ends
+            rotation1, rotation2 = (
+                pin.Quaternion.FromTwoVectors(FIRST_AXIS, end.translation - start.translation).matrix()
+                for (_, start), (_, end) in zip(first.ends, loop.ends, strict=True)
+            )
+            ends = (link1, pin.SE3(rotation1, place1.translation)), (link2, pin.SE3(rotation2, place2.translation))
+            kept[place] = replace(first, type="revolute", ends=ends, axis=FIRST_AXIS)
+            self.remarks.append(remark("note", first.origin, f"together with {loop.name!r} it is a hinge", ""))
+        return kept
 
     def _turns_in(self, k: int) -> bool:
         """Whether a connect or weld lets its bodies turn; a weld with ``torquescale="0"`` is a connect."""
@@ -555,6 +575,14 @@ def _moved(kind: str, axis: Array, coordinate: float) -> pin.SE3:
     """The step of a hinge or slide from zero to a coordinate."""
     along = axis * coordinate
     return pin.SE3(pin.exp3(along), np.zeros(3)) if kind == "revolute" else pin.SE3(np.eye(3), along)
+
+
+def _form_hinge(one: Loop, other: Loop) -> bool:
+    """Whether two balls hold the same two bodies at points that are equally far apart in both, so that they are a hinge."""
+    if (one.type, other.type) != ("spherical", "spherical") or [link for link, _ in one.ends] != [link for link, _ in other.ends]:
+        return False
+    apart = [float(np.linalg.norm(end.translation - start.translation)) for (_, start), (_, end) in zip(one.ends, other.ends, strict=True)]
+    return min(apart) > 0 and abs(apart[1] - apart[0]) <= 1e-9 * max(apart)  # else rounded points: a joint that yields a little
 
 
 def _rotation(quaternion: Array) -> Array:
