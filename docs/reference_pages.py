@@ -12,7 +12,7 @@ import pinpress as pp
 
 # In the order in which a reader meets them; of these classes, which functions make, the arguments of the constructor say nothing.
 TOP = (
-    "build load from_pinocchio presses check write_urdf write_sdf Linkage cycle servo_cycle read_motion Motion dead_centres"
+    "build load from_pinocchio presses check write_urdf write_sdf write_mjcf Linkage cycle servo_cycle read_motion Motion dead_centres"
     " inverse_dynamics Reactions simulate simulate_batch steady_state Run ElasticRun RunBatch record record_modes report Header view"
     " LiveView visual_model RPM"
 )

@@ -42,6 +42,7 @@ from .linkage.loading import presses as presses
 from .linkage.loading import propose_drivers as propose_drivers
 from .linkage.pinocchio_model import from_pinocchio as from_pinocchio
 from .linkage.writing import write_urdf as write_urdf
+from .linkage.writing_mjcf import write_mjcf as write_mjcf
 from .live.viewing import LiveView as LiveView
 from .live.viewing import view as view
 from .pin_table.building import build as build

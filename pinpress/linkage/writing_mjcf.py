@@ -130,28 +130,32 @@ class _Tree:
     def body(self, joint: int, indent: str) -> Iterator[str]:
         """The lines of a body and of all that it carries."""
         press, (first, *welded) = self.press, self.links[joint]
-        inside = indent + "  "
-        if joint or first[0] != WORLD:  # MuJoCo has a body of this name already, without an inertia
-            yield indent + _opening(
-                "body", {"name": first[0]} | _place(self._placement(joint, self.drawn) if joint else pin.SE3.Identity())
-            )
-            yield from (inside + line for line in _inertial(press, joint))
-            yield from (inside + line for line in self._joint(joint))
-        yield from (inside + line for line in _geoms(first[1]))
-        yield from (inside + line for line in self.sites.get(joint, ()))
-        for name, element in welded:  # their inertias are in that of the body
-            yield inside + _opening("body", {"name": name} | _place(press.frame_of(name).placement))
+        inertia, of_world = press.model.inertias[joint], not joint and first[0] == WORLD
+        inside = indent if of_world else indent + "  "
+        if not of_world:
+            yield indent + _opening("body", {"name": first[0]} | _place(self._placement(joint, self.drawn)))
+            yield from (inside + line for line in (*_inertial(inertia, joint > 0, press), *self._joint(joint)))
+        yield from (inside + line for line in (*_geoms(first[1]), *self.sites.get(joint, ())))
+        for k, (name, element) in enumerate(welded):  # their inertias are in that of the body
+            place = press.frame_of(name).placement
+            yield inside + _opening("body", {"name": name} | _place(place))
+            if of_world and k == 0:  # MuJoCo's world has no inertia
+                yield from (inside + "  " + line for line in _inertial(place.actInv(inertia), False, press))
             yield from (inside + "  " + line for line in _geoms(element))
             yield inside + "</body>"
-        for child in self.children.get(joint, ()):
+        children = self.children.get(joint, ())
+        free = [child for child in children if len(self.chains[child]) > 1]
+        for child in (child for child in children if child not in free):
             yield from self.body(child, inside)
-        if joint or first[0] != WORLD:
+        if not of_world:
             yield indent + "</body>"
+        for child in free:  # only the world may carry them
+            yield from self.body(child, indent)
 
     def _placement(self, joint: int, x: Array) -> pin.SE3:
         """Placement of a body in its parent's at joint coordinates (nv,)."""
         place = pin.SE3.Identity()
-        for each in self.chains[joint]:
+        for each in self.chains.get(joint, ()):
             axis = self.press.axes[each - 1]
             along = axis.direction * x[each - 1]
             step = pin.SE3(pin.exp3(along), np.zeros(3)) if axis.turns else pin.SE3(np.eye(3), along)
@@ -188,7 +192,7 @@ class _Tree:
         left = [0]
         while left:
             joint = left.pop()
-            left += reversed(self.children.get(joint, ()))
+            left += sorted(reversed(self.children.get(joint, ())), key=lambda child: len(self.chains[child]), reverse=True)
             if joint and len(self.chains[joint]) == 1:
                 qpos.append(float(x[joint - 1]))
             elif joint:
@@ -208,25 +212,22 @@ def _free_bodies(press: Linkage) -> Iterator[tuple[int, ...]]:
             yield chain
 
 
-def _inertial(press: Linkage, joint: int) -> Iterator[str]:
+def _inertial(inertia: pin.Inertia, moves: bool, press: Linkage) -> Iterator[str]:
     """The inertia of a body; one that moves has some, as MuJoCo demands."""
-    inertia = press.model.inertias[joint]
-    mass, tensor, least = float(inertia.mass), np.array(inertia.inertia), LEAST_MOMENT if joint else 0.0
-    if not joint and not mass:
+    mass, tensor, least = float(inertia.mass), np.array(inertia.inertia), LEAST_MOMENT if moves else 0.0
+    if not moves and not mass:
         return
     moments, ways = np.linalg.eigh(tensor)
-    if moments[0] < least or moments[0] + moments[1] < moments[2]:
-        missing = max(moments[2] - moments[0] - moments[1], 0.0)
+    missing = max(moments[2] - moments[0] - moments[1], 0.0)
+    if moments[0] < least or missing:
         if missing > 1e-9 * moments[2]:
-            problem = (
-                f"the moments of inertia of link {press.link_of(joint)!r} are those of no body: in the MJCF the two smaller ones are raised"
-            )
-            caution(f"{press.name}: {problem}; motions in a plane do not notice")
+            shown = ", ".join(f"{moment:.6g}" for moment in moments)
+            problem = f"no body has the principal moments of inertia {shown} kg m2: in the MJCF the two smaller ones are raised"
+            caution(f"{press.name}: {problem}, which changes no motion in a plane")
         moments = np.maximum(moments + (0.5 + 1e-12) * missing * np.array([1.0, 1.0, 0.0]), least)
         tensor = ways @ np.diag(moments) @ ways.T if tensor.any() else np.diag(moments)
-    xx, yy, zz, xy, xz, yz = (tensor[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
-    values = {"pos": as_text(inertia.lever if mass else np.zeros(3)), "mass": as_text([max(mass, LEAST_MASS if joint else 0.0)])}
-    yield tag("inertial", values | {"fullinertia": as_text([xx, yy, zz, xy, xz, yz])})
+    values = {"pos": as_text(inertia.lever if mass else np.zeros(3)), "mass": as_text([max(mass, LEAST_MASS if moves else 0.0)])}
+    yield tag("inertial", values | {"fullinertia": as_text(tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]])})
 
 
 def _geoms(link: Element) -> Iterator[str]:

@@ -246,6 +246,7 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
     "view": {"press": "none.urdf", "browser": False},
     "write_sdf": {"path": FOLDER / "written"},
     "write_urdf": {"path": FOLDER / "written"},
+    "write_mjcf": {"path": FOLDER / "written.xml"},
     "accuracy.compare": {"duration": 0.01, "points": 3, "repeats": 1, "scenes": ["free run"]},
     "accuracy.plot": {"measured": every_result.ACCURACY},
     "balancing": {

@@ -1,0 +1,152 @@
+"""Linkages written for MuJoCo: MuJoCo's own terms give the same torques, and read again the linkage is the same."""
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from reference.robots.cases import CASES
+from support import texts
+from support.generators import spatial_linkages
+from support.generators.random_linkages import drawn, linkages
+from support.generators.spatial_crank_slide import SPATIAL
+
+import pinpress as pp
+
+mujoco = pytest.importorskip("mujoco")
+
+from support.oracles.mujoco_terms import MujocoTerms  # noqa: E402  behind the check that MuJoCo is installed
+
+SAME = 1e-12  # of lengths: placements are multiplied up and taken apart again
+
+
+def written(press, folder):
+    """The MJCF of a linkage."""
+    return pp.write_mjcf(press, folder / "written.xml")
+
+
+def compare_torques(press, path, motion, reactions):
+    """The torques of the first state of a motion are those of MuJoCo's terms, whose equalities are as many as ours."""
+    terms = MujocoTerms(path, press, motion.joint_position[0], motion.v[0])
+    hinges = sum(loop.type == "revolute" for loop in press.loops)
+    assert (terms.model.nv, terms.model.neq) == (press.model.nv, len(press.loops) + hinges + len(press.relations))
+    assert terms.gap() < 1e-9 * press.size
+    accelerations = {name: reactions.motion.a[0, press.joints.index(name)] for name in press.motors}
+    torque = terms.torque(accelerations, press.held, len(press.passive))
+    ours = np.ravel(reactions.driving_torque[0] if len(press.drivers) > 1 else reactions.driving_torque[:1])[: len(press.motors)]
+    scale = max(np.abs(torque).max(), 1e-9 * np.abs(terms.data.qfrc_bias).max())
+    np.testing.assert_allclose(ours, torque, rtol=0, atol=1e-9 * scale)
+
+
+def compare_start(press, path):
+    """MuJoCo starts in the closed pose, which is its keyframe, at our coordinates."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    for start in (model.qpos0, model.key("home").qpos):
+        data.qpos[:] = start
+        mujoco.mj_forward(model, data)
+        rows = data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+        assert np.abs(data.efc_pos[rows]).max(initial=0.0) < 1e-12 * max(press.size, 1.0) + 1e-9 * (start is model.qpos0)
+    at_home = dict(zip(press.joints, press.closed, strict=True))
+    for k in range(model.njnt):
+        if model.jnt_type[k] != int(mujoco.mjtJoint.mjJNT_FREE):
+            assert model.key("home").qpos[model.jnt_qposadr[k]] == pytest.approx(at_home[model.joint(k).name], abs=1e-15)
+
+
+def contents(press):
+    """Numbers of a linkage by names, in world axes where the frame of a joint is not unique."""
+    model, size = press.model, press.size
+    for name in press.joints:
+        joint = model.getJointId(name)
+        place, inertia = model.jointPlacements[joint], model.inertias[joint]
+        yield f"{name} placed", np.concatenate([place.translation / size, place.rotation.ravel()])
+        yield f"{name} axis", press.axes[joint - 1].direction
+        heaviest = max(1.0, *(each.mass for each in model.inertias))  # [kg]
+        yield f"{name} mass", np.array([inertia.mass, *(inertia.mass * inertia.lever / size)]) / heaviest
+        yield f"{name} inertia", inertia.inertia.ravel() / (heaviest * max(1.0, size) ** 2)
+        yield f"{name} armature", np.array(model.armature[joint - 1])
+        yield f"{name} at home", np.array(press.closed[joint - 1])
+    for loop in press.loops:
+        yield f"{loop.name} points", np.concatenate([loop.point1, loop.point2]) / size
+        if loop.type == "revolute":
+            yield f"{loop.name} axes", np.concatenate([loop.rotation1[:, 0], loop.rotation2[:, 0]])
+        if loop.type == "fixed":
+            yield f"{loop.name} turned", loop.rotation1 @ loop.rotation2.T
+    for relation in press.relations:
+        joints = {press.joints[joint]: value / next(iter(relation.coefficients.values())) for joint, value in relation.coefficients.items()}
+        yield f"relation {sorted(joints)}", np.array([joints[name] for name in sorted(joints)]) / joints[min(joints)]
+        yield f"relation {sorted(joints)} offset", np.array(relation.offset / joints[min(joints)])
+    for spring in press.joint_springs:
+        yield f"{spring.joint} spring", np.array([spring.stiffness, spring.reference if spring.stiffness else 0.0, spring.damping])
+
+
+def compare_read_again(press, path, raised=(), **options):
+    """The same linkage, apart from its ground, which MuJoCo calls world, and from inertias that had to be raised."""
+    back = pp.load(path, gravity=tuple(press.model.gravity.linear), slide=press.slide, **options)
+    assert sorted(back.joints) == sorted(press.joints)
+    assert (back.drivers, back.held, back.passive, back.slide) == (press.drivers, press.held, press.passive, press.slide)
+    assert set(press.links) <= set(back.links)
+    assert [(loop.name, loop.type) for loop in back.loops] == [(loop.name, loop.type) for loop in press.loops]
+    before, now = dict(contents(press)), dict(contents(back))
+    assert before.keys() == now.keys()
+    for what, numbers in before.items():
+        if what in raised:
+            continue
+        assert np.abs(numbers - now[what]).max(initial=0.0) <= SAME, what
+
+
+def compare(press, folder, at=None, speed=None, acceleration=None, **options):
+    """All comparisons; at a state of the drivers, by default near the closed pose."""
+    path = written(press, folder)
+    rng = np.random.default_rng(len(press.joints))
+    count = len(press.drivers)
+    home = press.closed[list(press.driver_indices)]
+    at = home + 0.1 * rng.uniform(0.5, 1, count) * [1 if each.turns else 0.1 for each in press.driver_coordinates] if at is None else at
+    speed, acceleration = (rng.uniform(1, 2, count) if given is None else given for given in (speed, acceleration))
+    states = ([np.reshape(values, -1)] if count > 1 else np.reshape(values, -1) for values in (at, speed, acceleration))
+    at, speed, acceleration = states
+    motion = pp.servo_cycle(press, at, speed=speed, acceleration=acceleration)
+    compare_start(press, path)
+    compare_torques(press, path, motion, pp.inverse_dynamics(press, motion))
+    compare_read_again(press, path, **options)
+
+
+@pytest.mark.parametrize("name", pp.presses())
+def test_shipped_presses(name, tmp_path):
+    compare(texts.shipped(name), tmp_path)
+
+
+SPACE = {
+    "bennett": spatial_linkages.bennett(),
+    "bricard": spatial_linkages.bricard(),
+    "crank_slide": SPATIAL,
+    "ball": spatial_linkages.four_bar("spherical"),
+    "hinge": spatial_linkages.four_bar("revolute"),
+    "weld": spatial_linkages.four_bar("fixed"),
+    "two_drivers": spatial_linkages.four_bar("revolute", table="table"),
+}
+
+
+@pytest.mark.parametrize("name", SPACE)
+def test_linkages_in_space(name, tmp_path):
+    compare(texts.load(SPACE[name]), tmp_path)
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+@given(spec=linkages(most=3))
+def test_random_linkages(spec):
+    drawing = drawn(spec)
+    if drawing is None:
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        compare(texts.load(drawing.urdf("crank")), Path(folder))
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+@pytest.mark.parametrize("case", [pytest.param(case, id=case.id) for case in CASES])
+def test_small_robots(case, tmp_path):
+    press = pp.load(case.path, **case.load)
+    raised = [f"{joint} inertia" for joint in press.joints] if "flat_inertia" in case.file else []
+    options = {name: case.load[name] for name in {"base"} & case.load.keys()}
+    compare(press, tmp_path, case.at, case.speed, case.acceleration, raised=raised, **options)
