@@ -94,7 +94,7 @@ class _Tree:
         press: the linkage.
         drawn: (nv,) joint coordinates at which bodies are drawn [rad or m].
         chains: Pinocchio joints from the parent's body to every body: one, or the six of a free body.
-        children: bodies on every body.
+        children: bodies on every body, the free ones last.
         links: names of the links of every body, that which begins it first, with their shapes.
         sites: lines of the ends of loops on every body.
     """
@@ -115,7 +115,7 @@ class _Tree:
                 del chains[joint]
             chains[chain[-1]] = chain
         children: dict[int, list[int]] = {}
-        for joint, chain in chains.items():
+        for joint, chain in sorted(chains.items(), key=lambda item: len(item[1])):
             children.setdefault(int(model.parents[chain[0]]), []).append(joint)
         links: dict[int, list[tuple[str, Element]]] = {}
         for link in press.document.robot.all("link"):
@@ -144,13 +144,14 @@ class _Tree:
             yield from (inside + "  " + line for line in _geoms(element))
             yield inside + "</body>"
         children = self.children.get(joint, ())
-        free = [child for child in children if len(self.chains[child]) > 1]
-        for child in (child for child in children if child not in free):
-            yield from self.body(child, inside)
+        for child in children:
+            if len(self.chains[child]) == 1:
+                yield from self.body(child, inside)
         if not of_world:
             yield indent + "</body>"
-        for child in free:  # only the world may carry them
-            yield from self.body(child, indent)
+        for child in children:
+            if len(self.chains[child]) > 1:  # only MuJoCo's world may carry a free body
+                yield from self.body(child, indent)
 
     def _placement(self, joint: int, x: Array) -> pin.SE3:
         """Placement of a body in its parent's at joint coordinates (nv,)."""
@@ -192,7 +193,7 @@ class _Tree:
         left = [0]
         while left:
             joint = left.pop()
-            left += sorted(reversed(self.children.get(joint, ())), key=lambda child: len(self.chains[child]), reverse=True)
+            left += reversed(self.children.get(joint, ()))
             if joint and len(self.chains[joint]) == 1:
                 qpos.append(float(x[joint - 1]))
             elif joint:
