@@ -35,6 +35,7 @@ from .kinematics.motion import Motion as Motion
 from .kinematics.motion_table import read_motion as read_motion
 from .kinematics.servo_motion import servo_cycle as servo_cycle
 from .kinematics.slide_path import dead_centres as dead_centres
+from .linkage.formats.mjcf_writer import write_mjcf as write_mjcf
 from .linkage.formats.sdf_writer import write_sdf as write_sdf
 from .linkage.linkage import Linkage as Linkage
 from .linkage.loading import load as load
@@ -42,7 +43,6 @@ from .linkage.loading import presses as presses
 from .linkage.loading import propose_drivers as propose_drivers
 from .linkage.pinocchio_model import from_pinocchio as from_pinocchio
 from .linkage.writing import write_urdf as write_urdf
-from .linkage.writing_mjcf import write_mjcf as write_mjcf
 from .live.viewing import LiveView as LiveView
 from .live.viewing import view as view
 from .pin_table.building import build as build

@@ -14,15 +14,15 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from ..common import files
-from ..common.arguments import typed
-from ..common.errors import PinpressError, caution
-from ..common.quantities import Array
-from ..engines.constraints import Relation
-from .description import FREE
-from .element import Element
-from .linkage import Linkage
-from .text import as_text, tag
+from ...common import files
+from ...common.arguments import typed
+from ...common.errors import PinpressError, caution
+from ...common.quantities import Array
+from ...engines.constraints import Relation
+from ..description import FREE
+from ..element import Element
+from ..linkage import Linkage
+from ..text import as_text, tag
 
 WORLD = "world"
 DRAWN = 1e-9  # coordinates of the closed pose up to which bodies are drawn at zero: less is rounding of the file [rad or m]
