@@ -17,7 +17,7 @@ import pinocchio as pin
 from ..common.arguments import typed
 from ..common.errors import AssemblyError, SingularityError
 from ..common.quantities import Array
-from ..engines.engine import ACCEPTED, Closure, Engine, joined
+from ..engines.engine import Closure, Engine, joined
 from ..engines.following import SingularPosition, follow
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.equations import OneConfiguration
@@ -109,22 +109,22 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
     Raises:
         SingularityError: the linkage locks on the way, or cannot be assembled.
     """
-    drivers, target = np.zeros((len(press.drivers), 1)), OneConfiguration(_placed(press, moved).structure)
+    drivers, target = np.zeros((len(press.drivers), 1)), OneConfiguration(_placed(press, moved).structure_as_built)
 
     def close_at(share: float, guess: Array) -> Closure:
-        here = _placed(press, moved, share).structure
+        here = _placed(press, moved, share).structure_as_built
         closure = PinocchioEngine(here).closing_function()(drivers, np.zeros_like(drivers), guess)
         if not np.isfinite(closure.widest):
             return closure
         start, rows = press.equations(closure.position[:, 0]), OneConfiguration(here).at(closure.position[:, 0])
         # Gaps change in proportion to displacements, as long as no joint moves.
         opened = target.at(closure.position[:, 0]).gaps - start.gaps
-        return replace(closure, first=PassiveJacobian(rows.columns, here.passive_joints).rates(-opened)[:, None])
+        return replace(closure, first=PassiveJacobian(rows.columns, here.passive_joints, here.rank_tolerance).rates(-opened)[:, None])
 
     def close_part_way(shares: Array, guesses: Array) -> Closure:
         return joined((close_at(float(share), guess[:, None]) for share, guess in zip(shares, guesses.T, strict=True)), len(shares))
 
-    end = follow(close_part_way, press.closed, 1.0, press.size, ACCEPTED * press.structure.tolerance)
+    end = follow(close_part_way, press.closed, 1.0, press.size, press.structure.tolerance)
     if isinstance(end, SingularPosition):
         raise SingularityError(
             f"{press.name} cannot be brought to the new lengths: {100 * end.angle:.3g} % of the way it locks, or cannot be assembled",
@@ -195,7 +195,7 @@ def _belongs(plane: Plane, closure: Closure, before: Closure, predicted: Array) 
         margins = closure.margins * np.sign(before.margins)
         # A margin that falls faster than by half in a step may have passed zero.
         kept = (margins >= 0.5 * np.abs(before.margins)).all(axis=0)
-        return np.asarray((closure.gap <= ACCEPTED * plane.tolerance) & near & kept)
+        return np.asarray((closure.gap <= plane.tolerance) & near & kept)
 
 
 def _lost(ahead: Plane, target: Plane, closure: Closure, before: Closure, predicted: Array) -> AssemblyError | SingularityError:
@@ -204,7 +204,7 @@ def _lost(ahead: Plane, target: Plane, closure: Closure, before: Closure, predic
     at = int(np.argmin(_belongs(ahead, closure, before, predicted)))
     angle, margin = float(before.position[ahead.driver, at]), float(np.abs(before.margins[:, at]).min(initial=1.0))
     end = close(Equations.of(target), np.array([angle]), before.position[:, at : at + 1])
-    if end.gap[0] <= ACCEPTED * target.tolerance:
+    if end.gap[0] <= target.tolerance:
         return SingularityError("on the way to the new lengths two assemblies of the linkage meet; go there in other steps", angle, margin)
     gap = float(end.gap[0]) if np.isfinite(end.gap[0]) else np.inf
     return AssemblyError("the linkage cannot be assembled with the new lengths", angle, gap, end.iterations)

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..common.errors import AssemblyError, PinpressError
 from ..common.quantities import Array
-from ..engines.engine import ACCEPTED, CloseDrivers, ClosedStates, Engine
+from ..engines.engine import CloseDrivers, ClosedStates, Engine
 from ..engines.wrenches import AppliedConditions
 from ..kinematics.motion import Motion, closed_motion, shared_by_motions
 from ..linkage.linkage import Linkage
@@ -85,7 +85,7 @@ class _Statics:
     def closed(self, drivers: Array, guess: Array) -> Array:
         """Closed positions (nv, n) at driver positions (drivers, n), near guesses (nv, n); raises AssemblyError."""
         closure = self.close_drivers(drivers, np.zeros_like(drivers), guess)
-        if not closure.widest <= ACCEPTED * self.engine.tolerance:
+        if not closure.widest <= self.engine.tolerance:
             worst = int(np.nan_to_num(closure.gap, nan=np.inf).argmax())
             place = self.press.structure.place_of_drivers(drivers[:, worst])
             problem = f"the loops of {self.press.name} do not close on the way to an equilibrium"

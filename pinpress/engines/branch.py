@@ -22,7 +22,8 @@ from ..common.numerics import quintics
 from ..common.quantities import CRANK, RAM, Array, DriverCoordinate
 from .change_points import ChangePoint, Gap, cross_change_point
 from .engine import Close, Closure
-from .following import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, Follower, Node, SingularPosition, columns, evaluated, extend_walk
+from .following import COARSE_STEP, FIRST_STEP, Follower, Node, SingularPosition, columns, evaluated, extend_walk
+from .structure import SMALLEST_MARGIN
 
 SUBDIVISION = 8  # nodes of the table per step of the walk
 LARGEST_CORRECTION = 1e-3  # by which Newton's method may move a joint from its prediction [rad, or lengths of the linkage]

@@ -20,7 +20,6 @@ from .wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 
 PIECE = 2048  # crank angles that are worked through at a time: their arrays stay in the cache
 MOST_NEWTON_STEPS = 12  # of one closure: from a good guess it takes one or two
-ACCEPTED = 1e3  # multiples of the tolerance of rounding: a loop with a larger gap is open
 LOOSEST = 1e-6  # gap, in lengths of the linkage, above which a motion belongs to another linkage
 KEPT = 1 << 24  # freed memory of a process up to which it is kept for the next call [bytes]
 

@@ -17,10 +17,10 @@ from ..common.numerics import quintics
 from ..common.products import product
 from ..common.quantities import CRANK, Array, DriverCoordinate
 from .engine import Close, CloseDrivers, Closure
+from .structure import SMALLEST_MARGIN
 
 COARSE_STEP = 2 * np.pi / 64  # longest step of the walk, unless the linkage moves too fast for it [rad]
 FIRST_STEP = 1e-3  # first step of the walk, which shows how the margins change [rad]
-SMALLEST_MARGIN = 1e-6  # the walk ends at a smaller margin, where rounding of the loop equations decides between two assemblies
 AT_ONCE = 16  # most steps of a walk that are closed at once
 ROUNDING = 1e-12  # of a joint's position [rad, lengths of the linkage]
 
@@ -86,7 +86,9 @@ class Node:
         return Node(angle, *(each[:, place] for each in (closure.position, closure.first, closure.second, closure.margins)))
 
 
-def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> Array | SingularPosition:
+def follow(
+    close: Close, start: Array, distance: float, size: float, tolerance: float, smallest_margin: float = SMALLEST_MARGIN
+) -> Array | SingularPosition:
     """Follow an assembly along a path, and return its configuration (nv,) at the end, or the place where it locks on the way.
 
     Args:
@@ -95,9 +97,10 @@ def follow(close: Close, start: Array, distance: float, size: float, tolerance: 
         distance: length of the path, counted as an angle [rad].
         size: length of the linkage [m].
         tolerance: gap at which a loop counts as closed [m].
+        smallest_margin: margin below which the linkage counts as locked.
     """
     nodes = [Node.of(0.0, close(np.zeros(1), start[:, None]))]
-    locked = extend_walk(Follower(close, size, tolerance), nodes, distance)
+    locked = extend_walk(Follower(close, size, tolerance, smallest_margin=smallest_margin), nodes, distance)
     return nodes[-1].position if locked is None else locked
 
 
@@ -240,7 +243,9 @@ def path_between(positions: Array, lengths: Array, most: int) -> Path:
     return Path(stations, steps, along, ends)
 
 
-def follow_at_once(close: CloseDrivers, start: Array, path: Path, size: float, tolerance: float) -> Array:
+def follow_at_once(
+    close: CloseDrivers, start: Array, path: Path, size: float, tolerance: float, smallest_margin: float = SMALLEST_MARGIN
+) -> Array:
     """Configurations (nv, k) at the first k positions of a path, as many as are found by closing all its stations at once.
 
     Newton's method starts from where the joints would be if all went on moving as they do at the start. What it finds counts as far as each
@@ -252,12 +257,13 @@ def follow_at_once(close: CloseDrivers, start: Array, path: Path, size: float, t
         path: the path.
         size: length of the linkage [m].
         tolerance: gap at which a loop counts as closed [m].
+        smallest_margin: margin below which the linkage counts as locked.
     """
     begin, count = path.stations[0], path.stations.shape[1]
     alike = close(np.repeat(begin[:, None], count, axis=1), np.eye(count), np.repeat(start[:, None], count, axis=1)).first
     guess = start[:, None] + product(alike, (path.stations - begin).T)
     closure = close(path.stations.T, path.along.T, guess)
-    steps, good = path.steps, _continues(closure, path.steps, size, tolerance)
+    steps, good = path.steps, _continues(closure, path.steps, size, tolerance, smallest_margin=smallest_margin)
     assert closure.margins is not None
     with np.errstate(all="ignore"):  # a path counts only where it could be followed back as well
         before, after = np.abs(closure.margins[:, :-1]), closure.margins[:, 1:] * np.sign(closure.margins[:, :-1])

@@ -1,6 +1,10 @@
 """Rank of equations by their singular values, and their solutions in the least-squares sense.
 
 The columns of a Jacobian are scaled to unit length first, so that angles and travels count alike.
+
+The rank of a linkage that moves does not change: the drivers determine its passive joints, whose columns have full rank. A walk ends
+where their smallest singular value falls below `Structure.smallest_margin`, which is `Structure.rank_tolerance` or more. So equations that
+contradict each other a little are fulfilled in the least-squares sense, at every position in the same way.
 """
 
 from __future__ import annotations
@@ -12,41 +16,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.quantities import Array
+from .structure import ZERO
 
-RANK = 1e-9  # singular values below this share of the largest count as zero, columns scaled to unit length
 
-
-def unit_columns(columns: Array) -> tuple[Array, Array]:
-    """Columns (..., rows, k) scaled to unit length, and the lengths (..., k) that they had; of those that are rounding 0 and 1."""
+def unit_columns(columns: Array, tolerance: float = ZERO) -> tuple[Array, Array]:
+    """Columns (..., rows, k) scaled to unit length, and the lengths (..., k) that they had; of those that are zero 0 and 1."""
     lengths = np.sqrt((columns * columns).sum(axis=-2))
-    still = lengths <= RANK * lengths.max(axis=-1, initial=0.0)[..., None]  # these joints move nothing here
+    still = lengths <= tolerance * lengths.max(axis=-1, initial=0.0)[..., None]  # these joints move nothing here
     lengths = np.where(still, 1.0, lengths)
     return np.where(still[..., None, :], 0.0, columns / lengths[..., None, :]), lengths
 
 
-def singular_values(columns: Array) -> Array:
+def singular_values(columns: Array, tolerance: float = ZERO) -> Array:
     """Singular values (..., k) of Jacobians (..., rows, columns) whose columns are scaled to unit length, largest first."""
-    return np.asarray(np.linalg.svd(unit_columns(columns)[0], compute_uv=False))
+    return np.asarray(np.linalg.svd(unit_columns(columns, tolerance)[0], compute_uv=False))
 
 
-def rank(columns: Array) -> int:
-    """Rank of a Jacobian (rows, columns) of the equations."""
-    return int(_ranks(singular_values(columns)))
+def rank(columns: Array, tolerance: float) -> int:
+    """Rank of a Jacobian (rows, columns) of the equations; ``tolerance``: `Structure.rank_tolerance`."""
+    return int(ranks(singular_values(columns, tolerance), tolerance))
 
 
-def _ranks(values: Array) -> NDArray[np.intp]:
-    """Ranks (...) by singular values (..., k)."""
-    return np.asarray(np.count_nonzero(values > RANK * np.maximum(1.0, values.max(axis=-1, initial=0.0))[..., None], axis=-1))
+def ranks(values: Array, tolerance: float = ZERO) -> NDArray[np.intp]:
+    """Ranks (...) by singular values (..., k): rounding grows with the largest, what a misfit lifts from zero does not."""
+    return np.asarray(np.count_nonzero(values > np.maximum(tolerance, ZERO * values.max(axis=-1, initial=0.0))[..., None], axis=-1))
 
 
 class PassiveJacobian:
-    """The columns of the passive joints in a Jacobian (rows, nv), scaled to unit length, by their singular value decomposition."""
+    """The columns of the passive joints in a Jacobian (rows, nv), scaled to unit length, by their singular value decomposition;
+    ``tolerance``: `Structure.rank_tolerance`."""
 
-    def __init__(self, columns: Array, joints: Sequence[int]) -> None:
+    def __init__(self, columns: Array, joints: Sequence[int], tolerance: float) -> None:
         self.joints, self.count = list(joints), columns.shape[1]
-        self.scaled, self.lengths = unit_columns(columns[:, self.joints])
+        self.scaled, self.lengths = unit_columns(columns[:, self.joints], tolerance)
         self.left, self.values, self.right = np.linalg.svd(self.scaled, full_matrices=True)
-        self.rank = int(_ranks(self.values))
+        self.rank = int(ranks(self.values, tolerance))
 
     def rates(self, target: Array) -> Array:
         """Joint rates (nv,), those of drivers zero, that change the gaps by ``target`` (rows,) in the least-squares sense."""
@@ -78,20 +82,21 @@ class Decomposition(NamedTuple):
 
 
 class Decomposed:
-    """Columns (n, rows, k) at n configurations, scaled to unit length, by their singular value decompositions.
+    """Columns (n, rows, k) at n configurations, scaled to unit length, by their singular value decompositions; ``tolerance``:
+    `Structure.rank_tolerance`.
 
     Attributes:
         parts: the configurations by their rank.
     """
 
-    def __init__(self, columns: Array) -> None:
-        scaled, lengths = unit_columns(columns)
+    def __init__(self, columns: Array, tolerance: float) -> None:
+        scaled, lengths = unit_columns(columns, tolerance)
         self.lengths = lengths.T
         left, values, right = np.linalg.svd(scaled, full_matrices=True)
-        ranks = _ranks(values)
+        found = ranks(values, tolerance)
         self.parts = []
-        for r in np.unique(ranks).tolist():
-            some = np.flatnonzero(ranks == r)
+        for r in np.unique(found).tolist():
+            some = np.flatnonzero(found == r)
             self.parts.append(Decomposition(some, r, left[some], right[some, :r].swapaxes(1, 2) / values[some, None, :r]))
 
     def rates(self, target: Array) -> Array:

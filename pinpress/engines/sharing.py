@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ..common.arguments import number
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
-from .rank import RANK
+from .structure import ZERO
 
 
 class Objective(NamedTuple):
@@ -55,12 +55,13 @@ def lexicographic_least_squares(objectives: Iterable[Objective]) -> Array:
     return np.asarray(-sum((response @ start[..., None])[..., 0] for response, start in parts))
 
 
-def lexicographic_responses(objectives: Iterable[tuple[Array, float]]) -> list[Array]:
+def lexicographic_responses(objectives: Iterable[tuple[Array, float]], tolerance: float = ZERO) -> list[Array]:
     """How the y of `lexicographic_least_squares` follows from the starts of the objectives: it is -sum(response @ start).
 
     Args:
         objectives: matrices A (..., m, k) and scales, see `Objective`. The next one is asked for only where the ones before it leave
             something open.
+        tolerance: `Structure.rank_tolerance`.
 
     Returns:
         Responses (..., k, m), of as many of the objectives as were asked for.
@@ -71,7 +72,7 @@ def lexicographic_responses(objectives: Iterable[tuple[Array, float]]) -> list[A
         inner = matrix if open_ways is None else matrix @ open_ways
         # measured by the whole matrix: where the earlier objectives have decided all of y, every singular value is rounding
         size = np.maximum(np.linalg.norm(matrix, axis=(-2, -1)), scale)
-        inverse, left_open = _by_squares(inner, size) or _by_singular_values(inner, size)
+        inverse, left_open = _by_squares(inner, size, tolerance) or _by_singular_values(inner, size, tolerance)
         step = inverse if open_ways is None else open_ways @ inverse
         responses = [earlier - step @ (matrix @ earlier) for earlier in responses] + [step]
         open_ways = left_open if open_ways is None else open_ways @ left_open
@@ -80,7 +81,7 @@ def lexicographic_responses(objectives: Iterable[tuple[Array, float]]) -> list[A
     return responses
 
 
-def _by_squares(matrix: Array, size: Array) -> tuple[Array, Array] | None:
+def _by_squares(matrix: Array, size: Array, tolerance: float) -> tuple[Array, Array] | None:
     """The pseudo-inverse (..., k, m) of a matrix (..., m, k) of this size (...), and orthonormal columns (..., k, j) that it takes to zero.
 
     From the normal equations, which cost a fifth of singular values, where all of these are well above rounding, or each is either large or
@@ -92,7 +93,7 @@ def _by_squares(matrix: Array, size: Array) -> tuple[Array, Array] | None:
         inverse = np.linalg.inv(squares)
         smallest = 1.0 / np.linalg.norm(inverse, axis=(-2, -1))  # eigenvalue, or less
         # Squares lose half of the digits: above this share of the squared size the smallest eigenvalue is certainly no rounding.
-        if np.all(smallest > 1e-7 * size**2):
+        if np.all(smallest > max(1e-7, tolerance**2) * size**2):
             inverse = inverse @ turned
             # a step of Newton's method for the inverse of a matrix brings the digits back that squares lose
             return inverse + (np.eye(squares.shape[-1]) - inverse @ matrix) @ inverse, squares[..., :0]
@@ -103,17 +104,17 @@ def _by_squares(matrix: Array, size: Array) -> tuple[Array, Array] | None:
     if not large[..., rest:].all():
         return None
     left_open = vectors[..., :rest]
-    if rest and not np.all(np.linalg.norm(matrix @ left_open, axis=(-2, -1)) <= RANK * size):
+    if rest and not np.all(np.linalg.norm(matrix @ left_open, axis=(-2, -1)) <= tolerance * size):
         return None
     kept = vectors[..., rest:]
     inverse = (kept / values[..., None, rest:]) @ (matrix @ kept).swapaxes(-1, -2)
     return inverse, left_open
 
 
-def _by_singular_values(matrix: Array, size: Array) -> tuple[Array, Array]:
+def _by_singular_values(matrix: Array, size: Array, tolerance: float) -> tuple[Array, Array]:
     """`_by_squares` for any matrix; the columns (..., k, k) that it takes to zero span them, but are not independent."""
     left, values, right = np.linalg.svd(matrix, full_matrices=False)
-    kept = values > RANK * size[..., None]
+    kept = values > tolerance * size[..., None]
     inverse = right.swapaxes(-1, -2) * np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)[..., None, :] @ left.swapaxes(-1, -2)
     return inverse, np.eye(matrix.shape[-1]) - inverse @ matrix
 
@@ -143,9 +144,11 @@ class Shared(NamedTuple):
         return np.asarray(np.einsum("krm,mk->rm", self.idle, -y[:, :, 0]))
 
 
-def share(states: NDArray[np.intp] | slice, idle: Array, objectives: Iterable[tuple[Array, float]]) -> Shared:
-    """Idle multipliers (k, rows, m) of some states, shared by objectives (k, bearings, 3, m) of a scale each, see `Objective`."""
-    return Shared(states, idle, lexicographic_responses((_configurations_first(each), scale) for each, scale in objectives))
+def share(states: NDArray[np.intp] | slice, idle: Array, objectives: Iterable[tuple[Array, float]], tolerance: float = ZERO) -> Shared:
+    """Idle multipliers (k, rows, m) of some states, shared by objectives (k, bearings, 3, m) of a scale each, see `Objective`;
+    ``tolerance``: `Structure.rank_tolerance`."""
+    configurations_first = ((_configurations_first(each), scale) for each, scale in objectives)
+    return Shared(states, idle, lexicographic_responses(configurations_first, tolerance))
 
 
 def _configurations_first(vectors: Array) -> Array:

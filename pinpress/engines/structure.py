@@ -25,6 +25,9 @@ from ..common.quantities import CRANK, RAM, Array, DriverCoordinate
 from .constraints import Curve, LoopJoint, Relation
 from .racks import Rack, find_racks
 
+ACCEPTED = 1e3  # multiples of rounding up to which a gap counts as closed
+ZERO = 1e-9  # singular values below this share of the largest are rounding, columns scaled to unit length
+SMALLEST_MARGIN = 1e-6  # singular value below which a linkage counts as locked: rounding decides there between two assemblies
 MOST_JOINTS = 200  # `pin.Data` has 7 arrays whose size grows with the cube of the joints: half a gigabyte at this number
 
 
@@ -38,9 +41,11 @@ class Structure:
         relations: between joint coordinates, as declared.
         drivers: indices of the driver joints in v.
         size: length of the linkage [m]: largest extent of joints and loop points in the drawn pose.
-        tolerance: gap at which a loop counts as closed [m].
+        rounding: gap that rounding leaves in a closed loop [m].
         slots: places of the joints in q.
         axes: axes of the joints.
+        misfit: gap that is left because redundant equations contradict each other, where the numbers of a file are rounded [m]; 0 where
+            that gap is rounding. See `engines.misfit`.
     """
 
     model: pin.Model
@@ -48,9 +53,26 @@ class Structure:
     relations: tuple[Relation, ...]
     drivers: tuple[int, ...]
     size: float
-    tolerance: float
+    rounding: float
     slots: tuple[Slot, ...]
     axes: tuple[Axis, ...]
+    misfit: float = 0.0
+
+    @cached_property
+    def tolerance(self) -> float:
+        """Gap up to which a loop counts as closed [m]."""
+        return max(ACCEPTED * self.rounding, 10 * self.misfit)
+
+    @cached_property
+    def rank_tolerance(self) -> float:
+        """Singular values below this count as zero, columns scaled to unit length. Rounded numbers lift those of redundant equations from
+        zero to 0.1 to 3 times the misfit, in lengths of the linkage."""
+        return max(ZERO, 30 * self.misfit / self.size)
+
+    @cached_property
+    def smallest_margin(self) -> float:
+        """Smallest singular value of the passive joints' columns below which the linkage counts as locked."""
+        return max(SMALLEST_MARGIN, self.rank_tolerance)
 
     @cached_property
     def parents(self) -> tuple[int, ...]:
@@ -160,7 +182,7 @@ def build_structure(model: pin.Model, loops: tuple[LoopJoint, ...], relations: t
         relations=relations,
         drivers=drivers,
         size=size,
-        tolerance=8 * float(np.finfo(float).eps) * (size + reach),
+        rounding=8 * float(np.finfo(float).eps) * (size + reach),
         slots=slots(model),
         axes=axes(model),
     )

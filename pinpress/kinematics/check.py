@@ -255,7 +255,8 @@ def _put_together(
         of_drivers = (Finding("note", document.called("robot", press.name), None, problem, remedy),)
     errors = list(assembly_checks.errors(press, in_file))
     findings = [*errors, *of_drivers, *(assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press))]
-    rank = (rank_of(press.assembly.rows_as_drawn.columns) if errors else press.rank) - len(press.held)
+    columns, tolerance = press.assembly.rows_as_drawn.columns, press.structure.rank_tolerance
+    rank = (rank_of(columns, tolerance) if errors else press.rank) - len(press.held)
     between: list[tuple[str, ...]] = [(loop.link1.link, loop.link2.link) for loop in document.description.loops]
     between += [tuple(press.joints[joint] for joint in relation.joints) for relation in press.relations]
     closings = (

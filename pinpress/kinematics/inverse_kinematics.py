@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 from ..common.arguments import numbers, typed
 from ..common.errors import PinpressError
 from ..common.quantities import Array
-from ..engines.engine import ACCEPTED
 from ..engines.mounting import Mounted, Mounting
 from ..engines.spatial.frames import Frame
 from ..linkage.assembly import close_on_branch, follow_drivers
@@ -97,7 +96,7 @@ class _Reaching(Mounting):
         self.press, self.frame, self.oriented = press, frame, oriented
         self.in_joint = pin.SE3(frame.rotation, frame.point)
         self.target, self.weight = pin.SE3.Identity(), 1.0
-        self.exact = max(EXACT, ACCEPTED * press.structure.tolerance / press.size)
+        self.exact = max(EXACT, press.structure.tolerance / press.size)
 
     def equations(self, x: Array) -> tuple[Array, Array]:
         gaps, columns = super().equations(x)

@@ -343,7 +343,7 @@ def refuse_motion_of_another(press: Linkage, motion: Motion) -> None:
     if motion._closed_for is not None and motion._closed_for.press is press:
         return
     open_by = press.engine().gaps(motion.joint_position.T)
-    if not open_by.max() <= LOOSEST * press.size:
+    if not open_by.max() <= max(LOOSEST * press.size, press.structure.tolerance):
         worst = int(open_by.argmax())
         raise PinpressError(
             f"the motion leaves the loops of {press.name} open by {open_by[worst]:.3g} m at {motion.place(worst)}, so that it is one of"

@@ -17,17 +17,18 @@ from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import LARGEST_CORRECTION, Branch, Returning, Travel, leads_on, out_of_branch, predict, walk, walk_beside
 from ..engines.change_points import Gap
 from ..engines.constraints import Relation
-from ..engines.engine import ACCEPTED, PIECE, Close, Closure, Engine, joined
-from ..engines.following import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
+from ..engines.engine import PIECE, Close, Closure, Engine, joined
+from ..engines.following import COARSE_STEP, FIRST_STEP, SingularPosition, follow, follow_at_once, path_between
+from ..engines.misfit import with_misfit
 from ..engines.mounting import Mounting, limits
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.equations import OneConfiguration, Rows
 from ..engines.planar.closing import can_move
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import openings
-from ..engines.rank import RANK, PassiveJacobian, rank
+from ..engines.rank import PassiveJacobian, rank
 from ..engines.spatial.engine import SpatialEngine
-from ..engines.structure import Structure
+from ..engines.structure import ZERO, Structure
 
 AS_DRAWN = "as drawn"
 MANY_PERIODS = 1000  # from so many periods on the rounding of a crank angle is seen in the gaps of loops
@@ -67,7 +68,13 @@ class Assembly:
     @cached_property
     def closes(self) -> bool:
         """Whether the linkage closes in its home pose."""
-        return bool(self.drawn.gap[0] <= ACCEPTED * self.engine.tolerance)
+        return bool(self.drawn.gap[0] <= self.engine.tolerance)
+
+    @property
+    def misfit(self) -> float:
+        """Gap that is left in the loops because redundant equations contradict each other, as where the numbers of a file are rounded [m];
+        0 where all of them close within rounding error."""
+        return self.structure.misfit
 
     @cached_property
     def moved(self) -> dict[str, float]:
@@ -123,20 +130,41 @@ class Assembly:
         if not np.isfinite(self.closed).all():
             return False
         passive = self.structure.passive_joints
-        mobility = self.structure.model.nv - rank(self.rows.columns)
-        return mobility == len(self.structure.drivers) and PassiveJacobian(self.rows.columns, passive).rank == len(passive)
+        tolerance = self.structure.rank_tolerance
+        mobility = self.structure.model.nv - rank(self.rows.columns, tolerance)
+        return mobility == len(self.structure.drivers) and PassiveJacobian(self.rows.columns, passive, tolerance).rank == len(passive)
+
+    @property
+    def redundant(self) -> bool:
+        """Whether the engine solves more equations than there are joints to be determined."""
+        if isinstance(self.engine, PlanarEngine):
+            return self.engine.plane.redundant
+        return len(self.rows.gaps) > len(self.structure.passive_joints)
 
     @cached_property
     def rank(self) -> int:
         """Rank of the equations in the closed pose."""
-        return int(self.structure.model.nv) - len(self.structure.drivers) if self.determined else rank(self.rows.columns)
+        return (
+            int(self.structure.model.nv) - len(self.structure.drivers)
+            if self.determined
+            else rank(self.rows.columns, self.structure.rank_tolerance)
+        )
 
 
 def assemble(structure: Structure, home: Sequence[float] = (), how: str = "") -> Assembly:
     """The home pose (nv,) of a linkage, by default the drawn one, closed by the fastest engine that can compute it."""
-    start, in_space = drawn_coordinates(structure), SpatialEngine(structure)
-    home, how = (np.array(home), how) if len(home) else (start, AS_DRAWN)
-    drivers = home[list(structure.drivers)]
+    start = drawn_coordinates(structure)
+    at, how = (np.array(home), how) if len(home) else (start, AS_DRAWN)
+    assembly = _assembled(structure, start, at, how)
+    if assembly.closes and assembly.determined and not assembly.redundant:
+        return assembly
+    rounded = with_misfit(structure, at)
+    return assembly if rounded is structure else _assembled_in_space(rounded, start, at, how)
+
+
+def _assembled(structure: Structure, start: Array, home: Array, how: str) -> Assembly:
+    """`assemble` of a linkage whose equations agree within rounding error, drawn and at home at joint coordinates (nv,)."""
+    in_space, drivers = SpatialEngine(structure), home[list(structure.drivers)]
     for one_block in (False, True) if len(structure.drivers) == 1 else ():
         planar = PlanarEngine.of(structure, one_block)
         if planar is None:
@@ -145,9 +173,15 @@ def assemble(structure: Structure, home: Sequence[float] = (), how: str = "") ->
         # A block of a redundant linkage may lock where the other blocks lead it: a parallelogram with a third crank at its change point.
         walked = _full_turn(planar, structure, drawn) if planar.plane.redundant and not one_block else None
         fit = one_block or walked is not None or not planar.plane.redundant
-        if fit and drawn.margins is not None and np.abs(drawn.margins).min(initial=1.0) > RANK:
+        if fit and drawn.margins is not None and np.abs(drawn.margins).min(initial=1.0) > ZERO:
             engines: dict[str, Engine] = {engine.name: engine for engine in (planar, in_space, PinocchioEngine(structure))}
             return Assembly(structure, engines, start, drawn, how, walked)
+    return _assembled_in_space(structure, start, home, how)
+
+
+def _assembled_in_space(structure: Structure, start: Array, home: Array, how: str) -> Assembly:
+    """`_assembled` by the engine in space."""
+    in_space, drivers = SpatialEngine(structure), home[list(structure.drivers)]
     drawn = in_space.closing_function()(drivers[:, None], np.eye(len(drivers), 1), home[:, None])
     return Assembly(structure, {engine.name: engine for engine in (in_space, PinocchioEngine(structure))}, start, drawn, how)
 
@@ -157,12 +191,13 @@ def walk_branch(
     structure: Structure,
     start: Array,
     *,
-    smallest_margin: float = SMALLEST_MARGIN,
+    smallest_margin: float = 0.0,
     gap: Gap | None = None,
 ) -> Branch:
     """The assembly of a linkage with one driver, followed over the crank angle from a closed pose (nv,); see `engines.branch.walk`.
     A driver that slides goes as far as the limits of its joint."""
-    close_angle, tolerance = _closing_function(engine), ACCEPTED * engine.tolerance
+    smallest_margin = max(smallest_margin, structure.smallest_margin)
+    close_angle, tolerance = _closing_function(engine), engine.tolerance
     returning = Returning(structure.on_loop, np.array([axis.turns for axis in structure.axes]))
     begin = float(start[structure.drivers[0]])
     return walk(close_angle, start, returning, structure.size, tolerance, smallest_margin, gap, begin, _travel(structure, begin))
@@ -175,7 +210,7 @@ def walk_branch_beside(engine: Engine, structure: Structure, branch: Branch, hom
     travel = _travel(structure, float(home[driver]))
     if travel is not None and (travel.lower, travel.upper) != (branch.angles[0], branch.angles[-1]):
         return None
-    return walk_beside(_closing_function(engine), branch, home, driver, structure.size, ACCEPTED * engine.tolerance)
+    return walk_beside(_closing_function(engine), branch, home, driver, structure.size, engine.tolerance)
 
 
 def _closing_function(engine: Engine) -> Close:
@@ -203,7 +238,7 @@ def walk_through_change_points(engine: Engine, structure: Structure, walked: Bra
     """A branch followed further, through change points; see `Linkage.branch_through_change_points`."""
     if walked.period is not None or not any(walked.locks):
         return walked
-    tolerance = ACCEPTED * engine.tolerance
+    tolerance = engine.tolerance
     if walked.coordinate.turns and not leads_on(_closing_function(engine), walked, structure.size, tolerance, engine.gaps):
         return walked
     middle = 0.5 * float(walked.angles[0] + walked.angles[-1])  # the drawn pose may be beside a change point
@@ -262,11 +297,12 @@ def follow_drivers(
     """
     begin = start[list(structure.drivers)]
     _refuse_beyond_limits(structure, begin, angles)
-    close_drivers, tolerance = engine.closing_function(), ACCEPTED * engine.tolerance
+    close_drivers, tolerance = engine.closing_function(), engine.tolerance
     at, here, result, done, tried = begin, start, np.empty((len(start), len(angles))), 0, PIECE
     while done < len(angles):
         path = np.concatenate([at[None], angles[done : done + tried]])
-        reached = follow_at_once(close_drivers, here, path_between(path, _counted_as_angle(structure), PIECE), structure.size, tolerance)
+        path_to = path_between(path, _counted_as_angle(structure), PIECE)
+        reached = follow_at_once(close_drivers, here, path_to, structure.size, tolerance, structure.smallest_margin)
         count = reached.shape[1]
         tried = min(PIECE, max(1, 2 * count))
         if not count:
@@ -302,7 +338,7 @@ def _first_within_reach(engine: Engine, structure: Structure, start: Array, angl
             gone, step = gone + step, min(2 * step, COARSE_STEP)
             share = np.minimum(1.0, gone / np.maximum(distances[kept], FIRST_STEP))
             closure = close_drivers(begin[:, None] + share * ways[:, kept], np.zeros_like(ways[:, kept]), x)
-            closes = closure.gap <= ACCEPTED * engine.tolerance
+            closes = closure.gap <= engine.tolerance
             kept, x = kept[closes], closure.position[:, closes]
         if len(kept):
             return tried + int(kept[0])
@@ -320,7 +356,7 @@ def _walk_between(engine: Engine, structure: Structure, start: Array, before: Ar
     def close(at: Array, guess: Array) -> Closure:
         return close_drivers(before[:, None] + np.multiply.outer(along, at), np.repeat(along[:, None], len(at), axis=1), guess)
 
-    end = follow(close, start, distance, structure.size, ACCEPTED * engine.tolerance)
+    end = follow(close, start, distance, structure.size, engine.tolerance, structure.smallest_margin)
     if isinstance(end, SingularPosition):
         locked = before + end.angle * along
         from_here, to_there, place = map(structure.place_of_drivers, (before, after, locked))
@@ -399,7 +435,7 @@ def _full_turn(planar: PlanarEngine, structure: Structure, drawn: Closure) -> Br
 
 def _close_piece(engine: Engine, structure: Structure, angles: Array, guess: Array, name: str) -> Closure:
     """Closed configurations at crank angles (n,) from guesses (nv, n) on the branch; raises AssemblyError."""
-    closure, tolerance = engine.close(angles, guess), ACCEPTED * engine.tolerance
+    closure, tolerance = engine.close(angles, guess), engine.tolerance
     if closure.widest <= tolerance and closure.iterations == 0:
         return closure
     near = LARGEST_CORRECTION * (1 + structure.size)  # another assembly would be far from the prediction
@@ -444,7 +480,7 @@ def _close_through_change_points(engine: Engine, structure: Structure, branch: B
         closure = close_on_branch(engine, structure, replace(branch, change_points=()), local[regular], name)
         position[:, regular], first[:, regular], second[:, regular] = closure.position, closure.first, closure.second
     gap = engine.gaps(position)
-    if not gap.max() <= ACCEPTED * structure.tolerance:
+    if not gap.max() <= structure.tolerance:
         worst = int(gap.argmax())
         raise AssemblyError(
             f"the loops of {name} do not close",

@@ -10,7 +10,7 @@ import pinocchio as pin
 from ..common.arguments import numbers
 from ..common.errors import PinpressError, SingularityError, UnknownNameError
 from ..common.quantities import Array
-from ..engines.engine import ACCEPTED, LOOSEST
+from ..engines.engine import LOOSEST
 from ..engines.spatial.bodies import placements
 from ..engines.spatial.engine import SpatialEngine
 from ..engines.spatial.equations import Loops
@@ -47,7 +47,7 @@ def closed_coordinates(press: Linkage, joints: object) -> Array:
     """
     x = numbers("joints", joints, (None, len(press.joints))).T
     gaps = press.engine("space").gaps(x)
-    if not gaps.max(initial=0.0) <= max(LOOSEST * press.size, ACCEPTED * press.structure.tolerance):
+    if not gaps.max(initial=0.0) <= max(LOOSEST * press.size, press.structure.tolerance):
         state = int(gaps.argmax())
         raise PinpressError(
             f"joints leave a loop of {press.name} open by {gaps[state]:.3g} m in state {state}: give the joint_position of a motion of this"

@@ -85,7 +85,7 @@ def free_ways(structure: Structure, columns: Array, still: Sequence[int] = ()) -
     """(nv, k) orthonormal ways, in rad and sizes, in which a linkage moves; ``columns``: (rows, nv) Jacobian; ``still``: joints at rest."""
     scaled = columns * lengths(structure)
     moving = [j for j in range(structure.model.nv) if j not in set(still)]
-    ways = np.zeros((structure.model.nv, len(moving) - rank(scaled[:, moving])))
+    ways = np.zeros((structure.model.nv, len(moving) - rank(scaled[:, moving], structure.rank_tolerance)))
     if ways.size:
         ways[moving] = np.linalg.svd(scaled[:, moving])[2][len(moving) - ways.shape[1] :].T if len(scaled) else np.eye(len(moving))
     return ways
@@ -177,7 +177,7 @@ def generic_ways(structure: Structure, x: Array) -> int:
     numbers = [free_ways(structure, columns_at(structure, x)).shape[1]]
     for _ in range(4):
         near = mounting.close(x + 0.15 * mounting.lengths * random.uniform(-1.0, 1.0, len(x)), limited=False)
-        if near.misfit <= CLOSED:
+        if near.misfit <= max(CLOSED, structure.tolerance / structure.size):
             numbers.append(free_ways(structure, columns_at(structure, near.position)).shape[1])
     return min(numbers)
 

@@ -252,9 +252,14 @@ class Linkage(Frozen):
         return self.assembly.rank
 
     @property
-    @per_linkage
     def structure(self) -> Structure:
         """What the engines compute with. Held joints stand still where they are in the home pose, each by a relation."""
+        return self.assembly.structure
+
+    @property
+    @per_linkage
+    def structure_as_built(self) -> Structure:
+        """The structure before the linkage is put together, which shows whether its equations contradict each other: `Structure.misfit`."""
         drivers = tuple(self.joints.index(driver) for driver in self.drivers)
         held = {name: self.joints.index(name) for name in self.held}
         still = tuple(Relation(name, {joint: 1.0}, self.home[joint] if self.home else 0.0) for name, joint in held.items())
@@ -334,7 +339,7 @@ class Linkage(Frozen):
     @per_linkage
     def assembly(self) -> Assembly:
         """The linkage put together in its home pose; `load` judges whether it closes and moves."""
-        return assemble(self.structure, self.home, self.mounted)
+        return assemble(self.structure_as_built, self.home, self.mounted)
 
     @property
     def closed(self) -> Array:

@@ -30,7 +30,6 @@ from numpy.typing import NDArray
 
 from ...common.errors import PinpressError, SingularityError
 from ...common.quantities import Array
-from ..following import SMALLEST_MARGIN
 from .forward_dynamics import ForwardDynamics
 
 ITERATIONS = 34  # proximal iterations: each leaves a third of the error at most
@@ -188,7 +187,7 @@ class ForwardDerivatives:
         rows = np.concatenate([jacobian, self.gears]) * scales[:, None]
         left, sizes, right = np.linalg.svd(rows / units, full_matrices=False)
         rank, dynamics = self.dynamics.rank, self.dynamics
-        if rank and not sizes[rank - 1] > SMALLEST_MARGIN * sizes[0]:
+        if rank and not sizes[rank - 1] > self.dynamics.structure.smallest_margin * sizes[0]:
             problem = f"the loops of {dynamics.name} lose equations: two assemblies meet"
             raise SingularityError(
                 problem, float(x[dynamics.driver]), float(sizes[rank - 1] / (sizes[0] or 1.0)), dynamics.structure.place(x)

@@ -165,4 +165,4 @@ def _drift(one: OneConfiguration, loops: Loops, equations: Equations, v: Array) 
 def redundant(structure: Structure, x: Array) -> bool:
     """Whether some of the equations are redundant at joint coordinates (nv,)."""
     rows = OneConfiguration(structure).at(x)
-    return rank(rows.columns) < len(rows.gaps)
+    return rank(rows.columns, structure.rank_tolerance) < len(rows.gaps)

@@ -40,8 +40,7 @@ from numpy.typing import NDArray
 from ...common.arguments import suitable_numbers
 from ...common.errors import AssemblyError, PinpressError, SingularityError
 from ...common.quantities import Array
-from ..engine import ACCEPTED, MOST_NEWTON_STEPS
-from ..following import SMALLEST_MARGIN
+from ..engine import MOST_NEWTON_STEPS
 from ..structure import Axis, Structure, data_of
 from .constraint_models import PointPair, held_points
 
@@ -96,7 +95,7 @@ class ForwardDynamics:
         self._made_of = structure, closed, rank, armature, name
         self.name, self.joints, self.driver, self.rank = name, tuple(structure.model.names)[1:], structure.drivers[0], rank
         self.structure = structure
-        self.size, self.tolerance, self.still = structure.size, structure.tolerance, np.zeros(structure.model.nv)
+        self.size, self.rounding, self.still = structure.size, structure.rounding, np.zeros(structure.model.nv)
         self._make_tree(structure, armature)
         by_loop = self._held_points(structure, closed)
         ends = [end for held in by_loop for end in held]
@@ -244,7 +243,7 @@ class ForwardDynamics:
             pin.computeJointJacobians(self.model, self.data, at)
             factor, pivots, orthogonal = self._factorised(at)
             before, gap = gap, self._widest(at)
-            if gap <= self.tolerance or (gap > 0.5 * before and gap <= self._floor(at)):
+            if gap <= self.rounding or (gap > 0.5 * before and gap <= self._floor(at)):
                 break
             if steps == MOST_NEWTON_STEPS:
                 problem = f"the loops of {self.name} do not close near this state"
@@ -328,7 +327,7 @@ class ForwardDynamics:
             np.multiply(jacobian, self.weights, out=self.rows[: self.point_rows])
         factor, pivots, scales, _, _ = self.lapack.dgeqp3(self.rows.T)
         rank = self.rank
-        if rank and not abs(factor[rank - 1, rank - 1]) > SMALLEST_MARGIN * abs(factor[0, 0]):
+        if rank and not abs(factor[rank - 1, rank - 1]) > self.structure.smallest_margin * abs(factor[0, 0]):
             smallest = float(abs(factor[rank - 1, rank - 1])) / (float(abs(factor[0, 0])) or 1.0)
             problem = f"the loops of {self.name} lose equations: two assemblies meet"
             locked = SingularityError(problem, float(x[self.driver]), smallest, self.structure.place(x))
@@ -355,7 +354,7 @@ class ForwardDynamics:
 
     def _floor(self, x: Array) -> float:
         """Gap that rounding may leave [m]: more where a joint has made many turns."""
-        return ACCEPTED * self.tolerance + 8 * float(np.finfo(float).eps * np.abs(x * self.units).max())
+        return self.structure.tolerance + 8 * float(np.finfo(float).eps * np.abs(x * self.units).max())
 
     def _trouble(self, x: Array, v: Array, efforts: Array, otherwise: PinpressError) -> PinpressError:
         """The error that says which of these is not finite; ``otherwise`` where all are."""
@@ -391,7 +390,7 @@ class ForwardDynamics:
         if len(self.offsets) and self._rank_of_points(closed, data, points, data_of_points) != rank:
             return None, "a gear pair whose ratio the loops keep too, as its torque is then undetermined"
         values = np.linalg.svd(opened_rows * self.per_unit, compute_uv=False)
-        hold_each_other = bool(values[rank:].max(initial=0.0) > SMALLEST_MARGIN * values[0])
+        hold_each_other = bool(values[rank:].max(initial=0.0) > self.structure.smallest_margin * values[0])
         damping, iterations = (HELD_PROXIMAL, HELD_ITERATIONS) if hold_each_other else (PROXIMAL, ITERATIONS)
         try:
             largest = float((rows @ np.linalg.solve(mass, rows.T)).diagonal().max())
@@ -429,7 +428,7 @@ class ForwardDynamics:
         with contextlib.suppress(PinpressError):  # the drawn pose may be a dead centre, where gear pairs hold what loops hold elsewhere
             closed = self.project(beside, self.still)[0]
         values = np.linalg.svd(_contact_rows(self.model, data, points, data_of_points, closed) * self.per_unit, compute_uv=False)
-        return int(np.count_nonzero(values > SMALLEST_MARGIN * values[0]))
+        return int(np.count_nonzero(values > self.structure.smallest_margin * values[0]))
 
 
 class Proximal(NamedTuple):

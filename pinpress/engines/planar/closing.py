@@ -18,8 +18,8 @@ import numpy as np
 
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
-from ..engine import ACCEPTED, MOST_NEWTON_STEPS, Closure
-from ..rank import RANK
+from ..engine import MOST_NEWTON_STEPS, Closure
+from ..structure import ZERO
 from .equations import BlockRows, Configurations, Equations, configurations_at, efforts_of_relation, matrix_of, slope, slopes_of_dyad
 from .kinematics import basis_acceleration, basis_at, basis_velocity
 from .model import Plane
@@ -49,9 +49,9 @@ def close(equations: Equations, angle: Array, guess: Array, with_margins: bool =
             if len(slips):
                 gap = np.maximum(gap, np.abs(slips).max(axis=0))
             previous, widest = widest, float(np.maximum.reduce(gap))
-            # Rounding can leave a gap slightly above the tolerance. Stop if a step did not halve such a gap.
-            stalls = widest > 0.5 * previous and widest < ACCEPTED * plane.tolerance
-            if widest <= plane.tolerance or stalls or steps == MOST_NEWTON_STEPS or not np.isfinite(widest):
+            # Rounding can leave a gap slightly above that of rounding. Stop if a step did not halve such a gap.
+            stalls = widest > 0.5 * previous and widest < plane.tolerance
+            if widest <= plane.rounding or stalls or steps == MOST_NEWTON_STEPS or not np.isfinite(widest):
                 break
             # A Newton step solves the equations of the rates, with the gaps as the right-hand side.
             x += Slopes.at(equations, basis, x).solve([*gaps, *slips])
@@ -95,7 +95,7 @@ def can_move(plane: Plane, drawn: Closure) -> bool:
         return True
     basis_rate = basis_velocity(plane, basis_at(plane, drawn.position), drawn.first)
     opening_rates = product(plane.gap_rows, basis_rate), product(plane.relation_slopes, drawn.first)
-    return all(np.abs(each).max(initial=0.0) <= RANK * plane.size for each in opening_rates)
+    return all(np.abs(each).max(initial=0.0) <= ZERO * plane.size for each in opening_rates)
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- solving

@@ -30,7 +30,7 @@ from ..blocks import ordered_groups
 from ..constraints import Relation
 from ..engine import PIECE
 from ..racks import Rack
-from ..structure import Structure, drawn_placements
+from ..structure import ACCEPTED, Structure, drawn_placements
 
 COORDINATES = 40_960  # joint coordinates of the states that are worked through at a time: their arrays take some megabytes
 PARALLEL = 1e-12  # a linkage is spatial where a joint axis is further from the plane's normal than this [rad]
@@ -142,9 +142,14 @@ class Plane:
         return CRANK if self.sense[self.driver] else RAM
 
     @cached_property
-    def tolerance(self) -> float:
-        """Gap at which a loop counts as closed [m]."""
+    def rounding(self) -> float:
+        """Gap that rounding leaves in a closed loop [m]."""
         return 8 * float(np.finfo(float).eps) * self.size
+
+    @cached_property
+    def tolerance(self) -> float:
+        """Gap up to which a loop counts as closed [m]."""
+        return ACCEPTED * self.rounding
 
     @cached_property
     def piece(self) -> int:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...common.products import product
 from ...common.quantities import Array, ComplexArray
-from ..rank import RANK
+from ..structure import ZERO
 from ..wrenches import AppliedForce
 from .bodies import Bodies, share_forces
 from .kinematics import basis_at
@@ -133,7 +133,7 @@ def indeterminate(plane: Plane, position: Array, axes: Array) -> NDArray[np.bool
     count = len(plane.parents)
     basis = basis_at(plane, position)
     origins, points = product(plane.origins, basis), product(plane.loop_points, basis)
-    along = [np.abs(axes @ each) > RANK for each in (plane.normal, *plane.axes)]
+    along = [np.abs(axes @ each) > ZERO for each in (plane.normal, *plane.axes)]
     tilting = along[1] | along[2]
     marks = np.zeros((count + len(plane.loop_heights), 6), dtype=bool)
     marks[count:, :3] = along[0]
@@ -145,5 +145,5 @@ def indeterminate(plane: Plane, position: Array, axes: Array) -> NDArray[np.bool
                 marks[joint, 3:] |= tilting
             else:
                 moments = to_world(plane, -1j * (points[loop] - origins[joint])) @ axes.T
-                marks[joint, 3:] |= np.abs(moments).max(axis=0) > RANK * plane.size
+                marks[joint, 3:] |= np.abs(moments).max(axis=0) > ZERO * plane.size
     return marks

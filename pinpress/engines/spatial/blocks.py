@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...common.frozen import Frozen
 from ...common.quantities import Array
 from ..blocks import Group, ordered_groups
-from ..rank import RANK
+from ..structure import ZERO
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -112,7 +112,7 @@ def build_blocks(places: NDArray[np.intp], values: Array, members: NDArray[np.in
 
 
 def _rank(columns: Array) -> int:
-    return int(np.linalg.matrix_rank(columns, rtol=RANK)) if columns.size else 0
+    return int(np.linalg.matrix_rank(columns, rtol=ZERO)) if columns.size else 0
 
 
 class _Factors(NamedTuple):
@@ -143,10 +143,10 @@ class InBlocks:
     def _factorised(self, columns: Array, lengths: Array, longest: Array) -> _Factors:
         """Factors of columns (m, k, b, n) of these lengths (k, b, n); ``longest``: (n,) of all."""
         m, k, *last = columns.shape
-        still = lengths <= RANK * longest  # rounding: these joints move nothing here
+        still = lengths <= ZERO * longest  # rounding: these joints move nothing here
         columns /= np.where(still, np.inf, lengths)
         inverse, idle = _triangularised(columns.reshape(m, k, math.prod(last)))
-        # A smallest singular value above 1e-5 shows full rank with certainty; so does one above `RANK`, but rounding is closer there.
+        # A smallest singular value above 1e-5 shows full rank with certainty; so does one above `ZERO`, but rounding is closer there.
         good = 1e-5 * np.sqrt(np.einsum("kmn,kmn->n", inverse, inverse)) < 1.0
         self.regular &= good.reshape(last).all(axis=0)
         inverse = inverse.reshape(k, m, *last)

@@ -13,10 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..engine import ACCEPTED, MOST_NEWTON_STEPS, Closure, JointRates, joined
+from ..engine import MOST_NEWTON_STEPS, Closure, JointRates, joined
 from ..rank import Decomposed, singular_values
+from ..structure import ACCEPTED
 from .blocks import InBlocks
 from .equations import Equations, Kinematics, Loops
+
+MOST_STEPS = 40  # of one closure where equations contradict each other: each is a share of the one before, larger with a larger misfit
 
 
 class PassiveColumns:
@@ -36,7 +39,7 @@ class PassiveColumns:
     @cached_property
     def _decomposed(self) -> Decomposed:
         """The configurations at which some columns may be dependent."""
-        return Decomposed(self._columns(self._others))
+        return Decomposed(self._columns(self._others), self.loops.structure.rank_tolerance)
 
     def _columns(self, states: NDArray[np.intp] | slice) -> Array:
         """The columns (m, rows, columns) at some configurations."""
@@ -69,6 +72,10 @@ class PassiveColumns:
         if not self.regular:
             result[np.ix_(self.loops.passive, self._others)] = self._decomposed.rates(target[:, self._others])
         return result
+
+    def opening(self, rates: Array) -> Array:
+        """How fast the gaps (rows, n) change at rates (nv, n) of the passive joints."""
+        return np.asarray(np.einsum("nrk,kn->rn", self._columns(slice(None)), rates[self.loops.passive]))
 
     def multipliers(self, effort: Array) -> Array:
         """Multipliers (rows, n) of least norm that balance the efforts (nv, n) of the passive joints."""
@@ -153,20 +160,43 @@ def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margin
 def _solve_gaps(loops: Loops, x: Array, by: Kinematics) -> tuple[Equations, Array, int]:
     """The equations where Newton's method ends, from joint coordinates (nv, n), which it changes; their largest gaps (n,) [m], not finite
     where it failed; and the number of steps."""
-    tolerance = loops.structure.tolerance
+    structure = loops.structure
+    if structure.misfit:
+        return _solve_least_squares(loops, x, by)
     before, steps = np.full(x.shape[1], np.inf), 0
     while True:
         equations = by.equations(loops, x)
         gap = equations.widest()
         gap[~np.isfinite(equations.entries).all(axis=0)] = np.inf
-        stalled = (gap > 0.5 * before) & (gap < ACCEPTED * tolerance)
-        open_states = np.flatnonzero(~((gap <= tolerance) | stalled) & np.isfinite(gap))
+        stalled = (gap > 0.5 * before) & (gap < structure.tolerance)
+        open_states = np.flatnonzero(~((gap <= structure.rounding) | stalled) & np.isfinite(gap))
         if not len(open_states) or steps == MOST_NEWTON_STEPS:
             return equations, gap, steps
         piece = slice(None) if len(open_states) == len(gap) else open_states  # without copies where all are open
         before[piece] = gap[piece]
         x[:, piece] -= PassiveColumns(loops, equations.entries[:, piece], by.in_blocks).rates(equations.gaps[:, piece])
         steps += 1
+
+
+def _solve_least_squares(loops: Loops, x: Array, by: Kinematics) -> tuple[Equations, Array, int]:
+    """`_solve_gaps` of equations that contradict each other. A gap is left where the sum of squares is least: what a step takes away of it
+    has to become rounding, so that positions are smooth along a motion."""
+    rounding = loops.structure.rounding
+    before, steps = np.full(x.shape[1], np.inf), 0
+    while True:
+        equations = by.equations(loops, x)
+        gap = equations.widest()
+        failed = ~np.isfinite(equations.entries).all(axis=0)
+        equations.entries[:, failed] = 0.0
+        columns = PassiveColumns(loops, equations.entries, by.in_blocks)
+        step = columns.rates(np.where(failed, 0.0, equations.gaps))
+        closing = np.abs(columns.opening(step)).max(axis=0, initial=0.0)
+        ended = (closing <= rounding) | ((closing > 0.5 * before) & (closing < ACCEPTED * rounding))
+        if (ended | failed).all() or steps == MOST_STEPS:
+            gap[failed | ~ended] = np.inf
+            return equations, gap, steps
+        x[:, ~ended] -= step[:, ~ended]
+        before, steps = closing, steps + 1
 
 
 def rates(loops: Loops, position: Array, speed: Array, acceleration: Array, by: Kinematics) -> JointRates:

@@ -73,8 +73,11 @@ class Loops(Frozen):
 
     @cached_property
     def blocks(self) -> Blocks | None:
-        """The order in which the equations are solved; None where there are fewer of them than passive joints."""
+        """The order in which the equations are solved; None where there are fewer of them than passive joints, and where they contradict
+        each other: all of them together have one least-squares solution."""
         structure, count = self.structure, len(self.structure.loops)
+        if structure.misfit:
+            return None
         held = np.repeat(np.arange(count), [loop.held_rotations for loop in structure.loops])
         members = np.concatenate([np.repeat(np.arange(count), 3), held, count + np.arange(len(structure.relations))])
         return build_blocks(self.entries, self._irregular[:-1, 0], members, self.passive)

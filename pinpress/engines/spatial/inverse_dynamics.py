@@ -18,7 +18,6 @@ from ...common.quantities import Array
 from ..body_motion import components_first, cross
 from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..friction import FrictionLaw
-from ..rank import RANK
 from ..sharing import Shared, share
 from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from .bodies import Placements, accelerations, inertia_forces, motion_axes, sum_carried, velocities
@@ -104,8 +103,10 @@ def indeterminate(loops: Loops, position: Array, axes: Array, by: Method) -> tup
                 (0, _forces_of_bearings(loops, forces), 1.0),
                 (3, _moments_of_bearings(loops, equations, part.states, forces, moments), structure.size),
             ):
-                marks[:, place : place + 3] |= np.abs(np.einsum("ai,kbim->bakm", axes, vectors)).max(axis=(2, 3)) > RANK * unit
-            relations |= np.abs(idle[:, loops.rows - len(relations) :]).max(axis=(0, 2)) > RANK
+                marks[:, place : place + 3] |= (
+                    np.abs(np.einsum("ai,kbim->bakm", axes, vectors)).max(axis=(2, 3)) > structure.rank_tolerance * unit
+                )
+            relations |= np.abs(idle[:, loops.rows - len(relations) :]).max(axis=(0, 2)) > structure.rank_tolerance
     return marks, relations
 
 
@@ -181,7 +182,7 @@ class _Balance:
 
     def _refuse_open(self, equations: Equations) -> None:
         structure = self.loops.structure
-        wrong = ~(np.abs(equations.gaps).max(axis=0, initial=0.0) <= LOOSEST * structure.size)
+        wrong = ~(np.abs(equations.gaps).max(axis=0, initial=0.0) <= max(LOOSEST * structure.size, structure.tolerance))
         if wrong.any():
             i = int(np.argmax(wrong))
             gap = float(equations.widest()[i])
@@ -274,7 +275,7 @@ class _Balance:
         for part in self.passive.parts:
             if part.idle.shape[2] and len(part.idle):
                 idle = _configurations_last(part.idle)
-                yield share(part.states, idle, self._objectives(idle, part.states))
+                yield share(part.states, idle, self._objectives(idle, part.states), self.loops.structure.rank_tolerance)
 
     def _objectives(self, idle: Array, states: NDArray[np.intp] | slice) -> Iterator[tuple[Array, float]]:
         """The objectives (k, bearings, 3, m) by which multiples of idle multipliers (k, rows, m) of some states are chosen, and their

@@ -14,7 +14,6 @@ from ...common.plausibility import UNWEIGHED
 from ...common.quantities import Array
 from ...engines.branch import MOST_TURNS, Branch, predict
 from ...engines.constraints import LoopJoint
-from ...engines.engine import ACCEPTED
 from ...engines.mounting import within
 from ...engines.pinocchio.equations import Rows
 from ...engines.planar.model import PARALLEL
@@ -39,12 +38,10 @@ def errors(press: Linkage, in_file: bool = True) -> Iterator[Finding]:
     ``in_file``: whether the linkage is that of a file that `load` reads, which takes a pose."""
     assembly = press.assembly
     if assembly.closes and assembly.determined:
-        yield from _unseen(press)
         yield from _massless(press)
         return
     rows = assembly.rows if assembly.closes else assembly.rows_as_drawn
-    freedom = press.model.nv - rank(rows.columns)
-    yield from _unseen(press)
+    freedom = press.model.nv - rank(rows.columns, press.structure.rank_tolerance)
     if assembly.closes and _meets(press, freedom):
         yield _change_point(press, rows, in_file)
     elif freedom != len(press.drivers) and (assembly.closes or (press.slide and press.drivers)):
@@ -88,22 +85,6 @@ def remedy_of_rounded_axes(press: Linkage) -> str | None:
     return f"axes are up to {off:.2g} rad from parallel: write angles in full, 1.5707963267948966 for a quarter turn"
 
 
-def _unseen(press: Linkage) -> Iterator[Finding]:
-    """The error of axes so nearly parallel that the gaps of the equations show the difference, but not their rank."""
-    plane, called = press.planarity, press.document.called
-    off = plane.farthest_off
-    # Axes that miss each other by less than 1e-8 rad change the rank of no equations.
-    if PARALLEL < off < 1e-8 and press.loops and (remedy := remedy_of_rounded_axes(press)):
-        line: int | None = None
-        if off in plane.joints_off:
-            element = called("joint", press.joints[plane.joints_off.index(off)])
-        else:
-            loop = press.loops[plane.loops_off.index(off)]
-            element, line = called("loop_joint", loop.name), loop.line
-        problem = f"its axis is {off:.2g} rad from parallel to that of joint {press.driver!r}, or out of the plane across it"
-        yield Finding.of(UrdfError(press.file, element, line, problem, remedy))
-
-
 def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
     drive = "one joint drives" if len(press.drivers) == 1 else f"{len(press.drivers)} joints drive"
     problem = f"mobility is {freedom}, but {drive}"
@@ -141,7 +122,9 @@ def _meets(press: Linkage, freedom: int) -> bool:
     """Whether a linkage has fewer degrees of freedom in poses beside its home pose than there, where it has ``freedom``."""
     if freedom <= len(press.drivers):
         return False
-    return mobility.freedom_nearby(press) == len(press.drivers) or generic_ways(press.structure, press.closed) < freedom
+    # open poses beside a misfit have the rank of equations that contradict each other
+    beside = not press.assembly.misfit and mobility.freedom_nearby(press) == len(press.drivers)
+    return beside or generic_ways(press.structure, press.closed) < freedom
 
 
 def _choice(press: Linkage, in_file: bool) -> str:
@@ -170,7 +153,7 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     owners, at_best = mobility.constraints(press), press.equations(np.array(press.home)).gaps
     gaps, left = ([each.gap(of) for each in owners] for of in (rows.gaps, at_best))
     # Where loops overconstrain each other, all of them may be left open; those that are drawn closed are not at fault.
-    still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.structure.tolerance]
+    still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > press.structure.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
     common = _other_units(press) or _without_axis(press) or remedy_of_rounded_axes(press)
     fit = "; loops hold each other here, so that lengths and angles must fit to all digits"
@@ -231,7 +214,7 @@ def _read_otherwise(press: Linkage, each: mobility.Constraint) -> str | None:
 def _dead_point(press: Linkage, rows: Rows, in_file: bool) -> Iterator[Finding]:
     columns = rows.columns[:, press.structure.passive_joints]
     values = singular_values(columns)
-    if rank(columns) == columns.shape[1]:
+    if rank(columns, press.structure.rank_tolerance) == columns.shape[1]:
         return
     problem = f"{_joints(press.drivers)} {'does' if len(press.drivers) == 1 else 'do'} not determine the drawn pose"
     free = _joints(mobility.undetermined_joints(press, rows))
@@ -292,7 +275,7 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
         far = np.abs(press.closed - press.assembly.start).max() > 0.05
         yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else 0.01)), together=True)
         yield from _outside_limits(press)
-        yield from (finding for finding in _undriven(press) if finding.severity == "warning")
+        yield from (finding for finding in (*_undriven(press), *_misfit(press)) if finding.severity == "warning")
         yield from units_remarks(press, centres)
         if "plane" in press.engines:  # other assemblies have not been followed yet, which takes long
             yield from (finding for finding in _driver(press)[1] if finding.severity == "warning")
@@ -300,6 +283,7 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
     elements = {error.element for error in refused}
     yield from (finding for finding in _drawn_open(press, _open_beyond(press, OPEN)) if finding.element not in elements)
     yield from _outside_limits(press)
+    yield from _misfit(press)
     yield from units_remarks(press)
     yield from _slide_axis(press)
     yield from _stroke(press)
@@ -456,6 +440,18 @@ def _drawn_open(press: Linkage, those: list[mobility.Constraint], together: bool
         if (np.abs(press.closed - press.assembly.start) > FAR * press.lengths).any():
             remedy += ", so far that another assembly may be meant: say which by load(..., pose={joint: rad or m})"
         yield Finding("warning", mobility.element(press, each), each.by.line, problem, remedy)
+
+
+def _misfit(press: Linkage) -> Iterator[Finding]:
+    """The warning of redundant equations that contradict each other a little; a note where that is nearly rounding error."""
+    misfit, size = press.assembly.misfit, press.size
+    if not misfit:
+        return
+    named = ", ".join(each.title for each in mobility.contradicting(press))
+    problem = f"redundant equations contradict each other by up to {_short(1e3 * misfit)} mm, of {named}"
+    exact = remedy_of_rounded_axes(press) or "write equal and symmetrical lengths and angles with all digits"
+    remedy = f"results have errors of about {misfit / size:.1g} of their size; {exact}"
+    yield Finding("warning" if misfit > SEEN * size else "note", _robot(press), None, problem, remedy)
 
 
 def _outside_limits(press: Linkage) -> Iterator[Finding]:

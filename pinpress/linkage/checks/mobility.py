@@ -79,7 +79,7 @@ def opening(press: Linkage, each: Constraint, gaps: Array) -> tuple[float, float
 
 def undetermined_joints(press: Linkage, rows: Rows) -> list[str]:
     """Names of the joints that can still move while the drivers stand still."""
-    passive = PassiveJacobian(rows.columns, press.structure.passive_joints)
+    passive = PassiveJacobian(rows.columns, press.structure.passive_joints, press.structure.rank_tolerance)
     shares = np.linalg.norm(passive.right[passive.rank :], axis=0)
     return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
 
@@ -95,6 +95,16 @@ def locking(press: Linkage, rows: Rows) -> list[Constraint]:
     return [each for each, columns in _without_one(press, rows) if _freedom(press, columns)[1] > 0]
 
 
+def contradicting(press: Linkage) -> list[Constraint]:
+    """The loops and gear pairs that a linkage with a misfit leaves open in its closed pose; where it happens to close there, those whose
+    equations are redundant."""
+    rows, tolerance = press.assembly.rows, press.structure.rank_tolerance
+    left = np.abs(rows.gaps)
+    if left.max() < 0.1 * press.assembly.misfit:
+        left = np.linalg.norm(PassiveJacobian(rows.columns, press.structure.passive_joints, tolerance).idle, axis=1)
+    return [each for each in constraints(press) if left[[*each.points, *each.turns]].max() > 0.1 * left.max()]
+
+
 def _without_one(press: Linkage, rows: Rows) -> list[tuple[Constraint, Array]]:
     """Every loop and gear pair, with the Jacobian of the equations of all others."""
     return [(each, np.delete(rows.columns, each.points + each.turns, axis=0)) for each in constraints(press)]
@@ -102,9 +112,9 @@ def _without_one(press: Linkage, rows: Rows) -> list[tuple[Constraint, Array]]:
 
 def _freedom(press: Linkage, columns: Array) -> tuple[int, int]:
     """Degrees of freedom, and how many of them the drivers determine."""
-    passive = columns[:, press.structure.passive_joints]
-    mobility = int(columns.shape[1]) - rank(columns)
-    return mobility, mobility - (int(passive.shape[1]) - rank(passive))
+    passive, tolerance = columns[:, press.structure.passive_joints], press.structure.rank_tolerance
+    mobility = int(columns.shape[1]) - rank(columns, tolerance)
+    return mobility, mobility - (int(passive.shape[1]) - rank(passive, tolerance))
 
 
 def redundancy(press: Linkage, x: Array) -> Redundancy:
@@ -124,7 +134,7 @@ def redundancy(press: Linkage, x: Array) -> Redundancy:
         parts.append(part)
         owners += [each] * len(part)
     equations = np.vstack(parts) if parts else single
-    idle = PassiveJacobian(equations @ rows.columns, press.structure.passive_joints).idle
+    idle = PassiveJacobian(equations @ rows.columns, press.structure.passive_joints, press.structure.rank_tolerance).idle
     taking = [each for each, share in zip(owners, np.linalg.norm(idle, axis=1), strict=True) if share > TAKES_PART]
     return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in constraints(press) if each in taking))
 
@@ -133,7 +143,7 @@ def freedom_nearby(press: Linkage) -> int:
     """Degrees of freedom in a random pose near the drawn one, where no equation is redundant by chance."""
     away = np.random.default_rng(0).uniform(-1e-3, 1e-3, press.model.nv)  # a thousand times the rounding of files
     nearby = press.closed + away * press.lengths
-    return int(press.model.nv) - rank(press.equations(nearby).columns)
+    return int(press.model.nv) - rank(press.equations(nearby).columns, press.structure.rank_tolerance)
 
 
 def is_shaky(press: Linkage) -> bool:
@@ -155,7 +165,7 @@ def is_shaky(press: Linkage) -> bool:
 def rates_of_drivers(press: Linkage) -> Array:
     """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
     rows, drivers = press.assembly.rows, list(press.driver_indices)
-    passive = PassiveJacobian(rows.columns, press.structure.passive_joints)
+    passive = PassiveJacobian(rows.columns, press.structure.passive_joints, press.structure.rank_tolerance)
     rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
     rates[drivers] = np.eye(len(drivers))
     return rates

@@ -17,7 +17,7 @@ from ...common.errors import PinpressError
 from ...common.products import product
 from ...common.quantities import Array
 from ...derivatives.motion import Displacements
-from ...engines.engine import ACCEPTED, MOST_NEWTON_STEPS
+from ...engines.engine import MOST_NEWTON_STEPS
 from ...engines.planar.engine import PlanarEngine
 from ...linkage.linkage import Linkage
 from .planar_shapes import PlanarShapes
@@ -109,7 +109,7 @@ def _piece(shapes: Shapes, deviations: Array, ending: Ending, slopes: Array) -> 
         for _ in range(MOST_NEWTON_STEPS + 1):
             solution = shapes.evaluated(x, added)
             turn = _step_to_end(shapes, x, deviations, solution, ending)
-            close = solution.gap <= ACCEPTED * shapes.tolerance
+            close = solution.gap <= shapes.tolerance
             at_rest = np.abs(turn) <= largest_step
             if (close & at_rest).all() or not np.isfinite(solution.gap).any():
                 break

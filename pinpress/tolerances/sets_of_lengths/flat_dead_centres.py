@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...common.numerics import bracketed_roots
 from ...common.products import product
 from ...common.quantities import Array
-from ...engines.engine import ACCEPTED, MOST_NEWTON_STEPS
+from ...engines.engine import MOST_NEWTON_STEPS
 from .endings import PIECE, Ending, follow_to_end, refuse_lost, same_assembly
 from .shapes import Shapes
 
@@ -83,7 +83,7 @@ class _States(NamedTuple):
         with np.errstate(all="ignore"):  # a set that fails shows in its gap
             for _ in range(MOST_NEWTON_STEPS + 1):
                 solution = shapes.evaluated(x, added)
-                closed, x = solution.gap <= ACCEPTED * shapes.tolerance, x + solution.step
+                closed, x = solution.gap <= shapes.tolerance, x + solution.step
                 if closed.all() or not np.isfinite(solution.gap).any():
                     break
         return _States(x, solution.first, solution.second, deviations, closed)
