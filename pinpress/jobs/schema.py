@@ -41,7 +41,7 @@ from ..drives.transmission import Geared
 from ..pin_table.building import KEYS, NEEDED, SENSES
 from ..pin_table.links import KEYS as OF_LINKS
 from ..pin_table.placement import UNITS
-from .grammar import SECTIONS, OfDriver, OfDrivers
+from .grammar import SECTIONS, OfDriver, OfDrivers, Place
 from .kinds import Bound, Instant
 
 FILE = "pinpress.schema.json"
@@ -241,6 +241,11 @@ def _of(value: Value) -> Schema:
 @_of.register
 def _(value: Number) -> Schema:
     return _number(value.unit, f"a number with a unit, such as 1.5 {usual_units(value.unit)[0]}")
+
+
+@_of.register
+def _(value: Place) -> Schema:
+    return {"anyOf": [_of(Number("rad")), _of(Number("m"))]}
 
 
 def _number(unit: str, said: str) -> Schema:
