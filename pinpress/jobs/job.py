@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from ..common.errors import PinpressError, suggestion
+from ..common.errors import PinpressError, SimulationError, suggestion
 from ..common.frozen import Frozen
+from ..common.outlets.described import Section
 from ..common.reading.entries import Entry
 from ..common.reading.filling import Around, naming
 from ..common.results import Tabular
+from ..common.tables import Columns
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics.inverse_dynamics import inverse_dynamics
@@ -581,13 +583,34 @@ class Job(Frozen):
 # ---------------------------------------------------------------------------------------------------------- all that a job allows
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class NoAnswer(Tabular):
+    """What a job asks for and cannot have, in place of the result: its name, and the reason."""
+
+    name: str
+    reason: str
+
+    @property
+    def title(self) -> str:
+        return f"{self.name}: none"
+
+    def columns(self) -> Columns:
+        return {}
+
+    def described(self, page: object = None) -> tuple[Section, ...]:
+        return (Section(self.name, note=f"None: {self.reason}"),)
+
+
 def results_of(job: Job) -> Iterator[Tabular]:
     """The results of a job in the order of the page."""
     has, moving = job.sections, "motion" in job.sections
     if "capacities" in has:
         yield job.rate()
     if "motor" in has and not moving and len(job.press.drivers) == 1:
-        yield job.steady_state()
+        try:
+            yield job.steady_state()
+        except SimulationError as error:  # a motor that is too weak; the rest of the page holds without it
+            yield NoAnswer("Steady state under the motor", str(error))
     if "elastic" in has:
         yield from _on_springs(job)
     if "run" in has and not has["run"].get("steady"):

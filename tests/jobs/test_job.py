@@ -279,6 +279,17 @@ def test_parts_without_a_stiffness_are_rigid_in_a_deflection() -> None:
         pp.job("zxn2_3000b", **sections, run={"duration": 0.1})
 
 
+def test_a_motor_that_is_too_weak_leaves_the_rest_of_the_page(tmp_path: Path) -> None:
+    motor = {"kind": "induction", "rated_power": "5 kW", "rated_speed": "1485 r/min", "ratio": 20.7}
+    loads = {"draw": {"kind": "drawing", "force": "1500 kN", "start": "40 mm"}}
+    job = pp.job("zxn2_3000b", speed="70 r/min", points=36, loads=loads, motor=motor, flywheel="1000 kg m2")
+    with pytest.raises(pp.SimulationError) as failure:
+        job.steady_state()
+    (none,) = results_of(job)
+    assert str(none) == f"Steady state under the motor: none\n\nSteady state under the motor\n  None: {failure.value}"
+    assert job.write_report(tmp_path / "press.html").exists()
+
+
 def test_tolerances_of_a_call_are_in_si_units() -> None:
     written = {"length E F": "0.05 mm", "angle C D E": {"tolerance": "0.0001 rad", "sd": "0.00003 rad", "cost": 2}}
     numbers = {"length E F": 5e-5, "angle C D E": {"tolerance": 1e-4, "sd": 3e-5, "cost": 2.0}}
