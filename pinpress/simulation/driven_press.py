@@ -9,16 +9,17 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeGuard
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..common import plausibility
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import read_only
-from ..common.quantities import GRAVITY, Array
+from ..common.quantities import GRAVITY, Array, Values
 from ..drives.electric import ElectricMotor
-from ..drives.protocol import Drive, corners_of
+from ..drives.protocol import Drive, SpeedTorqueDrive, corners_of
 from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, innermost
 from ..dynamics import applied_loads
 from ..dynamics.inverse_dynamics import NONE_GIVEN
@@ -45,6 +46,10 @@ from .reduced_model import (
 if TYPE_CHECKING:
     from ..engines.pinocchio.forward_dynamics import ForwardDynamics
 
+
+MotorFunction = Callable[[float, Array, Array], ArrayLike]
+"""Efforts (motors,) of all motors of a linkage [N m or N] by time [s], positions (motors,) [rad or m] and speeds (motors,) [rad/s or
+m/s]."""
 
 End = tuple[int, Array]
 """Pinocchio joint (0: the frame) and a point in its frame [m]."""
@@ -179,6 +184,52 @@ class GeneralizedForce:
 
 
 @dataclass(frozen=True, eq=False)
+class DriveByFunction(SpeedTorqueDrive):
+    """A caller's `MotorFunction` as the drive of a single driver."""
+
+    function: MotorFunction
+    inertia, rated_torque, timed = 0.0, None, True
+
+    def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
+        states = np.broadcast(time, angle, speed)
+        efforts = [np.reshape(self.function(at, np.array([place]), np.array([rate])), ()) for at, place, rate in states]
+        return np.array(efforts, dtype=float).reshape(states.shape) if states.shape else float(efforts[0])
+
+
+def is_motor_function(drive: object) -> TypeGuard[MotorFunction]:
+    """Whether a drive is given as a function of the state of all motors."""
+    return callable(drive) and not isinstance(drive, type | Drive)
+
+
+@dataclass(frozen=True, eq=False)
+class MotorLaw:
+    """A caller's function of the state of all motors of a linkage with several drivers, such as a controller.
+
+    Attributes:
+        law: of time [s], positions (motors,) and speeds (motors,): the motors' efforts (motors,) [N m or N].
+        rows: the coordinates of the motors, by their indices.
+    """
+
+    law: caller_laws.Law
+    rows: tuple[int, ...]
+
+    def among(self, time: float, coordinates: Sequence[tuple[float, float]]) -> Array:
+        """The efforts at a time [s], by the values and rates of all coordinates of a `DrivenPress`; raises as `efforts`."""
+        return self.efforts(time, *np.array([coordinates[row] for row in self.rows]).T)
+
+    def efforts(self, time: float, positions: Array, speeds: Array) -> Array:
+        """The efforts at a time [s], by positions and speeds (motors,).
+
+        Raises:
+            LawError: the function fails, or does not return a finite number for each motor.
+        """
+        efforts = np.asarray(self.law(time, positions, speeds), dtype=float)
+        if efforts.shape != positions.shape:
+            raise caller_laws.LawError(f"drive gives efforts of shape {efforts.shape}; give {positions.shape}, one for each motor")
+        return efforts
+
+
+@dataclass(frozen=True, eq=False)
 class DrivenPress:
     """What is simulated: a press, its drives, and the forces on it.
 
@@ -192,6 +243,7 @@ class DrivenPress:
         prescribed: the speed at which the one driver is held, whatever torque that takes; None: it is not held.
         flywheel: on the drive's side of the clutch.
         flywheels: of a linkage with several drivers, by their names.
+        law: the efforts of all motors in place of drives, where there are several drivers; None: there is none.
         clutch: between drive and flywheel, and the crank; None: they turn together.
         brake: on the crank.
         friction: of the bearings; None for none.
@@ -209,12 +261,19 @@ class DrivenPress:
     brake: Brake | None = None
     friction: FrictionLaw | None = None
     flywheels: Mapping[str, Flywheel] = field(default_factory=dict)
+    law: "MotorLaw | None" = None
 
     @property
     def timed(self) -> bool:
         """Whether anything depends on more than crank angle and speed, or jumps at a speed. Periods cannot be solved at once then."""
         timed = any(force.time is not None or (force.drive is not None and force.drive.timed) for force in self.forces)
-        return timed or self.clutch is not None or self.brake is not None or (self.drive is not None and (self.drive.timed or self._jumps))
+        return (
+            timed
+            or self.law is not None
+            or self.clutch is not None
+            or self.brake is not None
+            or (self.drive is not None and (self.drive.timed or self._jumps))
+        )
 
     @property
     def _jumps(self) -> bool:
@@ -420,6 +479,11 @@ def _with_several_drivers(
     """See `driven_press`; coordinates and forces are those of the loads."""
     if clutch is not None or brake is not None:
         press.refuse_several_drivers("clutch and brake are for one; leave them out")
+    law = None
+    if is_motor_function(drive):
+        rows = tuple(range(len(coordinates), len(coordinates) + len(press.motors)))
+        coordinates += map(JointPosition, press.driver_indices[: len(rows)])
+        law, drive = MotorLaw(_motor_law(drive), rows), None
     drives: Mapping[str, Drive] = _by_driver(press, "drive", drive, Drive)
     flywheels: Mapping[str, Flywheel] = _by_driver(press, "flywheel", flywheel, Flywheel)
     inertias = np.zeros(len(press.drivers))
@@ -432,7 +496,11 @@ def _with_several_drivers(
             inertias[k] += drives[name].inertia
             forces.append(GeneralizedForce(len(coordinates), 0.0, drive=drives[name]))
             coordinates.append(JointPosition(joint))
-    return DrivenPress(press, float(inertias[0]), inertias, tuple(coordinates), tuple(forces), flywheels=dict(flywheels))
+    return DrivenPress(press, float(inertias[0]), inertias, tuple(coordinates), tuple(forces), flywheels=dict(flywheels), law=law)
+
+
+def _motor_law(function: Any) -> caller_laws.Law:
+    return caller_laws.Law("drive", (("time", "s"), ("position", ""), ("speed", "")), function, np.geterr())
 
 
 def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[str, Any]:
@@ -440,7 +508,8 @@ def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[
     by_joint = {} if given is None else given
     if not isinstance(by_joint, Mapping):
         one_each = ", ".join(f"{joint!r}: ..." for joint in press.motors)
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: give a {kind.__name__} for each, {name}={{{one_each}}}")
+        every = ", or a function of time, positions and speeds of the motors that returns their efforts" if name == "drive" else ""
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: give a {kind.__name__} for each, {name}={{{one_each}}}{every}")
     for joint, value in by_joint.items():
         if joint not in press.motors:
             raise UnknownNameError("driver", joint, press.motors)

@@ -161,6 +161,10 @@ def _with_torques(driven: DrivenPress, motion: Motion, sample: Sample) -> Sample
     torques = np.zeros_like(speeds)
     for k, drive in _several_drives(driven):
         torques[k] = drive.torque(speeds[k], motion.crank_angle[:, k], motion.time)
+    if (law := driven.law) is not None:
+        motors = len(law.rows)
+        states = zip(motion.time.tolist(), motion.crank_angle[:, :motors], motion.crank_speed[:, :motors], strict=True)
+        torques[:motors] = np.transpose([law.efforts(*state) for state in states])
     return sample._replace(drive_torque=torques.T.copy(), drive_speed=speeds.T.copy())
 
 
@@ -331,7 +335,9 @@ def inputs_of(reactions: Reactions) -> inputs.Inputs:
         units = (coordinate.in_place_of("kg m2") for coordinate in coordinates)
         inertias = (f"{inertia:.9g} {unit} at {name}" for inertia, unit, name in zip(driven.inertias, units, run.drivers, strict=True))
         described.append(("flywheels and drives", f"inertia {', '.join(inertias)}"))
-    if not several and parts["drive"] is None:
+    if driven.law is not None:
+        described.insert(0, ("drive", f"function {getattr(driven.law.law.call, '__name__', 'of the caller')} of the state of all motors"))
+    elif not several and parts["drive"] is None:
         described.insert(0, ("drive", "none"))
     by = stats.solvers if run.constraint_solution is None else (*stats.solvers, run.constraint_solution.algorithm)
     how = f", method {stats.method!r} by {', '.join(by)}, " + (

@@ -39,7 +39,7 @@ from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
-from .driven_press import DrivenPress, driven_press, motor_against
+from .driven_press import DriveByFunction, DrivenPress, MotorFunction, driven_press, is_motor_function, motor_against
 from .elastic.description import Elastic
 from .failures import name_driver_in_errors
 from .law_trials import tried
@@ -62,7 +62,7 @@ def simulate(
     *,
     speed: ArrayLike = ...,
     angle: ArrayLike | None = ...,
-    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = ...,
+    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | MotorFunction | None = ...,
     flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
     clutch: Clutch | None = ...,
     brake: Brake | None = ...,
@@ -84,7 +84,7 @@ def simulate(
     *,
     speed: ArrayLike = ...,
     angle: ArrayLike | None = ...,
-    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = ...,
+    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | MotorFunction | None = ...,
     flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
     clutch: Clutch | None = ...,
     brake: Brake | None = ...,
@@ -106,7 +106,7 @@ def simulate(
     *,
     speed: ArrayLike = 0.0,
     angle: ArrayLike | None = None,
-    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = None,
+    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | MotorFunction | None = None,
     flywheel: Flywheel | Mapping[str, Flywheel] | None = None,
     clutch: Clutch | None = None,
     brake: Brake | None = None,
@@ -133,7 +133,9 @@ def simulate(
         angle: of the crank at the start [rad], of a driver that slides its position [m]; by default where the linkage was put together,
             0 in the drawn pose.
         drive: what turns the crank, see `pinpress.drives`; None: nothing. On a driver that slides a `ConstantTorque` is a force [N], and a
-            motor acts through a screw, ``Geared(motor, ratio=2 * pi / lead)`` with the lead in m a turn.
+            motor acts through a screw, ``Geared(motor, ratio=2 * pi / lead)`` with the lead in m a turn. Or a function
+            of time [s], positions (motors,) [rad or m] and speeds (motors,) [rad/s or m/s] that returns the efforts of all motors,
+            (motors,) [N m or N], such as a controller; the same arguments always give the same efforts.
         flywheel: its inertia stands at the driver joint, on the drive's side of a clutch.
         clutch: between flywheel and crank; None: they turn together.
         brake: on the crank.
@@ -175,6 +177,8 @@ def simulate(
         refuse_scenarios("simulate", speed, (drive, flywheel, *loads))
     home = press.closed[list(press.driver_indices)]
     angles, speeds = _start(press, "angle", home if angle is None else angle, home), _start(press, "speed", speed, 0.0 * home, "/s")
+    if is_motor_function(drive) and len(press.drivers) == 1:
+        drive = DriveByFunction(drive)
     drive, loads = tried(drive, loads, float(np.abs(speeds).max()))
     refuse_far("angle", angles, press.driver_coordinates)
     refuse_many_turns(speeds, until, float(angles[0]))
@@ -182,6 +186,8 @@ def simulate(
         driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction)
         if by_caller == "auto" and not is_reducible(driven):
             method = "constraint"
+        if (law := driven.law) is not None:  # what is wrong with it is said of the start
+            law.efforts(0.0, angles[: len(law.rows)], speeds[: len(law.rows)])
         problem = _problem(driven, method, angles, speeds, until, error, fixed)
         doubt_speeds(press, problem.speed)
         _doubt_programs(press, drive, problem.speed)
@@ -201,7 +207,7 @@ def simulate(
     return run
 
 
-def _doubt_programs(press: Linkage, drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None, speeds: Array) -> None:
+def _doubt_programs(press: Linkage, drive: Drive | PrescribedSpeed | Mapping[str, Drive] | MotorFunction | None, speeds: Array) -> None:
     """Warn of servo motors whose program stands still where the run begins, though their driver moves there."""
     drives = drive if isinstance(drive, Mapping) else {press.driver: drive}
     for driver, coordinate, speed in zip(press.drivers, press.driver_coordinates, speeds, strict=True):

@@ -283,6 +283,11 @@ class HybridSystem:
             else:
                 put_in += size * rate
                 squared += float(force.drive.motor_torque(rate, value, time)) ** 2
+        if (law := self.driven.law) is not None:
+            for row, effort in zip(law.rows, law.among(time, linkage.coordinates).tolist(), strict=True):
+                forces[row] += effort
+                put_in += effort * linkage.coordinates[row][1]
+                squared += effort**2
         return forces, load_power, put_in, squared
 
     def drive_torque(self, mode: Mode, time: float, snapshot: Snapshot) -> Any:
