@@ -222,10 +222,13 @@ def test_missing_meshes_are_left_out_where_bodies_have_inertias(tmp_path, inerti
             parse(str(file))
 
 
-def test_hinges_of_a_ball_get_names_of_their_own(tmp_path):
+def test_links_and_hinges_of_balls_get_names_of_their_own(tmp_path):
     bodies = f'<body name="C_x">{MASS}<joint name="C" type="ball"/><body name="b"><joint name="C_y" axis="0 1 0"/>{MASS}</body></body>'
     _, document = read(tmp_path, f"<worldbody>{bodies}</worldbody>")
     assert [joint.name for joint in document.description.joints] == ["C_x_2", "C_y_2", "C_z", "C_y"]
+    chain = CHAIN.replace('name="b0"', 'name="q"')
+    _, document = read(tmp_path, f"<worldbody>{chain}</worldbody>")
+    assert [(joint.name, joint.child) for joint in document.description.joints][:2] == [("p", "q_2"), ("q", "b1")]
 
 
 @pytest.mark.parametrize("joint", ['stiffness="1 2"', 'damping="1 0 3"'])

@@ -148,7 +148,7 @@ def test_random_linkages(spec):
 
 
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
-@pytest.mark.parametrize("case", [pytest.param(case, id=case.id) for case in CASES if not case.file.startswith("23")])
+@pytest.mark.parametrize("case", [pytest.param(case, id=case.id) for case in CASES])
 def test_small_robots(case, tmp_path):
     press = pp.load(case.path, **case.load)
     raised = [f"{joint} inertia" for joint in press.joints] if "flat_inertia" in case.file else []

@@ -123,9 +123,9 @@ class _Reader:
         self.bodies = self._by_id(spec.bodies)
         self.hinges = self._by_id(spec.joints)
         self.equalities = self._by_id(spec.equalities)
-        self.body_names = self._names(self.bodies, "body", {WORLD})
-        self.body_names[0] = WORLD
-        self.joint_names = self._names(self.hinges, "joint", set())
+        self.names: set[str] = {WORLD}  # of links and joints, which URDF does not distinguish
+        self.joint_names = self._names(self.hinges, "joint")
+        self.body_names = self._names(self.bodies, "body") | {0: WORLD}
         self.free = {int(model.jnt_bodyid[k]): k for k in range(model.njnt) if model.jnt_type[k] == int(package.mjtJoint.mjJNT_FREE)}
         self.start = model.key_qpos[self._keyframe()] if model.nkey else model.qpos0
         self.drivers = dict(self._drivers())
@@ -133,14 +133,16 @@ class _Reader:
     def _by_id(self, elements: Any) -> dict[int, Any]:
         return {int(element.id): element for element in elements}
 
-    def _names(self, elements: Mapping[int, Any], tag: str, taken: set[str]) -> dict[int, str]:
-        """Names of all elements; those without a name get one."""
-        taken |= {element.name for element in elements.values()}
-        names = {}
-        for k, element in sorted(elements.items()):
-            names[k] = element.name or make_unique(f"{tag}_{k}", taken)
-            taken.add(names[k])
-        return names
+    def _names(self, elements: Mapping[int, Any], tag: str) -> dict[int, str]:
+        """Names of all elements; those without a name, or with that of a joint, get one."""
+        named_first = sorted(elements.items(), key=lambda item: (not item[1].name, item[0]))
+        return {k: self._unique(element.name or f"{tag}_{k}") for k, element in named_first}
+
+    def _unique(self, name: str) -> str:
+        """A name that no link and no joint has."""
+        name = make_unique(name, self.names)
+        self.names.add(name)
+        return name
 
     def _origin(self, element: Any, tag: str, name: str) -> Origin:
         """Origin of an element, as far as MuJoCo knows it: with several files it does not know which one."""
@@ -322,8 +324,8 @@ class _Reader:
             elif body in welds:
                 end, other = (place for _, place in self._places(welds[body]))
                 place = end * other.inverse() if self._end_bodies(welds[body])[1] == body else other * end.inverse()
-            name = make_unique(f"{child}_{'free' if kind == 'floating' else 'fixed'}", {*self.joint_names.values()})
-            name = self.hinges[self.free[body]].name or name if body in self.free else name
+            given = self.hinges[self.free[body]].name if body in self.free else ""
+            name = given or self._unique(f"{child}_{'free' if kind == 'floating' else 'fixed'}")
             return [Joint(name, kind, parent, child, place, np.array([1.0, 0.0, 0.0]), self._body_origin(body))], []
         made: list[Joint] = []
         links: list[Link] = []
@@ -333,7 +335,7 @@ class _Reader:
             last = step == len(steps) - 1
             origin = self._origin(self.hinges[k], "joint", self.joint_names[k])
             anchor = np.array(model.jnt_pos[k]) if self._turns(k) else reached
-            link = child if last else make_unique(f"{child}_{step + 1}", {*self.body_names.values()})
+            link = child if last else self._unique(f"{child}_{step + 1}")
             anchor = self._shift(body) if last else anchor
             made.append(self._joint(k, name, axis, parent, link, place * pin.SE3(np.eye(3), anchor - reached), origin))
             if not last:
@@ -346,8 +348,7 @@ class _Reader:
         name = self.joint_names[joint]
         if self.model.jnt_type[joint] != int(self.mujoco.mjtJoint.mjJNT_BALL):
             return [(np.array(self.model.jnt_axis[joint]), name)]
-        taken = {*self.joint_names.values(), *self.body_names.values(), *(each for names in self.balls.values() for each in names)}
-        names = [make_unique(f"{name}_{axis}", taken) for axis in "xyz"]
+        names = [self._unique(f"{name}_{axis}") for axis in "xyz"]
         self.balls[joint] = tuple(names)
         problem = f"a ball joint is made of revolute joints: {', '.join(names)}"
         self.remarks.append(remark("note", self._origin(self.hinges[joint], "joint", name), problem, ""))
