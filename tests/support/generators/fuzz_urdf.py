@@ -29,6 +29,7 @@ import pinocchio as pin
 import pinpress as pp
 
 SHIPPED = Path(__file__).resolve().parents[3] / "urdf"
+ROBOTS = Path(__file__).resolve().parents[2] / "reference" / "robots"  # in the dialects of other programs
 SECONDS = 60.0  # that a case may take
 ANGLES = np.array([0.0, 0.37, 1.9, -0.8])
 NUMBER = re.compile(r"(?<=[\"\s])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?=[\"\s])")
@@ -94,7 +95,8 @@ def bases() -> dict[str, str]:
     bare = {
         f"{name}_bare": re.sub(r"<!--.*?-->|<visual.*?</visual>|\n\s*(?=\n)", "", text, flags=re.DOTALL) for name, text in shipped.items()
     }
-    return shipped | bare | small
+    robots = {path.stem: path.read_text(encoding="utf-8") for path in sorted(ROBOTS.glob("*.urdf"))}
+    return shipped | bare | small | robots
 
 
 def case(seed: int, number: int) -> tuple[str, str, bytes]:
