@@ -68,7 +68,7 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
     masses = [float(inertia.mass) for inertia in press.model.inertias]
     slide = None if press.slide is None else masses[press.slide_guide.joint + 1]
     rotation = tuple(sense_of_rotation(press, driver=driver) for driver in range(len(press.motors)))
-    data = MainData(press.size, sum(masses[1:]), slide, rotation, coordinate=press.driver_coordinates[0])
+    data = MainData(press.size, sum(masses[1:]), slide, rotation, coordinate=next(iter(press.driver_coordinates), CRANK))
     if press.slide is None or not moves:
         return data
     data = replace(data, tool=tool_in_words(press))

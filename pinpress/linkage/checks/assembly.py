@@ -143,7 +143,7 @@ def _change_point(press: Linkage, rows: Rows, in_file: bool) -> Finding:
         moving = _joints(mobility.undetermined_joints(press, rows))
         problem = f"its loops hold {moving} only at second order, in this pose and beside it: it is shaky, and no forces follow"
         remedy = "another pose does not help: change lengths or guides that are equal or parallel, or leave out a link"
-    smallest = float(singular_values(rows.columns)[press.model.nv - len(press.drivers) - 1])
+    smallest = mobility.singular_value(rows.columns, press.model.nv - len(press.drivers) - 1)
     error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
     return Finding("error", _robot(press), None, problem, remedy, error)
 

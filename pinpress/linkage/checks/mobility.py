@@ -158,8 +158,14 @@ def is_shaky(press: Linkage) -> bool:
         for _ in range(40):  # at a double root steps of Newton's method halve the distance, here from 1e-2 to rounding
             rows = press.equations(x)
             x = x - np.linalg.lstsq(rows.columns, rows.gaps, rcond=1e-9)[0]
-        largest = max(largest, float(singular_values(press.equations(x).columns)[last]))
+        largest = max(largest, singular_value(press.equations(x).columns, last))
     return largest < 1e-3 * away  # a double root is found to the square root of rounding, 1e-8
+
+
+def singular_value(columns: Array, index: int) -> float:
+    """A singular value of a Jacobian, counted from the largest, 0; 0 if there are fewer equations."""
+    values = singular_values(columns)
+    return float(values[index]) if index < len(values) else 0.0
 
 
 def rates_of_drivers(press: Linkage) -> Array:
