@@ -37,12 +37,12 @@ NEARLY = 1e-3  # correction that is accepted in any case [rad, or lengths of the
 
 @typed
 def reshaped(press: Linkage, pivots: Pivots) -> Linkage:
-    """The linkage with some of its pivots elsewhere in their links, in the assembly it was drawn in.
+    """The linkage with some of its pivots elsewhere in their links, in the assembly of its home pose.
 
-    The assembly is followed from the old lengths to the new ones with the crank at angle 0, and drawn anew there: all joint coordinates are
-    zero in the closed pose with the new lengths. Crank angle and slide position keep their meaning; the limits of the other joints are
-    counted from the new pose, and so stay where they are. Inertias do not change in the frames of their links: change them with
-    ``dataclasses.replace(press, model=...)`` or counterweights. `write_urdf` writes the linkage.
+    The assembly is followed from the old lengths to the new ones with the drivers at home, and drawn anew there: the coordinates of all
+    joints but the drivers are zero in the closed pose with the new lengths. Those of the drivers, and the slide's position, keep their
+    meaning; the limits of the other joints are counted from the new pose, and so stay where they are. Inertias do not change in the frames
+    of their links: change them with ``dataclasses.replace(press, model=...)`` or counterweights. `write_urdf` writes the linkage.
 
     Args:
         press: the linkage, planar or not.
@@ -54,7 +54,7 @@ def reshaped(press: Linkage, pivots: Pivots) -> Linkage:
         UnknownNameError: a bearing or link that the linkage does not have.
         PinpressError: a link that the bearing is not on, or in which it cannot be moved; a position that is not three finite numbers, or
             that is out of the plane of a planar linkage.
-        AssemblyError: the linkage cannot be closed with the new lengths at crank angle 0.
+        AssemblyError: the linkage cannot be closed with the new lengths with its drivers at home.
         SingularityError: it can be closed, but two assemblies meet on the way there.
     """
     moved = displaced(press, pivots)
@@ -67,10 +67,11 @@ def redrawn(press: Linkage, moved: Displacements, position: Array) -> Linkage:
     Args:
         press: the linkage.
         moved: displacements of its pivots.
-        position: (nv,) joint coordinates of that pose, those of the drivers zero.
+        position: (nv,) joint coordinates of that pose, with the drivers at home.
     """
     placed = _placed(press, moved)
-    model = placed.model
+    model, home = placed.model, np.zeros(len(position))
+    home[list(press.driver_indices)] = position[list(press.driver_indices)]
     for j, (axis, coordinate) in enumerate(zip(press.axes, position, strict=True), 1):
         if j - 1 in press.driver_indices:
             continue
@@ -81,7 +82,14 @@ def redrawn(press: Linkage, moved: Displacements, position: Array) -> Linkage:
         if joint.nq == 1:
             for limits in (model.lowerPositionLimit, model.upperPositionLimit):
                 limits[joint.idx_q] -= coordinate
-    return replace(press, model=model, loops=placed.loops, relations=tuple(replace(relation, offset=0.0) for relation in press.relations))
+    relations = tuple(
+        replace(relation, offset=float(sum(by * home[joint] for joint, by in relation.coefficients.items())))
+        for relation in press.relations
+    )
+    gone = dict(zip(press.joints, (position - home).tolist(), strict=True))
+    springs = tuple(replace(spring, reference=spring.reference - gone[spring.joint]) for spring in press.joint_springs)
+    at_home = tuple(home.tolist()) if home.any() else ()
+    return replace(press, model=model, loops=placed.loops, relations=relations, joint_springs=springs, home=at_home, mounted="")
 
 
 def _placed(press: Linkage, moved: Displacements, share: float = 1.0) -> Linkage:
@@ -109,7 +117,7 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
     Raises:
         SingularityError: the linkage locks on the way, or cannot be assembled.
     """
-    drivers, target = np.zeros((len(press.drivers), 1)), OneConfiguration(_placed(press, moved).structure_as_built)
+    drivers, target = press.closed[list(press.driver_indices), None], OneConfiguration(_placed(press, moved).structure_as_built)
 
     def close_at(share: float, guess: Array) -> Closure:
         here = _placed(press, moved, share).structure_as_built

@@ -78,7 +78,8 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
         ends = dead_centres(press)
     except PinpressError as error:
         return _as_far_as_it_turns(press, replace(data, no_stroke=str(error)))
-    drawn = float(motion_through_change_points(press, np.zeros(1), 0.0).slide_position[0]) - ends.bottom_position
+    home = press.closed[list(press.driver_indices)]
+    drawn = float(motion_through_change_points(press, home, 0.0).slide_position[0]) - ends.bottom_position
     forward, points = forward_share(press) if data.coordinate.turns else None, turning_points(press)
     bottoms = tuple((float(points.places[low]), float(points.positions[low]) - ends.bottom_position) for _, low in points.strokes)
     return replace(data, stroke=ends.stroke, forward_share=forward, drawn_height=drawn, dead_centres=ends, bottoms=bottoms)

@@ -129,7 +129,7 @@ class Linkage(Frozen):
         try:
             shown = self.drawn_at(float(self.closed[self.driver_indices[0]]) + np.pi / 3)  # the pose of the file is often a dead centre
         except PinpressError:
-            shown = self
+            shown = self.drawn_at_home()
         links = [self.link_of(joint) for joint in range(self.model.njoints)]
         picture = skeleton(shown.model, self.loops, self.axes, links, f"drawing of {self.name}")
         return f"<div><div>{escape(repr(self)[1:-1])}</div>{picture}</div>"

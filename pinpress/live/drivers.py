@@ -65,21 +65,22 @@ def with_moving(press: Linkage, driver: str, positions: Sequence[float]) -> Link
     Args:
         press: the press.
         driver: name of the driver that moves.
-        positions: (drivers,) where they stand, counted from the drawn pose; that of the moving driver is ignored [rad or m].
+        positions: (drivers,) where they stand, from the zeros of the file; that of the moving driver is ignored [rad or m].
 
     Raises:
-        SingularityError: the press locks on the straight way from the drawn pose.
+        SingularityError: the press locks on the straight way from the home pose.
     """
     if len(press.drivers) == 1:
         return press
-    away = [0.0 if name == driver else value for name, value in zip(press.drivers, positions, strict=True)]
+    home = press.closed[list(press.driver_indices)]
+    away = [0.0 if name == driver else float(value - zero) for name, value, zero in zip(press.drivers, positions, home, strict=True)]
     one = press.with_one_driver(driver, dict.fromkeys(press.drivers, 0.0))
     farthest = int(np.abs(away).argmax())
     if not away[farthest]:
         return one
     ratios = {name: value / away[farthest] for name, value in zip(press.drivers, away, strict=True)}
     line = press.with_one_driver(press.drivers[farthest], ratios)  # all of them at once, on the straight line between two poses
-    there = follow_drivers(line.engine(), line.structure, line.closed, np.array([[away[farthest]]]), press.name)[:, 0]
+    there = follow_drivers(line.engine(), line.structure, line.closed, home[[farthest]][None] + away[farthest], press.name)[:, 0]
     return redrawn(one, displaced(one, {}), there)
 
 

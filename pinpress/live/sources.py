@@ -207,12 +207,13 @@ class MovingDriver(Source):
 def _standing(press: Linkage, k: int) -> Dimension:
     """Where a driver stands, as a slider."""
     coordinate, joint = press.driver_coordinates[k], press.driver_indices[k]
+    home = float(press.closed[joint]) * coordinate.scale
     if coordinate.turns:
-        return dimension("standing drivers", press.drivers[k], "deg", 0.0, 180.0)
+        return dimension("standing drivers", press.drivers[k], "deg", home, 180.0)
     place = press.slots[joint].start
     limits = press.model.lowerPositionLimit[place], press.model.upperPositionLimit[place]
     low, high = (float(np.clip(limit, -press.size, press.size)) * coordinate.scale for limit in limits)
-    found = dimension("standing drivers", press.drivers[k], coordinate.shown_unit, 0.0, max(high - low, 1e-9))
+    found = dimension("standing drivers", press.drivers[k], coordinate.shown_unit, home, max(high - low, 1e-9))
     return replace(found, low=low, high=high)
 
 

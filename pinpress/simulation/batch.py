@@ -125,7 +125,7 @@ def simulate_batch(
     duration: float,
     *,
     speed: ArrayLike = 0.0,
-    angle: float = 0.0,
+    angle: float | None = None,
     drive: Drive | None = None,
     flywheel: Flywheel | None = None,
     loads: Sequence[Load] = (),
@@ -142,7 +142,7 @@ def simulate_batch(
         press: the linkage.
         duration: [s].
         speed: of the crank at the start [rad/s], one number or (S,).
-        angle: of the crank at the start, the same in all scenarios [rad].
+        angle: of the crank at the start, the same in all scenarios [rad]; by default that of the home pose, as a rule 0.
         drive: what turns the crank, see `pinpress.drives`; None: nothing.
         flywheel: its inertia stands at the driver joint; None: none.
         loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
@@ -164,7 +164,8 @@ def simulate_batch(
     states = state_count(points, 0.0)
     loads = list(loads)  # of what is gone through once, too
     unit = press.driver_coordinates[0].unit
-    angle, speed = in_unit("angle", angle, unit), in_unit("speed", speed, f"{unit}/s")
+    angle = float(press.closed[press.driver_indices[0]]) if angle is None else in_unit("angle", angle, unit)
+    speed = in_unit("speed", speed, f"{unit}/s")
     if not _is_number(angle):
         raise PinpressError("angle is an array: scenarios start from the same crank angle; give one number [rad]")
     speeds, start = _speeds(speed, (drive, flywheel, *loads)), number("angle", angle)

@@ -115,4 +115,5 @@ def _reduced(press: Linkage, joints: list[int], loops: list[int]) -> Linkage | N
             if relation.coefficients.keys() <= index.keys()
         ),
         held=tuple(name for name in press.held if press.joints.index(name) in index),
+        home=tuple(press.home[joint] for joint in joints) if press.home else (),
     )

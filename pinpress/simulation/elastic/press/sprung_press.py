@@ -80,7 +80,7 @@ class SprungPress:
         linear: springs with constant gradients.
         carry: (k, f) free coordinates, the crank's angle last, to all coordinates.
         drawn: (k,) all coordinates where the free ones are zero.
-        reference: the rigid press at its bottom dead centre, else at the crank angle 0; one state.
+        reference: the rigid press at its bottom dead centre, else in its home pose; one state.
         alike: for each bearing the one that has its springs: itself, except for the joints of a cross without mass, which share one.
         joints: preloaded joints, whose springs in ``springs`` are those of closed joints.
         open_pins: pins with clearance, which have no springs in ``springs``.
@@ -297,11 +297,11 @@ class SprungPress:
 
 
 def reference_motion(press: Linkage) -> Motion:
-    """One state of the rigid press: at rest at its bottom dead centre, else at the crank angle 0."""
+    """One state of the rigid press: at rest at its bottom dead centre, else in its home pose."""
     try:
         angle = dead_centres(press).bottom_angle
     except PinpressError:
-        angle = 0.0
+        angle = float(press.closed[press.driver_indices[0]])
     return motion_through_change_points(press, np.array([angle]), 0.0)
 
 
