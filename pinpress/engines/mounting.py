@@ -44,6 +44,7 @@ class Mounting:
         self.one, self.structure = OneConfiguration(structure), structure
         self.lengths = np.array([1.0 if axis.turns else structure.size for axis in structure.axes])
         self.lower, self.upper = limits(structure)
+        self.closed = max(CLOSED, 10 * structure.misfit / structure.size)  # as large as the closing tolerance of rounded linkages
 
     def close(self, start: Array, held: Sequence[int] = (), limited: bool = True) -> Mounted:
         """The pose in which damped least squares end.
@@ -93,7 +94,7 @@ class Mounting:
             start = around + min(k, 1) * spread * random.uniform(-1.0, 1.0, len(around)) * self.lengths
             start[list(held)] = around[list(held)]
             reached = self.close(start, held)
-            if reached.misfit <= CLOSED and all(self.apart(reached.position, other).max() > 1e-3 for other in found):
+            if reached.misfit <= self.closed and all(self.apart(reached.position, other).max() > 1e-3 for other in found):
                 found.append(reached.position)
         return found
 
