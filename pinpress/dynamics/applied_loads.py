@@ -13,7 +13,7 @@ from ..common import plausibility
 from ..common.arguments import numbers
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.quantities import GRAVITY, Array
-from ..engines.engine import ClosedStates
+from ..engines.engine import ClosedStates, Engine
 from ..engines.friction import REST
 from ..engines.wrenches import AppliedForce
 from ..kinematics.motion import is_cycle
@@ -76,13 +76,13 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion", *, warned: 
     return applied
 
 
-def joint_efforts(press: "Linkage", states: ClosedStates) -> Array | None:
+def joint_efforts(press: "Linkage", engine: Engine, states: ClosedStates) -> Array | None:
     """Efforts (nv, n) that springs and dampers in the joints supply, less those that accelerate rotors (the model's armature), along the
     joints' axes [N m, N]; None where a linkage has neither.
 
     A joint's bearing passes on what the links that it carries need: a rotor is between the drive and the bearing.
     """
-    armature = press.model.armature
+    armature = engine.structure.model.armature  # every look at the linkage's own model compares the whole of it
     if not (press.joint_springs or armature.any()):
         return None
     return np.asarray(spring_efforts(press.joint_springs, press.joints, states.position, states.v) - armature[:, None] * states.a)

@@ -98,7 +98,7 @@ class _Statics:
         states = ClosedStates(position, still, still)
         motion = closed_motion(press, shared_by_motions(press), states, np.zeros(position.shape[1]), None, None)
         loads = applied_loads.apply(self.loads, press, motion, warned=True)
-        conditions = AppliedConditions(loads, None, None, applied_loads.joint_efforts(press, states))
+        conditions = AppliedConditions(loads, None, None, applied_loads.joint_efforts(press, self.engine, states))
         first = len(press.motors)
         torque = self.engine.inverse_dynamics(states, conditions, bearings=False).torque[first:]
         return np.asarray(torque * self.units[first:, None])

@@ -100,7 +100,8 @@ def _move_passive(
     if press.passive and passive == "free":
         states = free_accelerations(press, engine, motion.states(press), conditions.loads, conditions.law)
         motion = accelerated(press, motion, states)
-    return motion, conditions._replace(efforts=applied_loads.joint_efforts(press, motion.states(press)))
+    efforts = applied_loads.joint_efforts(press, engine, motion.states(press))
+    return motion, conditions if efforts is None else conditions._replace(efforts=efforts)
 
 
 def in_other_states(reactions: Reactions, motion: Motion) -> Reactions:

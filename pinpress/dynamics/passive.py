@@ -67,7 +67,7 @@ def _free_piece(press: Linkage, engine: Engine, states: ClosedStates, loads: Seq
     def efforts(a: Array) -> Array:
         """(passive, n) that accelerations (nv, n) need at the passive coordinates."""
         moving = ClosedStates(position, states.v, a, states.basis, solved)
-        conditions = AppliedConditions(list(loads), law, None, joint_efforts(press, moving))
+        conditions = AppliedConditions(list(loads), law, None, joint_efforts(press, engine, moving))
         return engine.inverse_dynamics(moving, conditions, bearings=False).torque[first:]
 
     a, needed = states.a, efforts(states.a)

@@ -111,6 +111,11 @@ class Motion(Tabular):
     def valid(self) -> NDArray[np.bool_]:
         return np.isfinite(self.closure_error)
 
+    @cached_property
+    def complete(self) -> bool:
+        """Whether all states are valid."""
+        return bool(self.valid.all())
+
     @property
     def time(self) -> Array:
         if self._time is None:
@@ -285,10 +290,9 @@ def accelerated(press: Linkage, motion: Motion, states: ClosedStates) -> Motion:
 
 def filled(press: Linkage, motion: Motion) -> Motion:
     """The motion with the home pose of its press, at rest, in place of states that are not valid; the motion itself if all are."""
-    gaps = ~motion.valid
-    if not gaps.any():
+    if motion.complete:
         return motion
-    rest = np.zeros(len(press.joints))
+    gaps, rest = ~motion.valid, np.zeros(len(press.joints))
     of_states_filled = (
         np.where(gaps[:, None], fill, values).T.copy()
         for values, fill in ((motion.joint_position, press.closed), (motion.v, rest), (motion.a, rest))
@@ -313,7 +317,7 @@ def with_gaps(press: Linkage, motion: Motion, drivers: Sequence[Array], gaps: Se
 
 def with_gaps_of(press: Linkage, motion: Motion, asked: Motion) -> Motion:
     """The motion with the gaps of another one, of which it has been `filled`."""
-    if motion is asked or asked.valid.all():
+    if motion is asked or asked.complete:
         return motion
     indices, valid = list(press.driver_indices), asked.valid[:, None]
     pairs = zip((motion.joint_position, motion.v, motion.a), (asked.joint_position, asked.v, asked.a), strict=True)
@@ -323,11 +327,10 @@ def with_gaps_of(press: Linkage, motion: Motion, asked: Motion) -> Motion:
 
 def blank(motion: Motion, values: Array, axis: int = 0) -> Array:
     """Values with NaN in the states of a motion that are not valid; states are along the axis."""
-    gaps = ~motion.valid
-    if not gaps.any():
+    if motion.complete:
         return values
     result = np.array(values)
-    np.moveaxis(result, axis, 0)[gaps] = np.nan
+    np.moveaxis(result, axis, 0)[~motion.valid] = np.nan
     return result
 
 
