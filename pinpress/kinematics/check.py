@@ -24,7 +24,7 @@ from ..linkage.checks import elements as element_checks
 from ..linkage.checks import mobility
 from ..linkage.checks.assembly import open_in_words
 from ..linkage.document import SEVERITIES, Document, Finding
-from ..linkage.drivers import Proposal, is_press, propose, settle
+from ..linkage.drivers import Proposal, propose, settle
 from ..linkage.freedoms import Freedom
 from ..linkage.home import mount
 from ..linkage.linkage import Linkage
@@ -248,11 +248,11 @@ def _put_together(
     (press, of_drivers), proposal = settle(mount(build(document, driver, slide, gravity), pose)), None
     if not press.drivers and press.assembly.closes:
         proposal = propose(press)
-        if is_press(press) or not proposal.drivers:
+        if not proposal.drivers:
             refuse_without_driver(press)
         press, _ = settle(replace(press, drivers=proposal.drivers))
         problem, remedy = "no driver is named", f"this is the report with those proposed: load(..., {proposal.in_words})"
-        of_drivers = (Finding("note", document.called("robot", press.name), None, problem, remedy),)
+        of_drivers = (Finding("warning" if press.slide else "note", document.called("robot", press.name), None, problem, remedy),)
     errors = list(assembly_checks.errors(press, in_file))
     findings = [*errors, *of_drivers, *(assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press))]
     columns, tolerance = press.assembly.rows_as_drawn.columns, press.structure.rank_tolerance

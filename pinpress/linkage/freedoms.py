@@ -4,8 +4,8 @@ described.
 A freedom is a way v of all joints that keeps the loops closed and the motors still: [J; S] v = 0, with the Jacobian J of the equations and
 the rows S of the motors. Ways are counted in rad, travels in sizes of the linkage. Its kinds:
 
-- ``"spin"``: a link, or a chain of links, turns about the line through two bearings while all others rest, and its centre of mass is on
-  that line. No weight turns it. A rod between two ball joints is the usual one, in one piece or in several.
+- ``"spin"``: a link, or a chain of links, turns about the line through two bearings, in loops, while all others rest, and its centre of
+  mass is on that line. No weight turns it. A rod between two ball joints is the usual one, in one piece or in several.
 - ``"swing"``: the same with the centre of mass off the line. Its weight would turn it.
 - ``"spring"``, ``"base"``, ``"passive"``: anything else, described by a joint that a spring moves, by one of the six joints of a floating
   base, or by another joint.
@@ -121,12 +121,18 @@ def undriven(
     if not ways.shape[1]:
         return Undriven((), ())
     moves = _Bodies.at(structure, x)
+    near = next(_neighbours(structure, x), x)
+    moves_near, ways_near = _Bodies.at(structure, near), free_ways(structure, columns_at(structure, near, held), motors)
     freedoms, places = [], []
     for group in moves.groups(ways):
         while (spin := moves.spin(ways, group, taken)) is not None:
-            freedoms.append(spin[0])
-            places.append(spin[1])
-            ways = _without(ways, spin[1])
+            freedom, joint = spin
+            again = moves_near.spin(ways_near, group, [joint])
+            if again is None or again[1] != joint:
+                break  # an axis happens to go through another one in this pose, as in a spherical wrist
+            freedoms.append(freedom)
+            places.append(joint)
+            ways, ways_near = _without(ways, joint), _without(ways_near, joint)
     tiers = [("spring", sprung, WEAK), ("base", base, WEAK), ("passive", range(structure.model.nv), 0.0)]
     coordinates: list[tuple[int, str]] = []
     for kind, among, least in tiers:
@@ -173,13 +179,16 @@ def conditioning(ways: Array, joints: Sequence[int]) -> float:
 def generic_ways(structure: Structure, x: Array) -> int:
     """Number of free ways in closed poses near a closed pose (nv,): the smallest of four poses, with joints moved by up to 0.15 rad. In the
     pose itself it is larger where assemblies meet, as in a parallelogram drawn in one line."""
+    return min(free_ways(structure, columns_at(structure, pose)).shape[1] for pose in (x, *_neighbours(structure, x)))
+
+
+def _neighbours(structure: Structure, x: Array) -> Iterator[Array]:
+    """Up to four closed poses (nv,) near a closed pose."""
     mounting, random = Mounting(structure), np.random.default_rng(0)
-    numbers = [free_ways(structure, columns_at(structure, x)).shape[1]]
     for _ in range(4):
         near = mounting.close(x + 0.15 * mounting.lengths * random.uniform(-1.0, 1.0, len(x)), limited=False)
         if near.misfit <= max(CLOSED, structure.tolerance / structure.size):
-            numbers.append(free_ways(structure, columns_at(structure, near.position)).shape[1])
-    return min(numbers)
+            yield near.position
 
 
 def _without(ways: Array, joint: int) -> Array:
@@ -263,8 +272,8 @@ class _Bodies:
 
     def _spin(self, way: Array, taken: Sequence[int]) -> tuple[Freedom, int] | None:
         moving, weighing = self._moving(way)
-        if weighing and self._bearings(set(moving)) < 2:
-            return None  # a pendulum
+        if weighing and (self._bearings(set(moving)) < 2 or not self.structure.on_loop[np.abs(way) > RESTS * np.abs(way).max()].all()):
+            return None  # a pendulum, or the middle of a wrist that nothing holds at its end
         shares, eccentricity = np.abs(way), 0.0
         joint = next((joint for joint in taken if shares[joint] > WEAK * shares.max()), _first_largest(shares))
         if weighing:

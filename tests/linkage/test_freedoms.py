@@ -351,7 +351,9 @@ def test_drivers_that_hardly_determine_a_linkage_are_warned_of():
         robot("12", pose=nearly)
 
 
-@pytest.mark.parametrize(("number", "best"), [("16", ("crank_turn",)), ("19", ("turn_a", "turn_b")), ("24", ("grip_l",))])
+@pytest.mark.parametrize(
+    ("number", "best"), [("13", ("shoulder",)), ("16", ("crank_turn",)), ("19", ("turn_a", "turn_b")), ("24", ("grip_l",))]
+)
 def test_drivers_are_proposed(number, best):
     pytest.importorskip("mujoco")
     case = next(each for each in CASES if each.file.startswith(number))
@@ -394,3 +396,42 @@ def test_a_press_refuses_what_a_robot_may_leave_free():
     )
     with pytest.raises(pp.UrdfError, match=r"mobility is 2, .*link 'rod' can spin about a line 12 mm from its centre of mass"):
         texts.load(ram)
+
+
+# -------------------------------------------------------------------------------------------------------------------- poses that deceive
+
+
+def test_a_wrist_at_right_angles_has_no_spins():
+    """A spherical wrist on three motors across each other: in this pose alone a leg can turn about the axis of the next motor."""
+    axes, text = np.eye(3), '<robot name="wrist"><link name="frame"/>'
+    for k in range(3):
+        text += BODY.format(f"ring{k}", "0.02 0.03 0.05") + JOINT.format(
+            f"motor{k}", "revolute", "frame", f"ring{k}", "0 0 0", words(axes[k])
+        )
+        text += BODY.format(f"arm{k}", "0.05 0.02 0.03")
+        text += JOINT.format(f"knee{k}", "revolute", f"ring{k}", f"arm{k}", "0 0 0", words(axes[(k + 1) % 3]))
+    text += BODY.format("head", "0.01 0.02 0.06") + JOINT.format("tip", "revolute", "arm0", "head", "0 0 0", words(axes[2]))
+    for k in (1, 2):  # the other arms turn on the head about the axis through the middle and this ball
+        place = words(0.1 * axes[(k + 2) % 3])
+        text += (
+            f'<loop_joint name="L{k}" type="spherical"><link1 link="arm{k}" xyz="{place}"/><link2 link="head" xyz="{place}"/></loop_joint>'
+        )
+    press = texts.load(text + "".join(DRIVEN.format(f"motor{k}") for k in range(3)) + "</robot>")
+    assert (press.mobility, press.freedoms) == (3, ())
+    assert press.undriven(()).of("spin", "swing") == ()
+    assert len(pp.propose_drivers(press).drivers) == 3
+
+
+def test_a_wrist_of_an_arm_in_line_has_no_spin():
+    """Its fourth joint turns between the third and the sixth, on the line of both; no loop holds the hand."""
+    text, last = '<robot name="arm"><link name="frame"/>', "frame"
+    for k, axis in enumerate(("0 0 1", "0 1 0", "0 1 0", "0 0 1", "0 1 0", "0 0 1")):
+        text += BODY.format(f"link{k}", "0 0 0.1") + JOINT.format(
+            f"r{k}", "revolute", last, f"link{k}", "0 0 0.2" if k < 3 else "0 0 0", axis
+        )
+        last = f"link{k}"
+    text += "".join(DRIVEN.format(f"r{k}") for k in range(5))
+    with pytest.warns(pp.PinpressWarning, match="no driver moves joint 'r5'"):
+        press = texts.load(text + "</robot>")
+    assert (press.held, press.passive) == ((), ("r5",))
+    assert len(pp.propose_drivers(press).drivers) == 6
