@@ -210,15 +210,17 @@ def test_the_joint_that_drives_follows_no_other(tmp_path):
 
 @pytest.mark.parametrize("inertial", [True, False])
 def test_missing_meshes_are_left_out_where_bodies_have_inertias(tmp_path, inertial):
-    mesh = '<asset><mesh name="shape" file="shape.stl"/></asset>'
-    arm = f'<body name="arm"><joint name="A" axis="0 1 0"/>{MASS * inertial}<geom type="mesh" mesh="shape"/><geom size="0.1"/></body>'
+    texture = '<texture name="t" type="2d" file="t.png"/><material name="m" texture="t"/>'
+    mesh = f'<asset>{texture}<mesh name="shape" file="shape.stl"/></asset>'
+    shapes = '<geom type="mesh" mesh="shape"/><geom size="0.1" material="m"/>'
+    arm = f'<body name="arm"><joint name="A" axis="0 1 0"/>{MASS * inertial}{shapes}</body>'
     file = tmp_path / "meshes.xml"
     file.write_text(f'<mujoco>{mesh}<worldbody><geom type="mesh" mesh="shape"/>{arm}</worldbody></mujoco>', encoding="utf-8")
     if inertial:
         remarks = parse(str(file)).remarks
-        assert [each.problem for each in remarks] == ["it is read without its 1 meshes, because files are missing"]
+        assert [each.problem for each in remarks] == ["it is read without meshes and textures, because files are missing"]
     else:
-        with pytest.raises(UrdfError, match=r"MuJoCo cannot read it: .*shape\.stl"):
+        with pytest.raises(UrdfError, match=r"MuJoCo cannot read it: .*(shape\.stl|t\.png)"):
             parse(str(file))
 
 

@@ -48,7 +48,7 @@ def read(document: Document) -> Document:
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(warned.append)  # else they are written to stderr, and to a file in the working directory
     try:
-        spec, model, meshes = _compile(mujoco, document)
+        spec, model, without_files = _compile(mujoco, document)
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise UrdfError(document.file, "<mujoco>", None, f"MuJoCo cannot read it: {reason}", "correct the file") from error
@@ -56,28 +56,29 @@ def read(document: Document) -> Document:
         mujoco.set_mju_user_warning(before)
     reader = _Reader(document, mujoco, spec, model)
     reader.remarks += [remark("warning", reader.root, f"MuJoCo warns: {' '.join(text.split())}", "correct the file") for text in warned]
-    if meshes:
-        reader.remarks.append(remark("note", reader.root, f"it is read without its {meshes} meshes, because files are missing", ""))
+    if without_files:
+        reader.remarks.append(remark("note", reader.root, "it is read without meshes and textures, because files are missing", ""))
     return as_document(document.file, reader.mechanism(), f"MJCF by MuJoCo {mujoco.__version__}")
 
 
-def _compile(mujoco: Any, document: Document) -> tuple[Any, Any, int]:
-    """MuJoCo's specification and model of a file; and the number of meshes that were left out, because files of meshes are missing and
-    every body that moves has an inertia without them."""
+def _compile(mujoco: Any, document: Document) -> tuple[Any, Any, bool]:
+    """MuJoCo's specification and model of a file; and whether meshes, height fields and textures were left out, because files are missing
+    and every body that moves has an inertia without them."""
     spec = _parse(mujoco, document)
     try:
-        return spec, spec.compile(), 0
+        return spec, spec.compile(), False
     except (ValueError, RuntimeError):
         spec = _parse(mujoco, document)  # a failed compilation changes it
-        drawn = [geom for geom in spec.geoms if geom.meshname]
-        if not drawn or not all(geom.parent.explicitinertial or not geom.parent.parent for geom in drawn):
+        drawn = [geom for geom in spec.geoms if geom.meshname or geom.hfieldname]
+        assets = [*spec.meshes, *spec.hfields, *spec.textures, *spec.skins]
+        if not assets or not all(geom.parent.explicitinertial or not geom.parent.parent for geom in drawn):
             raise
-        for geom in drawn:
-            spec.delete(geom)
-        meshes = list(spec.meshes)
-        for mesh in meshes:
-            spec.delete(mesh)
-        return spec, spec.compile(), len(meshes)
+        for material in spec.materials:
+            for k in range(len(material.textures)):
+                material.textures[k] = ""
+        for element in (*drawn, *assets):
+            spec.delete(element)
+        return spec, spec.compile(), True
 
 
 def _refuse_odd_files(document: Document, root: Element, folder: Path, seen: set[Path]) -> None:
