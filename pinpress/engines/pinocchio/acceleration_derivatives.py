@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 from ...common.errors import PinpressError, SingularityError
 from ...common.quantities import Array
+from ..rank import rank
 from .forward_dynamics import ForwardDynamics
 
 ITERATIONS = 34  # proximal iterations: each leaves a third of the error at most
@@ -143,8 +144,10 @@ class ForwardDerivatives:
         if not len(jacobian):
             return 0, 1.0
         sizes = np.linalg.svd(np.linalg.solve(root, dynamics.column * jacobian.T), compute_uv=False) ** 2
-        count = int(np.count_nonzero(sizes > CLEAR * sizes[0]))
-        if not dynamics.rank - len(self.gears) <= count <= dynamics.rank:
+        misfit = dynamics.structure.misfit
+        count = rank(jacobian, dynamics.structure.rank_tolerance) if misfit else int(np.count_nonzero(sizes > CLEAR * sizes[0]))
+        lost = misfit and sizes[count:].max(initial=0.0) > 1e-4 * sizes[count - 1]  # mu would hold what contradicts the others
+        if lost or not dynamics.rank - len(self.gears) <= count <= dynamics.rank:
             problem = f"the loops of {dynamics.name} nearly lose an equation: derivatives would be lost in rounding"
             raise SingularityError(problem, float(x[dynamics.driver]), float(sizes[count - 1] / sizes[0]), dynamics.structure.place(x))
         return count, 0.5 * float(sizes[count - 1])

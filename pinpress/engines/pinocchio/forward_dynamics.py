@@ -35,7 +35,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from ...common.arguments import suitable_numbers
 from ...common.errors import AssemblyError, PinpressError, SingularityError
@@ -238,17 +237,19 @@ class ForwardDynamics:
             AssemblyError: Newton's method does not close the loops from here.
             PinpressError: a state that is not finite.
         """
-        rank, at, gap, steps = self.rank, x, math.inf, 0
+        rank, at, left, steps = self.rank, x, math.inf, 0
         while True:
             pin.computeJointJacobians(self.model, self.data, at)
             factor, pivots, orthogonal = self._factorised(at)
-            before, gap = gap, self._widest(at)
-            if gap <= self.rounding or (gap > 0.5 * before and gap <= self._floor(at)):
+            gap, rows = self._widest(at), np.concatenate((self.none, *self.gaps, self.related.dot(at) - self.offsets))
+            # Where rows contradict each other a gap is left: what a step takes away of it has to become rounding.
+            before, left = left, float(np.abs(pivots.T.dot(rows[1:])).max(initial=0.0)) if self.structure.misfit else gap
+            if left <= self.rounding or (left > 0.5 * before and left <= self._floor(at)):
                 break
             if steps == MOST_NEWTON_STEPS:
                 problem = f"the loops of {self.name} do not close near this state"
                 raise AssemblyError(problem, float(x[self.driver]), gap, steps, self.structure.place(x))
-            at = at + self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.gaps, self.related.dot(at) - self.offsets)))
+            at = at + self._needed(factor, pivots, orthogonal, rows)
             steps += 1
         free = orthogonal[:, rank:]
         rates = free.dot(free.T.dot(v * self.units))
@@ -312,8 +313,9 @@ class ForwardDynamics:
             raise self._trouble(x, v, efforts, self.overflow(x))
         return result
 
-    def _factorised(self, x: Array) -> tuple[Array, NDArray[np.int32], Array]:
-        """The factorisation of the scaled rows: R, the indices of the pivot rows counted from 1, and Q. ``data`` must hold placements and
+    def _factorised(self, x: Array) -> tuple[Array, Array, Array]:
+        """The factorisation of the scaled rows: R, the indices of the pivot rows counted from 1, and Q. Of rows that contradict each other
+        the singular values on a diagonal, the left vectors of those that count, and the right ones. ``data`` must hold placements and
         Jacobian; the points' constraint data are updated.
 
         Raises:
@@ -325,21 +327,27 @@ class ForwardDynamics:
         if self.point_rows:
             jacobian = pin.getConstraintsJacobian(self.model, self.data, self.points, self.data_of_points).reshape(self.point_rows, -1)
             np.multiply(jacobian, self.weights, out=self.rows[: self.point_rows])
-        factor, pivots, scales, _, _ = self.lapack.dgeqp3(self.rows.T)
         rank = self.rank
+        if self.structure.misfit:
+            left, values, right = np.linalg.svd(self.rows[: self.point_rows + len(self.offsets)])
+            factor, pivots, scales = np.diag(values), left[:, :rank], None
+        else:
+            factor, pivots, scales, _, _ = self.lapack.dgeqp3(self.rows.T)
         if rank and not abs(factor[rank - 1, rank - 1]) > self.structure.smallest_margin * abs(factor[0, 0]):
             smallest = float(abs(factor[rank - 1, rank - 1])) / (float(abs(factor[0, 0])) or 1.0)
             problem = f"the loops of {self.name} lose equations: two assemblies meet"
             locked = SingularityError(problem, float(x[self.driver]), smallest, self.structure.place(x))
             raise self._trouble(x, self.still, self.still, locked)
-        return factor, pivots, self.lapack.dorgqr(factor[:, : len(x)], scales)[0]
+        return factor, pivots, right.T if scales is None else self.lapack.dorgqr(factor[:, : len(x)], scales)[0]
 
-    def _needed(self, factor: Array, pivots: NDArray[np.int32], orthogonal: Array, rows: Array) -> Array:
-        """The shortest joint step (nv,) that brings the rows from ``rows`` (1 + rows,), of which the first number is unused, to zero."""
+    def _needed(self, factor: Array, pivots: Array, orthogonal: Array, rows: Array) -> Array:
+        """The shortest joint step (nv,) that brings the rows from ``rows`` (1 + rows,), of which the first number is unused, to zero, or as
+        near to zero as they all come."""
         rank = self.rank
         if not rank:
             return np.zeros(len(orthogonal))
-        result: Array = orthogonal[:, :rank].dot(self.lapack.dtrtrs(factor[:rank, :rank], rows.take(pivots[:rank]), trans=1)[0])
+        wanted = pivots.T.dot(rows[1:]) if self.structure.misfit else rows.take(pivots[:rank])
+        result: Array = orthogonal[:, :rank].dot(self.lapack.dtrtrs(factor[:rank, :rank], wanted, trans=1)[0])
         result *= self.back_per_unit
         return result
 
@@ -379,6 +387,8 @@ class ForwardDynamics:
         """What `constraintDynamics` takes, None where it does not suit the linkage, and why."""
         if not ends:
             return None, "no loops"
+        if self.structure.misfit:
+            return None, "redundant loops that contradict each other a little, of which it would hold one more than there are"
         if not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
             return None, "a joint moves no mass"
         if len(self.offsets) > MOST_GEAR_PAIRS:

@@ -139,3 +139,41 @@ def test_check_says_the_misfit():
     (finding,) = (each for each in check(texts.file(ROUNDED[0][0])).findings if "contradict each other" in each.problem)
     assert finding.severity == "warning"
     assert finding.remedy.startswith("results have errors of about 3e-05 of their size; axes are up to 0.0001 rad from parallel")
+
+
+ROUNDED_RINGS = [
+    *[(GOES, text, missed) for text, missed in ROUNDED[:5]],
+    *[(exact, rounded(exact, 5), 1e-4) for exact in (bennett(), four_bar("fixed"))],
+]
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+@pytest.mark.parametrize(("exact", "text", "missed"), ROUNDED_RINGS)
+def test_forward_dynamics_and_its_derivatives(exact, text, missed):
+    """Accelerations under the driving torque are those of the motion; their derivatives are those of the exact linkage."""
+    press, turned = texts.load(text), np.linspace(0.0, 1.0, 5)
+    motion = pp.servo_cycle(press, angle=turned, speed=3.0, acceleration=20.0)
+    torque = pp.inverse_dynamics(press, motion).driving_torque
+    dynamics, driver = press.forward_dynamics(np.zeros(press.model.nv)), press.driver_indices[0]
+    for x, v, effort in zip(motion.joint_position, motion.v, torque, strict=True):
+        position, rate, gap = dynamics.project(x, v)
+        assert np.abs(position - x).max() < 3 * missed
+        assert gap < 3 * press.assembly.misfit
+        found = dynamics.acceleration(position, rate, effort * (np.arange(len(x)) == driver))
+        assert found[driver] == pytest.approx(20.0, rel=3 * missed)
+    by_position, of_exact = (
+        pp.derivatives.acceleration_derivatives(each, pp.servo_cycle(each, angle=turned, speed=3.0, acceleration=20.0)).by_position
+        for each in (press, texts.load(exact))
+    )
+    np.testing.assert_allclose(by_position, of_exact, rtol=0, atol=100 * missed * np.abs(of_exact).max())
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+def test_a_run_of_all_joints():
+    """A run over time with the loops closed by projection, against that of the crank alone."""
+    press = texts.load(ROUNDED[0][0])
+    runs = (
+        pp.simulate(press, duration=0.2, speed=5.0, flywheel=pp.drives.Flywheel(2.0), method=name) for name in ("reduced", "constraint")
+    )
+    reduced, constraint = (run.crank_angle[-1] for run in runs)
+    assert constraint == pytest.approx(reduced, abs=1e-6)
