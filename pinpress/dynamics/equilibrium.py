@@ -32,7 +32,7 @@ SHORTEST = 1e-4  # step below which the equilibrium ends there [rad or sizes]
 FARTHEST = 0.2  # correction of one step of Newton's method [rad or sizes]
 MOST_STEPS = 200  # of Newton's method from the pose in which the linkage is put together, downhill where it is not stable
 FEW_STEPS = 8  # the same from a prediction
-SETTLED = 1e-13  # correction at which an equilibrium is found [rad or sizes]
+SETTLED = 1e-12  # correction at which an equilibrium is found [rad or sizes]
 
 
 def equilibrium(press: Linkage, engine: Engine, motion: Motion, loads: Sequence[Load]) -> Motion:
@@ -115,14 +115,15 @@ class _Statics:
         return efforts
 
     def roughly(self, position: Array) -> tuple[Array, Array]:
-        """Efforts (passive,) at a closed position (nv, 1), and their derivatives (passive, passive) to about 9 digits, at once."""
-        first, units = len(self.press.motors), self.units
+        """Efforts (n, passive) at closed positions (nv, n), and their derivatives (n, passive, passive) to about 9 digits, at once."""
+        first, units, n = len(self.press.motors), self.units, position.shape[1]
         count, step = len(units) - first, 1e-5
-        beside = np.repeat(position[list(self.press.driver_indices)], 1 + 2 * count, axis=1)
-        beside[first:, 1 : 1 + count] += np.diag(step * units[first:])
-        beside[first:, 1 + count :] -= np.diag(step * units[first:])
-        efforts = self.efforts(self.closed(beside, np.repeat(position, 1 + 2 * count, axis=1)))
-        return efforts[:, 0], (efforts[:, 1 : 1 + count] - efforts[:, 1 + count :]) / (2 * step)
+        moved = np.zeros((len(units), 1 + 2 * count))
+        moved[first:, 1:] = np.diag(step * units[first:]) @ np.hstack([np.eye(count), -np.eye(count)])
+        beside = (position[list(self.press.driver_indices), :, None] + moved[:, None]).reshape(len(units), -1)
+        efforts = self.efforts(self.closed(beside, np.repeat(position, 1 + 2 * count, axis=1))).reshape(count, n, -1)
+        slopes = (efforts[..., 1 : 1 + count] - efforts[..., 1 + count :]) / (2 * step)
+        return efforts[..., 0].T, slopes.transpose(1, 0, 2)
 
     def stiffness(self, position: Array) -> Array:
         """(n, passive, passive) derivatives of the efforts by the passive coordinates, in their units, at closed positions (nv, n)."""
@@ -137,13 +138,34 @@ class _Statics:
 
 def _follow(statics: _Statics, motors: Array) -> Array:
     """Closed positions (nv, n) in equilibrium at motor positions (motors, n), followed from the pose in which the linkage is put
-    together."""
+    together: those a step apart one after the other, and from these all others at once where that works."""
+    units, n = statics.units[: len(motors), None], motors.shape[1]
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(motors / units), axis=0))])
+    stations = [0]
+    for k in range(1, n):
+        if way[k] > way[stations[-1]] and (k == n - 1 or way[k + 1] > way[stations[-1]] + LONGEST):
+            stations.append(k)
+    for some in (stations, list(range(n))):
+        walked = _walk(statics, motors[:, some])
+        if len(some) == n:
+            break
+        guess = np.array([np.interp(way, way[some], row) for row in walked])
+        drivers = guess[list(statics.press.driver_indices)]
+        drivers[: len(motors)] = motors
+        found = _settle(statics, drivers, guess, FEW_STEPS)
+        if found is not None:
+            return found
+    return walked
+
+
+def _walk(statics: _Statics, motors: Array) -> Array:
+    """Closed positions (nv, n) in equilibrium at motor positions (motors, n), each followed from the one before."""
     press, units = statics.press, statics.units
     count, here = len(press.motors), press.closed[:, None]
     here = _settle(statics, here[list(press.driver_indices)], here, MOST_STEPS)
     if here is None:
         raise PinpressError(
-            f"{press.name} has no stable equilibrium near the pose in which it is put together: draw it in one, or pose={{}}"
+            f"{press.name} has no stable equilibrium near the pose in which it is put together: draw it in one, or give load(..., pose=...)"
         )
     reached, slope = [], np.zeros((len(units), 1))
     for target in motors.T:
@@ -176,25 +198,26 @@ def _follow(statics: _Statics, motors: Array) -> Array:
 
 
 def _settle(statics: _Statics, drivers: Array, guess: Array, most: int) -> Array | None:
-    """The closed position (nv, 1) in stable equilibrium near driver positions (drivers, 1), whose motors stand; None where none is found in
-    the steps of Newton's method."""
-    count, units, drivers = len(statics.press.motors), statics.units, drivers.copy()
+    """The closed positions (nv, n) in stable equilibrium near driver positions (drivers, n), whose motors stand; None where Newton's method
+    does not find all of them in so many steps."""
+    count, units, drivers = len(statics.press.motors), statics.units[:, None], drivers.copy()
     try:
         near = statics.closed(drivers, guess)
         for _ in range(most):
             efforts, stiffness = statics.roughly(near)
-            values, ways = np.linalg.eigh(0.5 * (stiffness + stiffness.T))
-            largest = np.abs(values).max()
-            if not largest > 0:
+            values, ways = np.linalg.eigh(0.5 * (stiffness + stiffness.transpose(0, 2, 1)))
+            largest = np.abs(values).max(axis=1, keepdims=True)
+            if not (largest > 0).all():
                 return None
             # where a value is negative, the step goes down the energy
-            downhill = ways @ ((ways.T @ efforts) / np.maximum(np.abs(values), 1e-6 * largest))
-            against = np.linalg.solve(stiffness, efforts) if values[0] > 0 else downhill
-            size = float(np.abs(against).max())
-            drivers[count:, 0] -= against * units[count:] * min(1.0, FARTHEST / max(size, FARTHEST))
+            parts = np.einsum("nji,nj->ni", ways, efforts) / np.maximum(np.abs(values), 1e-6 * largest)
+            downhill, newton = np.einsum("nij,nj->ni", ways, parts), np.linalg.solve(stiffness, efforts[:, :, None])[:, :, 0]
+            against = np.where(values[:, :1] > 0, newton, downhill)
+            size = np.abs(against).max(axis=1, keepdims=True)
+            drivers[count:] -= (against * np.minimum(1.0, FARTHEST / np.maximum(size, FARTHEST))).T * units[count:]
             near = statics.closed(drivers, near)
-            if size <= SETTLED * max(1.0, float(np.abs(drivers / units[:, None]).max())) * 10:
-                return near if values[0] > 1e-9 * largest else None
+            if size.max() <= SETTLED * max(1.0, float(np.abs(drivers / units).max())):
+                return near if (values[:, :1] > 1e-9 * largest).all() else None
     except (AssemblyError, np.linalg.LinAlgError):
         return None
     return None
