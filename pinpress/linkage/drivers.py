@@ -91,7 +91,7 @@ def settle(press: Linkage) -> Settled:
     findings = list(_weak(called, motors, conditioning(ways, [press.joints.index(name) for name in motors])))
     if dropped := [name for name in press.drivers if name not in motors]:
         problem = f"{len(named)} drivers are named, but only {len(motors)} move it independently in this pose"
-        remedy = f"{', '.join(dropped)} depend on the others, so that torques are not unique, and are left out: drivers={list(motors)!r}"
+        remedy = f"torques would not be unique, so it is loaded without {', '.join(dropped)}, as with drivers={list(motors)!r}"
         findings.append(Finding("warning", called, None, problem, remedy))
     return Settled(replace(press, drivers=(*motors, *passive), passive=passive, held=free.of("spin", "swing")), tuple(findings))
 

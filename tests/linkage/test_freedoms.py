@@ -338,7 +338,8 @@ def test_kinds_of_freedoms(number, options, motors, found):
 
 def test_drivers_that_depend_on_the_others_are_left_out():
     with pytest.warns(
-        pp.PinpressWarning, match=r"3 drivers are named, but only 2 move it .*; knee_a .* are left out: drivers=\['turn_a', 'turn_b'\]"
+        pp.PinpressWarning,
+        match=r"3 drivers are named, but only 2 move it .*; loaded without knee_a, as with drivers=\['turn_a', 'turn_b'\]",
     ):
         press = robot("12", driver=["turn_a", "knee_a", "turn_b"])
     assert (press.motors, press.passive) == (("turn_a", "turn_b"), ())
@@ -396,6 +397,25 @@ def test_a_press_refuses_what_a_robot_may_leave_free():
     )
     with pytest.raises(pp.UrdfError, match=r"mobility is 2, .*link 'rod' can spin about a line 12 mm from its centre of mass"):
         texts.load(ram)
+
+
+def test_of_several_drivers_one_at_its_dead_point_is_left_out():
+    """Coupler and rocker in line: the crank cannot move, they can. A single driver there is refused."""
+    line = {'0.4 0 0.05"/><link2': '0.15 0 -0.15"/><link2', '"0.1 0 0.35"': '"-0.15 0 0.15"'}
+    arm = BODY.format("arm", "0 0 0.1") + JOINT.format("swivel", "revolute", "frame", "arm", "1 0 0", "0 0 1")
+    alone, both = four_bar("frame"), four_bar("frame", arm, ("crank", "swivel"))
+    for drawn, inline in line.items():
+        assert drawn in alone
+        alone, both = alone.replace(drawn, inline), both.replace(drawn, inline)
+    with pytest.raises(pp.SingularityError, match="joint 'crank' does not determine the drawn pose"):
+        texts.load(alone)
+    with pytest.warns(pp.PinpressWarning) as warned:
+        press = texts.load(both)
+    assert [("loaded without crank" in str(each.message), "leaves 1 free" in str(each.message)) for each in warned] == [
+        (True, False),
+        (False, True),
+    ]
+    assert (press.motors, len(press.passive), press.mobility) == (("swivel",), 1, 2)
 
 
 # -------------------------------------------------------------------------------------------------------------------- poses that deceive
