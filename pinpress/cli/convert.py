@@ -12,6 +12,7 @@ from .options import FILE, open_job
 
 EPILOG = """\
 pinpress convert robot.urdf robot.sdf                  for Gazebo
+pinpress convert robot.urdf robot.xml                  for MuJoCo
 pinpress convert press.yaml press.urdf --home          for programs that start where all joints are at zero
 pinpress convert robot.xml robot.urdf --dialect urdf+ --set "drivers=left right"
 """
@@ -21,9 +22,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Put `convert` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "convert",
-        help="write a linkage in the format of another program: URDF and its dialects, SDF",
-        description="Write a linkage as URDF (.urdf), or SDF for Gazebo (.sdf), by the ending of OUT. Warnings say\n"
-        "what the other format does not hold. SDF has its zeros in the closed pose, and URDF keeps the zeros of FILE.",
+        help="write a linkage in the format of another program: URDF and its dialects, SDF, MJCF",
+        description="Write a linkage as URDF (.urdf), SDF for Gazebo (.sdf) or MJCF for MuJoCo (.xml), by the ending of OUT. Warnings say\n"
+        "what the other format does not hold. SDF has its zeros in the closed pose; URDF and MJCF keep the zeros of FILE.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -65,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _form(out: Path) -> str:
-    forms = {".urdf": "URDF", ".sdf": "SDF"}
+    forms = {".urdf": "URDF", ".sdf": "SDF", ".xml": "MJCF"}
     if out.suffix.lower() not in forms:
         raise PinpressError(f"{out} has none of the endings {', '.join(forms)}: its ending says the format")
     return forms[out.suffix.lower()]
@@ -76,6 +77,10 @@ def _write(press: Linkage, out: Path, form: str, options: argparse.Namespace) ->
         from ..linkage.formats.sdf_writer import write_sdf  # seldom needed, as the others
 
         write_sdf(press, out)
+    elif form == "MJCF":
+        from ..linkage.formats.mjcf_writer import write_mjcf  # as above
+
+        write_mjcf(press, out)
     else:
         from ..linkage.writing import write_urdf  # as above
 

@@ -17,10 +17,12 @@ def torque(press):
     return pp.inverse_dynamics(press, pp.cycle(press, speed=3.0, points=8)).driving_torque
 
 
-@pytest.mark.parametrize("name", ["press.urdf", "press.sdf", "press.urdf --home", "press.urdf --dialect urdf+"])
+@pytest.mark.parametrize("name", ["press.urdf", "press.sdf", "press.xml", "press.urdf --home", "press.urdf --dialect urdf+"])
 def test_a_press_is_written_in_the_format_of_the_ending(name, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     out, *options = name.split()
+    if out.endswith(".xml"):
+        pytest.importorskip("mujoco")
     assert main(["convert", "crank_slide", out, *options]) == 0
     words = rf"wrote {out}: \d links, 3 moving joints, 1 loops, 1 drivers; mobility 1\n"
     assert re.fullmatch(words, capsys.readouterr().out)
@@ -38,8 +40,9 @@ def test_drivers_may_be_named(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("out", "options", "message"),
     [
-        ("out.txt", [], "out.txt has none of the endings .urdf, .sdf: its ending says the format"),
+        ("out.txt", [], "out.txt has none of the endings .urdf, .sdf, .xml: its ending says the format"),
         ("out.sdf", ["--home"], "out.sdf is SDF: --home and --dialect are of a URDF; SDF starts in the closed pose in any case"),
+        ("out.xml", ["--home"], "out.xml is MJCF: --home and --dialect are of a URDF"),
         ("press.urdf", [], "press.urdf is the file to convert: give another name"),
         ("out.urdf", ["--dialect", "drake"], "loop 'C' is revolute: Drake's URDF has no rigid constraint but a ball"),
     ],
