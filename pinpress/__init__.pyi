@@ -30,7 +30,7 @@ from .jobs.job import Job as Job
 from .jobs.job import job as job
 from .kinematics.check import check as check
 from .kinematics.cycle import cycle as cycle
-from .kinematics.inverse_kinematics import inverse_kinematics as inverse_kinematics
+from .kinematics.frames.inverse_kinematics import inverse_kinematics as inverse_kinematics
 from .kinematics.motion import Motion as Motion
 from .kinematics.motion_table import read_motion as read_motion
 from .kinematics.servo_motion import servo_cycle as servo_cycle

@@ -4,6 +4,10 @@ from .dynamics.extremes import ExtremeValues as ExtremeValues
 from .dynamics.extremes import extremes as extremes
 from .dynamics.harmonics import HarmonicAnalysis as HarmonicAnalysis
 from .dynamics.harmonics import harmonics as harmonics
+from .dynamics.joint_limits import LimitUse as LimitUse
+from .dynamics.joint_limits import joint_limits as joint_limits
+from .kinematics.frames.workspace import ReachMap as ReachMap
+from .kinematics.frames.workspace import workspace as workspace
 from .kinematics.measures import bearing_positions as bearing_positions
 from .kinematics.measures import dwell_angle as dwell_angle
 from .kinematics.measures import dwell_time as dwell_time
@@ -24,8 +28,6 @@ from .kinematics.transmission_angles import Dyad as Dyad
 from .kinematics.transmission_angles import DyadAngles as DyadAngles
 from .kinematics.transmission_angles import least_transmission_angles as least_transmission_angles
 from .kinematics.transmission_angles import transmission_angle_curves as transmission_angle_curves
-from .kinematics.workspace import ReachMap as ReachMap
-from .kinematics.workspace import workspace as workspace
 from .simulation.duty import MotorDuty as MotorDuty
 from .simulation.duty import duty_cycle as duty_cycle
 from .simulation.duty import motor_energy as motor_energy

@@ -16,9 +16,9 @@ from ..common.frozen import read_only
 from ..common.outlets.described import Along, Chart, Curve, Figure, Map, Section
 from ..common.quantities import Array, DriverCoordinate
 from ..linkage.linkage import Linkage
+from .frames.workspace import ReachMap
 from .motion import ROUNDING, Motion, finite, is_constant, is_cycle
 from .slide_path import DeadCentres, dead_centres
-from .workspace import ReachMap
 
 
 def described(motion: Motion) -> tuple[Section, ...]:

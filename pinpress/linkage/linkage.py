@@ -12,17 +12,20 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.arguments import number, numbers
-from ..common.errors import PinpressError, shown
+from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
 from ..common.frozen import Frozen
 from ..common.quantities import Array, DriverCoordinate
 from ..engines import branch
 from ..engines.branch import Branch
 from ..engines.constraints import Coupling, LoopJoint, Relation, gear
-from ..engines.engine import Engine
+from ..engines.engine import LOOSEST, Engine
 from ..engines.pinocchio.constraint_models import constraint_models
 from ..engines.pinocchio.equations import OneConfiguration, Rows
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
+from ..engines.spatial.engine import SpatialEngine
+from ..engines.spatial.equations import Loops
+from ..engines.spatial.frames import Frame, moving_frame, placed_frame
 from ..engines.structure import Axis, Slot, Structure, build_structure, configuration
 from .assembly import (
     Assembly,
@@ -35,7 +38,6 @@ from .assembly import (
     walk_through_change_points,
 )
 from .document import Document
-from .frames import closed_coordinates, frame_jacobian, frame_named, placed_frame
 from .freedoms import Freedom, Undriven, undriven
 from .joint_springs import JointSpring
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
@@ -616,9 +618,9 @@ class Linkage(Frozen):
             SingularityError: the linkage locks before it gets there.
             AssemblyError: the loops do not close.
         """
-        named = frame_named(self, frame)
+        named = self.frame_named(frame)
         x, one = self._given(drivers, joints)
-        placed = placed_frame(self, named, x)
+        placed = placed_frame(self.loops_in_space, named, x)
         return placed[0] if one else placed
 
     def jacobian(self, frame: str, drivers: ArrayLike | None = None, *, joints: ArrayLike | None = None) -> Array:
@@ -642,16 +644,50 @@ class Linkage(Frozen):
             SingularityError: the linkage locks before it gets there, or there the drivers do not determine how the joints move.
             AssemblyError: the loops do not close.
         """
-        named = frame_named(self, frame)
+        named = self.frame_named(frame)
         x, one = self._given(drivers, joints)
-        columns = frame_jacobian(self, named, x)
-        return columns[0] if one else columns
+        columns = moving_frame(self.loops_in_space, x, named).columns
+        wrong = ~np.isfinite(columns).all(axis=(0, 1))
+        if wrong.any():
+            state = int(np.argmax(wrong))
+            problem = f"{self.name} locks in state {state}, where its drivers do not determine how it moves: leave the state out"
+            place = self.structure.place(x[:, state])
+            raise SingularityError(problem, float(x[self.driver_indices[0], state]), 0.0, place, x[list(self.driver_indices), state])
+        by_state = np.ascontiguousarray(columns.transpose(2, 0, 1))
+        return by_state[0] if one else by_state
+
+    def frame_named(self, link: object) -> Frame:
+        """The frame of a link, which may be one that is welded to another by a fixed joint.
+
+        Raises:
+            UnknownNameError: the linkage has no such link.
+        """
+        if not isinstance(link, str) or link not in self.links:
+            raise UnknownNameError("link", link, self.links)
+        return Frame.of(self.frame_of(link))
+
+    @property
+    def loops_in_space(self) -> Loops:
+        """The constants of the equations in space."""
+        engine = self.engine("space")
+        assert isinstance(engine, SpatialEngine)
+        return engine.loops
 
     def _given(self, drivers: ArrayLike | None, joints: ArrayLike | None) -> tuple[Array, bool]:
         """Closed joint coordinates (nv, n) by one of two arguments, and whether they are of one position of the drivers."""
         if (drivers is None) == (joints is None):
             raise PinpressError("give drivers=..., the positions of the drivers, or joints=..., the joint_position of a motion")
-        return (closed_coordinates(self, joints), False) if drivers is None else self._closed_at("drivers", drivers)
+        if drivers is not None:
+            return self._closed_at("drivers", drivers)
+        x = numbers("joints", joints, (None, len(self.joints))).T
+        gaps = self.engine("space").gaps(x)
+        if not gaps.max(initial=0.0) <= max(LOOSEST * self.size, self.structure.tolerance):
+            state = int(gaps.argmax())
+            raise PinpressError(
+                f"joints leave a loop of {self.name} open by {gaps[state]:.3g} m in state {state}: give the joint_position of a motion of"
+                " this linkage, or the positions of its drivers, drivers=..."
+            )
+        return x, False
 
     def constraint_models(self) -> tuple[pin.PointAnchorConstraintModel | pin.FrameAnchorConstraintModel, ...]:
         """Pinocchio's own models of the constraints that close the loops, for its algorithms on ``model``. Made anew in each call.

@@ -300,6 +300,11 @@ def leg():
 
 
 @cache
+def limit_uses():
+    return pp.measures.joint_limits(pp.inverse_dynamics(leg(), pp.servo_cycle(leg(), [[0.0, 0.1], [0.1, 0.2]], speed=1.0)))
+
+
+@cache
 def workspace():
     return pp.measures.workspace(leg(), "foot", {"hip": (-0.5, 0.5), "crank": (-1.4, 0.4)}, points=5)
 
@@ -438,6 +443,7 @@ def made():
             pp.dead_centres(press()),
             pp.measures.duty_cycle(run()),
             *pp.measures.least_transmission_angles(press()),
+            limit_uses()[0],
             *checked(),
             workspace(),
         ),

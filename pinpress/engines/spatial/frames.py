@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 
 from ...common.quantities import Array
 from ..body_motion import cross
-from .bodies import Placements, motion_axes
+from .bodies import Placements, motion_axes, placements
 from .closing import PassiveColumns
 from .equations import Equations, Loops, equations
 
@@ -25,6 +26,11 @@ class Frame(NamedTuple):
     joint: int
     rotation: Array
     point: Array
+
+    @staticmethod
+    def of(frame: pin.Frame) -> Frame:
+        """The frame of a link in a model."""
+        return Frame(int(frame.parentJoint), frame.placement.rotation.copy(), frame.placement.translation.copy())
 
     def rotations(self, placed: Placements) -> Array:
         """(3, 3, n) from the frame to the world."""
@@ -44,6 +50,16 @@ class Frame(NamedTuple):
             result[:3, carrying] = (axes[:, 1] + cross(axes[:, 0], at[None])).swapaxes(0, 1)
             result[3:, carrying] = axes[:, 0].swapaxes(0, 1)
         return result
+
+
+def placed_frame(loops: Loops, frame: Frame, x: Array) -> Array:
+    """Homogeneous matrices (n, 4, 4) from a frame to the world, at joint coordinates (nv, n)."""
+    at = placements(loops.bodies, x)
+    result = np.zeros((x.shape[1], 4, 4))
+    result[:, :3, :3] = frame.rotations(at).transpose(2, 0, 1)
+    result[:, :3, 3] = at.point(frame.joint, frame.point).T
+    result[:, 3, 3] = 1.0
+    return result
 
 
 class Moving(NamedTuple):

@@ -12,14 +12,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..common.arguments import numbers, typed
-from ..common.errors import PinpressError
-from ..common.quantities import Array
-from ..engines.mounting import Mounted, Mounting
-from ..engines.spatial.frames import Frame
-from ..linkage.assembly import close_on_branch, follow_drivers
-from ..linkage.frames import frame_named, placed_frame
-from ..linkage.linkage import Linkage
+from ...common.arguments import numbers, typed
+from ...common.errors import PinpressError
+from ...common.quantities import Array
+from ...engines.mounting import Mounted, Mounting
+from ...engines.spatial.frames import Frame, placed_frame
+from ...linkage.assembly import close_on_branch, follow_drivers
+from ...linkage.linkage import Linkage
 
 LONGEST = 0.6  # of a joint from place to place [rad, lengths of the linkage]: with a longer one the way between them shows how it goes on
 HALVINGS = 10  # most halvings of the way between two places
@@ -49,7 +48,7 @@ def inverse_kinematics(press: Linkage, frame: str, places: ArrayLike) -> Array:
         PinpressError: a place out of reach, with how near the frame comes to it; a way between two places on which the linkage would jump
             to another assembly; an array of another shape, or matrices that are no placements.
     """
-    named, targets = frame_named(press, frame), _targets(places)
+    named, targets = press.frame_named(frame), _targets(places)
     reaching, x, found = _Reaching(press, named, targets.oriented), press.closed, []
     for index, (rotation, point) in enumerate(zip(targets.rotation, targets.point, strict=True)):
         target = pin.SE3(rotation, point)
@@ -161,7 +160,7 @@ class _Reaching(Mounting):
 
     def at(self, x: Array) -> pin.SE3:
         """Where the frame is at joint coordinates (nv,)."""
-        return pin.SE3(placed_frame(self.press, self.frame, x[:, None])[0])
+        return pin.SE3(placed_frame(self.press.loops_in_space, self.frame, x[:, None])[0])
 
     def errors(self, placed: pin.SE3, target: pin.SE3) -> tuple[float, float]:
         """How far a place is from another one [m], and by what angle it is turned [rad]."""

@@ -9,16 +9,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common import tables
-from ..common.arguments import number, typed, whole_number
-from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
-from ..common.quantities import Array, DriverCoordinate
-from ..common.results import Tabular
-from ..engines.mounting import limits
-from ..engines.spatial.frames import moving_frame
-from ..linkage.assembly import follow_drivers, refuse_far
-from ..linkage.frames import frame_named, loops_of, placed_frame
-from ..linkage.linkage import Linkage
+from ...common import tables
+from ...common.arguments import number, typed, whole_number
+from ...common.errors import PinpressError, SingularityError, UnknownNameError, shown
+from ...common.quantities import Array, DriverCoordinate
+from ...common.results import Tabular
+from ...engines.mounting import limits
+from ...engines.spatial.frames import moving_frame, placed_frame
+from ...linkage.assembly import follow_drivers, refuse_far
+from ...linkage.linkage import Linkage
 
 WAYS = ((0, 1), (0, -1), (1, 0), (-1, 0))  # from a node of the grid to its neighbours
 
@@ -103,7 +102,7 @@ def workspace(
         PinpressError: other than two drivers, ends that are not finite or equal, beyond the limits of a driver that slides.
         SingularityError: the linkage locks on the way from its home pose to the nearest node.
     """
-    named, count = frame_named(press, frame), whole_number("points", points, 3, 1000)
+    named, count = press.frame_named(frame), whole_number("points", points, 3, 1000)
     for name in ranges:
         if name not in press.drivers:
             raise UnknownNameError("driver", name, press.drivers)
@@ -118,8 +117,8 @@ def workspace(
     flooded = _flood(press, grid)
     place, loop_margin, frame_margin = np.full((count, count, 3), np.nan), *np.full((2, count, count), np.nan)
     x = flooded.position[:, flooded.reached]
-    moving = moving_frame(loops_of(press), x, named, with_margins=True)
-    place[flooded.reached] = placed_frame(press, named, x)[:, :3, 3]
+    moving = moving_frame(press.loops_in_space, x, named, with_margins=True)
+    place[flooded.reached] = placed_frame(press.loops_in_space, named, x)[:, :3, 3]
     loop_margin[flooded.reached] = moving.margins
     full = len(press.drivers) > 3 if oriented is None else oriented
     lengths = np.array([1.0 if each.turns else press.size for each in press.driver_coordinates])
