@@ -54,6 +54,7 @@ from .mechanism import (
 )
 
 WORLD = "world"
+CLOSES = "pinpress:closes_loop"  # element of a joint that closes a loop; other programs skip it
 _MODEL = "__model__"
 
 _KNOWN = {  # elements that are read or say nothing of the mechanics
@@ -275,7 +276,7 @@ class _Reader:
         holding = [bearing for name, bearing in bearings.items() if name not in geared]
         root, held = self._root(holding)
         names = [WORLD, *self.links] if root == WORLD else list(self.links)
-        chosen = spanning_tree(root, names, [Edge(b.parent, b.child, _rank(b.type)) for b in holding])
+        chosen = spanning_tree(root, names, [Edge(b.parent, b.child, _rank(b)) for b in holding])
         if chosen.lost:
             lost = self.links[chosen.lost[0]]
             refuse(self.file, lost, f"no joint connects it to {root!r}", "connect it with a <joint>")
@@ -599,6 +600,9 @@ class _Reader:
                     yield name, origin_of(element)
 
 
-def _rank(kind: str) -> int:
-    """Rank in which the tree takes a joint: first those that cannot close a loop, then those that hold more, and balls last."""
-    return {"prismatic": 0, "universal": 0, "revolute2": 0, "fixed": 1, "ball": 3}.get(kind, 2)
+def _rank(bearing: _Bearing) -> int:
+    """Rank in which the tree takes a joint: first those that cannot close a loop, then those that hold more, balls, last those that close
+    loops as a file of ours says."""
+    if bearing.element.all(CLOSES):
+        return 4
+    return {"prismatic": 0, "universal": 0, "revolute2": 0, "fixed": 1, "ball": 3}.get(bearing.type, 2)

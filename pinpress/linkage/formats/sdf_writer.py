@@ -20,9 +20,9 @@ from ..text import MOMENTS, as_text, tag
 from ..writing import drawn_text
 from .elements import make_unique
 from .mechanism import Follow, Joint, Link, Loop, Mechanism, Shape
+from .sdf import CLOSES, WORLD
 from .urdf import mechanism_of
 
-WORLD = "world"
 LEAST = 1e-15, 1e-18  # mass and moments of moving links without mass, as SDF gives a link without them 1 kg and 1 kg m2 [kg, kg m2]
 TYPES = {"spherical": "ball", "revolute": "revolute", "fixed": "fixed"}
 PLUGIN = {"filename": "gz-sim-joint-controller-system", "name": "gz::sim::systems::JointController"}
@@ -34,8 +34,7 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
 
     SDF has no place for a pose in which a linkage starts: links stand in the closed home pose, and there all joints are at zero; limits,
     springs and gears are moved with them. Loops are ball, revolute and fixed joints, gear pairs ``<mimic>``, drivers the joints of
-    Gazebo's joint controller. `load` reads the file again, and cuts the same loops unless fixed ones are among them; give it gravity and
-    slide again.
+    Gazebo's joint controller. `load` reads the file again; give it gravity and slide.
 
     Args:
         press: the linkage.
@@ -45,8 +44,8 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
         PinpressError: a relation of more than two joints, which SDF does not know; the path cannot be written.
 
     Warns:
-        PinpressWarning: what SDF does not hold and was left out: armature, the ``<tool>`` of the slide; a joint that had to get another
-            name.
+        PinpressWarning: what SDF does not hold and was left out: armature, the ``<tool>`` of the slide; a link that had to get another
+            name; inertia that no body has, which Gazebo refuses.
     """
     document = Document(press.file, drawn_text(press))
     drawn = _with_gears(mechanism_of(document), press.name)
@@ -54,10 +53,19 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     for link in document.robot.all("link"):
         if link.all("tool"):
             caution(f"{press.name}: SDF does not hold the <tool> of link {link.get('name')!r}: it was left out")
+    for link in mechanism.links:
+        if link.inertia is not None and link.inertia.mass and _is_odd(link.inertia.tensor):
+            caution(f"{press.name}: link {link.name!r} has moments of inertia that no body has, which Gazebo refuses; written as they are")
     for joint in mechanism.joints:
         if joint.armature:
             caution(f"{press.name}: SDF does not hold the armature of joint {joint.name!r}, {joint.armature:g}: it was left out")
     return files.write(path, ("\n".join(_Writer(mechanism, _places(drawn, press.root), press).lines()) + "\n").encode())
+
+
+def _is_odd(tensor: Array) -> bool:
+    """Whether no body has a tensor: a principal moment that is not positive, or larger than the sum of the others."""
+    smallest, middle, largest = np.linalg.eigvalsh(tensor)
+    return bool(smallest <= 0.0 or smallest + middle < (1 - 1e-9) * largest)
 
 
 def _without_free_joints(mechanism: Mechanism, root: str, bases: Mapping[str, Sequence[str]]) -> Mechanism:
@@ -92,13 +100,13 @@ class _Writer:
     def __init__(self, mechanism: Mechanism, places: Mapping[str, pin.SE3], press: Linkage) -> None:
         self.mechanism, self.places, self.drivers = mechanism, places, press.motors
         self.root, self.moving = press.root, {link for link, body in press.document.description.bodies.items() if body != press.root}
-        taken = {link.name for link in mechanism.links} | {WORLD}
-        self.names: dict[str, str] = {}  # of joints and loops: in SDF links and joints share names
-        for name in (part.name for part in (*mechanism.joints, *mechanism.loops)):
-            self.names[name] = make_unique(name if name not in taken else f"{name}_joint", taken)
+        taken = {part.name for part in (*mechanism.joints, *mechanism.loops)}
+        self.names = {WORLD: WORLD}  # of links: in SDF they share names with joints
+        for name in (link.name for link in mechanism.links if link.name != WORLD):
+            self.names[name] = make_unique(name if name not in taken else f"{name}_link", taken)
             taken.add(self.names[name])
             if self.names[name] != name:
-                caution(f"{press.name}: joint {name!r} is called {self.names[name]!r} in SDF, because a link has its name")
+                caution(f"{press.name}: link {name!r} is called {self.names[name]!r} in SDF, because a joint has its name")
         self.held = make_unique(f"{self.root}_to_world", taken)
 
     def lines(self) -> Iterator[str]:
@@ -111,22 +119,19 @@ class _Writer:
                 yield from self._link(link)
         if self.root != WORLD and any(link.name == self.root for link in self.mechanism.links):
             yield from self._bearing(self.held, "fixed", WORLD, self.root, "")
-        # A reader that closes loops at the last joints of a file then keeps drivers, geared and sprung joints in its tree.
-        followed = {joint.follow.leader for joint in self.mechanism.joints if joint.follow}
-        first = {*self.drivers, *followed, *(joint.name for joint in self.mechanism.joints if joint.follow or joint.spring)}
-        for joint in sorted(self.mechanism.joints, key=lambda joint: joint.name not in first):
+        for joint in self.mechanism.joints:
             kind = "continuous" if joint.type == "revolute" and joint.limits is None else joint.type
-            yield from self._bearing(self.names[joint.name], kind, joint.parent, joint.child, self._axis(joint))
+            yield from self._bearing(joint.name, kind, joint.parent, joint.child, self._axis(joint))
         for loop in self.mechanism.loops:
             yield from self._loop(loop)
         if self.drivers:
-            driven = "".join(f"<joint_name>{_escaped(self.names[name])}</joint_name>" for name in self.drivers)
+            driven = "".join(f"<joint_name>{_escaped(name)}</joint_name>" for name in self.drivers)
             yield f"    {tag('plugin', PLUGIN, driven)}"
         yield "  </model>"
         yield "</sdf>"
 
     def _link(self, link: Link) -> Iterator[str]:
-        yield f"    {tag('link', {'name': link.name})[:-2]}>"
+        yield f"    {tag('link', {'name': self.names[link.name]})[:-2]}>"
         yield f"      {_pose(self.places[link.name])}"
         inertia = link.inertia
         if inertia is not None and inertia.mass:
@@ -142,7 +147,7 @@ class _Writer:
         yield "    </link>"
 
     def _bearing(self, name: str, kind: str, parent: str, child: str, content: str) -> Iterator[str]:
-        ends = f"<parent>{_escaped(parent)}</parent><child>{_escaped(child)}</child>"
+        ends = f"<parent>{_escaped(self.names[parent])}</parent><child>{_escaped(self.names[child])}</child>"
         yield f"    {tag('joint', {'name': name, 'type': kind}, ends + content)}"
 
     def _axis(self, joint: Joint) -> str:
@@ -159,13 +164,13 @@ class _Writer:
             content += _numbers("dynamics", dynamics)
         if joint.follow is not None:
             ratio = _numbers("", {"multiplier": joint.follow.multiplier, "offset": joint.follow.offset, "reference": 0.0})
-            content += tag("mimic", {"joint": self.names[joint.follow.leader]}, ratio)
+            content += tag("mimic", {"joint": joint.follow.leader}, ratio)
         return tag("axis", {}, content)
 
     def _loop(self, loop: Loop) -> Iterator[str]:
         (parent, _), (child, place) = loop.ends
         axis = "" if loop.axis is None else tag("axis", {}, f"<xyz>{as_text(loop.axis)}</xyz>")
-        yield from self._bearing(self.names[loop.name], TYPES[loop.type], parent, child, _pose(place) + axis)
+        yield from self._bearing(loop.name, TYPES[loop.type], parent, child, _pose(place) + axis + tag(CLOSES, {}))
 
 
 def _places(mechanism: Mechanism, root: str) -> dict[str, pin.SE3]:
