@@ -243,6 +243,7 @@ class DrivenPress:
         prescribed: the speed at which the one driver is held, whatever torque that takes; None: it is not held.
         flywheel: on the drive's side of the clutch.
         flywheels: of a linkage with several drivers, by their names.
+        held: drives that hold the speeds of motors of such a linkage, by their names.
         law: the efforts of all motors in place of drives, where there are several drivers; None: there is none.
         clutch: between drive and flywheel, and the crank; None: they turn together.
         brake: on the crank.
@@ -261,6 +262,7 @@ class DrivenPress:
     brake: Brake | None = None
     friction: FrictionLaw | None = None
     flywheels: Mapping[str, Flywheel] = field(default_factory=dict)
+    held: Mapping[str, PrescribedSpeed] = field(default_factory=dict)
     law: "MotorLaw | None" = None
 
     @property
@@ -484,7 +486,8 @@ def _with_several_drivers(
         rows = tuple(range(len(coordinates), len(coordinates) + len(press.motors)))
         coordinates += map(JointPosition, press.driver_indices[: len(rows)])
         law, drive = MotorLaw(_motor_law(drive), rows), None
-    drives: Mapping[str, Drive] = _by_driver(press, "drive", drive, Drive)
+    drives: Mapping[str, Any] = _by_driver(press, "drive", drive, Drive)
+    held = {name: part for name, part in drives.items() if isinstance(part, PrescribedSpeed)}
     flywheels: Mapping[str, Flywheel] = _by_driver(press, "flywheel", flywheel, Flywheel)
     inertias = np.zeros(len(press.drivers))
     for k, (name, joint) in enumerate(zip(press.drivers, press.driver_indices, strict=True)):
@@ -492,11 +495,13 @@ def _with_several_drivers(
             _refuse_parts_that_turn(name, {"drive": drives.get(name), "flywheel": flywheels.get(name)})
         if name in flywheels:
             inertias[k] += flywheels[name].inertia
-        if name in drives:
+        if name in drives and name not in held:
             inertias[k] += drives[name].inertia
             forces.append(GeneralizedForce(len(coordinates), 0.0, drive=drives[name]))
             coordinates.append(JointPosition(joint))
-    return DrivenPress(press, float(inertias[0]), inertias, tuple(coordinates), tuple(forces), flywheels=dict(flywheels), law=law)
+    return DrivenPress(
+        press, float(inertias[0]), inertias, tuple(coordinates), tuple(forces), flywheels=dict(flywheels), held=held, law=law
+    )
 
 
 def _motor_law(function: Any) -> caller_laws.Law:
@@ -513,9 +518,8 @@ def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[
     for joint, value in by_joint.items():
         if joint not in press.motors:
             raise UnknownNameError("driver", joint, press.motors)
-        if isinstance(value, PrescribedSpeed):
-            instead = "a ServoMotor follows a program, and servo_cycle moves all of them as given"
-            raise PinpressError(f"drive of {shown(joint)} is {shown(value)}, which holds the speed of a single driver: {instead}")
+        if isinstance(value, PrescribedSpeed) and kind is Drive:
+            continue
         if not isinstance(value, kind) or isinstance(value, type):
             raise PinpressError(f"{name} of {shown(joint)} is {shown(value)}: give a {kind.__name__}")
         if isinstance(value, Drive) and value.state:

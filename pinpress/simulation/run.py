@@ -96,7 +96,7 @@ class Run(Motion):
         """The same run in the states at other times (n,), rising, from 0 to its end [s]."""
         driven, sample = self.problem.driven, self.trajectory.at(times)
         motion = _close_loops(driven.press, times, sample)
-        return _run_of(self.problem, self.trajectory, motion, self.stats, _with_torques(driven, motion, sample))
+        return _run_of(self.problem, self.trajectory, motion, self.stats, _with_torques(driven, motion, sample, self.trajectory))
 
     @property
     def jumps(self) -> Array | None:
@@ -150,10 +150,10 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
         energy_error=error,
         sensitivity=sensitivity,
     )
-    return _run_of(problem, trajectory, motion, stats, _with_torques(driven, motion, sample))
+    return _run_of(problem, trajectory, motion, stats, _with_torques(driven, motion, sample, trajectory))
 
 
-def _with_torques(driven: DrivenPress, motion: Motion, sample: Sample) -> Sample:
+def _with_torques(driven: DrivenPress, motion: Motion, sample: Sample, trajectory: Trajectory) -> Sample:
     """A sample with the torques and speeds of all drives, where there are several."""
     if len(driven.inertias) == 1:
         return sample
@@ -161,6 +161,9 @@ def _with_torques(driven: DrivenPress, motion: Motion, sample: Sample) -> Sample
     torques = np.zeros_like(speeds)
     for k, drive in _several_drives(driven):
         torques[k] = drive.torque(speeds[k], motion.crank_angle[:, k], motion.time)
+    if driven.held:
+        rows = [driven.press.drivers.index(name) for name in driven.held]
+        torques[rows] = cast("TimeSegment", trajectory.segments[0]).held_efforts(motion.time)
     if (law := driven.law) is not None:
         motors = len(law.rows)
         states = zip(motion.time.tolist(), motion.crank_angle[:, :motors], motion.crank_speed[:, :motors], strict=True)
@@ -331,13 +334,14 @@ def inputs_of(reactions: Reactions) -> inputs.Inputs:
     parts = {"drive": driven.drive or driven.prescribed, "flywheel": driven.flywheel, "clutch": driven.clutch, "brake": driven.brake}
     described = [(name, inputs.described(as_given(part), coordinates[0])) for name, part in parts.items() if part is not None]
     described += [(f"drive at {run.drivers[k]}", inputs.described(as_given(drive), coordinates[k])) for k, drive in several]
+    described += [(f"drive at {name}", inputs.described(part, coordinates[run.drivers.index(name)])) for name, part in driven.held.items()]
     if len(driven.inertias) > 1 and driven.inertias.any():
         units = (coordinate.in_place_of("kg m2") for coordinate in coordinates)
         inertias = (f"{inertia:.9g} {unit} at {name}" for inertia, unit, name in zip(driven.inertias, units, run.drivers, strict=True))
         described.append(("flywheels and drives", f"inertia {', '.join(inertias)}"))
     if driven.law is not None:
         described.insert(0, ("drive", f"function {getattr(driven.law.law.call, '__name__', 'of the caller')} of the state of all motors"))
-    elif not several and parts["drive"] is None:
+    elif not (several or driven.held) and parts["drive"] is None:
         described.insert(0, ("drive", "none"))
     by = stats.solvers if run.constraint_solution is None else (*stats.solvers, run.constraint_solution.algorithm)
     how = f", method {stats.method!r} by {', '.join(by)}, " + (

@@ -62,7 +62,7 @@ def simulate(
     *,
     speed: ArrayLike = ...,
     angle: ArrayLike | None = ...,
-    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | MotorFunction | None = ...,
+    drive: Drive | PrescribedSpeed | Mapping[str, Drive | PrescribedSpeed] | MotorFunction | None = ...,
     flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
     clutch: Clutch | None = ...,
     brake: Brake | None = ...,
@@ -84,7 +84,7 @@ def simulate(
     *,
     speed: ArrayLike = ...,
     angle: ArrayLike | None = ...,
-    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | MotorFunction | None = ...,
+    drive: Drive | PrescribedSpeed | Mapping[str, Drive | PrescribedSpeed] | MotorFunction | None = ...,
     flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
     clutch: Clutch | None = ...,
     brake: Brake | None = ...,
@@ -106,7 +106,7 @@ def simulate(
     *,
     speed: ArrayLike = 0.0,
     angle: ArrayLike | None = None,
-    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | MotorFunction | None = None,
+    drive: Drive | PrescribedSpeed | Mapping[str, Drive | PrescribedSpeed] | MotorFunction | None = None,
     flywheel: Flywheel | Mapping[str, Flywheel] | None = None,
     clutch: Clutch | None = None,
     brake: Brake | None = None,
@@ -122,9 +122,9 @@ def simulate(
     """Let a press run. `simulate_batch` runs several scenarios at once.
 
     A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (without states of their own) and flywheels by
-    the names of the drivers' joints; its method is "auto" or "constraint". Passive coordinates (`Linkage.passive`) have no drive, and
-    springs of the file act in any run. With (motors,) of ``speed`` and ``angle`` the passive coordinates begin at rest, where the linkage
-    was put together.
+    the names of the drivers' joints; its method is "auto" or "constraint". A `PrescribedSpeed` holds a motor at a constant speed, whatever
+    the others do. Passive coordinates (`Linkage.passive`) have no drive, and springs of the file act in any run. With (motors,) of
+    ``speed`` and ``angle`` the passive coordinates begin at rest, where the linkage was put together.
 
     Args:
         press: the linkage.
@@ -207,7 +207,9 @@ def simulate(
     return run
 
 
-def _doubt_programs(press: Linkage, drive: Drive | PrescribedSpeed | Mapping[str, Drive] | MotorFunction | None, speeds: Array) -> None:
+def _doubt_programs(
+    press: Linkage, drive: Drive | PrescribedSpeed | Mapping[str, Drive | PrescribedSpeed] | MotorFunction | None, speeds: Array
+) -> None:
     """Warn of servo motors whose program stands still where the run begins, though their driver moves there."""
     drives = drive if isinstance(drive, Mapping) else {press.driver: drive}
     for driver, coordinate, speed in zip(press.drivers, press.driver_coordinates, speeds, strict=True):
@@ -337,6 +339,13 @@ def _problem(
             unit = driven.press.driver_coordinates[0].heads[1][1]
             raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {prescribed.speed:g} {unit}: leave speed out")
         method, speeds = "reduced", np.array([prescribed.speed])
+    for name, part in driven.held.items():
+        k = driven.press.drivers.index(name)
+        if speeds[k] not in (0.0, part.speed):
+            raise PinpressError(
+                f"speed of {name} is {speeds[k]:g}, but its drive prescribes {part.speed:g}: leave it out, or write the same"
+            )
+        speeds[k] = part.speed
     if method == "implicit" and step is not None:
         raise PinpressError("step is of the classical Runge-Kutta method: leave it out with method='implicit'")
     return SimulationProblem(driven, method, angles, speeds, until, tolerance, step)

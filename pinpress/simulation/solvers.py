@@ -251,7 +251,7 @@ def _all_joints_over_time(problem: SimulationProblem, progress: Progress | None)
     from .over_time.time_solver import Settings, integrate  # imports SciPy's integrators
 
     driven, press, angle, speed = problem.driven, problem.driven.press, problem.angle, problem.speed
-    joints = FullDynamics(press, driven.coordinates, driven.inertias)
+    joints = FullDynamics(press, driven.coordinates, driven.inertias, driven.held)
     system, several = HybridSystem(joints, driven), len(press.drivers) > 1
     first = servo_cycle(press, angle=angle[None], speed=speed[None]) if several else motion_through_change_points(press, angle, speed)
     mode, y = system.begin(0.0, first.joint_position[0], first.v[0], np.zeros(len(INTEGRALS)))

@@ -170,7 +170,6 @@ def test_a_program_that_stands_still_where_the_run_moves_is_doubted():
         ({"drive": pp.drives.ConstantTorque(1.0)}, "give a Drive for each, drive={'left-roll-op': "),
         ({"drive": {"elbow": pp.drives.ConstantTorque(1.0)}}, "no driver 'elbow'"),
         ({"drive": {"left-roll-op": 5.0}}, "drive of 'left-roll-op' is 5.0"),
-        ({"drive": {"left-roll-op": pp.drives.PrescribedSpeed(1.0)}}, "which holds the speed of a single driver: a ServoMotor follows"),
         ({"drive": {"left-roll-op": SLIPPING}}, "drive of 'left-roll-op' has states of its own"),
         ({"speed": [1.0, 2.0]}, "one of each of the 12 drivers"),
         ({"brake": pp.drives.Brake(5.0)}, "clutch and brake are for one"),

@@ -46,6 +46,18 @@ def test_a_motor_and_a_damped_spring_move_as_inverse_dynamics_says():
     assert run.stats.energy_error < 1e-9
 
 
+def test_a_motor_that_is_held_at_a_speed_takes_the_torque_of_inverse_dynamics():
+    press = five_bar(1, JointSpring("knee_a", 12.0, 0.1, 0.02))
+    run = pp.simulate(press, 0.6, angle=[0.2], drive={"turn_a": pp.drives.PrescribedSpeed(-1.5)}, points=13)
+    np.testing.assert_allclose(run.crank_angle[:, 0], 0.2 - 1.5 * run.time, atol=1e-9)
+    forces = pp.inverse_dynamics(press, run)
+    np.testing.assert_allclose(run.drive_torque, forces.driving_torque, atol=1e-8)
+    np.testing.assert_allclose(run.a, forces.motion.a, atol=1e-9 * np.abs(run.a).max())
+    assert run.stats.energy_error < 1e-10
+    with pytest.raises(pp.PinpressError, match=r"speed of turn_a is 2, but its drive prescribes -1\.5"):
+        pp.simulate(press, 0.6, speed=[2.0], drive={"turn_a": pp.drives.PrescribedSpeed(-1.5)})
+
+
 def test_a_floating_linkage_keeps_its_momentum():
     press = pp.load(ROBOTS / "18_floating_base.urdf", base="floating", gravity=(0, 0, 0), drivers=["turn_a", "turn_b", *BASE])
     press = replace(press, passive=BASE)

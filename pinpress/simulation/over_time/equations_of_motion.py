@@ -5,7 +5,7 @@ reduced model of `reduced_model`; all joints are those of Pinocchio's constraint
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
@@ -166,14 +166,16 @@ class ConstraintSolution(Record, units={"mu": "1/kg", "tolerance": "N"}):
 class FullDynamics:
     """All joints, one state at a time by `ForwardDynamics`; loops are kept closed by projection after every step."""
 
-    def __init__(self, press: Linkage, coordinates: Sequence[Coordinate], inertia: Array) -> None:
+    def __init__(self, press: Linkage, coordinates: Sequence[Coordinate], inertia: Array, held: Collection[str] = ()) -> None:
         """Prepare what does not change with the state.
 
         Args:
             press: the linkage.
             coordinates: along which forces act.
             inertia: (drivers,) of flywheels and drives at the drivers [kg m2].
+            held: names of motors whose speeds are held.
         """
+        self.held = [press.joints.index(name) for name in held]
         self.press, self.size = press, len(press.joints)
         self.drivers, self.crank = list(press.driver_indices), press.driver_indices[0]
         self.coordinates, self.inertia = tuple(coordinates), inertia
@@ -207,17 +209,42 @@ class FullDynamics:
         return LinkageState(float(position[self.crank]), float(speed[self.crank]), coordinates, levers, position, speed)
 
     def accelerations(self, instant: LinkageState, torque: float, forces: Sequence[float], inertia: float) -> Array:
-        efforts = np.zeros(self.size)
-        efforts[self.crank] = torque
-        for force, lever in zip(forces, instant.levers, strict=False):
-            if force:
-                efforts += force * lever
+        if self.held:
+            return self.holding(instant, forces)[0]
+        efforts = self._efforts(instant, torque, forces)
         try:
             if (along := self._beside(instant.x)) is not None:
                 return self._with(inertia).acceleration_along(*along, instant.speed, efforts)
             return self._with(inertia).acceleration(instant.x, instant.v, efforts)
         except PinpressError:  # NaN makes an integrator that looks ahead try a shorter step
             return np.full(self.size, np.nan)
+
+    def _efforts(self, instant: LinkageState, torque: float, forces: Sequence[float]) -> Array:
+        """Efforts (size,) of the joints under a torque on the crank and forces along the coordinates."""
+        efforts = np.zeros(self.size)
+        efforts[self.crank] = torque
+        for force, lever in zip(forces, instant.levers, strict=False):
+            if force:
+                efforts += force * lever
+        return efforts
+
+    def holding(self, instant: LinkageState, forces: Sequence[float]) -> tuple[Array, Array]:
+        """Accelerations (size,) under forces along the coordinates, and the efforts (held,) that hold the speeds of motors.
+
+        Accelerations are linear in efforts, so that one more acceleration for each motor shows what holds them.
+        """
+        efforts, dynamics = self._efforts(instant, 0.0, forces), self._with(float(self.inertia[0]))
+        try:
+            a = dynamics.acceleration(instant.x, instant.v, efforts)
+            pushed = efforts + np.eye(self.size)[self.held]
+            answers = np.array([dynamics.acceleration(instant.x, instant.v, each) for each in pushed]) - a
+            for _ in range(2):  # the second step takes off what differences of accelerations have left
+                efforts[self.held] += np.linalg.solve(answers[:, self.held].T, -a[self.held])
+                a = dynamics.acceleration(instant.x, instant.v, efforts)
+        except (PinpressError, np.linalg.LinAlgError):  # NaN makes an integrator that looks ahead try a shorter step
+            return np.full(self.size, np.nan), np.full(len(self.held), np.nan)
+        a[self.held] = 0.0
+        return a, efforts[self.held]
 
     def of_crank(self, accelerations: Array) -> float:
         return float(accelerations[self.crank])

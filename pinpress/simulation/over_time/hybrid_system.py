@@ -25,7 +25,7 @@ from ..coupling import HOLDING, OPEN, SLIPPING, CouplingMode, Side, coupling_at_
 from ..driven_press import DrivenPress, GeneralizedForce
 from ..failures import failure
 from ..trajectory import INTEGRALS
-from .equations_of_motion import Dynamics
+from .equations_of_motion import Dynamics, FullDynamics
 
 AHEAD = 1e-9  # time looked ahead to see into which interval a force goes, with several drivers, and what a clutch that closes does [s]
 LITTLE = 1e-7  # crank angle looked ahead to see into which interval a force goes [rad]
@@ -225,7 +225,11 @@ class HybridSystem:
         through, braking = self._coupling_torques(mode, time)
         rigid, result, accelerated, rubbing = mode.clutch.grip is HOLDING, np.zeros(len(y)), 0.0, 0.0
         if not mode.rests:
-            accelerations, rubbing = self._accelerations(mode, linkage, torque if rigid else through, braking, forces)
+            if driven.held:
+                accelerations, holding = self._all_joints.holding(linkage, forces)
+                put_in += float(holding.dot(y[n : 2 * n][self._all_joints.held]))
+            else:
+                accelerations, rubbing = self._accelerations(mode, linkage, torque if rigid else through, braking, forces)
             result[:n], result[n : 2 * n] = y[n : 2 * n], accelerations
             accelerated = self.dynamics.of_crank(accelerations)
         if driven.drive is not None and states:
@@ -236,6 +240,17 @@ class HybridSystem:
         lost = through * (shaft_speed - linkage.speed) - (braking + rubbing) * linkage.speed
         result[-len(INTEGRALS) :] = (torque * shaft_speed + put_in, load_power, motor * motor + squared, lost)
         return result
+
+    def held_efforts(self, mode: Mode, time: float, y: Array) -> Array:
+        """Efforts (held,) that hold the speeds of motors."""
+        linkage = self.at(y).linkage
+        return self._all_joints.holding(linkage, self._forces(mode, time, linkage)[0])[1]
+
+    @property
+    def _all_joints(self) -> FullDynamics:
+        """The linkage as all its joints, which is how one with several drivers is integrated."""
+        assert isinstance(self.dynamics, FullDynamics)
+        return self.dynamics
 
     def _coupling_torques(self, mode: Mode, time: float) -> tuple[float, float]:
         """Friction torques on the crank of a clutch that slips, and of a brake while the crank turns [N m]."""

@@ -126,6 +126,12 @@ class TimeSegment:
         states = system.drive_states(columns)
         return Sample(columns[:size], columns[size : 2 * size], accelerations, *driving, states, columns[-integrals:])
 
+    def held_efforts(self, times: Array) -> Array:
+        """Efforts (held, n) that hold the speeds of motors at times (n,), see `DrivenPress.held`."""
+        owner, columns = self._vectors(times)
+        parts = zip(owner.tolist(), times.tolist(), columns.T.copy(), strict=True)
+        return np.array([self.system.held_efforts(self.modes[k], time, y) for k, time, y in parts]).T
+
     def _vectors(self, times: Array) -> tuple[NDArray[np.intp], Array]:
         """Numbers (n,) of the pieces at times (n,), and the vectors (len(y), n) there."""
         owner = np.clip(np.array(self.times).searchsorted(times, side="left"), 0, len(self.times) - 1)
