@@ -51,6 +51,11 @@ def mount(press: Linkage, pose: Mapping[str, float] | None = None) -> Linkage:
     of_file = press.document.description.home
     if not home and not of_file and closed_as_drawn(press):
         return press
+    if not home and of_file:  # a file that pinpress wrote, or a keyframe with all joints, is closed but for rounding
+        as_it_stands = _near(press, of_file, HOME)[0]
+        placed = replace(press, home=tuple(as_it_stands.start.tolist()), mounted=as_it_stands.how)
+        if closes_nearby(placed, as_it_stands.start):
+            return replace(placed, home=tuple(placed.closed.tolist()))
     mounting, best, how = Mounting(press.structure), Mounted(press.assembly.start, np.inf), ""
     if home and closed_as_drawn(press) and not press.assembly.determined:
         rung = _near(press, home, POSE)[0]
@@ -140,8 +145,12 @@ def _pose(press: Linkage, pose: Mapping[str, float]) -> dict[str, float]:
 
 def closed_as_drawn(press: Linkage) -> bool:
     """Whether the drawn pose is closed, but for what a short step of Newton's method closes."""
-    assembly = press.assembly
-    return assembly.closes and bool((np.abs(assembly.closed - assembly.start) <= NEAR * press.lengths).all())
+    return closes_nearby(press, press.assembly.start)
+
+
+def closes_nearby(press: Linkage, start: Array) -> bool:
+    """Whether Newton's method closes the home pose within a short step of a start (nv,)."""
+    return press.assembly.closes and bool((np.abs(press.closed - start) <= NEAR * press.lengths).all())
 
 
 def _near(press: Linkage, pose: Mapping[str, float], how: str) -> tuple[_Rung, ...]:

@@ -8,8 +8,6 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-RANK = 1e-9  # relative to the largest singular value
-
 
 class MujocoTerms:
     """A model at one state of a linkage.
@@ -77,13 +75,14 @@ class MujocoTerms:
                     row[0, model.jnt_dofadr[model.wrap_objid[part]]] += factor * model.wrap_prm[part]
         return row, np.zeros(1)
 
-    def torque(self, accelerations, held, free):
+    def torque(self, accelerations, held, free, rank=1e-9):
         """Torques of joints with given accelerations.
 
         Args:
             accelerations: by names of joints.
             held: names of joints without acceleration, whose torques are not asked for.
             free: number of freedoms that move freely.
+            rank: singular values up to this share of the largest one are zero.
         """
         model, data = self.model, self.data
         mass = np.zeros((model.nv, model.nv))
@@ -94,14 +93,14 @@ class MujocoTerms:
             row[model.joint(name).dofadr[0]] = 1.0
         rows = np.vstack([needed, chosen])
         right = np.concatenate([-drift, list(accelerations.values()), np.zeros(len(held))])
-        a = np.linalg.lstsq(rows, right, rcond=RANK)[0]
-        assert np.abs(rows @ a - right).max() < 1e-8 * (1 + np.abs(right).max())
+        a = np.linalg.lstsq(rows, right, rcond=rank)[0]
+        assert np.abs(rows @ a - right).max() < max(1e-8, rank) * (1 + np.abs(right).max())
         values, ways = np.linalg.svd(rows)[1:]
-        assert model.nv - np.count_nonzero(values > RANK * values[0]) == free
+        assert model.nv - np.count_nonzero(values > rank * values[0]) == free
         still = ways[model.nv - free :].T
         force = data.qfrc_passive - data.qfrc_bias
         a = a + still @ np.linalg.solve(still.T @ mass @ still, still.T @ (force - mass @ a))
-        multipliers = np.linalg.lstsq(rows.T, mass @ a - force, rcond=RANK)[0]
+        multipliers = np.linalg.lstsq(rows.T, mass @ a - force, rcond=rank)[0]
         return multipliers[len(needed) :][: len(accelerations)]
 
 
