@@ -385,7 +385,7 @@ def _table(follower: Follower, nodes: list[Node], passed: tuple[ChangePoint, ...
     closure = follower.close(angles, guess)
     moved = np.abs(closure.position - guess).max(axis=0)
     # Newton's method leaves a gap as small as this only where redundant equations contradict each other.
-    if follower.tolerance < closure.widest < 1e-6 * follower.size:
+    if follower.tolerance < closure.widest < max(1e-6 * follower.size, 10 * follower.tolerance):
         worst = int(np.argmax(closure.gap))
         raise AssemblyError(
             "the loops do not stay closed: they hold each other, so that lengths and angles must fit to all digits",

@@ -4,12 +4,15 @@ import re
 import warnings
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from support import texts
+from support.generators import random_linkages, random_scenes
 from support.generators.malformed_linkages import GOES, ROUNDED
 from support.generators.spatial_linkages import bennett, bricard, four_bar
 
 import pinpress as pp
+from pinpress.engines.structure import configuration
 from pinpress.kinematics.check import check
 
 AXIS = '<axis xyz="0 -1 0"/>'
@@ -177,3 +180,35 @@ def test_a_run_of_all_joints():
     )
     reduced, constraint = (run.crank_angle[-1] for run in runs)
     assert constraint == pytest.approx(reduced, abs=1e-6)
+
+
+def held_twice(press):
+    """The text of a planar linkage, each loop held at two points of its pin: six equations, two of which count."""
+    data = press.model.createData()
+    pin.framesForwardKinematics(press.model, data, configuration(press.slots, press.closed))
+    away, second = 0.1 * press.size * np.array(press.planarity.normal), ""
+    for each in press.document.description.loops:
+        ends = ""
+        for k, end in enumerate((each.link1, each.link2), 1):
+            place = data.oMf[press.model.getFrameId(end.link, pin.BODY)]
+            point = place.actInv(place.act(np.array(end.xyz)) + away)
+            ends += f'<link{k} link="{end.link}" xyz="{" ".join(map(repr, point.tolist()))}"/>'
+        second += f'<loop_joint name="{each.name}_second" type="spherical">{ends}</loop_joint>'
+    return press.text.decode().replace("</robot>", f"{second}</robot>")
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+@pytest.mark.parametrize("seed", [11, 18, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(20, 40))])
+def test_random_linkages_with_each_pin_held_twice(seed):
+    drawing = random_linkages.drawn(random_scenes.linkage_spec(np.random.default_rng(seed)))
+    if drawing is None:
+        pytest.skip("a group does not close")
+    planar = texts.load(drawing.urdf("crank"))
+    turned, exact = 0.5 * np.linspace(0.0, min(0.4, planar.branch.angles[-1]), 4), None  # half as far as it locks
+    twice = held_twice(planar)
+    for text, error in ((planar.text.decode(), 0.0), (twice, 1e-12), (rounded(twice, 5), 1e-2), (rounded(twice, 8), 1e-5)):
+        press = texts.load(text)
+        torque = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=turned, speed=2.0, acceleration=5.0)).driving_torque
+        exact = torque if exact is None else exact
+        assert press.mobility == 1
+        np.testing.assert_allclose(torque, exact, rtol=0, atol=error * np.abs(exact).max())
