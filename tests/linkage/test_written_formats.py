@@ -1,9 +1,10 @@
 """Linkages written in other formats and dialects, read back by our readers and by those of others."""
 
-import warnings
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import yourdfpy
 from reference.robots.cases import CASES
 from support import texts
 from support.generators.spatial_linkages import bennett, bricard, four_bar
@@ -12,12 +13,6 @@ import pinpress as pp
 from pinpress.pin_table.templates import template
 
 SAME = 1e-12  # of the largest value: placements are multiplied up and taken apart again
-
-
-def quietly(make, *arguments, **more):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", pp.PinpressWarning)
-        return make(*arguments, **more)
 
 
 LINKAGES = (
@@ -104,3 +99,22 @@ def test_robots_keep_their_torque_in_every_format(case, form, tmp_path):
     at = np.array(case.at) - at_zero * press.closed[list(press.driver_indices)]
     expected = torque(press, case, case.at)
     np.testing.assert_allclose(torque(again, case, at), expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", ["14_open_pose.urdf", "16_rod_cut_in_middle.urdf", "21_keyframe_home.xml", "13_urdfplus_coupling.urdf"])
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+@pytest.mark.filterwarnings("ignore:Conversion of an array:DeprecationWarning")  # of yourdfpy 0.0.56
+def test_a_urdf_with_home_at_zero_is_closed_for_another_reader(name, tmp_path):
+    """The places of links by yourdfpy, with all joints at zero, bring both ends of every loop together."""
+    case = next(case for case in CASES if case.file == name)
+    if case.path.suffix == ".xml":
+        pytest.importorskip("mujoco")
+    path = pp.write_urdf(pp.load(case.path, **case.load), tmp_path / "home.urdf", home=True)
+    read = yourdfpy.URDF.load(str(path), load_meshes=False, build_scene_graph=True)
+    read.update_cfg(np.zeros(len(read.actuated_joints)))
+    for loop in ElementTree.parse(path).getroot().findall("loop_joint"):
+        ends = []
+        for end in (loop.find("link1"), loop.find("link2")):
+            point = np.array(end.get("xyz", "0 0 0").split(), dtype=float)
+            ends.append((read.get_transform(end.get("link")) @ [*point, 1.0])[:3])
+        np.testing.assert_allclose(*ends, rtol=0, atol=1e-12)
