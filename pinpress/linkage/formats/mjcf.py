@@ -120,30 +120,19 @@ class _Reader:
         self.included = bool(_all(document.robot, "include"))
         self.remarks: list[Finding] = []
         self.balls: dict[int, tuple[str, ...]] = {}
-        self.taken: set[str] = set()
         self.bodies = self._by_id(spec.bodies)
         self.hinges = self._by_id(spec.joints)
         self.equalities = self._by_id(spec.equalities)
-        self.names: set[str] = {WORLD}  # of links and joints, which URDF does not distinguish
-        self.joint_names = self._names(self.hinges, "joint")
-        self.body_names = self._names(self.bodies, "body") | {0: WORLD}
+        self.taken: set[str] = set()  # names of joints and loops
+        self.links: set[str] = {WORLD}  # names of links
+        self.joint_names = _names(self.hinges, "joint", self.taken)
+        self.body_names = _names(self.bodies, "body", self.links) | {0: WORLD}
         self.free = {int(model.jnt_bodyid[k]): k for k in range(model.njnt) if model.jnt_type[k] == int(package.mjtJoint.mjJNT_FREE)}
         self.start = model.key_qpos[self._keyframe()] if model.nkey else model.qpos0
         self.drivers = dict(self._drivers())
 
     def _by_id(self, elements: Any) -> dict[int, Any]:
         return {int(element.id): element for element in elements}
-
-    def _names(self, elements: Mapping[int, Any], tag: str) -> dict[int, str]:
-        """Names of all elements; those without a name, or with that of a joint, get one."""
-        named_first = sorted(elements.items(), key=lambda item: (not item[1].name, item[0]))
-        return {k: self._unique(element.name or f"{tag}_{k}") for k, element in named_first}
-
-    def _unique(self, name: str) -> str:
-        """A name that no link and no joint has."""
-        name = make_unique(name, self.names)
-        self.names.add(name)
-        return name
 
     def _origin(self, element: Any, tag: str, name: str) -> Origin:
         """Origin of an element, as far as MuJoCo knows it: with several files it does not know which one."""
@@ -160,7 +149,6 @@ class _Reader:
             made, between = self._carrier(body, welds)
             joints += made
             links += between
-        self.taken |= {joint.name for joint in joints}
         joints, loops, relations = self._with_equalities(joints, set(welds.values()))
         self._remark_on_forces()
         fixed = {joint.name for joint in joints if joint.type == "fixed"}
@@ -326,7 +314,7 @@ class _Reader:
                 end, other = (place for _, place in self._places(welds[body]))
                 place = end * other.inverse() if self._end_bodies(welds[body])[1] == body else other * end.inverse()
             given = self.hinges[self.free[body]].name if body in self.free else ""
-            name = given or self._unique(f"{child}_{'free' if kind == 'floating' else 'fixed'}")
+            name = given or _unique(f"{child}_{'free' if kind == 'floating' else 'fixed'}", self.taken)
             return [Joint(name, kind, parent, child, place, np.array([1.0, 0.0, 0.0]), self._body_origin(body))], []
         made: list[Joint] = []
         links: list[Link] = []
@@ -336,7 +324,7 @@ class _Reader:
             last = step == len(steps) - 1
             origin = self._origin(self.hinges[k], "joint", self.joint_names[k])
             anchor = np.array(model.jnt_pos[k]) if self._turns(k) else reached
-            link = child if last else self._unique(f"{child}_{step + 1}")
+            link = child if last else _unique(f"{child}_{step + 1}", self.links)
             anchor = self._shift(body) if last else anchor
             made.append(self._joint(k, name, axis, parent, link, place * pin.SE3(np.eye(3), anchor - reached), origin))
             if not last:
@@ -349,7 +337,7 @@ class _Reader:
         name = self.joint_names[joint]
         if self.model.jnt_type[joint] != int(self.mujoco.mjtJoint.mjJNT_BALL):
             return [(np.array(self.model.jnt_axis[joint]), name)]
-        names = [self._unique(f"{name}_{axis}") for axis in "xyz"]
+        names = [_unique(f"{name}_{axis}", self.taken) for axis in "xyz"]
         self.balls[joint] = tuple(names)
         problem = f"a ball joint is made of revolute joints: {', '.join(names)}"
         self.remarks.append(remark("note", self._origin(self.hinges[joint], "joint", name), problem, ""))
@@ -441,7 +429,7 @@ class _Reader:
         for k, element in sorted(self.equalities.items()):
             tag = tags.get(int(self.model.eq_type[k]), "flex")
             ends = "_".join(self._ends(k)) if self._is_loop(k) else str(k)
-            name = make_unique(element.name or f"{tag}_{ends}", self.taken)
+            name = make_unique(element.name or f"{tag}_{ends}", self.taken)  # taken only by what is read
             origin = self._origin(element, tag, name)
             if not self.model.eq_active0[k]:
                 self.remarks.append(remark("note", origin, 'it is left out, as active="false" says', ""))
@@ -561,6 +549,19 @@ class _Reader:
         if loads:
             problem = f"actuators that act on no hinge or slide are not read: {', '.join(loads)}"
             self.remarks.append(remark("warning", self.root, problem, "drive joints, or give the forces as loads"))
+
+
+def _names(elements: Mapping[int, Any], tag: str, taken: set[str]) -> dict[int, str]:
+    """Names of all elements; those without a name get one."""
+    named_first = sorted(elements.items(), key=lambda item: (not item[1].name, item[0]))
+    return {k: _unique(element.name or f"{tag}_{k}", taken) for k, element in named_first}
+
+
+def _unique(name: str, taken: set[str]) -> str:
+    """A name that is not taken yet, which is taken now."""
+    name = make_unique(name, taken)
+    taken.add(name)
+    return name
 
 
 def _count(model: Any) -> int:

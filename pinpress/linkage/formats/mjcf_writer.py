@@ -18,11 +18,12 @@ from ...common import files
 from ...common.arguments import typed
 from ...common.errors import PinpressError, caution
 from ...common.quantities import Array
-from ...engines.constraints import Relation
+from ...engines.constraints import LoopJoint, Relation
 from ..description import FREE
 from ..element import Element
 from ..linkage import Linkage
 from ..text import as_text, tag
+from .elements import make_unique
 
 WORLD = "world"
 DRAWN = 1e-9  # coordinates of the closed pose up to which bodies are drawn at zero: less is rounding of the file [rad or m]
@@ -133,12 +134,13 @@ class _Tree:
         inertia, of_world = press.model.inertias[joint], not joint and first[0] == WORLD
         inside = indent if of_world else indent + "  "
         if not of_world:
-            yield indent + _opening("body", {"name": first[0]} | _place(self._placement(joint, self.drawn)))
+            name = make_unique(first[0], {WORLD})
+            yield indent + _opening("body", {"name": name} | _place(self._placement(joint, self.drawn)))
             yield from (inside + line for line in (*_inertial(inertia, joint > 0, press), *self._joint(joint)))
         yield from (inside + line for line in (*_geoms(first[1]), *self.sites.get(joint, ())))
         for k, (name, element) in enumerate(welded):  # their inertias are in that of the body
             place = press.frame_of(name).placement
-            yield inside + _opening("body", {"name": name} | _place(place))
+            yield inside + _opening("body", {"name": make_unique(name, {WORLD})} | _place(place))
             if of_world and k == 0:  # MuJoCo's world has no inertia
                 yield from (inside + "  " + line for line in _inertial(place.actInv(inertia), False, press))
             yield from (inside + "  " + line for line in _geoms(element))
@@ -254,21 +256,25 @@ def _ends(press: Linkage) -> Iterator[tuple[int, str, pin.SE3]]:
         for k, (joint, point, rotation) in enumerate(ends, 1):
             yield joint, f"{loop.name}_{k}", pin.SE3(rotation, point)
             if loop.type == "revolute":
-                yield joint, f"{loop.name}_{k}_axis", pin.SE3(rotation, point + LEVER * press.size * rotation[:, 0])
+                yield joint, f"{_second(press, loop)}_{k}", pin.SE3(rotation, point + LEVER * press.size * rotation[:, 0])
 
 
 def _closings(press: Linkage) -> Iterator[str]:
     """The equalities of the loops."""
     for loop in press.loops:
-        for suffix in ("", "_axis") if loop.type == "revolute" else ("",):
-            sites = {f"site{k}": f"{loop.name}_{k}{suffix}" for k in (1, 2)}
-            yield tag("weld" if loop.type == "fixed" else "connect", {"name": loop.name + suffix} | sites)
+        for name in (loop.name, _second(press, loop)) if loop.type == "revolute" else (loop.name,):
+            yield tag("weld" if loop.type == "fixed" else "connect", {"name": name, "site1": f"{name}_1", "site2": f"{name}_2"})
+
+
+def _second(press: Linkage, loop: LoopJoint) -> str:
+    """Name of the second point of a hinge."""
+    return make_unique(f"{loop.name}_axis", press.bearings)
 
 
 def _related(press: Linkage, drawn: Array, relation: Relation, tendon: str) -> str:
     """The equality of a relation, which counts from the drawn pose, by the tendon of one with more than two joints."""
     offset = relation.offset - sum(coefficient * float(drawn[joint]) for joint, coefficient in relation.coefficients.items())
-    name, (first, *others) = {"name": f"relation_{relation.name}"}, relation.coefficients
+    name, (first, *others) = {"name": make_unique(f"relation_{relation.name}", press.bearings)}, relation.coefficients
     if tendon:
         return tag("tendon", name | {"tendon1": tendon, "polycoef": as_text([offset, 0.0, 0.0, 0.0, 0.0])})
     scale, ratio = relation.coefficients[first], 0.0
