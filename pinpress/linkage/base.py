@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Literal
 
 from ..common.errors import PinpressError, UrdfError, shown
 from .description import FREE, Description, names
 from .document import Document, Finding
 from .element import Element
-from .text import Text, as_text, tag
+from .text import Text, as_text, link_without_mass, tag
 
 Base = Literal["fixed", "floating"]
 
@@ -83,11 +82,5 @@ def _split(name: str, parent: str, child: str, place: dict[str, str]) -> str:
         kind = "prismatic" if k < 3 else "continuous"
         elements.append(tag("joint", {"name": joint, "type": kind}, ends + origin + tag("axis", {"xyz": axis}) + limit))
         if k < 5:
-            elements.append(_massless_link(joint))
+            elements.append(link_without_mass(joint))
     return "".join(elements)
-
-
-def _massless_link(name: str) -> str:
-    moments: Sequence[str] = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    inertia = tag("mass", {"value": "0"}) + tag("inertia", dict.fromkeys(moments, "0"))
-    return tag("link", {"name": name}, tag("inertial", {}, inertia))

@@ -95,6 +95,12 @@ def tag(name: str, attributes: Mapping[str, str], content: str = "") -> str:
     return f"<{name}{_attributes(attributes)}" + (f">{content}</{name}>" if content else "/>")
 
 
+def link_without_mass(name: str) -> str:
+    """A link between joints that stand for one joint, as text."""
+    inertia = tag("mass", {"value": "0"}) + tag("inertia", {moment: "0" for moment, _, _ in MOMENTS})
+    return tag("link", {"name": name}, tag("inertial", {}, inertia))
+
+
 def as_text(numbers: Iterable[float]) -> str:
     """Numbers as the text of an attribute, to full precision."""
     return " ".join(repr(float(number) + 0.0) for number in numbers)  # + 0.0: no "-0.0"

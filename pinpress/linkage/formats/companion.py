@@ -18,7 +18,6 @@ from itertools import takewhile
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 
 from ...common.errors import FileEntryError, UrdfError, suggestion
 from ...common.quantities import Array
@@ -26,18 +25,14 @@ from ...common.reading.entries import Entry, FileKind, read_entries
 from ..description import names
 from ..document import Document, Finding, Origin
 from ..element import Element
-from ..text import Text, as_text, tag
+from ..text import Text, as_text, link_without_mass, tag
+from .dialects import pose_of_origin
 from .elements import make_unique
 from .mechanism import UNLIMITED, ball_axes
 
 _KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
 _KIND = FileKind("companion of a URDF", FileEntryError, ", ".join(_KEYS))
 _LOOPS = {"3d": "spherical", "6d": "fixed"}
-_NO_INERTIA = tag(
-    "inertial",
-    {},
-    tag("mass", {"value": "0"}) + tag("inertia", dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0")),
-)
 
 
 def joined(document: Document) -> Document:
@@ -156,7 +151,7 @@ class _Companion:
             to = child if k == len(hinges) else make_unique(f"{name}_{k}", self.taken)
             if to != child:
                 self.taken.add(to)
-                pieces.append(tag("link", {"name": to}, _NO_INERTIA))
+                pieces.append(link_without_mass(to))
             ends = tag("parent", {"link": parent}) + tag("child", {"link": to}) + tag("axis", {"xyz": as_text(axis)})
             pieces.append(tag("joint", {"name": hinge, "type": "continuous"}, ends + placed))
             parent, placed = to, ""
@@ -168,12 +163,13 @@ class _Companion:
     def _ball_axes(self, joint: Element) -> Array:
         """(3, 3) axes, as rows in the joint's frame, about which a ball does not lock where it turns on."""
         child, parent = joint.of_child("child", "link"), joint.of_child("parent", "link")
-        pins = [_origin(other).translation for other in self.joints.values() if other.of_child("parent", "link") == child]
-        carrier = next((other for other in self.joints.values() if other.of_child("child", "link") == parent), None)
+        file, joints = self.before.file, self.joints.values()
+        pins = [pose_of_origin(file, other).translation for other in joints if other.of_child("parent", "link") == child]
+        carrier = next((other for other in joints if other.of_child("child", "link") == parent), None)
         turns = None
         if carrier is not None and carrier.get("type") in ("revolute", "continuous"):
             axis = next((each.numbers("xyz") for each in carrier.all("axis")), ()) or (1.0, 0.0, 0.0)
-            turns = _origin(joint).rotation.T @ np.array(axis)
+            turns = pose_of_origin(file, joint).rotation.T @ np.array(axis)
         return ball_axes(np.mean(pins, axis=0) if pins else np.zeros(3), turns)
 
     # ------------------------------------------------------------------------------------------------------------------------- drivers
@@ -196,9 +192,3 @@ class _Companion:
             for limit in joint.all("limit"):
                 if limit.number("lower", 0.0) == limit.number("upper", 0.0) == 0.0:
                     self.text.set(limit, {"lower": as_text([-UNLIMITED]), "upper": as_text([UNLIMITED])})
-
-
-def _origin(joint: Element) -> pin.SE3:
-    """The placement of a joint in its parent's frame; what is no number counts as 0, which the checks of elements report."""
-    xyz, rpy = (next((each.numbers(name) for each in joint.all("origin")), ()) or (0.0, 0.0, 0.0) for name in ("xyz", "rpy"))
-    return pin.SE3(pin.rpy.rpyToMatrix(np.array(rpy)), np.array(xyz))

@@ -193,7 +193,7 @@ def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]
     for side in ("predecessor", "successor"):
         end = need_child(file, element, side)
         refuse_unknown(file, end, ("origin",))
-        ends.append((end.get("link"), _pose_of_origin(file, end)))
+        ends.append((end.get("link"), pose_of_origin(file, end)))
     axis = None
     if kind == "revolute":
         written = find_child(file, element, "axis")
@@ -341,7 +341,7 @@ def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
     joints: dict[str, list[tuple[str, pin.SE3]]] = {}
     for joint in robot.all("joint"):
         for parent, child in zip(joint.all("parent"), joint.all("child"), strict=False):
-            joints.setdefault(parent.get("link"), []).append((child.get("link"), _pose_of_origin(file, joint)))
+            joints.setdefault(parent.get("link"), []).append((child.get("link"), pose_of_origin(file, joint)))
     children = {child for carried in joints.values() for child, _ in carried}
     places = {link: pin.SE3.Identity() for link in names(robot, "link") if link not in children}
     reached = list(places)
@@ -353,7 +353,7 @@ def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
     return places
 
 
-def _pose_of_origin(file: str, element: Element) -> pin.SE3:
+def pose_of_origin(file: str, element: Element) -> pin.SE3:
     """The pose in the ``<origin>`` of an element, identity if it has none."""
     origin = find_child(file, element, "origin")
     if origin is None:
