@@ -238,7 +238,8 @@ class _Bodies:
         return _Bodies(structure, jacobian * carried[:-1, None], [place.copy() for place in data.oMi][1:], links)
 
     def groups(self, ways: Array) -> Iterator[tuple[int, ...]]:
-        """Groups of moving bodies that may turn while all others rest: chains of the tree, then across loops, small ones first."""
+        """Groups of moving bodies that may turn while others rest, between bearings of loops: chains of the tree, then across loops, small
+        ones first."""
         moves = np.linalg.norm((self.twists @ ways).reshape(len(ways), -1), axis=1) > RESTS
         parents = self.structure.parents
 
@@ -249,7 +250,7 @@ class _Bodies:
                 body = parents[body]
             return [tuple(chain[:count]) for count in range(1, len(chain) + 1)]
 
-        single = [chain for body in range(len(parents)) for chain in chains(body)]
+        single = [chain for body in range(len(parents)) for chain in chains(body) if self.structure.on_loop[list(chain)].any()]
         across = [
             (*one, *other)
             for loop in self.structure.loops
