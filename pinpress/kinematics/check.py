@@ -24,8 +24,8 @@ from ..linkage.checks import elements as element_checks
 from ..linkage.checks import mobility
 from ..linkage.checks.assembly import open_in_words
 from ..linkage.document import SEVERITIES, Document, Finding
-from ..linkage.drivers import Proposal, propose, settle
-from ..linkage.freedoms import Freedom
+from ..linkage.driving.drivers import Proposal, propose, settle
+from ..linkage.driving.freedoms import Freedom
 from ..linkage.home import mount
 from ..linkage.linkage import Linkage
 from ..linkage.loading import build, locate, parse, refuse_without_driver

@@ -38,7 +38,7 @@ from .assembly import (
     walk_through_change_points,
 )
 from .document import Document
-from .freedoms import Freedom, Undriven, undriven
+from .driving.freedoms import Freedom, Undriven, undriven
 from .joint_springs import JointSpring
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .planarity import Planarity
@@ -86,7 +86,7 @@ class Linkage(Frozen):
         drivers: names of the driver joints, as many as degrees of freedom: `motors`, then ``passive``.
         slide: name of the slide link, None if the linkage has none.
         held: names of the joints that are held as in the home pose, because a link could spin about the line of its bearings, which no
-            driver determines. Which joint of such a link is held, and what follows from that, is told in `freedoms`.
+            driver determines. Which joint of such a link that is, and what follows, says `Freedom`.
         zero: where the driver's coordinate is 0, as in "top dead centre"; empty for the pose that the file draws. See `drawn_at`.
         joint_springs: springs and dampers in joints, ``<joint_spring>``. Inertias of motors, ``<armature>``, are in ``model.armature``.
         passive: names of the drivers that no motor moves, such as sprung joints and the joints of a floating base. They are the last of

@@ -21,7 +21,7 @@ from .checks import elements as element_checks
 from .description import Description, Loop
 from .description import Relation as DescribedRelation
 from .document import Document, check_command, read, refuse_errors
-from .drivers import Proposal, propose, settle
+from .driving.drivers import Proposal, propose, settle
 from .formats import companion, dialects
 from .home import mount
 from .linkage import Linkage

@@ -29,7 +29,7 @@ from . import description, loading
 from .checks import assembly as assembly_checks
 from .checks import elements as element_checks
 from .document import Document, Finding
-from .drivers import settle
+from .driving.drivers import settle
 from .element import Element
 from .formats.urdf_writer import DIALECTS, in_dialect
 from .home import closed_as_drawn, mount

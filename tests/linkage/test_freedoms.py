@@ -9,7 +9,7 @@ from support import texts
 
 import pinpress as pp
 from pinpress.cli.main import main
-from pinpress.linkage import drivers, freedoms
+from pinpress.linkage.driving import drivers, freedoms
 
 CRANK, ROCKER, FRAME, OFFSET = 0.06, 0.14, 0.12, 0.2  # m: crank about z at the origin, rocker about x at (FRAME, OFFSET, 0)
 BALL_A = np.array([CRANK, 0.0, 0.0])  # as drawn

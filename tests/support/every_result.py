@@ -17,7 +17,7 @@ from pinpress import foundation
 from pinpress.balancing import classical
 from pinpress.common.results import Records
 from pinpress.kinematics.measures import stroke
-from pinpress.linkage.freedoms import Freedom
+from pinpress.linkage.driving.freedoms import Freedom
 
 SPEED = 7.0
 DEEP = pp.loads.DeepDrawing(force=1e4, start=0.05)

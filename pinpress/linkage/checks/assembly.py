@@ -20,7 +20,7 @@ from ...engines.planar.model import PARALLEL
 from ...engines.rank import rank, singular_values
 from ...engines.structure import configuration, data_of, drawn_placements
 from ..document import Finding
-from ..freedoms import Freedom, generic_ways
+from ..driving.freedoms import Freedom, generic_ways
 from ..home import HOME, POSE, nearby
 from ..linkage import LEVEL, Linkage
 from . import mobility, units

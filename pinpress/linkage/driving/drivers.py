@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.quantities import Array
-from ..common.results import Record
-from .document import Finding
+from ...common.quantities import Array
+from ...common.results import Record
+from ..document import Finding
+from ..linkage import Linkage
 from .freedoms import columns_at, conditioning, free_ways, generic_ways, pivots
-from .linkage import Linkage
 
 WEAK = 0.02  # conditioning below which drivers hardly determine the linkage
 # What names of joints say in files of robots and machines, as parts of words.

@@ -9,11 +9,6 @@ the rows S of the motors. Ways are counted in rad, travels in sizes of the linka
 - ``"swing"``: the same with the centre of mass off the line. Its weight would turn it.
 - ``"spring"``, ``"base"``, ``"passive"``: anything else, described by a joint that a spring moves, by one of the six joints of a floating
   base, or by another joint.
-
-A spin or swing is **held**: one joint of the chain stands still. It is the joint that moves most in it, the first of equals. That link then
-does not turn about its line against the bearing that carries this joint, as with a universal joint in place of the ball. Where a joint that
-moves little in the spin were held, the linkage would lock nearby; even so it locks in a pose in which the held joint does not move in
-the spin. Torques depend on the choice by the link's moment of inertia about its own line alone.
 """
 
 from __future__ import annotations
@@ -27,12 +22,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ..common.quantities import Array
-from ..common.results import Record
-from ..engines.mounting import CLOSED, Mounting
-from ..engines.pinocchio.equations import OneConfiguration
-from ..engines.rank import rank
-from ..engines.structure import Structure, configuration, data_of
+from ...common.quantities import Array
+from ...common.results import Record
+from ...engines.mounting import CLOSED, Mounting
+from ...engines.pinocchio.equations import OneConfiguration
+from ...engines.rank import rank
+from ...engines.structure import Structure, configuration, data_of
 
 LONGEST = 7  # most bodies of a chain, on either side of a loop: a telescopic leg between two balls that are split into hinges has 7
 RESTS = 1e-4  # share of the fastest motion below which a body rests; rounded numbers of a file move it by up to 1e-5
@@ -43,7 +38,12 @@ WEAK = 0.02  # share of a way below which a joint hardly moves in it, and is no 
 
 @dataclass(frozen=True, repr=False)
 class Freedom(Record, units={"eccentricity": "m"}):
-    """A freedom of a linkage that no motor moves, see the module `freedoms`.
+    """A freedom of a linkage that no motor moves; its kinds are those of the module.
+
+    A spin or swing is held: one joint of the chain stands still, the one that moves most in it, the first of equals. The chain then does not
+    turn about its line against the bearing that carries this joint, as with a universal joint in place of a ball. Torques depend on that
+    choice by the chain's moment of inertia about its own line alone. In a pose in which the held joint would not move in the spin the
+    linkage locks; the joint that moves most in the home pose keeps such poses far.
 
     Attributes:
         kind: "spin", "swing", "spring", "base" or "passive".
