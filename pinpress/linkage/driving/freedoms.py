@@ -40,7 +40,7 @@ WEAK = 0.02  # share of a way below which a joint hardly moves in it, and is no 
 class Freedom(Record, units={"eccentricity": "m"}):
     """A freedom of a linkage that no motor moves; its kinds are those of the module.
 
-    A spin or swing is held: one joint of the chain stands still, the one that moves most in it, the first of equals. The chain then does not
+    A spin or swing is held: one joint of the chain stands still, that which moves most in it, first of equals. The chain then does not
     turn about its line against the bearing that carries this joint, as with a universal joint in place of a ball. Torques depend on that
     choice by the chain's moment of inertia about its own line alone. In a pose in which the held joint would not move in the spin the
     linkage locks; the joint that moves most in the home pose keeps such poses far.
