@@ -278,7 +278,13 @@ def close_on_branch(engine: Engine, structure: Structure, branch: Branch, angles
 
 
 def follow_drivers(
-    engine: Engine, structure: Structure, start: Array, angles: Array, name: str, locked: dict[int, SingularityError] | None = None
+    engine: Engine,
+    structure: Structure,
+    start: Array,
+    angles: Array,
+    name: str,
+    locked: dict[int, SingularityError] | None = None,
+    smallest_margin: float = 0.0,
 ) -> Array:
     """Closed positions (nv, n) of a linkage with several drivers at driver positions (n, drivers), each followed from the one before.
 
@@ -290,6 +296,7 @@ def follow_drivers(
         name: name of the linkage, for errors.
         locked: to be filled in: which positions are not reached because the linkage locks on the way from the last one that is, and the
             errors that say where. They are then ``start``. None: the first of these errors is raised.
+        smallest_margin: margin below which the linkage counts as locked, if it is larger than that of the structure.
 
     Raises:
         SingularityError: the linkage locks on the way.
@@ -298,16 +305,17 @@ def follow_drivers(
     begin = start[list(structure.drivers)]
     _refuse_beyond_limits(structure, begin, angles)
     close_drivers, tolerance = engine.closing_function(), engine.tolerance
+    least = max(structure.smallest_margin, smallest_margin)
     at, here, result, done, tried = begin, start, np.empty((len(start), len(angles))), 0, PIECE
     while done < len(angles):
         path = np.concatenate([at[None], angles[done : done + tried]])
         path_to = path_between(path, _counted_as_angle(structure), PIECE)
-        reached = follow_at_once(close_drivers, here, path_to, structure.size, tolerance, structure.smallest_margin)
+        reached = follow_at_once(close_drivers, here, path_to, structure.size, tolerance, least)
         count = reached.shape[1]
         tried = min(PIECE, max(1, 2 * count))
         if not count:
             try:
-                reached, count = _walk_between(engine, structure, here, path[0], path[1], name)[:, None], 1
+                reached, count = _walk_between(engine, structure, here, path[0], path[1], name, least)[:, None], 1
             except SingularityError as error:
                 if locked is None:
                     raise
@@ -346,7 +354,9 @@ def _first_within_reach(engine: Engine, structure: Structure, start: Array, angl
     return len(angles)
 
 
-def _walk_between(engine: Engine, structure: Structure, start: Array, before: Array, after: Array, name: str) -> Array:
+def _walk_between(
+    engine: Engine, structure: Structure, start: Array, before: Array, after: Array, name: str, smallest_margin: float
+) -> Array:
     """Closed position (nv,) of a linkage with several drivers, walked to from a closed position (nv,) between two driver positions
     (drivers,); raises SingularityError."""
     close_drivers = engine.closing_function()
@@ -356,7 +366,7 @@ def _walk_between(engine: Engine, structure: Structure, start: Array, before: Ar
     def close(at: Array, guess: Array) -> Closure:
         return close_drivers(before[:, None] + np.multiply.outer(along, at), np.repeat(along[:, None], len(at), axis=1), guess)
 
-    end = follow(close, start, distance, structure.size, engine.tolerance, structure.smallest_margin)
+    end = follow(close, start, distance, structure.size, engine.tolerance, smallest_margin)
     if isinstance(end, SingularPosition):
         locked = before + end.angle * along
         from_here, to_there, place = map(structure.place_of_drivers, (before, after, locked))

@@ -35,7 +35,7 @@ def test_a_linkage_is_reached_up_to_where_it_locks(around_a_lock):
     np.testing.assert_array_equal(found.reached, knees_apart(turn_a, turn_b) > 0.02)
     assert 4 < (~found.reached).sum() < 100
     assert len(found.locks) >= 4
-    np.testing.assert_allclose(knees_apart(found.locks[:, 1], found.locks[:, 0]), 0.02, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(knees_apart(found.locks[:, 1], found.locks[:, 0]), 0.02, rtol=0, atol=1e-5)  # of 6 mm between nodes
     np.testing.assert_array_equal(np.isnan(found.loop_margin), ~found.reached)
     np.testing.assert_array_equal(found.within_limits, found.reached)  # they have none
 

@@ -19,6 +19,7 @@ from ...engines.spatial.frames import moving_frame, placed_frame
 from ...linkage.assembly import follow_drivers, refuse_far
 from ...linkage.linkage import Linkage
 
+NEARLY_LOCKED = 1e-3  # loop margin at which a grid ends: where it is zero is a thousandth of a node away, and takes half the steps
 WAYS = ((0, 1), (0, -1), (1, 0), (-1, 0))  # from a node of the grid to its neighbours
 
 
@@ -40,7 +41,8 @@ class ReachMap(Tabular):
         frame_margin: (a, b) least singular value of the frame's Jacobian by all drivers, but those that are zero everywhere: a way [lengths
             of the linkage] or an angle [rad], by an angle [rad] or a way [lengths of the linkage] of the drivers [-]. At zero the frame
             cannot be moved one way, and holds any force that way.
-        locks: (k, 2) positions of the two drivers at which the linkage locks, on the lines of the grid [rad or m].
+        locks: (k, 2) positions of the two drivers at which the linkage locks, on the lines of the grid, to about 1e-3 of their distance
+            [rad or m].
         dead_points: (m, 2) positions of the two drivers at which ``frame_margin`` is zero, on the lines of the grid, where the frame has as
             many freedoms as there are drivers; else none are looked for [rad or m].
     """
@@ -183,7 +185,7 @@ def _flood(press: Linkage, grid: Array) -> _Flooded:
             continue
         locked: dict[int, SingularityError] = {}
         ahead = tuple(np.transpose(line))
-        moved = follow_drivers(engine, structure, position[:, i, k], grid[ahead], press.name, locked)
+        moved = follow_drivers(engine, structure, position[:, i, k], grid[ahead], press.name, locked, NEARLY_LOCKED)
         count = min(locked, default=len(line))  # behind a lock the same line locks
         if locked:
             locks.append(locked[count].drivers)
