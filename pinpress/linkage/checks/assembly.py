@@ -21,7 +21,7 @@ from ...engines.rank import rank, singular_values
 from ...engines.structure import configuration, data_of, drawn_placements
 from ..document import Finding
 from ..driving.freedoms import Freedom, generic_ways
-from ..home import HOME, POSE, nearby
+from ..home import HOME, POSE, ROUNDED, nearby
 from ..linkage import LEVEL, Linkage
 from . import mobility, units
 
@@ -36,6 +36,9 @@ def errors(press: Linkage, in_file: bool = True) -> Iterator[Finding]:
     """Everything that keeps the linkage from being loaded; each finding carries a UrdfError, AssemblyError or SingularityError.
 
     ``in_file``: whether the linkage is that of a file that `load` reads, which takes a pose."""
+    if wrong := list(_read_otherwise_far(press)):
+        yield from wrong
+        return
     assembly = press.assembly
     if assembly.closes and assembly.determined:
         yield from _massless(press)
@@ -53,9 +56,10 @@ def errors(press: Linkage, in_file: bool = True) -> Iterator[Finding]:
 
 
 def _read_otherwise_far(press: Linkage) -> Iterator[Finding]:
-    """Errors of loops that are drawn far open, by a tenth of the linkage, and would be closed with their points read otherwise."""
-    for each in _loops(_open_beyond(press, 0.1)):
-        if likely := _read_otherwise(press, each):
+    """Errors of loops that are drawn far open, by a tenth of the linkage, and would be closed with their points read otherwise, or have
+    numbers that are hardly in SI units: what closes them is another linkage than the one that was meant."""
+    for each in () if press.mounted.startswith((POSE, HOME)) else _loops(_open_beyond(press, 0.1)):
+        if likely := _other_units(press) or _read_otherwise(press, each):
             problem = f"it is {opening_in_words(press, each, press.assembly.gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
             yield Finding.of(UrdfError(press.file, mobility.element(press, each), each.by.line, problem, likely))
 
@@ -157,7 +161,8 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > press.structure.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
     common = _other_units(press) or _without_axis(press) or remedy_of_rounded_axes(press)
-    fit = "; loops hold each other here, so that lengths and angles must fit to all digits"
+    nearly = max(left) <= ROUNDED * press.size
+    fit = "; loops hold each other here, so that lengths and angles must fit to all digits" if nearly else ""
     beside = fit if press.engine().redundant(press.assembly.start) else ""
     for k in sorted(still_open, key=lambda k: -left[k]):
         each, opening = owners[k], opening_in_words(press, owners[k], rows.gaps)
@@ -262,15 +267,13 @@ def _joints(names: Sequence[str]) -> str:
 
 
 def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Iterator[Finding]:
-    """What is said of a linkage without `errors`: errors of loops that are drawn too far open, warnings and notes.
+    """What is said of a linkage without `errors`: warnings and notes.
 
     Args:
         press: the linkage.
         quick: whether only warnings that are found quickly are wanted, about files that probably describe another linkage than was meant.
         centres: whether centres of mass are checked.
     """
-    refused = list(_read_otherwise_far(press))
-    yield from refused
     if quick:
         # A gap of a hundredth of the linkage is probably a mistake, and so is any that a joint has to move by 0.05 rad or m to close.
         far = np.abs(press.closed - press.assembly.start).max() > 0.05
@@ -281,8 +284,7 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
         if "plane" in press.engines:  # other assemblies have not been followed yet, which takes long
             yield from (finding for finding in _driver(press)[1] if finding.severity == "warning")
         return
-    elements = {error.element for error in refused}
-    yield from (finding for finding in _drawn_open(press, _open_beyond(press, OPEN)) if finding.element not in elements)
+    yield from _drawn_open(press, _open_beyond(press, OPEN))
     yield from _outside_limits(press)
     yield from _misfit(press)
     yield from units_remarks(press)
