@@ -118,7 +118,7 @@ def test_angles_in_degrees_are_warned_of(tmp_path, place):
 
 def test_angles_in_degrees_are_why_a_loop_is_open(tmp_path):
     edit = ('<origin xyz="0.100 0 0"', '<origin xyz="0.100 0 0" rpy="0 5 90"')
-    with pytest.raises(pp.UrdfError, match=r'name="W">: it is .* mm apart as drawn.*; rpy=.0 5 90. turns by more than a full turn.*in degrees'):
+    with pytest.raises(pp.UrdfError, match=r'name="W">: it is .* apart as drawn.*rpy=.0 5 90. turns by more than a full turn.*in degrees'):
         load(tmp_path, edit)
     found = pp.check(tmp_path / "press.urdf")
     assert [each.element for each in found.warnings] == ['<origin> of <joint name="P">']
