@@ -1,6 +1,7 @@
 """Linkages written for MuJoCo: MuJoCo's own terms give the same torques, and read again the linkage is the same."""
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from support.generators.random_linkages import drawn, linkages, servo
 from support.generators.spatial_crank_slide import SPATIAL
 
 import pinpress as pp
+from pinpress.engines.constraints import Curve, Relation
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -156,3 +158,73 @@ def test_small_robots(case, tmp_path):
     raised = [f"{joint} inertia" for joint in press.joints] if "flat_inertia" in case.file else []
     options = {name: case.load[name] for name in {"base"} & case.load.keys()}
     compare(press, tmp_path, moved(press, case.at, case.speed, case.acceleration), raised=raised, **options)
+
+
+INERTIAL = (
+    '<inertial><origin xyz="0.1 0 0.02"/><mass value="2"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.025"/></inertial>'
+)
+LOOKS = """<visual><origin xyz="0.1 0 0" rpy="0.3 0 0"/><geometry><box size="0.1 0.2 0.3"/></geometry>
+  <material name="red"><color rgba="1 0 0 1"/></material></visual>
+  <visual><geometry><cylinder radius="0.05" length="0.4"/></geometry></visual>"""
+
+
+def chain(more=""):
+    """Three arms one after the other, of which the second one is two links, and whose turns are related."""
+    lines = ['<robot name="chain"><link name="hall"/>']
+    for k, (name, parent) in enumerate((("a", "hall"), ("b", "a"), ("world", "cover"))):
+        axis, limit = ("0 -1 0", "0 0 1", "0.6 0 0.8")[k], '<limit lower="-2" upper="2" effort="30" velocity="1"/>'
+        lines.append(
+            f'<link name="{name}">{INERTIAL}{LOOKS if k == 0 else ""}</link>'
+            f'<joint name="turn_{name}" type="revolute"><parent link="{parent}"/><child link="{name}"/><origin xyz="0.2 0 0.1" rpy="0.1 0.2 {k}"/><axis xyz="{axis}"/>{limit}</joint>'
+        )
+    lines.append(f'<link name="cover">{INERTIAL}</link><joint name="screws" type="fixed"><parent link="b"/><child link="cover"/>')
+    lines.append('<origin xyz="0.1 0 0" rpy="0 0 0.5"/></joint>')
+    joints = {"turn_world": 1.0, "turn_a": 2.0, "turn_b": -0.5}
+    terms = "".join(f'<joint name="{name}" coefficient="{value}"/>' for name, value in joints.items())
+    lines.append(f'<relation name="sum" offset="0.3">{terms}</relation>')
+    lines.append('<joint_spring joint="turn_a" stiffness="20" reference="0.4" damping="0.3"/><armature joint="turn_b" inertia="0.05"/>')
+    lines += [f'<transmission name="{name}"><joint name="turn_{name}"/></transmission>' for name in "ab"]
+    return "\n".join([*lines, more, "</robot>"])
+
+
+def test_relations_springs_rotors_limits_welded_links_and_shapes(tmp_path):
+    press = texts.load(chain())
+    path = written(press, tmp_path)
+    compare_start(press, path)
+    motion = moved(press, [0.2, -0.3], [1.0, 2.0], [3.0, -4.0])
+    compare_torques(press, path, motion, pp.inverse_dynamics(press, motion))
+    back = pp.load(path)
+    assert back.links == ("world", "hall", "a", "b", "cover", "world_2")  # MuJoCo keeps the name of its world to itself
+    before, now = dict(contents(press)), dict(contents(back))
+    assert before.keys() == now.keys()
+    for what, numbers in before.items():
+        assert np.abs(numbers - now[what]).max(initial=0.0) <= SAME, what
+    for limit in ("lowerPositionLimit", "upperPositionLimit", "upperEffortLimit"):
+        assert getattr(back.model, limit)[:2] == pytest.approx(getattr(press.model, limit)[:2])
+    model = mujoco.MjModel.from_xml_path(str(path))
+    assert model.geom_size[:2] == pytest.approx(np.array([[0.05, 0.1, 0.15], [0.05, 0.2, 0.0]]))
+    assert not model.geom_contype.any()
+    assert model.geom_rgba[0] == pytest.approx([1, 0, 0, 1])
+
+
+def test_a_press_that_is_drawn_elsewhere_and_balanced(tmp_path):
+    press = texts.shipped("zxn2_3000b").drawn_at(1.0)
+    inertias = list(press.model.inertias)
+    inertias[1] = inertias[1] + inertias[1]
+    compare(press.with_inertias(inertias), tmp_path)
+
+
+def test_names_of_second_points_are_not_those_of_other_bearings(tmp_path):
+    text = spatial_linkages.four_bar("revolute").replace('"D"', '"C_axis"')
+    press = texts.load(text)
+    model = mujoco.MjModel.from_xml_path(str(written(press, tmp_path)))
+    assert [model.equality(k).name for k in range(model.neq)] == ["C", "C_axis_2"]
+    compare(press, tmp_path)
+
+
+def test_a_cam_is_refused(tmp_path):
+    press = texts.shipped("crank_slide")
+    cam = Relation("slide_guide", {press.joints.index("slide_guide"): 1.0}, curve=Curve(0, lambda x: (x, x, x)))
+    with pytest.raises(pp.PinpressError, match="MuJoCo has no equality for the curve of joint 'slide_guide'"):
+        written(replace(press, relations=(cam,)), tmp_path)
+    assert not list(tmp_path.iterdir())

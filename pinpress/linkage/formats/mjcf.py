@@ -124,9 +124,9 @@ class _Reader:
         self.hinges = self._by_id(spec.joints)
         self.equalities = self._by_id(spec.equalities)
         self.taken: set[str] = set()  # names of joints and loops
-        self.links: set[str] = {WORLD}  # names of links
+        self.links: set[str] = set()  # names of links
         self.joint_names = _names(self.hinges, "joint", self.taken)
-        self.body_names = _names(self.bodies, "body", self.links) | {0: WORLD}
+        self.body_names = _names(self.bodies, "body", self.links)
         self.free = {int(model.jnt_bodyid[k]): k for k in range(model.njnt) if model.jnt_type[k] == int(package.mjtJoint.mjJNT_FREE)}
         self.start = model.key_qpos[self._keyframe()] if model.nkey else model.qpos0
         self.drivers = dict(self._drivers())
