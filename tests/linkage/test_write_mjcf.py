@@ -175,7 +175,8 @@ def chain(more=""):
         axis, limit = ("0 -1 0", "0 0 1", "0.6 0 0.8")[k], '<limit lower="-2" upper="2" effort="30" velocity="1"/>'
         lines.append(
             f'<link name="{name}">{INERTIAL}{LOOKS if k == 0 else ""}</link>'
-            f'<joint name="turn_{name}" type="revolute"><parent link="{parent}"/><child link="{name}"/><origin xyz="0.2 0 0.1" rpy="0.1 0.2 {k}"/><axis xyz="{axis}"/>{limit}</joint>'
+            f'<joint name="turn_{name}" type="revolute"><parent link="{parent}"/><child link="{name}"/>'
+            f'<origin xyz="0.2 0 0.1" rpy="0.1 0.2 {k}"/><axis xyz="{axis}"/>{limit}</joint>'
         )
     lines.append(f'<link name="cover">{INERTIAL}</link><joint name="screws" type="fixed"><parent link="b"/><child link="cover"/>')
     lines.append('<origin xyz="0.1 0 0" rpy="0 0 0.5"/></joint>')
