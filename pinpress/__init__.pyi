@@ -35,6 +35,7 @@ from .kinematics.motion import Motion as Motion
 from .kinematics.motion_table import read_motion as read_motion
 from .kinematics.servo_motion import servo_cycle as servo_cycle
 from .kinematics.slide_path import dead_centres as dead_centres
+from .linkage.description import JointSpring as JointSpring
 from .linkage.formats.mjcf_writer import write_mjcf as write_mjcf
 from .linkage.formats.sdf_writer import write_sdf as write_sdf
 from .linkage.linkage import Linkage as Linkage

@@ -19,7 +19,6 @@ from ..engines.wrenches import AppliedForce
 from ..kinematics.motion import is_cycle
 from ..kinematics.poses import point_motion
 from ..kinematics.slide_path import dead_centres
-from ..linkage.joint_springs import spring_efforts
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
@@ -85,7 +84,11 @@ def joint_efforts(press: "Linkage", engine: Engine, states: ClosedStates) -> Arr
     armature = engine.structure.model.armature  # every look at the linkage's own model compares the whole of it
     if not (press.joint_springs or armature.any()):
         return None
-    return np.asarray(spring_efforts(press.joint_springs, press.joints, states.position, states.v) - armature[:, None] * states.a)
+    efforts = -armature[:, None] * states.a
+    for spring in press.joint_springs:
+        joint = press.joints.index(spring.joint)
+        efforts[joint] -= spring.stiffness * (states.position[joint] - spring.reference) + spring.damping * states.v[joint]
+    return np.asarray(efforts)
 
 
 def _on_slide(load: "ProcessLoad | TimeForce", press: "Linkage", along: Array) -> list[AppliedForce]:

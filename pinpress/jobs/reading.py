@@ -9,7 +9,7 @@ from ..common.errors import PinpressError, suggestion
 from ..common.reading.entries import Entry
 from ..common.reading.filling import Around, Named, Number
 from ..kinematics.slide_path import dead_centres
-from ..linkage.base import Base
+from ..linkage.formats.free_bodies import Base
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..pin_table.building import DrawnPress

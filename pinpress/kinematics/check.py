@@ -18,7 +18,6 @@ from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..engines.constraints import LoopJoint
 from ..engines.rank import rank as rank_of
-from ..linkage.base import Base, with_base
 from ..linkage.checks import assembly as assembly_checks
 from ..linkage.checks import elements as element_checks
 from ..linkage.checks import mobility
@@ -26,6 +25,7 @@ from ..linkage.checks.assembly import open_in_words
 from ..linkage.document import SEVERITIES, Document, Finding
 from ..linkage.driving.drivers import Proposal, propose, settle
 from ..linkage.driving.freedoms import Freedom
+from ..linkage.formats.free_bodies import Base, with_base
 from ..linkage.home import mount
 from ..linkage.linkage import Linkage
 from ..linkage.loading import build, locate, parse, refuse_without_driver

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..common.arguments import LARGEST
+from ..common.parameters import Checked, parameter
 from .element import Element
-from .joint_springs import JointSpring
 
 # Limits of a URDF: the largest that comes with pinpress has 13 joints and 4 loops.
 MOST = dict.fromkeys(("link", "joint", "relation", "joint_spring", "armature", "material"), 1000) | {"loop_joint": 500, "transmission": 500}
@@ -81,6 +81,28 @@ class Relation:
     coefficients: tuple[float, ...]
     offset: float
     line: int
+
+
+@dataclass(frozen=True)
+class JointSpring(Checked):
+    """A spring and a damper in a joint: ``<joint_spring>`` of a URDF.
+
+    The effort on the joint along its axis is -stiffness x (coordinate - reference) - damping x rate [N m; of a joint that slides N].
+
+    Attributes:
+        joint: name of the joint.
+        stiffness: [N m/rad; of a joint that slides N/m].
+        reference: coordinate of the joint at which the spring is slack [rad or m].
+        damping: [N m s/rad; of a joint that slides N s/m].
+
+    Raises:
+        PinpressError: stiffness or damping is negative, or a number is not finite.
+    """
+
+    joint: str
+    stiffness: float = field(default=0.0, metadata=parameter("N m/rad", "not negative"))
+    reference: float = field(default=0.0, metadata=parameter("rad"))
+    damping: float = field(default=0.0, metadata=parameter("N m s/rad", "not negative"))
 
 
 @dataclass(frozen=True)

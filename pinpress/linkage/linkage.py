@@ -37,9 +37,9 @@ from .assembly import (
     walk_branch_beside,
     walk_through_change_points,
 )
+from .description import JointSpring
 from .document import Document
 from .driving.freedoms import Freedom, Undriven, undriven
-from .joint_springs import JointSpring
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .planarity import Planarity
 from .tool_point import ToolPoint, tool_point

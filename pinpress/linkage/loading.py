@@ -15,7 +15,6 @@ from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution,
 from ..common.files import alike, path_of
 from ..common.quantities import Array
 from ..engines.constraints import LoopJoint, Relation, gear
-from .base import Base, with_base
 from .checks import assembly as assembly_checks
 from .checks import elements as element_checks
 from .description import Description, Loop
@@ -23,6 +22,7 @@ from .description import Relation as DescribedRelation
 from .document import Document, check_command, read, refuse_errors
 from .driving.drivers import Proposal, propose, settle
 from .formats import companion, dialects
+from .formats.free_bodies import Base, with_base
 from .home import mount
 from .linkage import Linkage
 

@@ -28,7 +28,7 @@ from ..engines.wrenches import AppliedForce
 from ..kinematics.cycle import slide_at
 from ..kinematics.motion import Motion
 from ..kinematics.poses import point_motion
-from ..linkage.joint_springs import JointSpring
+from ..linkage.description import JointSpring
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Friction, Load, PointForce, SpringDamper, law

@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 import pinpress as pp
-from pinpress.linkage.joint_springs import JointSpring
+from pinpress.linkage.description import JointSpring
 
 ROBOTS = Path(__file__).parents[1] / "reference" / "robots"
 BASE = ("root_x", "root_y", "root_z", "root_rz", "root_ry", "root_rx")

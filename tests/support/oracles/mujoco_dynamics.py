@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 import pinpress as pp
-from pinpress.linkage.joint_springs import JointSpring
+from pinpress.linkage.description import JointSpring
 
 
 class Found(NamedTuple):

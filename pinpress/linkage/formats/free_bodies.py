@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ..common.errors import PinpressError, UrdfError, shown
-from .description import FREE, Description, names
-from .document import Document, Finding
-from .element import Element
-from .text import Text, as_text, link_without_mass, tag
+from ...common.errors import PinpressError, UrdfError, shown
+from ..description import FREE, Description, names
+from ..document import Document, Finding
+from ..element import Element
+from ..text import Text, as_text, link_without_mass, tag
 
 Base = Literal["fixed", "floating"]
 
