@@ -236,16 +236,18 @@ def cut_rod(shares, seed, off=0.0):
     return kept + "".join(parts) + '<transmission name="t"><joint name="O"/></transmission></robot>'
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_a_rod_in_pieces_moves_like_one_in_one_piece(seed):
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+@pytest.mark.parametrize(("seed", "wrong"), [(0, 0.0), (1, 0.0), (2, 0.0), (3, 0.0), (4, 0.0), (5, 0.0), (1, 1e-7), (2, 1e-5), (5, 1e-4)])
+def test_a_rod_in_pieces_moves_like_one_in_one_piece(seed, wrong):
+    """Also where the angles of the welds are a little wrong [rad], so that hinges and welds contradict each other."""
     shares = np.random.default_rng(seed).uniform(0.3, 1.0, 2 + seed % 3)
-    press = texts.load(cut_rod(shares, seed))
+    press = texts.load(cut_rod(shares, seed).replace('<link2 link="piece', f'<link2 rpy="{wrong} {-wrong} {wrong}" link="piece'))
     pieces = {f"piece{k}" for k in range(len(shares))}
     (spin,) = press.freedoms
     assert (spin.kind, set(spin.bodies), spin.joints[0], press.mobility) == ("spin", pieces, press.held[0], 2)
     whole = texts.load(rssr(UNIVERSAL, rod_inertia=(0.0, 3 * LENGTH**2 / 12, 3 * LENGTH**2 / 12)))
     torques = [pp.inverse_dynamics(each, pp.servo_cycle(each, [0.0, 0.2], speed=[3.0] * 2)).driving_torque for each in (press, whole)]
-    np.testing.assert_allclose(*torques, rtol=0, atol=1e-9 * np.abs(torques[1]).max())
+    np.testing.assert_allclose(*torques, rtol=0, atol=max(1e-9, 3 * wrong) * np.abs(torques[1]).max())
 
 
 @pytest.mark.parametrize(("off", "kind"), [(0.0, "spin"), (0.5e-6, "spin"), (2e-6, "swing"), (0.02, "swing")])

@@ -139,7 +139,7 @@ def undriven(
         weights = np.zeros(len(ways))
         weights[list(among)] = 1.0
         weights[list(set(among) & set(taken))] = 1.0 / WEAK
-        coordinates += [(joint, kind) for joint in pivots(ways, weights, least, [joint for joint, _ in coordinates])]
+        coordinates += [(joint, kind) for joint in sorted(pivots(ways, weights, least, [joint for joint, _ in coordinates]))]
     if coordinates:
         single = ways @ np.linalg.inv(ways[[joint for joint, _ in coordinates]])  # each moves one of the coordinates alone
         for (joint, kind), way in zip(coordinates, single.T, strict=True):
@@ -290,7 +290,7 @@ class _Bodies:
             mass = sum(inertia.mass for inertia in inertias)
             if mass:
                 eccentricity = float(np.linalg.norm(self.structure.size * velocity + np.cross(angular, centre / mass))) / turning
-        kind = "spin" if eccentricity <= BALANCED * self.structure.size else "swing"
+        kind = "spin" if eccentricity <= max(BALANCED * self.structure.size, self.structure.tolerance) else "swing"
         return self.freedom(kind, way, joint, eccentricity), joint
 
     def freedom(self, kind: str, way: Array, joint: int, eccentricity: float | None = None) -> Freedom:
