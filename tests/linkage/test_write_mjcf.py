@@ -124,6 +124,18 @@ def test_shipped_presses(name, tmp_path):
     compare(texts.shipped(name), tmp_path)
 
 
+@pytest.mark.parametrize("name", pp.presses())
+def test_loops_stay_closed_in_a_simulation_by_mujoco(name, tmp_path):
+    press = texts.shipped(name)
+    model = mujoco.MjModel.from_xml_path(str(written(press, tmp_path)))
+    data = mujoco.MjData(model)
+    for _ in range(100):
+        mujoco.mj_step(model, data)
+    rows = data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+    assert np.abs(data.efc_pos[rows]).max() < 1e-4 * press.size
+    assert data.time == pytest.approx(0.2)
+
+
 SPACE = {
     "bennett": spatial_linkages.bennett(),
     "bricard": spatial_linkages.bricard(),
