@@ -120,7 +120,8 @@ class Linkage(Frozen):
             raise PinpressError(f"{self.name}: {body} has {problem}: give inertias of bodies, in kg and kg m2 about the centre of mass")
 
     def __repr__(self) -> str:
-        return f"<Linkage {self.name}: driver {', '.join(self.drivers)}, slide {self.slide}, bearings {', '.join(self.bearings)}>"
+        passive = f", passive {', '.join(self.passive)}" if self.passive else ""
+        return f"<Linkage {self.name}: driver {', '.join(self.motors)}{passive}, slide {self.slide}, bearings {', '.join(self.bearings)}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: a drawing of the linkage, 60 deg after its drawn pose where one driver turns it as far."""

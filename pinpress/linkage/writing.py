@@ -28,6 +28,7 @@ from ..engines.structure import Axis, Slot, axes, slots
 from . import description, loading
 from .checks import assembly as assembly_checks
 from .checks import elements as element_checks
+from .description import JointSpring
 from .document import Document, Finding
 from .driving.drivers import settle
 from .element import Element
@@ -77,7 +78,7 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str], *, home: bool = Fal
             ``<drake:ball_constraint>``.
 
     Raises:
-        PinpressError: links, joints, loops or gear pairs are others than in the text; a URDF cannot hold a change, such as an armature; the
+        PinpressError: links, joints, loops or gear pairs are others than in the text; a URDF cannot hold a change (rotorInertia); the
             dialect has no element for a loop or gear; the path cannot be written.
         UrdfError: `load` would refuse the file.
         AssemblyError: `load` would refuse the file.
@@ -267,8 +268,10 @@ def _contents(press: Linkage) -> Iterator[tuple[str, Array, float]]:
     for name, inertia in zip(model.names, model.inertias, strict=True):
         yield f"mass on joint {name!r}", np.array(inertia.mass), inertia.mass
         yield f"inertia tensor on joint {name!r}", inertia.inertia, float(np.abs(inertia.inertia).max())
-    without_element = "armature", "rotorInertia", "rotorGearRatio"  # in URDF
-    for name in (*POSITION_LIMITS.values(), *LIMITS.values(), *DYNAMICS.values(), *without_element):
+    without_element = "rotorInertia", "rotorGearRatio"  # in URDF
+    springs = [(press.joints.index(each.joint), each.stiffness, each.reference, each.damping) for each in press.joint_springs]
+    yield "springs in joints", np.array(springs), 0.0
+    for name in ("armature", *POSITION_LIMITS.values(), *LIMITS.values(), *DYNAMICS.values(), *without_element):
         yield name, getattr(model, name), 0.0
     yield "loop types", np.array([loop.type for loop in press.loops]), 0.0
     yield "gear pairs", np.array([(pair.leader, pair.multiplier, pair.offset) for pair in press.couplings]), 0.0
@@ -314,8 +317,8 @@ def edit_text(document: Document, before: Linkage, now: Linkage) -> bytes:
             text.set(element, {"offset": as_text([relation.offset])})
             for joint, (place, coefficient) in zip(element.all("joint"), relation.coefficients.items(), strict=True):
                 text.set(joint, {"name": now.joints[place], "coefficient": as_text([coefficient])})
-    for element, of_text, spring in zip(text.robot.all("joint_spring"), read.joint_springs, now.joint_springs, strict=True):
-        text.set(element, _attributes_of_changes({"reference": (of_text.reference, spring.reference)}))
+    _edit_springs(text, read.joint_springs, now.joint_springs)
+    _edit_rotors(text, before, now)
     for k, (loop, element) in enumerate(zip(read.loops, text.robot.all("loop_joint"), strict=True)):
         _edit_loop(text, element, loop, (old_model, before.loops[k]), (new_model, now.loops[k]))
     _edit_drivers(text, read.drivers, now.motors)
@@ -360,6 +363,31 @@ def _edit_joint(text: Text, element: Element, j: int, before: pin.Model, now: pi
     for child, names, at in (("limit", POSITION_LIMITS, slot.start), ("limit", LIMITS, j), ("dynamics", DYNAMICS, j)):
         limits = {name: (getattr(before, array)[at], getattr(now, array)[at]) for name, array in names.items()}
         text.set_child(element, child, _attributes_of_changes(limits))
+
+
+def _edit_springs(text: Text, before: Sequence[JointSpring], now: Sequence[JointSpring]) -> None:
+    elements = text.robot.all("joint_spring")
+    for element, was, spring in zip(elements, before, now, strict=False):
+        if spring != was:
+            text.set(element, _attributes_of_spring(spring))
+    for element in elements[len(now) :]:
+        text.remove(element)
+    for spring in now[len(elements) :]:
+        text.append(text.robot, tag("joint_spring", _attributes_of_spring(spring)))
+
+
+def _attributes_of_spring(spring: JointSpring) -> dict[str, str]:
+    numbers = {"stiffness": spring.stiffness, "reference": spring.reference, "damping": spring.damping}
+    return {"joint": spring.joint} | {name: as_text([number]) for name, number in numbers.items()}
+
+
+def _edit_rotors(text: Text, before: Linkage, now: Linkage) -> None:
+    elements = {element.get("joint"): element for element in text.robot.all("armature")}
+    for joint, was, inertia in zip(now.joints, before.model.armature, now.model.armature, strict=True):
+        if inertia != was and joint in elements:
+            text.set(elements[joint], {"inertia": as_text([inertia])})
+        elif inertia != was:
+            text.append(text.robot, tag("armature", {"joint": joint, "inertia": as_text([inertia])}))
 
 
 def _edit_loop(

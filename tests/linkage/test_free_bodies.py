@@ -1,5 +1,6 @@
 """Free bodies of files: held, or split into six joints; and springs and rotors in joints of files."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -93,3 +94,16 @@ def test_wrong_springs_and_rotors_are_refused(tmp_path, element, problem):
     path = changed(tmp_path, ("</robot>", element + "</robot>"), text=(ROBOTS / "19_no_driver.urdf").read_text())
     with pytest.raises(pp.UrdfError, match=problem):
         pp.load(path, drivers=MOTORS)
+
+
+def test_springs_and_rotors_are_written(tmp_path):
+    press = pp.load(ROBOTS / "19_no_driver.urdf", drivers=MOTORS)
+    two, one = (pp.JointSpring("knee_a", 12.0, 0.1, 0.02), pp.JointSpring("turn_b", 3.0)), (pp.JointSpring("knee_b", damping=1.0),)
+    for springs in (two, one, ()):
+        model = press.model.copy()
+        model.armature[1:3] += [0.01, 0.02]
+        changed_press = replace(press, model=model, joint_springs=springs)
+        again = pp.load(pp.write_urdf(changed_press, tmp_path / "again.urdf"))
+        assert again.joint_springs == springs
+        np.testing.assert_array_equal(again.model.armature, model.armature)
+        press = again

@@ -652,7 +652,7 @@ REFUSALS = [  # fields that are changed, the error and its message
     (lambda press: {"relations": ()}, "other gear pairs"),
     (lambda press: {"links": press.links[:-1]}, "other links"),
     (with_model(guided), "other joint types"),
-    (of_wheel("armature", 0.5), "cannot hold the changed armature"),
+    (of_wheel("rotorInertia", 0.5), "cannot hold the changed rotorInertia"),
     (of_wheel("rotorInertia", 0.5), "changed rotorInertia"),
     (of_wheel("lowerPositionLimit", -7.0), "has no effort"),  # of a joint that turns without end
     (stretched(1.001), "cannot hold the changed directions of joints"),
