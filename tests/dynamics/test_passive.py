@@ -145,3 +145,23 @@ def test_a_passive_coordinate_without_inertia_is_refused():
     light = replace(press, model=model)
     with pytest.raises(pp.PinpressError, match=r"passive coordinate 'root_\w+' of hopper moves no mass"):
         pp.inverse_dynamics(light, pp.servo_cycle(light, [[0.2, 0.1]], speed=[[1.0, 1.0]], acceleration=[[0.0, 0.0]]))
+
+
+@pytest.mark.parametrize(
+    ("name", "at", "speed", "acceleration", "torque"),
+    [
+        ("16_rod_cut_in_middle.urdf", [0.3], [2.0], [5.0], [4.925070774]),
+        ("17_legs_between_two_balls.urdf", [0.02, -0.015], [0.1, 0.2], [1.0, -1.0], [3.407297337, 2.479555658]),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+def test_balanced_rods_take_the_same_torque_held_and_free_to_spin(name, at, speed, acceleration, torque):
+    held = pp.load(ROBOTS / name)
+    free = replace(held, held=(), drivers=(*held.motors, *held.held), passive=held.held)
+    for press in (held, free):
+        several = (np.array(each)[None] if len(press.drivers) > 1 else np.array(each) for each in (at, speed, acceleration))
+        given, by, change = several
+        forces = pp.inverse_dynamics(press, pp.servo_cycle(press, given, speed=by, acceleration=change))
+        np.testing.assert_allclose(np.ravel(forces.driving_torque)[: len(at)], torque, rtol=1e-8)
+        assert all(np.abs(moment).max() < 1e-8 for moment in forces.held_moment.values())
+    assert len(held.held) == len(held.freedoms) > 0
