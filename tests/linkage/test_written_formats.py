@@ -5,8 +5,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 import yourdfpy
+from hypothesis import assume, given
+from hypothesis import strategies as st
 from reference.robots.cases import CASES
 from support import texts
+from support.exploring import examples
+from support.generators.random_linkages import drawn, linkages
 from support.generators.spatial_linkages import bennett, bricard, four_bar
 
 import pinpress as pp
@@ -118,3 +122,18 @@ def test_a_urdf_with_home_at_zero_is_closed_for_another_reader(name, tmp_path):
             point = np.array(end.get("xyz", "0 0 0").split(), dtype=float)
             ends.append((read.get_transform(end.get("link")) @ [*point, 1.0])[:3])
         np.testing.assert_allclose(*ends, rtol=0, atol=1e-12)
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+@examples(10)
+@given(linkages(most=3), st.sampled_from(["sdf", "gazebo", "urdf+", "home", "pinocchio"]))
+def test_random_linkages_keep_their_forces(tmp_path, spec, form):
+    """With welded masses, links in parallel planes, and frames turned any way."""
+    drawing = drawn(spec)
+    assume(drawing)
+    press = texts.load(drawing.urdf("crank"))
+    if form == "pinocchio":
+        again = pp.from_pinocchio(press.model, press.constraint_models(), press.drivers)
+    else:
+        again = pp.load(FORMS[form][0](press, tmp_path / ("robot.sdf" if form == "sdf" else "robot.urdf")))
+    assert_same(press, again)
