@@ -338,6 +338,8 @@ def _drive(reactions: Reactions, drawn: Reactions, along: Along) -> list[Section
     torques, speeds = (np.reshape(values, (-1, len(coordinates))).T for values in efforts)
     own: list[Figure] = []
     for driver, coordinate, torque, speed in zip(reactions.motion.drivers, coordinates, torques, speeds, strict=True):
+        if reactions.passive == "free" and driver in reactions._press.passive:
+            continue  # where nothing drives it there is only rounding
         of = f" of {driver}" if len(coordinates) > 1 else ""
         what, unit = coordinate.effort, coordinate.effort_unit
         own += [

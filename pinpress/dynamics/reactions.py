@@ -94,14 +94,15 @@ class Reactions(Tabular):
 
     def _driving_in_words(self) -> str:
         """Between which torques or forces every driver is driven; of many drivers how many there are."""
-        coordinates, drivers = self.motion.driver_coordinates, self.motion.drivers
+        free = self._press.passive if self.passive == "free" else ()
+        coordinates, drivers = self.motion.driver_coordinates, [name for name in self.motion.drivers if name not in free]
         if len(drivers) > MOST_IN_TITLE:
             return f"{len(drivers)} drivers"
-        efforts = np.reshape(self.driving_torque, (-1, len(drivers))).T
-        of = [f" of {driver}" for driver in drivers] if len(drivers) > 1 else [""]
+        efforts = np.reshape(self.driving_torque, (-1, len(coordinates))).T
+        of = [f" of {driver}" for driver in drivers] if len(drivers) > 1 else [""] * len(drivers)
         return ", ".join(
             f"driving {each.effort}{name} {effort.min():.6g} to {effort.max():.6g} {each.effort_unit}"
-            for each, name, effort in zip(coordinates, of, efforts, strict=True)
+            for each, name, effort in zip(coordinates, of, efforts, strict=False)  # motors are the first
         )
 
     @cached_property

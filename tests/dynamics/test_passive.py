@@ -165,3 +165,15 @@ def test_balanced_rods_take_the_same_torque_held_and_free_to_spin(name, at, spee
         np.testing.assert_allclose(np.ravel(forces.driving_torque)[: len(at)], torque, rtol=1e-8)
         assert all(np.abs(moment).max() < 1e-8 for moment in forces.held_moment.values())
     assert len(held.held) == len(held.freedoms) > 0
+
+
+def test_viscous_friction_acts_while_coordinates_are_free():
+    press = five_bar()
+    motion = pp.servo_cycle(press, [[0.25, -0.15]], speed=[[1.2, -0.7]], acceleration=[[3.0, 0.0]])
+    friction = {"turn_b": pp.loads.Friction(viscous=0.3), "tip": pp.loads.Friction(viscous=0.1)}
+    rubbed, plain = pp.inverse_dynamics(press, motion, friction=friction), pp.inverse_dynamics(press, motion)
+    assert abs(rubbed.motion.a - plain.motion.a).max() > 1.0
+    assert abs(rubbed.power_residual).max() < 1e-12
+    damped = replace(press, joint_springs=(JointSpring("turn_b", damping=0.3),))
+    of_joint = pp.inverse_dynamics(press, motion, friction={"turn_b": friction["turn_b"]})
+    np.testing.assert_allclose(of_joint.motion.a, pp.inverse_dynamics(damped, motion).motion.a, rtol=1e-12)
