@@ -571,7 +571,7 @@ def _count(model: Any) -> int:
 
 def _values(model: Any, name: str) -> Array:
     """Numbers of a model; zeros where MuJoCo is older than they are."""
-    return np.asarray(getattr(model, name, np.zeros((model.nv + model.ntendon + _count(model), 1))))
+    return np.asarray(getattr(model, name, np.zeros(model.nv + model.ntendon + _count(model))))
 
 
 def _moved(kind: str, axis: Array, coordinate: float) -> pin.SE3:
