@@ -13,7 +13,7 @@ from support.oracles import cassie
 
 import pinpress as pp
 from pinpress.common.errors import PinpressWarning, UrdfError
-from pinpress.linkage.base import with_base
+from pinpress.linkage.formats.free_bodies import with_base
 from pinpress.linkage.formats.mechanism import Edge, spanning_tree
 from pinpress.linkage.loading import build, parse
 
