@@ -76,6 +76,14 @@ def polar() -> Figure:
     return pp.plots.draw(turn(), "polar A", "polar D")
 
 
+def workspace() -> bytes:
+    """docs/robots.md: where a five-bar locks, and the dead points of its hand."""
+    arm = pp.load(DOCS / "robots" / "five_bar.urdf")
+    reach = pp.measures.workspace(arm, "hand", {"left": (-1.5, 1.5), "right": (-1.5, 1.5)}, points=61)
+    with tempfile.TemporaryDirectory() as folder:
+        return pp.plots.save(pp.plots.draw(reach, "map frame"), Path(folder, "workspace.png")).read_bytes()
+
+
 def process_force() -> Figure:
     """docs/measured.md: the force that the page finds, over the one that acted."""
     names = names_of("measured")
@@ -403,7 +411,7 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 
 PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
-    slide, polar, run, slip_clutch, tolerances, identifiability, ratings,
+    slide, polar, workspace, run, slip_clutch, tolerances, identifiability, ratings,
     die_trade_off, play, accuracy_budget, pause, eight_way_guide, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
     programs, sketch,
     lengths_too_short, notebook, report_page, frame_report, frame_modes, live, process_force, measured_modes, orders,

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support import page_blocks
 
@@ -10,14 +11,17 @@ import pinpress as pp
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-MOST_LINES = 125  # two screens, a picture, a table of pins, and how a press is computed
+MOST_LINES = 134  # two screens, a picture, a table of pins, a robot, and how a press is computed
 
 
 def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    (shown,) = page_blocks.run(README, names)
+    (tmp_path / "docs").symlink_to(ROOT / "docs")  # as in a checkout
+    shown, robot = page_blocks.run(README, names)
     assert shown.same, shown.printed
+    assert robot.same
+    assert np.shape(names["torque"]) == (2, 2)
     assert (tmp_path / "report.html").stat().st_size > 1_000_000
     reactions = names["reactions"]
     assert isinstance(reactions, pp.Reactions)
