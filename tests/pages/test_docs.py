@@ -62,7 +62,18 @@ LONG |= {"several_drivers", "slide_accuracy", "tolerances"}
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
 PICTURED += ["elastic_motion", "measured", "servo", "commands", "mistakes", "motor", "kong2025", "zhang2007", "chen2002"]
-PICTURED += ["ratings", "recording", "robots", "simulation", "slide_accuracy", "sweep", "synthesis", "tolerances", "tour", "units_and_signs"]
+PICTURED += [
+    "ratings",
+    "recording",
+    "robots",
+    "simulation",
+    "slide_accuracy",
+    "sweep",
+    "synthesis",
+    "tolerances",
+    "tour",
+    "units_and_signs",
+]
 PICTURED += ["engines", "errors", "measured_vibration", "press_parts"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
