@@ -47,12 +47,14 @@ def free_accelerations(
     a = np.empty_like(states.a)
     for start in range(0, a.shape[1], engine.piece):
         piece = slice(start, start + engine.piece)
-        a[:, piece] = _free_piece(press, engine, states.part(piece), [load.part(piece) for load in loads], law)
+        a[:, piece] = _free_piece(press, engine, states.part(piece), [load.part(piece) for load in loads], law, start)
     return ClosedStates(states.position, states.v, a, states.basis, states.solved)
 
 
-def _free_piece(press: Linkage, engine: Engine, states: ClosedStates, loads: Sequence[AppliedForce], law: FrictionLaw | None) -> Array:
-    """Joint accelerations (nv, n) of `free_accelerations`."""
+def _free_piece(
+    press: Linkage, engine: Engine, states: ClosedStates, loads: Sequence[AppliedForce], law: FrictionLaw | None, start: int
+) -> Array:
+    """Joint accelerations (nv, n) of `free_accelerations` in the states from ``start`` on."""
     count, n, position = len(press.drivers), states.v.shape[1], states.position
     first, still = len(press.motors), np.zeros((count, n))
     rates, solved = [], None
@@ -73,7 +75,7 @@ def _free_piece(press: Linkage, engine: Engine, states: ClosedStates, loads: Seq
     a, needed = states.a, efforts(states.a)
     columns = [(efforts(a + PROBE * way) - needed) / PROBE for way in by]
     mass = np.array(columns).transpose(2, 1, 0)  # (n, passive, passive)
-    _refuse_without_inertia(press, mass)
+    _refuse_without_inertia(press, mass, start)
     for _ in range(3):  # the first step finds them, the others take off what rounding of the mass matrix has left
         step = np.linalg.solve(mass, -needed.T[:, :, None])[:, :, 0]
         a = a + np.einsum("nk,kjn->jn", step, by)
@@ -81,8 +83,9 @@ def _free_piece(press: Linkage, engine: Engine, states: ClosedStates, loads: Seq
     return a
 
 
-def _refuse_without_inertia(press: Linkage, mass: Array) -> None:
-    """Raise PinpressError where a motion of the passive coordinates alone moves no mass; ``mass``: (n, passive, passive)."""
+def _refuse_without_inertia(press: Linkage, mass: Array, first: int) -> None:
+    """Raise PinpressError where a motion of the passive coordinates alone moves no mass; ``mass``: (n, passive, passive), from the state
+    ``first`` on."""
     units = np.array([1.0 if press.axes[joint].turns else press.size for joint in press.driver_indices[len(press.motors) :]])
     scaled = mass * np.multiply.outer(units, units)
     values, ways = np.linalg.eigh(0.5 * (scaled + scaled.transpose(0, 2, 1)))
@@ -91,7 +94,8 @@ def _refuse_without_inertia(press: Linkage, mass: Array) -> None:
     if light.any():
         state = int(np.argmax(light))
         moving = press.passive[int(np.abs(ways[state, :, 0]).argmax())] if np.isfinite(ways[state]).all() else press.passive[0]
-        raise PinpressError(
-            f"passive coordinate {moving!r} of {press.name} moves no mass, so that nothing determines its acceleration: give its link an"
-            " inertia, or name the joint as a driver"
-        )
+        problem = f"passive coordinate {moving!r} of {press.name} moves no mass in state {first + state}, so that nothing determines its"
+        remedy = "give its link an inertia, or name the joint as a driver"
+        if moving in press.base:
+            remedy = "the base is near a quarter turn about its y there, where its three turns are not independent; keep away from it"
+        raise PinpressError(f"{problem} acceleration: {remedy}")
