@@ -15,7 +15,7 @@ import numpy as np
 
 from ..common.errors import AssemblyError, PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
-from ..engines.mounting import CLOSED, STARTS, Mounted, Mounting, limits
+from ..engines.mounting import CLOSED, STARTS, Mounted, Mounting, limits, within
 from ..engines.rank import PassiveJacobian
 from .linkage import Linkage
 
@@ -168,7 +168,8 @@ def _near(press: Linkage, pose: Mapping[str, float], how: str) -> tuple[_Rung, .
 def _as_drawn(press: Linkage) -> Iterator[_Rung]:
     """Rungs from the drawn pose."""
     start = press.assembly.start
-    yield _Rung("the drawn pose with the drivers held", start, press.driver_indices)
+    if within(press.structure, start)[list(press.driver_indices)].all():
+        yield _Rung("the drawn pose with the drivers held", start, press.driver_indices)
     yield _Rung("the drawn pose with all joints free", start, ())
 
 

@@ -200,8 +200,9 @@ def _refuse_beyond_travel(press: Linkage, motion: Motion) -> None:
     for k, (joint, coordinate) in enumerate(zip(press.driver_indices, press.driver_coordinates, strict=True)):
         if coordinate.turns:
             continue
-        place = press.slots[joint].start
-        low, high = float(press.model.lowerPositionLimit[place]), float(press.model.upperPositionLimit[place])
+        place, home = press.slots[joint].start, float(press.closed[joint])
+        low = min(float(press.model.lowerPositionLimit[place]), home)
+        high = max(float(press.model.upperPositionLimit[place]), home)
         # Less than this share of the size of the linkage is rounding.
         beyond = np.maximum(low - columns[k], columns[k] - high) > 1e-9 * press.size
         if beyond.any():
