@@ -208,6 +208,13 @@ def test_the_joint_that_drives_follows_no_other(tmp_path):
     assert mimics == {"q": "p"}
 
 
+def test_a_joint_that_an_equality_holds_does_not_drive(tmp_path):
+    actuators = '<actuator><motor name="pull" joint="p"/><motor joint="q"/></actuator>'
+    _, document = read(tmp_path, f'<worldbody>{CHAIN}</worldbody><equality><joint joint1="p"/></equality>{actuators}')
+    assert document.description.drivers == ("q",)
+    assert [each.problem for each in document.remarks] == ["an equality holds joint 'p': it does not drive"]
+
+
 @pytest.mark.parametrize("inertial", [True, False])
 def test_missing_meshes_are_left_out_where_bodies_have_inertias(tmp_path, inertial):
     texture = '<texture name="t" type="2d" file="t.png"/><material name="m" texture="t"/>'

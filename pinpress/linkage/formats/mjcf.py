@@ -152,6 +152,9 @@ class _Reader:
         joints, loops, relations = self._with_equalities(joints, set(welds.values()))
         self._remark_on_forces()
         fixed = {joint.name for joint in joints if joint.type == "fixed"}
+        for name in fixed & self.drivers.keys():
+            problem = f"an equality holds joint {name!r}: it does not drive"
+            self.remarks.append(remark("warning", self.drivers[name], problem, "remove the actuator or the equality"))
         return Mechanism(
             self.spec.modelname or "press",
             tuple(links),
