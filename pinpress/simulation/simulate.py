@@ -176,7 +176,7 @@ def simulate(
     if len(press.drivers) == 1:
         refuse_scenarios("simulate", speed, (drive, flywheel, *loads))
     home = press.closed[list(press.driver_indices)]
-    angles, speeds = _start(press, "angle", home if angle is None else angle, home), _start(press, "speed", speed, 0.0 * home, "/s")
+    angles, speeds = _start(press, "angle", angle, home), _start(press, "speed", speed, 0.0 * home, "/s")
     if is_motor_function(drive) and len(press.drivers) == 1:
         drive = DriveByFunction(drive)
     drive, loads = tried(drive, loads, float(np.abs(speeds).max()))
@@ -351,13 +351,16 @@ def _problem(
     return SimulationProblem(driven, method, angles, speeds, until, tolerance, step)
 
 
-def _start(press: Linkage, name: str, value: ArrayLike, rest: Array, by: str = "") -> Array:
-    """(drivers,) angles or speeds at the start, from one number or one of each driver or motor; passive coordinates then ``rest``."""
+def _start(press: Linkage, name: str, value: ArrayLike | None, rest: Array, by: str = "") -> Array:
+    """(drivers,) angles or speeds at the start, from one number or one of each driver; or from one of each motor, with ``rest`` (drivers,)
+    for passive coordinates, and for all where nothing is given."""
+    if value is None:
+        return rest
     value = in_unit(name, value, press.driver_coordinates[0].unit + by)
     if len(press.drivers) == 1:
-        return np.array([number(name, np.reshape(value, ()) if np.shape(value) == (1,) else value)])
-    if press.passive and np.shape(value) == (len(press.motors),):
-        value = np.concatenate([numbers(name, value), rest[len(press.motors) :]])
+        return np.array([number(name, value)])
+    if press.passive and (given := numbers(name, value)).shape == (len(press.motors),):
+        value = np.concatenate([given, rest[len(press.motors) :]])
     wanted = f"finite numbers, one of each of the {len(press.drivers)} drivers"
     values = suitable_numbers(name, value, wanted, None, lambda values: values.shape in ((), (len(press.drivers),)))
     return np.broadcast_to(values, (len(press.drivers),)).copy()
