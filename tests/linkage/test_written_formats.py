@@ -1,5 +1,7 @@
 """Linkages written in other formats and dialects, read back by our readers and by those of others."""
 
+import re
+import warnings
 from xml.etree import ElementTree
 
 import numpy as np
@@ -7,7 +9,7 @@ import pytest
 import yourdfpy
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from reference.robots.cases import CASES
+from reference.robots.cases import CASES, FOLDER
 from support import texts
 from support.exploring import examples
 from support.generators.random_linkages import drawn, linkages
@@ -136,4 +138,53 @@ def test_random_linkages_keep_their_forces(tmp_path, spec, form):
         again = pp.from_pinocchio(press.model, press.constraint_models(), press.drivers)
     else:
         again = pp.load(FORMS[form][0](press, tmp_path / ("robot.sdf" if form == "sdf" else "robot.urdf")))
+    assert_same(press, again)
+
+
+CRANK_SLIDE = pp.load("crank_slide").text.decode()
+GEARS = (FOLDER / "13_urdfplus_coupling.urdf").read_text()
+THIRD = """<link name="third"><inertial><mass value="1"/>
+    <inertia ixx="1e-3" ixy="0" ixz="0" iyy="1e-3" iyz="0" izz="1e-3"/></inertial></link>
+  <joint name="J" type="continuous"><parent link="frame"/><child link="third"/><axis xyz="0 1 0"/></joint>
+  <relation name="r" offset="{}"><joint name="J" coefficient="1"/><joint name="shoulder" coefficient="2"/>{}</relation></robot>"""
+SPINDLE = '<joint name="spindle" coefficient="3"/>'
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (CRANK_SLIDE.replace('name="O"', 'name="crank"'), "link 'crank' is called 'crank_link' in SDF, because a joint has its name"),
+        (re.sub('(<link name="slide">)', r'\1<tool xyz="0 0 0.1"/>', CRANK_SLIDE), "SDF does not hold the <tool> of link 'slide'"),
+        ((FOLDER / "05_flat_inertia.urdf").read_text(), "link 'rod_a' has moments of inertia that no body has, which Gazebo refuses"),
+    ],
+)
+def test_what_sdf_does_not_hold_is_said(text, said, tmp_path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pp.PinpressWarning)
+        press = texts.load(text)
+    with pytest.warns(pp.PinpressWarning, match=re.escape(said)):
+        pp.write_sdf(press, tmp_path / "press.sdf")
+
+
+@pytest.mark.parametrize(
+    ("of_relation", "options", "refusal"),
+    [
+        (SPINDLE, None, "SDF has no element for relation 'r'"),
+        (SPINDLE, {"dialect": "urdf+"}, "gear 'r' has no <coupling> in URDF+: its joints are not those between two links"),
+        ("", {"dialect": "urdf"}, "dialect is 'urdf': write one of pinpress, urdf+, gazebo, drake"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+def test_what_a_format_has_no_element_for_is_refused(of_relation, options, refusal, tmp_path):
+    press = texts.load(GEARS.replace("</robot>", THIRD.format(0, of_relation)))
+    with pytest.raises(pp.PinpressError, match=re.escape(refusal)):
+        pp.write_sdf(press, tmp_path / "x.sdf") if options is None else pp.write_urdf(press, tmp_path / "x.urdf", **options)
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+def test_a_gear_with_an_offset_is_a_coupling_where_home_is_zero(tmp_path):
+    press = texts.load(GEARS.replace("</robot>", THIRD.format(0.3, "")))
+    with pytest.raises(pp.PinpressError, match=re.escape("it has an offset; write the closed pose as zero (home)")):
+        pp.write_urdf(press, tmp_path / "x.urdf", dialect="urdf+")
+    again = pp.load(pp.write_urdf(press, tmp_path / "x.urdf", dialect="urdf+", home=True))
     assert_same(press, again)

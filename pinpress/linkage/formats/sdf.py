@@ -54,7 +54,8 @@ from .mechanism import (
 )
 
 WORLD = "world"
-CLOSES = "pinpress:closes_loop"  # element of a joint that closes a loop; other programs skip it
+# Elements of a joint in SDF of ours, which other programs skip: of one that closes a loop, and the inertia of its rotor [kg m2 or kg].
+CLOSES, ARMATURE = "pinpress:closes_loop", "pinpress:armature"
 _MODEL = "__model__"
 
 _KNOWN = {  # elements that are read or say nothing of the mechanics
@@ -403,6 +404,7 @@ class _Reader:
                 friction=self._number(dynamics, "friction", 0.0),
                 follow=self._mimic(bearing, element),
                 spring=Spring(stiffness, reference, damping) if stiffness else None,
+                armature=self._number(bearing.element, ARMATURE, 0.0),
             )
         ], []
 

@@ -20,7 +20,7 @@ from ..text import MOMENTS, as_text, tag
 from ..writing import drawn_text
 from .elements import make_unique
 from .mechanism import Follow, Joint, Link, Loop, Mechanism, Shape
-from .sdf import CLOSES, WORLD
+from .sdf import ARMATURE, CLOSES, WORLD
 from .urdf import mechanism_of
 
 LEAST = 1e-15, 1e-18  # mass and moments of moving links without mass, as SDF gives a link without them 1 kg and 1 kg m2 [kg, kg m2]
@@ -44,8 +44,8 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
         PinpressError: a relation of more than two joints, which SDF does not know; the path cannot be written.
 
     Warns:
-        PinpressWarning: what SDF does not hold and was left out: armature, the ``<tool>`` of the slide; a link that had to get another
-            name; inertia that no body has, which Gazebo refuses.
+        PinpressWarning: the ``<tool>`` of the slide, which is left out; armature, which other programs skip; inertia that no body has,
+            which Gazebo refuses; a link that had to get another name.
     """
     document = Document(press.file, drawn_text(press))
     drawn = _with_gears(mechanism_of(document), press.name)
@@ -56,9 +56,8 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     for link in mechanism.links:
         if link.inertia is not None and link.inertia.mass and _is_odd(link.inertia.tensor):
             caution(f"{press.name}: link {link.name!r} has moments of inertia that no body has, which Gazebo refuses; written as they are")
-    for joint in mechanism.joints:
-        if joint.armature:
-            caution(f"{press.name}: SDF does not hold the armature of joint {joint.name!r}, {joint.armature:g}: it was left out")
+    if rotors := [joint.name for joint in mechanism.joints if joint.armature]:
+        caution(f"{press.name}: Gazebo knows no armature: that of {', '.join(rotors)} is in <{ARMATURE}>, which pinpress alone reads")
     return files.write(path, ("\n".join(_Writer(mechanism, _places(drawn, press.root), press).lines()) + "\n").encode())
 
 
@@ -121,7 +120,8 @@ class _Writer:
             yield from self._bearing(self.held, "fixed", WORLD, self.root, "")
         for joint in self.mechanism.joints:
             kind = "continuous" if joint.type == "revolute" and joint.limits is None else joint.type
-            yield from self._bearing(joint.name, kind, joint.parent, joint.child, self._axis(joint))
+            rotor = f"<{ARMATURE}>{as_text([joint.armature])}</{ARMATURE}>" if joint.armature else ""
+            yield from self._bearing(joint.name, kind, joint.parent, joint.child, self._axis(joint) + rotor)
         for loop in self.mechanism.loops:
             yield from self._loop(loop)
         if self.drivers:

@@ -83,7 +83,7 @@ def _write_couplings(text: Text, document: Document, mechanism: Mechanism) -> No
 
 def _coupling(document: Document, relation: Relation) -> str:
     def refuse(why: str) -> NoReturn:
-        raise PinpressError(f"the gear of joint {relation.name!r} has no <coupling> in URDF+: {why}; write another format")
+        raise PinpressError(f"gear {relation.name!r} has no <coupling> in URDF+: {why}; write another format")
 
     description, by = document.description, relation.coefficients
     if abs(relation.offset) > 1e-15:
