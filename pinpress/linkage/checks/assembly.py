@@ -141,8 +141,7 @@ def _change_point(press: Linkage, rows: Rows, in_file: bool) -> Finding:
     """The error of a linkage drawn at a change point, such as a parallelogram drawn in one line."""
     problem = "two assemblies meet in the drawn pose, and the loops do not say which of them it is"
     remedy = "draw the linkage a little further on"
-    free = press.model.nv - rank(rows.columns, press.structure.rank_tolerance)
-    if generic_ways(press.structure, press.closed) < free or not mobility.is_shaky(press):
+    if not mobility.is_shaky(press):
         remedy += _choice(press, in_file)
     else:
         moving = _joints(mobility.undetermined_joints(press, rows))

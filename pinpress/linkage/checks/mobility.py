@@ -11,6 +11,7 @@ from ...common.quantities import Array
 from ...engines.constraints import LoopJoint, Relation
 from ...engines.pinocchio.equations import Rows
 from ...engines.rank import PassiveJacobian, rank, singular_values
+from ..driving.freedoms import generic_ways
 from ..linkage import Linkage
 
 TAKES_PART = 1e-6  # share of a unit null vector above which a joint or an equation takes part in it
@@ -151,7 +152,9 @@ def is_shaky(press: Linkage) -> bool:
 
     Near a change point the singular value that is zero there is about as large as the distance from it.
     """
-    random, last = np.random.default_rng(0), press.model.nv - len(press.drivers) - 1
+    random = np.random.default_rng(0)
+    # A robot may have more freedoms than drivers. A shaky linkage seems to have no more: its poses are closed to a root of rounding.
+    last = press.model.nv - max(len(press.drivers), generic_ways(press.structure, press.closed)) - 1
     away, largest = 1e-2, 0.0  # distance of the poses [rad, lengths of the linkage]
     for _ in range(6):
         x = press.closed + away * press.lengths * random.uniform(-1, 1, press.model.nv)
