@@ -95,8 +95,15 @@ class Mounting:
             start[list(held)] = around[list(held)]
             reached = self.close(start, held)
             if reached.misfit <= self.closed and all(self.apart(reached.position, other).max() > 1e-3 for other in found):
-                found.append(reached.position)
+                found.append(self.without_turns(reached.position))
         return found
+
+    def without_turns(self, position: Array) -> Array:
+        """A pose (nv,) without the whole turns that joints without limits, but those of relations, have made from the zeros of the file."""
+        turning = np.array([axis.turns for axis in self.structure.axes]) & np.isinf(self.lower) & np.isinf(self.upper)
+        turning[[joint for relation in self.structure.relations for joint in relation.joints]] = False
+        turns = np.round(position / (2 * np.pi))
+        return np.asarray(np.where(turning, position - 2 * np.pi * turns, position))
 
     def apart(self, one: Array, other: Array) -> Array:
         """Distances (nv,) of the joints in two poses (nv,), those of angles without whole turns [rad, lengths of the linkage]."""

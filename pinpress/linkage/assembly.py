@@ -85,16 +85,31 @@ class Assembly:
 
     @property
     def gap_drawn(self) -> float:
-        """The largest gap of a loop or relation as drawn [m]."""
+        """The largest gap of a loop or relation as drawn [m]; angles count in sizes of the linkage."""
         return float(self.engine.gaps(self.start[:, None])[0])
 
     @cached_property
     def others(self) -> tuple[dict[str, float], ...]:
-        """Other closed poses with the drivers at home, those among 20 random starts: each as the coordinates of the one or two joints that
-        tell it from the rest [rad or m], which ``load(..., pose=...)`` takes. At most 8. They are sought when they are first asked for."""
+        """Other closed poses with the drivers at home, those among 20 random starts, the nearest to the drawing first: each as the
+        coordinates of the one or two joints that tell it from the rest [rad or m], which ``load(..., pose=...)`` takes. At most 8. They are
+        sought when they are first asked for."""
+        return self._others[0]
+
+    @property
+    def nearer(self) -> dict[str, float] | None:
+        """The first of the others, if its joints are nearer to their drawn places than at home."""
+        poses, least = self._others
+        return poses[0] if poses and least else None
+
+    @cached_property
+    def _others(self) -> tuple[tuple[dict[str, float], ...], bool]:
+        """`others`, and whether the first of them is nearer to the drawing than home."""
         mounting, drivers = Mounting(self.structure), self.structure.drivers
-        poses = [pose for pose in mounting.assemblies(self.closed, drivers, np.pi) if mounting.apart(pose, self.closed).max() > 1e-3][:8]
-        return tuple(mounting.told_apart([*poses, self.closed], len(poses), self.structure.passive_joints))
+        poses = [pose for pose in mounting.assemblies(self.closed, drivers, np.pi) if mounting.apart(pose, self.closed).max() > 1e-3]
+        poses = sorted(poses, key=lambda pose: float(mounting.apart(pose, self.start).max()))[:8]
+        away = [float(mounting.apart(pose, self.start).max()) for pose in (*poses[:1], self.closed)]
+        told = mounting.told_apart([*poses, self.closed], len(poses), self.structure.passive_joints)
+        return tuple(told), away[0] < away[-1]
 
     @cached_property
     def gaps(self) -> Array:

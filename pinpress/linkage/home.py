@@ -15,7 +15,7 @@ import numpy as np
 
 from ..common.errors import AssemblyError, PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
-from ..engines.mounting import CLOSED, STARTS, Mounted, Mounting, limits, within
+from ..engines.mounting import CLOSED, STARTS, Mounted, Mounting, within
 from ..engines.rank import PassiveJacobian
 from .linkage import Linkage
 
@@ -83,16 +83,7 @@ def mount(press: Linkage, pose: Mapping[str, float] | None = None) -> Linkage:
         named = ", ".join(f"{name} {value:g}" for name, value in home.items())
         problem = f"{press.file}: its loops do not close near the pose {named}: at best they are {gap:.3g} mm apart"
         raise AssemblyError(f"{problem}; give another pose, or fewer joints of it", 0.0, gap / 1e3, 0)
-    return replace(press, home=tuple(_without_turns(press, best.position).tolist()), mounted=how)
-
-
-def _without_turns(press: Linkage, position: Array) -> Array:
-    """A pose (nv,) without the whole turns that joints without limits have made from the drawn pose, but those of relations."""
-    lower, upper = limits(press.structure)
-    turning = np.array([axis.turns for axis in press.axes]) & np.isinf(lower) & np.isinf(upper)
-    turning[[joint for relation in press.structure.relations for joint in relation.joints]] = False
-    turns = np.round((position - press.assembly.start) / (2 * np.pi))
-    return np.asarray(np.where(turning, position - 2 * np.pi * turns, position))
+    return replace(press, home=tuple(mounting.without_turns(best.position).tolist()), mounted=how)
 
 
 def nearby(press: Linkage) -> list[dict[str, float]]:

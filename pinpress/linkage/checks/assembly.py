@@ -284,6 +284,9 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
             yield from (finding for finding in _driver(press)[1] if finding.severity == "warning")
         return
     yield from _drawn_open(press, _open_beyond(press, OPEN))
+    if press.home and not press.mounted.startswith((POSE, HOME)) and (nearer := press.assembly.nearer):
+        problem = "the linkage is put together in an assembly that is farther from the drawing than another one at the same drivers"
+        yield Finding("warning", _robot(press), None, problem, f"if that one is meant: load(..., pose={nearer!r})")
     yield from _outside_limits(press)
     yield from _misfit(press)
     yield from units_remarks(press)
@@ -470,11 +473,13 @@ def assembly_in_words(press: Linkage) -> str:
     """How a linkage that is drawn open was closed, and which other assemblies there are; empty for the drawn pose."""
     if not press.home:
         return ""
-    text = f"from {press.assembly.how}, where loops are up to {1e3 * press.assembly.gap_drawn:.3g} mm apart as drawn"
+    widest = max(mobility.constraints(press), key=lambda each: each.gap(press.assembly.gaps))
+    text = f"from {press.assembly.how}; as drawn {widest.title} is {opening_in_words(press, widest, press.assembly.gaps) or '0 mm'} apart"
     if press.assembly.moved:
         text += f"; moves {_largest_move(press)}"
     others = [", ".join(f"{name} {value:.3g}" for name, value in each.items()) for each in press.assembly.others]
-    return f"{text}; other assemblies there have {' or '.join(others)}" if others else text
+    more = f" or {len(others) - 3} more" if len(others) > 3 else ""
+    return f"{text}; other assemblies there have {' or '.join(others[:3])}{more}" if others else text
 
 
 def _open_beyond(press: Linkage, beyond: float) -> list[mobility.Constraint]:
