@@ -76,7 +76,9 @@ def walked(press, path):
     """Closed positions (nv, n), each walked to from the one before."""
     here, before, found = press.closed, np.zeros(path.shape[1]), []
     for after in path:
-        here, before = assembly._walk_between(press.engine("pinocchio"), press.structure, here, before, after, "press"), after
+        least = press.structure.smallest_margin
+        here = assembly._walk_between(press.engine("pinocchio"), press.structure, here, before, after, "press", least)
+        before = after
         found.append(here)
     return np.array(found).T
 
