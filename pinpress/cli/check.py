@@ -18,8 +18,9 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `check` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "check",
-        help="stroke, dead centres and bearings of a press, and all errors and doubts about its file or job",
-        description="Report how a press moves: stroke, dead centres, sense of rotation, masses, bearings, transmission angles. List the\n"
+        help="motion and bearings of a press or robot, and all errors and doubts about its file or job",
+        description="Report how a press moves: stroke, dead centres, sense of rotation, masses, bearings, transmission angles; of a robot\n"
+        "what its motors leave free, and drivers that it could have where the file names none. List the\n"
         "errors of its file, with line and remedy: names, numbers, inertias, connections of links, loops that do not close as drawn or\n"
         "that the driver does not determine. Then list doubts and notes, and all errors in the sections of a job. For a file with errors\n"
         "the report is as complete as possible. Nothing is computed beyond the motion.",
