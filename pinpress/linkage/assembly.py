@@ -171,7 +171,8 @@ def assemble(structure: Structure, home: Sequence[float] = (), how: str = "") ->
     start = drawn_coordinates(structure)
     at, how = (np.array(home), how) if len(home) else (start, AS_DRAWN)
     assembly = _assembled(structure, start, at, how)
-    if assembly.closes and assembly.determined and not assembly.redundant:
+    # A branch that was followed over a full turn stays closed within rounding error.
+    if assembly.closes and assembly.determined and (not assembly.redundant or assembly.branch is not None):
         return assembly
     rounded = with_misfit(structure, at)
     return assembly if rounded is structure else _assembled_in_space(rounded, start, at, how)
