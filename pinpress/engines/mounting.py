@@ -57,6 +57,7 @@ class Mounting:
         free = np.setdiff1d(np.arange(len(start)), held)
         lower, upper = (self.lower[free], self.upper[free]) if limited else (-np.inf, np.inf)
         x, damping = start.copy(), 1e-2
+        x[free] = np.clip(x[free], lower, upper)
         gaps, columns = self.equations(x)
         cost = checked = float(gaps @ gaps)
         for step in range(1, MOST_STEPS + 1):

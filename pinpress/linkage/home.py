@@ -145,15 +145,17 @@ def closes_nearby(press: Linkage, start: Array) -> bool:
 
 
 def _near(press: Linkage, pose: Mapping[str, float], how: str) -> tuple[_Rung, ...]:
-    """Rungs near a pose: its joints held, then only the drivers among them, then none."""
-    start, named = press.assembly.start.copy(), [press.joints.index(name) for name in pose]
+    """Rungs near a pose, from the home of the file: its joints held, then only the drivers among them, then none."""
+    start, places = press.assembly.start.copy(), {name: j for j, name in enumerate(press.joints)}
+    named = [places[name] for name in pose]
     if not named:
         return ()
-    start[named] = list(pose.values())
+    for name, value in {**press.document.description.home, **pose}.items():
+        start[places[name]] = value
     drivers = [joint for joint in named if joint in press.driver_indices]
-    exact = _Rung(f"{how} as it stands", start, named)
-    held = _Rung(f"{how} with the drivers held", start, drivers)
-    return exact, *([held] if drivers else []), _Rung(f"{how} with all joints free", start, ())
+    tried = [("as it stands", named), *([("with the drivers held", drivers)] if drivers else []), ("with all joints free", ())]
+    inside = [_Rung(f"{how} {said}", start, held) for said, held in tried]
+    return (*inside, *(_Rung(f"{how} {said}, outside limits", start, held, limited=False) for said, held in tried))
 
 
 def _as_drawn(press: Linkage) -> Iterator[_Rung]:

@@ -146,6 +146,14 @@ def test_a_pose_chooses_the_assembly(pose, knee_b, how):
     assert press.assembly.gap_drawn == pytest.approx(0.121, abs=5e-4)
 
 
+def test_a_pose_that_does_not_close_is_warned_of():
+    with pytest.warns(pp.PinpressWarning, match="no closed pose was found with the joints where pose= puts them"):
+        press = pp.load(OPEN, pose={"turn_a": 2.0, "turn_b": -1.5})
+    assert press.assembly.closes
+    with pytest.raises(pp.SingularityError, match="two assemblies meet"):
+        pp.load(FLAT, pose={"crank_turn": 0.0, "pin": 0.0, "rocker_turn": 0.0})
+
+
 @WARNED
 def test_other_assemblies_are_told_by_poses_that_choose_them():
     press = pp.load(OPEN)
@@ -208,4 +216,4 @@ def test_limits_choose_the_assembly_of_an_open_drawing(tmp_path):
     )
     (tmp_path / "limited.urdf").write_text(text)
     press = pp.load(tmp_path / "limited.urdf")
-    assert 0.5 <= press.closed[press.joints.index("knee_b")] <= 3.1
+    assert 0.5 - 1e-9 <= press.closed[press.joints.index("knee_b")] <= 3.1

@@ -278,6 +278,7 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
         far = np.abs(press.closed - press.assembly.start).max() > 0.05
         yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else 0.01)), together=True)
         yield from _outside_limits(press)
+        yield from _beside_pose(press)
         yield from (finding for finding in (*_undriven(press), *_misfit(press)) if finding.severity == "warning")
         yield from units_remarks(press, centres)
         if "plane" in press.engines:  # other assemblies have not been followed yet, which takes long
@@ -457,6 +458,13 @@ def _misfit(press: Linkage) -> Iterator[Finding]:
     exact = remedy_of_rounded_axes(press) or "write equal and symmetrical lengths and angles with all digits"
     remedy = f"results have errors of about {misfit / size:.1g} of their size; {exact}"
     yield Finding("warning" if misfit > SEEN * size else "note", _robot(press), None, problem, remedy)
+
+
+def _beside_pose(press: Linkage) -> Iterator[Finding]:
+    """The warning of a pose that was given and does not close."""
+    if press.mounted.startswith(f"{POSE} with all joints free"):
+        problem = "no closed pose was found with the joints where pose= puts them"
+        yield Finding("warning", _robot(press), None, problem, "one near it was taken, with all joints free: press.closed")
 
 
 def _outside_limits(press: Linkage) -> Iterator[Finding]:
