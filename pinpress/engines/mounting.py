@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from ..common.arguments import LARGEST
 from ..common.quantities import Array
 from .pinocchio.equations import OneConfiguration
 from .structure import Structure
@@ -153,7 +154,7 @@ def limits(structure: Structure) -> tuple[Array, Array]:
     for j, slot in enumerate(structure.slots):
         low, high = float(model.lowerPositionLimit[slot.start]), float(model.upperPositionLimit[slot.start])
         if not slot.unbounded and low < high:
-            lower[j], upper[j] = low, high
+            lower[j], upper[j] = low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
     return lower, upper
 
 

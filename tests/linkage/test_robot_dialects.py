@@ -262,3 +262,18 @@ def test_the_parts_of_a_split_ball_have_names_of_their_own(tmp_path):
     assert len(set(names)) == len(names)
     assert len(set(description.links)) == len(description.links)
     assert {"b_x", "b_x_2", "b_y", "b_z"} <= set(names)
+
+
+@pytest.mark.parametrize("lower", ["-1e30", "-1e16"])
+def test_limits_that_are_none_do_not_lead_away_from_home(tmp_path, lower):
+    """An open drawing of which one joint has no lower limit, as it is written where there is none, closes as without limits."""
+    text = (FOLDER / "14_open_pose.urdf").read_text()
+    limited = re.sub(
+        r'(<joint name="knee_a" type=)"continuous"(.*?)</joint>',
+        rf'\1"revolute"\2<limit lower="{lower}" upper="1.5" effort="1" velocity="1"/></joint>',
+        text,
+    )
+    assert limited != text
+    (free, _), (press, _) = loaded(tmp_path, text), loaded(tmp_path, limited)
+    np.testing.assert_allclose(press.closed, free.closed, atol=1e-12)
+    assert pp.check(tmp_path / "robot.urdf").errors == ()
