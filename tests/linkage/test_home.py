@@ -148,7 +148,7 @@ def test_a_pose_chooses_the_assembly(pose, knee_b, how):
 
 def test_a_pose_that_does_not_close_is_warned_of():
     with pytest.warns(pp.PinpressWarning, match="no closed pose was found with the joints where pose= puts them"):
-        press = pp.load(OPEN, pose={"turn_a": 2.0, "turn_b": -1.5})
+        press = pp.load(OPEN, pose={"turn_a": 1.5, "turn_b": -2.5})
     assert press.assembly.closes
     with pytest.raises(pp.SingularityError, match="two assemblies meet"):
         pp.load(FLAT, pose={"crank_turn": 0.0, "pin": 0.0, "rocker_turn": 0.0})
