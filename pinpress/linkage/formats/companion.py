@@ -11,7 +11,6 @@ It becomes part of the URDF's text, without a change of line numbers. Any other 
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Sequence
 from itertools import takewhile
@@ -20,8 +19,9 @@ from pathlib import Path
 import numpy as np
 
 from ...common.errors import FileEntryError, UrdfError, suggestion
+from ...common.files import read
 from ...common.quantities import Array
-from ...common.reading.entries import Entry, FileKind, read_entries
+from ...common.reading.entries import LARGEST_FILE, Entry, FileKind, read_entries
 from ..description import names
 from ..document import Document, Finding, Origin
 from ..element import Element
@@ -43,9 +43,9 @@ def joined(document: Document) -> Document:
     """
     path = Path(document.file).with_suffix(".yaml")
     try:
-        if not os.path.isfile(path) or not re.search(r"^[{\s\"']*closed_loop[\"']?\s*:", path.read_text("utf-8"), re.MULTILINE):
+        if not path.is_file() or not re.search(rb"^[{\s\"']*closed_loop[\"']?\s*:", read(path, LARGEST_FILE), re.MULTILINE):
             return document
-    except (OSError, ValueError):  # of a file that is no text, or must not be read
+    except (OSError, ValueError):  # of a file that is too large, or must not be read
         return document
     try:
         return _Companion(document, read_entries(path, _KIND)).document()
