@@ -158,7 +158,7 @@ def pivots(ways: Array, weights: Array, least: float = RESTS, chosen: Sequence[i
         least: smallest part that is chosen, without its weight [-].
         chosen: joints chosen before.
     """
-    rest, found = ways.copy(), []
+    rest, found = ways.copy(), list[int]()
     for joint in chosen:
         rest = _without_part(rest, joint)
     while len(chosen) + len(found) < ways.shape[1]:
@@ -179,7 +179,7 @@ def conditioning(ways: Array, joints: Sequence[int]) -> float:
 def generic_ways(structure: Structure, x: Array) -> int:
     """Number of free ways in closed poses near a closed pose (nv,): the smallest of four poses, with joints moved by up to 0.15 rad. In the
     pose itself it is larger where assemblies meet, as in a parallelogram drawn in one line."""
-    return min(free_ways(structure, columns_at(structure, pose)).shape[1] for pose in (x, *_neighbours(structure, x)))
+    return int(min(free_ways(structure, columns_at(structure, pose)).shape[1] for pose in (x, *_neighbours(structure, x))))
 
 
 def _neighbours(structure: Structure, x: Array) -> Iterator[Array]:
