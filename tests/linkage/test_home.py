@@ -122,6 +122,21 @@ def test_several_drivers_are_followed_from_home():
     assert_allclose(found[1], found[0] + offsets, atol=1e-9)
 
 
+@WARNED
+def test_made_up_shapes_are_those_of_the_closed_linkage():
+    """A rod reaches from pin to pin, though the loop is drawn open."""
+    press = pp.load(OPEN)
+
+    def shapes(of):
+        return [
+            np.hstack([each.parentJoint, each.placement.homogeneous.ravel(), each.geometry.aabb_radius])
+            for each in pp.visual_model(of).geometryObjects
+            if each.geometry.computeLocalAABB() is None
+        ]
+
+    assert_allclose(shapes(press), shapes(press.drawn_at_home()), atol=1e-9)
+
+
 # ------------------------------------------------------------------------------------------------------------------------ the ladder
 
 

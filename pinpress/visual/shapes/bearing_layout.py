@@ -168,7 +168,7 @@ def tree(nodes: Array) -> list[tuple[Array, Array]]:
 
 
 def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], added: Mapping[int, AddedBallast]) -> BearingLayout:
-    """Lay out the bearings of a press in the drawn pose.
+    """Lay out the bearings of a press in the drawn pose; of one that is drawn open, in its home pose.
 
     Links that are welded together are drawn as one, the first of them, unless one of them has visuals.
 
@@ -181,6 +181,8 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], adde
     Raises:
         PinpressError: the drawn pose is not finite.
     """
+    if press.home:
+        press, travel = press.drawn_at_home(), travel - press.closed
     model, places = press.model, drawn_placements(press.model)
     frames = {link: model.getFrameId(link, pin.BODY) for link in press.links}
     joint = {link: model.frames[frame].parentJoint for link, frame in frames.items()}
