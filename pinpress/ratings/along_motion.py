@@ -45,7 +45,7 @@ class MotionRatings(OfPress, Tabular):
         friction: friction of bearings and guides, as given.
         force: (n,) permissible process force, the smallest force that a limit permits [N].
         limits: name of a limit -> (n,) process force that it permits alone, at most the nominal force [N]. The names are "nominal force",
-            "torque A" or, of a driver that slides, "driving force A", with the drivers' names, and "bearing NAME".
+            "torque DRIVER" ("driving force DRIVER" for a sliding driver) and "bearing NAME".
         limited_by: (n,) name of the limit that governs.
     """
 
@@ -128,7 +128,7 @@ def rate_motion(
     limits = _limits(press, capacities)
     refuse_unrated(press, loads, friction, at_speed=True)
     refuse_motion_of_another(press, motion)
-    _ = press.slide_guide  # which refuses a press without a slide
+    _ = press.slide_guide  # raises an error if the press has no slide
     bearings = tuple(capacities.bearings)
     nominal = np.full(len(motion.crank_angle), capacities.nominal_force)
 

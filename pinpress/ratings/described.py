@@ -1,4 +1,4 @@
-"""What ratings show: the permissible force with its limits over the height, the work of a stroke, and what a process takes of both."""
+"""What ratings show: the permissible force with its limits over the height, the work of a stroke, and how much of both a process uses."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from .rating import PressRatings, conditions_in_words
 
 HEIGHT = "height above bottom dead centre"
 NEAR = 2.0  # reach of the chart near bottom dead centre, divided by the largest height at which another limit begins to govern
-ROWS = 16  # rows of the tables, besides the heights at which another limit begins to govern
+ROWS = 16  # rows of the tables, in addition to the heights at which another limit begins to govern
 HYPERBOLAS = (0.2, 0.4, 0.6, 0.8)  # places on the diagonal of a chart where lines of constant energy cross it
 ROOM = 1.12  # highest force of a chart, divided by the nominal force
-POINTS = 200  # of a line of constant energy
+POINTS = 200  # points of a line of constant energy
 
 
 def press_ratings(ratings: PressRatings, page: Reactions | None = None) -> tuple[Section, ...]:
@@ -39,7 +39,7 @@ def press_ratings(ratings: PressRatings, page: Reactions | None = None) -> tuple
 
 
 def _uses(ratings: PressRatings, page: Reactions, use: Array) -> list[Figure]:
-    """What the process of a page takes of the permissible force and of the energies."""
+    """How much of the permissible force and of the energies the process of a page uses."""
     at, first = int(use.argmax()), ratings.driver_coordinate
     height = float(page.motion.slide_position[at]) - dead_centres(page._press).bottom_position
     place = first.shown(float(np.ravel(page.motion.crank_angle[at])[0]), ".4g")
@@ -53,7 +53,7 @@ def _uses(ratings: PressRatings, page: Reactions, use: Array) -> list[Figure]:
 
 
 def _main_data(ratings: PressRatings) -> list[Figure]:
-    """The main data, as far as they are known."""
+    """The known main data."""
     given, limit, turning = ratings.capacities, ratings.speed_limit, ratings.driver_coordinate.turns
     capacity, unit = ("torque", "N m") if turning else ("driving force", "N")
     above = "above bottom dead centre"
@@ -111,7 +111,7 @@ def _use(use: Array, along: Along) -> Chart:
 
 
 def _work(ratings: PressRatings) -> Chart:
-    """Work of the permissible force from a height down, next to the energies that limit it."""
+    """Work of the permissible force from a height down to bottom dead centre, and the energies that limit this work."""
     curves = [Curve("work", ratings.work, ratings.height)]
     marks = [Mark(name, energy) for name, energy in ratings.energies.items()]
     ends = ratings.height[[0, -1]]

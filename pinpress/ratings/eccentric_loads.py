@@ -2,9 +2,9 @@
 
 A gib of length L along the guide's axis and width b that carries a normal force N and a tilting moment M has the pressure
 p = N / (L b) + 6 M / (L^2 b) at its end, with a linear distribution (Navier). Between two gibs without clearance this holds for an
-eccentricity M / N of more than L / 6 too, because the opposite gib pushes where one would have to pull. A single gib can only push: beyond
-L / 6 it lifts off, contact remains over 3 (L / 2 - M / N), and the pressure rises to 2 N / (3 b (L / 2 - M / N)). Beyond L / 2 the slide
-tips.
+eccentricity M / N of more than L / 6 too, because the opposite gib pushes where a single gib would have to pull. A single gib can only
+push: beyond L / 6 it lifts off, contact remains over 3 (L / 2 - M / N), and the pressure rises to 2 N / (3 b (L / 2 - M / N)). Beyond L / 2
+the slide tips.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Gibs:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GuideReaction(Tabular):
-    """Reaction of the slide's guide to an eccentric process force, at n states. All arrays are read-only.
+    """Reaction of the slide's guide to an eccentric process force, in n states. All arrays are read-only.
 
     Attributes:
         guide: name of the slide's bearing in its guide.

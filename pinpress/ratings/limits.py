@@ -1,11 +1,12 @@
 """Limits of the process force: the forces that capacities of drivers and bearings permit.
 
 At a given angle and speed the driving torque and every bearing force are affine in the process force F: R = R0 + F R1. R0 are the reactions
-of the idle press, and R1 those of its links without mass under a force of 1 N, so that neither is a difference of large numbers. A capacity
-C permits the F at which |R0 + F R1| = C, a quadratic equation.
+of the idle press. R1 are the reactions of the press with massless links to a force of 1 N. So no difference of large numbers is taken. A
+capacity C permits the F at which |R0 + F R1| = C, a quadratic equation.
 
 With friction this still holds for the process force alone, because friction grows in proportion to it. With weights, inertia forces and
-springs the friction of bearings is no longer affine in F. Then |R| still crosses C once, and Newton's method within a bracket finds where.
+springs the friction of bearings is no longer affine in F. Then |R| still crosses C once, and Newton's method within a bracket finds the
+crossing.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ class Limit(NamedTuple):
         what: the loaded part, as text.
         capacity: largest magnitude [N or N m].
         unit: unit of the capacity.
-        reaction: from reactions to their driving torque or bearing force (n, k).
+        reaction: function from reactions to the limited driving torque or bearing force (n, k).
     """
 
     name: str
@@ -50,7 +51,7 @@ class Limit(NamedTuple):
 
 
 def driver_limit(press: Linkage, driver: str, capacity: float, named: bool = False) -> Limit:
-    """The limit of a driver; ``named``: whether its name tells it from other drivers."""
+    """The limit of a driver; ``named``: whether the name of the limit contains the driver's name."""
     column = press.drivers.index(driver)
     coordinate = press.driver_coordinates[column]
 
@@ -90,15 +91,15 @@ def affine_forces(limits: Sequence[Limit], idle: Reactions | None, unit: Reactio
 def forces_with_friction(
     limits: Sequence[Limit], sizes: Callable[[Array], Array], nominal: Array, place: Callable[[int], str], *, single: bool = True
 ) -> dict[str, Array]:
-    """The forces (n,) that limits permit if friction goes with weights, inertia forces and springs too.
+    """The forces (n,) that limits permit if weights, inertia forces and springs cause friction too.
 
-    They are infinite above twice the nominal force, which governs then, and 0 if the idle press exceeds the capacity.
+    A force is infinite if it is above twice the nominal force, which governs then. It is 0 if the idle press exceeds the capacity.
 
     Args:
         limits: the l limits.
-        sizes: from process forces (k, n) to the magnitudes (l, k, n) of all limits in n states [N].
+        sizes: function from process forces (k, n) to the magnitudes (l, k, n) of all limited quantities in n states [N].
         nominal: (n,) nominal force [N].
-        place: from the number of a state to its name.
+        place: function from the number of a state to its name.
         single: whether to check that every smaller force is permitted too.
 
     Raises:
@@ -113,7 +114,7 @@ def forces_with_friction(
     limited = (idle < 1.0) & (furthest > 1.0)
 
     def missing(force: Array) -> tuple[Array, Array]:
-        """Shares of the capacities less 1, and their slopes; in states without a limit a function with another root."""
+        """Used shares of the capacities less 1, and their slopes; a function with another root in states without a limit."""
         force = force.reshape(largest.shape)
         both = sizes(np.concatenate([force, force + step])) / capacity
         share, beside = both[own, own], both[own, count + own]
@@ -136,15 +137,15 @@ def forces_with_friction(
 
 
 def without_masses(press: Linkage) -> Linkage:
-    """The press with massless links, whose reactions are those to the loads alone."""
+    """The press with massless links. Its reactions are the reactions to the loads alone."""
     return press.with_inertias([pin.Inertia.Zero()] * press.model.njoints)
 
 
 def largest_factor(constant: Array, slope: Array, capacity: Array | float) -> Array:
-    """Largest factors f (n,) with |constant + f slope| <= capacity, infinite where no factor is too large.
+    """Largest factors f (n,) with |constant + f slope| <= capacity, infinite if any factor is allowed.
 
-    With the vectors k and s divided by the capacity, f is the root >= 0 of f^2 s.s + 2 f k.s + k.k - 1 = 0, in the form that loses no
-    digits.
+    With the vectors k and s divided by the capacity, f is the root >= 0 of f^2 s.s + 2 f k.s + k.k - 1 = 0, in the form without
+    cancellation.
 
     Args:
         constant: (n, k) vectors, whose magnitude is within the capacity.
@@ -157,12 +158,12 @@ def largest_factor(constant: Array, slope: Array, capacity: Array | float) -> Ar
     k, s = constant / scale, slope / unit
     square, half, free = np.sum(s * s, axis=1), np.sum(k * s, axis=1), np.maximum(1.0 - np.sum(k * k, axis=1), 0.0)
     root = np.sqrt(half**2 + square * free)
-    with np.errstate(all="ignore"):  # the form that divides by zero is not taken; free / 0 means that nothing limits
+    with np.errstate(all="ignore"):  # the root that divides by zero is not used; free / 0 = infinity means no limit
         outwards = np.where((half + root > 0) | (free > 0), free / (half + root), np.inf)
         return np.where(half >= 0, outwards, (root - half) / square) * (scale / unit)[:, 0]
 
 
 def governing_names(forces: Mapping[str, Array]) -> tuple[str, ...]:
-    """Name of the limit with the smallest force in every state, and of those that are equal but for rounding the first."""
+    """Name of the limit with the smallest force in every state; the first of several limits that are equal within rounding error."""
     names, limits = list(forces), np.array(list(forces.values()))
     return tuple(names[k] for k in np.argmax(limits <= (1 + TIE) * limits.min(axis=0), axis=0))

@@ -57,20 +57,20 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Capacities(Frozen):
-    """Capacities of a press. A capacity of None and a bearing without capacity do not limit the press.
+    """Capacities of a press. A capacity of None does not limit the press, and neither does a bearing without a capacity.
 
     Attributes:
         nominal_force: largest process force at any height [N].
-        nominal_height: height above bottom dead centre from which downwards the crank's torque permits the nominal force [m].
+        nominal_height: height above bottom dead centre; at and below it the crank's torque permits the nominal force [m].
         torque: torque capacity at the driver joint, in place of the nominal height [N m]; force capacity of a sliding driver [N].
-        bearings: name of a bearing or guide -> largest magnitude of the force in it, in a planar press the radial force [N].
+        bearings: name of a bearing or guide -> largest magnitude of its force; in a planar press, of the radial force [N].
         drivers: name of a driver -> its torque capacity [N m], or force capacity of a sliding driver [N], in place of ``torque``; for
             `rate_motion` of presses with several drivers.
         flywheel_inertia: moment of inertia of the flywheel reduced to the driver joint, without the linkage [kg m2].
-        speed_drop: largest drop of the flywheel's speed in a stroke, divided by the speed [-]. It goes with the flywheel. Usual values are
-            0.2 to 0.3 in single strokes and 0.1 to 0.15 in continuous ones.
+        speed_drop: largest drop of the flywheel's speed in a stroke, divided by the speed [-]. Give it together with the flywheel. Usual
+            values are 0.2 to 0.3 for single strokes and 0.1 to 0.15 for continuous strokes.
         motor_power: power of the motor that restores the energy from stroke to stroke in continuous use [W]. Leave it out for single
-            strokes, between which there is time enough.
+            strokes: between them the motor has enough time.
         slide_acceleration: largest slide acceleration that tool and feed allow [m/s2].
         shaking_force: largest force on the foundation, weight excluded [N].
 
@@ -149,7 +149,7 @@ def refuse_other_effort(given: Capacities, coordinate: DriverCoordinate, driver:
 
 
 def refuse_by_driver(given: Capacities) -> None:
-    """Raise PinpressError if capacities are given by drivers, which only `rate_motion` takes."""
+    """Raise PinpressError if capacities are given by driver name, which only `rate_motion` accepts."""
     if given.drivers:
         raise PinpressError("drivers gives capacities along a motion, see rate_motion: give the capacity of a single driver as torque")
 
@@ -185,8 +185,8 @@ class RatedStroke:
     Attributes:
         press: the press, with one driver and a slide with one top and one bottom dead centre.
         capacities: its capacities.
-        speed: speed of the driver joint, negative backwards [rad/s]; highest speed of a driver that slides, positive towards bottom dead
-            centre of the slide [m/s].
+        speed: speed of the driver joint, negative backwards [rad/s]; highest speed of a sliding driver, positive towards bottom dead centre
+            of the slide [m/s].
         torque: torque capacity at the driver joint [N m], or force capacity of a driver that slides [N]; None: no limit.
         at_speed: whether weights and inertia forces count.
         loads: springs, balance cylinders and constant forces in addition to the process.
@@ -240,7 +240,7 @@ class RatedStroke:
         return motion_through_change_points(self.press, angle, self.speed, engine=self.engine)
 
     def in_operation(self, motion: Motion) -> Motion:
-        """A motion at constant speed as the press makes it in operation: a driver that slides moves harmonically, as in `cycle`."""
+        """From a motion at constant speed, the motion in operation: a sliding driver moves harmonically, as in `cycle`."""
         if self.coordinate.turns:
             return motion
         middle, half = 0.5 * (self.top + self.bottom), 0.5 * abs(self.bottom - self.top)
@@ -280,7 +280,7 @@ def rated_stroke(
     beside: tuple[tuple[Load, ...], Mapping[str, Friction]],
     engine: str,
 ) -> RatedStroke:
-    """The working stroke to be rated, with the torque capacity that a nominal height stands for; ``beside``: loads and friction.
+    """The working stroke to be rated, with the torque capacity that a nominal height defines; ``beside``: loads and friction.
 
     Raises:
         PinpressError: the nominal height is not between 0 and the stroke, or the slide turns back within the travel of a driver that
@@ -315,7 +315,7 @@ def rated_stroke(
 
 
 def _refuse_turning_back(press: Linkage, ends: DeadCentres) -> None:
-    """Raise PinpressError if the slide turns back within the travel of a driver that slides, so that it comes down on two ways."""
+    """Raise PinpressError if the slide turns back within the travel of a driver that slides, because then it has two working strokes."""
     low, high = (float(end) for end in press.branch_through_change_points.angles[[0, -1]])
     places = np.linspace(ends.top_angle, ends.bottom_angle, TURN + 1)
     speeds = motion_through_change_points(press, places, ends.bottom_angle - ends.top_angle).slide_velocity
@@ -351,8 +351,8 @@ def angle_at(rated: RatedStroke, name: str, height: float) -> float:
 
 
 def refuse_unrated(press: Linkage, loads: object, friction: Mapping[str, Friction], *, at_speed: bool) -> None:
-    """Raise PinpressError for a load that cannot act next to the process, and for loads or viscous friction if the process force counts
-    alone; and as `loads.link.law`."""
+    """Raise PinpressError for a load that cannot be combined with the process force, and, unless ``at_speed``, for any load or viscous
+    friction; also as `loads.link.law`."""
     if not isinstance(loads, list | tuple):
         raise PinpressError(f"loads is {shown(loads)}: give a list, loads=[...]")
     for load in loads:
@@ -388,7 +388,7 @@ def refuse_overloaded_idle(rated: RatedStroke) -> None:
     if turning:
         whole = rated.top + np.arange(TURN * rated.press.period_turns) * (2 * np.pi / TURN)
         motion, speed = rated.motion(np.concatenate([whole, stroke])), f"{abs(rated.speed) / RPM:.6g} r/min"
-    else:  # on the way back a driver that slides needs the same forces
+    else:  # a sliding driver needs the same forces on the way back
         motion, speed = rated.in_operation(rated.motion(stroke)), f"a highest speed of {1e3 * abs(rated.speed):.6g} mm/s"
     idle = inverse_dynamics(rated.press, motion, rated.loads, rated.friction, engine=rated.engine, bearings=rated.bearings)
     for limit in rated.limits:
@@ -408,7 +408,7 @@ def permitted_forces(rated: RatedStroke, motion: Motion, energy: bool = True, wa
         rated: the working stroke.
         motion: motion of the press, n states.
         energy: whether to add the forces that take all usable energy when they act from here to bottom dead centre.
-        wanted: names of limits; others are left out where that saves time. None: all.
+        wanted: names of limits; other limits are left out if this saves time. None: all.
     """
     forces = _in_one_stroke(rated, motion, wanted)
     strokes = round(rated.press.period_turns / rated.turns) if rated.coordinate.turns else 1
@@ -417,7 +417,7 @@ def permitted_forces(rated: RatedStroke, motion: Motion, energy: bool = True, wa
         forces = {name: np.minimum(force, others[name]) for name, force in forces.items()}
     if energy:
         work = rated.work_by_force(motion.crank_angle) if rated.friction and rated.energies else rated.height(motion)
-        with np.errstate(divide="ignore", over="ignore"):  # at height zero any force is permitted
+        with np.errstate(divide="ignore", over="ignore"):  # at height zero an energy permits any force
             forces |= {name: usable / work for name, usable in rated.energies.items()}
     return forces
 
@@ -428,7 +428,7 @@ class GoverningLimits(NamedTuple):
     Attributes:
         angle: (n,) crank angles from top to bottom dead centre [rad].
         forces: name of a limit -> (n,) process force that it permits, at most the nominal force [N].
-        names: (n,) names of the limit that governs; where it changes, the limit that begins to govern.
+        names: (n,) names of the governing limit; at a change, of the limit that begins to govern.
         changes: indices of the states at which it changes.
     """
 
@@ -458,10 +458,10 @@ def governing_limits(rated: RatedStroke, points: int) -> GoverningLimits:
 def permitted_work(rated: RatedStroke, angle: Array) -> Array:
     """Work (n,) of the force that all limits except energy permit, from each of the crank angles (n,) to the last one [J].
 
-    The steps between the angles are halved until this changes nothing. If an energy governs, the other limits take over from each other at
-    angles between these.
+    The steps between the angles are halved until the work no longer changes: where an energy governs, the other limits may change between
+    these angles.
     """
-    # Lobatto's rule has the ends of a step among its nodes, so it sees a change of the governing limit even next to an end.
+    # Lobatto's rule has the ends of a step among its nodes, so it detects a change of the governing limit even next to an end.
     nodes = np.array([-1.0, -math.sqrt(3 / 7), 0.0, math.sqrt(3 / 7), 1.0])
     weights = np.array([9.0, 49.0, 64.0, 49.0, 9.0]) / 90
 
@@ -541,7 +541,8 @@ def _in_order(rated: RatedStroke, angles: Array) -> Array:
 
 
 def _changes(rated: RatedStroke, first: str, second: str, low: float, high: float) -> Iterator[tuple[float, str]]:
-    """Crank angles between two at which another limit begins to govern, with that limit: others may come before the second one."""
+    """Crank angles between two angles at which another limit begins to govern, with this limit; other limits may govern between the first
+    and the second."""
     at = _crossing(rated, first, second, low, high)
     forces = _capped(rated, np.array([at]))
     (least,) = governing_names(forces)
@@ -553,20 +554,20 @@ def _changes(rated: RatedStroke, first: str, second: str, low: float, high: floa
 
 
 def _crossing(rated: RatedStroke, first: str, second: str, low: float, high: float) -> float:
-    """Crank angle between two at which the second limit begins to permit less than the first."""
+    """Crank angle between two angles at which the second limit begins to permit less than the first."""
 
     def ahead(angle: float) -> float:
-        """Force that the first limit permits, less that of the second; forces count up to twice the nominal force."""
+        """Force that the first limit permits less the force that the second permits; each counts up to twice the nominal force."""
         forces = permitted_forces(rated, rated.motion(np.array([angle])), wanted=(first, second))
         one, other = (min(float(forces[name][0]), 2 * rated.capacities.nominal_force) for name in (first, second))
         return one - other
 
     before, after = ahead(low), ahead(high)
-    if before * after >= 0:  # the limits change exactly at a state
+    if before * after >= 0:  # the limits change exactly in a state
         return low if before == 0.0 else high
     rounding = ROUNDING * max(abs(low), abs(high))
     crossing = sign_change(ahead, low, high, rounding)
-    return next((state for state in (low, high) if abs(crossing - state) <= 2 * rounding), crossing)  # as at the nominal height
+    return next((state for state in (low, high) if abs(crossing - state) <= 2 * rounding), crossing)  # e.g. the nominal height
 
 
 def _capped(rated: RatedStroke, angle: Array) -> dict[str, Array]:

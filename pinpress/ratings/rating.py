@@ -1,4 +1,4 @@
-"""Ratings: the force that a press may exert at each height, limited by torque, bearings and energy, as its builder prints it."""
+"""Ratings: the force that a press may exert at each height, limited by torque, bearings and energy, as press builders print it."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from .speed_limits import PermissibleSpeed, limiting_speed
 
 DWELL = 0.01  # distance from bottom dead centre that counts as dwell, as a share of the stroke
 MOST_POINTS = 10**5  # crank angles; more would be a mistake
-SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose squares and whose time for a turn have meaning in floating point
+SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose square and time of a turn neither overflow nor underflow
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,7 +53,7 @@ class PressRatings(OfPress, Tabular):
         press_name: name of the press.
         capacities: capacities as given.
         driver_coordinate: coordinate of its driver.
-        speed: speed of the driver joint, negative backwards [rad/s]; of a driver that slides its highest one, with the sign of the way to
+        speed: speed of the driver joint, negative backwards [rad/s]; highest speed of a sliding driver, with the sign of its motion towards
             bottom dead centre [m/s].
         at_speed: whether the forces take weights and inertia forces at this speed into account. False: the process force alone, as
             catalogues print it.
@@ -65,28 +65,27 @@ class PressRatings(OfPress, Tabular):
         height: (n,) height of the slide above bottom dead centre, falling to 0 [m].
         travel_per_angle: (n,) ds/dtheta of the slide along its guide's axis [m/rad]. Its magnitude is the driving torque for a process
             force of 1 N without losses [N m/N]; its inverse is the mechanical advantage, which grows without bounds at the dead centres.
-            Of a driver that slides it is the travel of the slide by that of the driver [-], the driving force for 1 N.
+            For a sliding driver it is the travel of the slide / travel of the driver [-], which is the driving force for 1 N.
         slide_velocity: (n,) velocity of the slide along the guide's axis [m/s].
         force: (n,) permissible process force, the smallest force that a limit permits [N].
         limits: name of a limit -> (n,) process force that it permits alone, at most the nominal force [N]. The names are "nominal force",
-            "torque" or, of a driver that slides, "driving force", "bearing NAME", "flywheel energy" and "motor energy". An energy E permits
-            E / height, a constant force from there to bottom dead centre; with friction the work that the crank does for 1 N stands in
-            place of the height.
+            "torque" ("driving force" for a sliding driver), "bearing NAME", "flywheel energy" and "motor energy". An energy E permits
+            E / height, a constant force from this height to bottom dead centre; with friction it permits E / (work of the crank for 1 N).
         limited_by: (n,) name of the limit that governs.
         changes: heights at which another limit begins to govern, falling, accurate within rounding error [m]; ``height`` contains them.
         work: (n,) work of the force that all limits except energy permit, down to bottom dead centre [J]. It may exceed an energy.
         energies: work that a stroke may take from each source, "flywheel energy" and "motor energy" [J].
         stroke: stroke of the slide [m].
-        quick_return_ratio: time of the working stroke divided by that of the return stroke [-]; None where the driver slides.
+        quick_return_ratio: time of the working stroke / time of the return stroke [-]; None if the driver slides.
         contact_height: height above bottom dead centre at which the tool meets the work [m]; None: not given.
         contact_speed: speed of the slide at this height [m/s]; None without a height.
-        contact_advantage: mechanical advantage at this height, force on the slide for each N m on the crank [1/m], or for each N of a
-            driver that slides [-]; None without a height.
-        dwell_tolerance: distance from bottom dead centre that counts as dwell [m]; None where the driver slides.
-        dwell_time: time in which the slide is within this distance [s]; None where the driver slides.
-        speed_limit: speed at which the idle press reaches a capacity; None if no speed reaches one, for a sliding driver, and with friction
-            or dampers.
-        turns: turns of the driver joint from stroke to stroke; 1 where it slides.
+        contact_advantage: mechanical advantage at this height, force on the slide for 1 N m at the crank [1/m], or for 1 N at a sliding
+            driver [-]; None without a height.
+        dwell_tolerance: distance from bottom dead centre that counts as dwell [m]; None if the driver slides.
+        dwell_time: time in which the slide is within this distance [s]; None if the driver slides.
+        speed_limit: speed at which the idle press reaches a capacity; None if no speed reaches a capacity, for a sliding driver, and with
+            friction or dampers.
+        turns: turns of the driver joint from stroke to stroke; 1 if the driver slides.
     """
 
     _press: Linkage
@@ -175,28 +174,28 @@ def rate(
     """Find the permissible force of a press over its working stroke, and its permissible speed.
 
     The permissible force is the smallest of F_N, C / |ds/dtheta|, E / h and the forces that the bearings permit. A nominal height h_N
-    stands for the torque C = F_N |ds/dtheta| at h_N. The working stroke goes downwards, against the slide's direction.
+    defines the torque C = F_N |ds/dtheta| at h_N. The working stroke goes downwards, against the slide's direction.
 
     Friction raises the torque for a process force and changes the bearing forces. The friction loss of a process force reduces energies;
     the motor covers the losses of the idle press and of dampers.
 
-    For a sliding driver C is its force capacity and theta its position. It moves harmonically, as in `cycle`. Capacities of energy and
-    speed, and the dwell, need a crank; for a sliding driver they are refused.
+    For a sliding driver C is its force capacity and theta its position. The driver moves harmonically, as in `cycle`. Capacities of energy
+    and speed, and the dwell, need a crank; they are refused for a sliding driver.
 
     Args:
-        press: a press with one driver, and a slide with one top and one bottom dead centre; where the driver slides, these are the ends of
-            its travel.
-        speed: speed of the driver joint in operation, negative backwards [rad/s]; of a driver that slides its highest one, in the middle of
-            its travel, where the sign has no say [m/s].
+        press: a press with one driver, and a slide with one top and one bottom dead centre; if the driver slides, these are the ends of its
+            travel.
+        speed: speed of the driver joint in operation, negative backwards [rad/s]; highest speed of a sliding driver, in the middle of its
+            travel, where the sign has no effect [m/s].
         capacities: capacities of its parts.
         at_speed: whether torque and bearings also carry weights and inertia forces at this speed, as in operation. By default they carry
-            the process force alone, as catalogues print ratings. A nominal height stands for one torque capacity in both cases, so that at
-            speed the force at this height differs from the nominal one.
+            the process force alone, as catalogues print ratings. A nominal height defines the same torque capacity in both cases, so with
+            ``at_speed`` the force at this height differs from the nominal force.
         loads: springs and dampers, e.g. a balance cylinder, and constant forces on links, in addition to the process; only with
             ``at_speed``, like weights and inertia forces.
-        friction: friction of bearings and guides, by their names. By default it is that of the process force alone; with ``at_speed``
-            weights, inertia forces and springs cause friction too, it may be viscous, and gibs preloaded.
-        points: number of crank angles, or positions of a driver that slides, in equal steps from top to bottom dead centre, at least 3. The
+        friction: friction of bearings and guides, by their names. By default only the process force causes friction. With ``at_speed``
+            weights, inertia forces and springs cause friction too; it may be viscous, and gibs may be preloaded.
+        points: number of crank angles, or of positions of a sliding driver, in equal steps from top to bottom dead centre, at least 3. The
             nominal height and the heights at which the governing limit changes are added.
         contact_height: height above bottom dead centre at which the tool meets the work [m]; by default the nominal height.
         dwell_tolerance: distance from bottom dead centre that counts as dwell [m]; by default a hundredth of the stroke.
@@ -222,7 +221,7 @@ def rate(
         _refuse_what_turns(press, capacities, dwell_tolerance)
     _doubt_capacities(press, capacities, speed)
     period = _period(press, speed, engine)
-    quick_return = measures.quick_return_ratio(period) if turning else None  # refuses a slide with several working strokes
+    quick_return = measures.quick_return_ratio(period) if turning else None  # raises an error for a slide with several working strokes
     beside = tuple(loads), FrozenMapping(friction)
     rated = rated_stroke(press, capacities, speed, at_speed=bool(at_speed), beside=beside, engine=engine)
     if at_speed:
@@ -321,7 +320,7 @@ def _at_contact(rated: RatedStroke, period: Motion, height: float) -> tuple[floa
 
 
 def _refuse_what_turns(press: Linkage, capacities: Capacities, dwell_tolerance: float | None) -> None:
-    """Raise PinpressError for arguments that only a crank can have; the driver of the press slides."""
+    """Raise PinpressError for arguments that need a crank, for a press with a sliding driver."""
     given: dict[str, tuple[object, str]] = {
         "flywheel_inertia and speed_drop": (capacities.flywheel_inertia, "give the force of the driver as torque [N]"),
         "motor_power": (capacities.motor_power, "compare the power with the driving force x driver speed of inverse_dynamics"),

@@ -39,7 +39,8 @@ class PermissibleSpeed(Record, units={"speed": "rad/s", "crank_angle": "rad"}):
         speed: speed of the driver joint [rad/s].
         limited_by: the capacity that is reached: "torque", "bearing NAME", "slide acceleration" or "shaking force".
         crank_angle: crank angle at which it is reached, from 0 to the end of the period, mostly 2 pi [rad].
-        turns: turns of the driver joint from stroke to stroke, the mean if strokes differ; of a press without a slide, in its period.
+        turns: turns of the driver joint from stroke to stroke, the mean if strokes differ; for a press without a slide, the turns of its
+            period.
     """
 
     speed: float
@@ -49,7 +50,7 @@ class PermissibleSpeed(Record, units={"speed": "rad/s", "crank_angle": "rad"}):
 
     @property
     def strokes_per_minute(self) -> float:
-        """Strokes in a minute at this speed; mostly a stroke takes one turn of the driver joint."""
+        """Strokes in a minute at this speed; usually a stroke takes one turn of the driver joint."""
         return self.speed / RPM / self.turns
 
 
@@ -69,8 +70,8 @@ def speed_limit(
     Args:
         press: a press with one driver.
         capacities: capacities of its parts. Nominal force and height, flywheel and motor limit no speed.
-        torque: torque capacity at the driver joint where it is not among the capacities, as `PressRatings.torque_capacity` [N m].
-        loads: process loads whose forces depend on height and direction of travel alone; by default the press runs idle.
+        torque: torque capacity at the driver joint, if ``capacities`` does not contain it, e.g. `PressRatings.torque_capacity` [N m].
+        loads: process loads whose forces depend only on height and direction of travel; by default the press runs idle.
         engine: as in `cycle`.
 
     Returns:
@@ -126,7 +127,7 @@ def limiting_speed(
     names = [name for name, square in first.items() if square.min() <= 1.05 * least]
     best = np.array([float(first[name].min()) for name in names])
     centre = np.array([angle[int(first[name].argmin())] for name in names])
-    for _ in range(8):  # each round divides the interval by four, in all from a degree to 3e-7 rad, whose square counts
+    for _ in range(8):  # each round divides the interval by four: from a degree to 3e-7 rad; the error is its square
         places = centre[:, None] + step * np.linspace(-1.0, 1.0, 9)
         squares = turning.squared_speeds(places.ravel())
         for k, name in enumerate(names):
@@ -192,7 +193,7 @@ class _TurningPress(NamedTuple):
         if capacities.slide_acceleration is not None:
             slope = fast.slide_acceleration[:, None] / self.fast**2
             squares["slide acceleration"] = largest_factor(0 * slope, slope, capacities.slide_acceleration)
-        if capacities.shaking_force is not None:  # by inertia alone; process loads do not reach the foundation
+        if capacities.shaking_force is not None:  # by inertia alone, because process loads do not reach the foundation
             shaking = running.shaking_force - resting.shaking_force
             slope = np.where(np.abs(shaking) > NOTHING * largest, shaking, 0.0) / self.fast**2
             squares["shaking force"] = largest_factor(0 * slope, slope, capacities.shaking_force)

@@ -39,7 +39,7 @@ class FullMotion(NamedTuple):
 
 
 def excess_of(problem: MotionProblem, full: FullMotion) -> tuple[float, NDArray[np.bool_]]:
-    """The largest share by which a motion exceeds the torque or the power of its drive, and (2, N) in which segments each comes near."""
+    """Largest share by which a motion exceeds its drive's torque or power; (2, N) whether torque and power come near it in each segment."""
     drive, moving = problem.drive, full.segment >= 0
     torque = np.abs(full.motion.motor_torque) / drive.peak_torque_at(full.motion.motor_speed)
     power = np.abs(full.motion.power) / (np.inf if drive.power is None else drive.power)
@@ -115,7 +115,7 @@ def full_motion(press: Linkage, loads: Sequence[Load], friction: Mapping[str, Fr
     segment = np.repeat(np.arange(len(durations)), len(nodes))
     for k in np.flatnonzero(rests)[::-1]:
         at, ends = (k + 1) * len(nodes), np.array([start[k] + durations[k], start[k + 1]])
-        # a brake holds the press in a pause that the path does not ask for
+        # the path does not require this pause, so a brake holds the press in it
         half_dwell = 0.5 * grid.legs.dwells[grid.leg[k]]
         rest = (ends, np.full(2, half_dwell), np.full(2, grid.angle[k + 1]), np.zeros(2), np.zeros(2))
         parts = [np.concatenate([part[:at], more, part[at:]]) for part, more in zip(parts, rest, strict=True)]

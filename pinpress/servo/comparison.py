@@ -25,7 +25,7 @@ from .limits import (
 from .motion import ServoMotion, largest_size
 
 KEPT = 1e-3  # share by which a motion may exceed a limit that it keeps: best motions exceed theirs by less between nodes
-NOT_SEEN = BearingForce, TorqueRate  # limits that the states of a motion do not suffice to check
+NOT_SEEN = BearingForce, TorqueRate  # limits that cannot be checked from the states of a motion
 UNITS = {
     "rms_torque": "N m",
     "peak_torque": "N m",
@@ -80,7 +80,7 @@ class MotionComparison(Tabular):
 
     @property
     def title(self) -> str:
-        """The press, the number of motions and the one with the least rms torque of those that keep the limits."""
+        """The press, the number of motions, and the motion with the least rms torque among the motions that keep the limits."""
         press_name = next(iter(self.motions.values())).press_name
         least = next((row for row in self.rows if row.more_than_least == 0 and not row.breaks), None)
         said = "none keeps its limits" if least is None else f"least rms torque of the motor {least.rms_torque:.6g} N m by {least.name}"

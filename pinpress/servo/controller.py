@@ -35,12 +35,12 @@ class MotionTable(Tabular):
 
     @property
     def title(self) -> str:
-        """The press, what the table is of, the number of rows and the cycle."""
+        """The press, the tabulated quantity, the number of rows and the time of a cycle."""
         return f"MotionTable of {self.press_name}: {self.of} at {len(self.time)} times, {self.time[-1]:.6g} s"
 
     def columns(self) -> dict[str, Array]:
-        """Time and angle, or time and height, in units of controllers: s, deg, mm. That of angles is the ``program`` of a
-        servo motor in a job."""
+        """Time and angle, or time and height, in units of controllers: s, deg, mm. In a job, a table of angles can be the ``program`` of a
+        servo motor."""
         return {"time [s]": self.time, "angle [deg]" if self.of == "angle" else "height [mm]": self.values}
 
 

@@ -1,4 +1,5 @@
-"""What results of servo presses show: the best motion with what limits it, others beside it, the motor and the capacitor that it needs."""
+"""What results of servo presses show: the best motion with what limits it, the motions compared with it, the motor and the capacitor that
+it needs."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ from .sizing import EnergyStore, MotorChoice
 POINTS = 120  # of a motor's curve
 HEIGHT = "height above bottom dead centre"
 OBJECTIVES = {"heat": "heat in the motor", "time": "time of a cycle", "energy": "energy drawn", "peak": "peak torque"}
-BRAKING = 0.5  # share of a limit from which on braking has the limit drawn too
+BRAKING = 0.5  # the limit in braking is drawn too if braking uses more than this share of it
 
 
 def servo_motion(motion: ServoMotion, page: Reactions | None = None) -> tuple[Section, ...]:
@@ -54,7 +55,7 @@ def optimum(best: MotionOptimum, page: Reactions | None = None) -> tuple[Section
 
 
 def comparison(found: MotionComparison, page: Reactions | None = None) -> tuple[Section, ...]:
-    """Motions of one press beside each other."""
+    """Comparison of motions of one press."""
     rows = found.rows
     more = [None if row.more_than_least is None or row.breaks else row.more_than_least for row in rows]
     columns = [
@@ -158,7 +159,7 @@ def _needs(motion: ServoMotion) -> list[Figure]:
 
 
 def _limits(best: MotionOptimum) -> Table:
-    """The limits that act with their prices, and from where to where; no angles for one that acts everywhere."""
+    """The active limits with their prices and ranges of crank angles; no angles for a limit that is active everywhere."""
     everywhere = [abs(limit.ends_at - limit.begins_at) >= 0.999 * float(np.ptp(best.angle)) for limit in best.limits]
     pairs = list(zip(best.limits, everywhere, strict=True))
     columns = [
@@ -201,7 +202,7 @@ def _over_time(motion: ServoMotion) -> list[Chart]:
 
 
 def _limit(name: str, most: float | None, values: Array) -> list[Curve]:
-    """A limit as a curve in all states, and its negative where the values come near it; none without a limit."""
+    """A limit as a curve over all states, and its negative if the values come near it; no curve without a limit."""
     if most is None:
         return []
     curves = [Curve(name, np.full(len(values), most), look="limit")]
@@ -211,7 +212,7 @@ def _limit(name: str, most: float | None, values: Array) -> list[Curve]:
 
 
 def _over_angle(motions: Mapping[str, ServoMotion]) -> list[Chart]:
-    """Speed and torque of the crank over its angle; of cranks that only turn one way over the angle within a turn."""
+    """Speed and torque of the crank over its angle; if all cranks turn in one direction only, over the angle within a turn."""
     first = next(iter(motions.values())).motion.driver_coordinates[0]
     one_way = all(np.ptp(np.sign(motion.speed[motion.speed != 0])) == 0 for motion in motions.values())
     along = Along(first.counted if one_way else f"{first.counted}, there and back", first.unit)
@@ -230,7 +231,7 @@ def _over_angle(motions: Mapping[str, ServoMotion]) -> list[Chart]:
 
 
 def _plane(motion: ServoMotion, motor: CatalogueMotor | None = None) -> Chart:
-    """Torque over the speed of the motor's own shaft, in all quadrants as sizes, below the curves of a motor, else of the drive."""
+    """Absolute torque over absolute speed of the motor's shaft, with the curves of the motor, or else of the drive."""
     drive, size = motion.drive, np.abs(motion.motor_speed)
     mean = float(motion.weight @ size) / motion.duration
     curves = [

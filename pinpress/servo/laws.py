@@ -28,7 +28,7 @@ class _Piece:
     phase: float = 0.0
 
     def gains(self, time: Array) -> tuple[Array, Array, Array]:
-        """Gains of position (from rest) and speed since the start of the piece, and the acceleration, at times since that start."""
+        """Changes of position (from rest) and of speed since the start of the piece, and the acceleration, at times since this start."""
         if not self.frequency:
             polynomial = np.polynomial.Polynomial(self.polynomial)
             return polynomial.integ(2)(time), polynomial.integ()(time), polynomial(time)

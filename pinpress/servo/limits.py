@@ -159,7 +159,7 @@ Limit = StateLimit | BearingForce | RmsTorque | TorqueRate | FeedWindow
 
 def checked(limits: object) -> tuple[Limit, ...]:
     """The limits as a tuple; raises PinpressError for an object that is not a limit."""
-    limits_ = tuple(limits)  # type: ignore[arg-type, var-annotated]  # a sequence, as `typed` has seen
+    limits_ = tuple(limits)  # type: ignore[arg-type, var-annotated]  # `typed` has checked that it is a sequence
     for limit in limits_:
         if not isinstance(limit, Limit):
             raise PinpressError(

@@ -106,8 +106,8 @@ class CatalogueMotor(Checked):
 
         Args:
             ratio: speed of the motor / speed of the crank [-].
-            up_to: top speed of the drive, whose constant peak torque is the least of the curve up to there [rad/s]. None: the motor's
-                highest speed and its curve; where the curve rises, the drive has the least torque of lower speeds.
+            up_to: top speed of the drive, whose constant peak torque is the least of the curve up to there [rad/s]. None: the drive has the
+                motor's highest speed and its curve; where the curve rises, it has the least torque of all lower speeds.
             gear_inertia: as in `ServoDrive` [kg m2].
             regeneration: as in `ServoDrive` [-].
 

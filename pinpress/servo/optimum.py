@@ -187,7 +187,7 @@ def _turn_or_stop(turning: Task, stopping: Callable[[], Task], drive: ServoDrive
         return turn
     try:
         stop = stopping().solve(drive)
-    except PinpressError:  # the drive is too weak for it
+    except PinpressError:  # the drive is too weak for a stop
         return turn
     more = turn.answer.value / stop.answer.value - 1.0
     quantities = " and ".join(turning.wanted)

@@ -38,7 +38,7 @@ FEWEST = 8  # least number of steps for a smooth piece of a cycle: a ramp, or a 
 SHARES = 1e-4  # error of the free parameters, as a share of their range
 LEAST_RAMP = 1e-3  # shortest ramp, as a share of the cycle
 SAME = 1e-9  # speeds that differ by a smaller share count as equal
-BESIDE = 1e-9  # share of a piece by which states are moved off the angle at which a load begins
+BESIDE = 1e-9  # share of a piece by which states are moved away from the angle at which a load begins
 WINDOW = 721  # number of crank angles at which a window of heights is evaluated
 
 
@@ -108,7 +108,7 @@ class _Cycle:
                 for first, last in itertools.pairwise([0.0, *inner.tolist(), part.duration]):
                     steps = max(FEWEST, 2 * math.ceil(0.5 * self.points * (last - first) / self.time))
                     since = np.linspace(first, last, steps + 1)
-                    # forces may jump at edges and corners: the states of a piece stay on its side of them
+                    # forces may jump at edges and corners, so all states of a piece stay on its own side of the jump
                     since[0] += BESIDE * (last - first) * (first > 0)
                     since[-1] -= BESIDE * (last - first) * (last < part.duration)
                     gained, speed, acceleration = part.at(since)

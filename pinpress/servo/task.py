@@ -1,7 +1,7 @@
-"""The task of a best motion, and its solution: rounds for loads that feel the speed, limits between nodes, and enough nodes.
+"""The task of a best motion, and its solution: rounds for loads that depend on the speed, limits between nodes, and the number of nodes.
 
-A `Task` has checked arguments and the coefficients of the press. A convex program solves it, more programs keep the limits that are not
-convex. Then the drive's torque and power are limited between nodes too, and the nodes are refined.
+A `Task` has checked arguments and the coefficients of the press. A convex program solves the task; further programs keep the limits that
+are not convex. Then the drive's torque and power are limited between nodes too, and the nodes are refined.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ from .paths import Path, Turn, legs_of
 POINTS, FEWEST_POINTS, MOST_POINTS = 720, 8, 20_000
 NODE_ERROR = 1e-3  # largest node error, as a share of the value, if the user does not give the number of nodes
 EXCEEDED = 5e-4  # share by which the motion may exceed torque or power between nodes
-SETTLED, NEARLY_SETTLED = 1e-8, 1e-5  # relative changes of the value that end rounds: of convex programs, and of others
-MOST_ROUNDS, MOST_AMENDED = 30, 5  # of loads that feel the speed, and of limits between nodes
+SETTLED, NEARLY_SETTLED = 1e-8, 1e-5  # smaller relative changes of the value end the rounds: of convex programs, and of others
+MOST_ROUNDS, MOST_AMENDED = 30, 5  # rounds for loads that depend on the speed, and for limits between nodes
 
 
 def make_task(
@@ -97,7 +97,7 @@ def _coefficients(
 def _objective(minimise: object) -> dict[str, float]:
     """Quantity -> its weight in the objective."""
     if isinstance(minimise, str) and minimise in UNITS:
-        return {"peak": 1.0, "heat": 0.1} if minimise == "peak" else {minimise: 1.0}  # the peak alone leaves other speeds free
+        return {"peak": 1.0, "heat": 0.1} if minimise == "peak" else {minimise: 1.0}  # a peak alone leaves the speed elsewhere open
     if isinstance(minimise, Mapping) and minimise and all(isinstance(name, str) and name in UNITS for name in minimise):
         weights = {name: _positive(f"minimise: weight of {name}", value, "-") for name, value in minimise.items()}
         if set(weights) == {"peak"}:
@@ -142,7 +142,7 @@ def _refuse_open(
 class Task:
     """A task of `best_motion`, whose arguments are the attributes, with the coefficients of the press.
 
-    ``proved``: whether more programs than one tighten the bound. ``turns``: coarse turns, which are the same for all numbers of nodes.
+    ``proved``: whether several programs tighten the bound. ``turns``: turns on the coarse path, the same for all numbers of nodes.
     ``levels``: number of segments -> coefficients.
     """
 
@@ -283,7 +283,7 @@ class TaskSolution(NamedTuple):
         for coarser in (count // 2, count // 4) if count >= 360 else (count // 2,):
             try:
                 values.insert(0, best._with_nodes(coarser, proved=False).answer.value)
-            except PinpressError:  # so few nodes leave no motion
+            except PinpressError:  # with so few nodes no motion keeps the limits
                 break
         error = node_error(values)
         while len(values) == 1 or (refined and error > NODE_ERROR and 2 * count <= MOST_POINTS):

@@ -1,1 +1,1 @@
-"""The best motion as a second-order-cone program: coefficients of the press, the problem, the program, and what is not convex."""
+"""The best motion as a second-order-cone program: coefficients of the press, the problem, the program, and limits that are not convex."""

@@ -50,7 +50,7 @@ def limit_heights(limits: Sequence[Limit]) -> list[float]:
 
 
 def bearings_of(press: Linkage, limits: Sequence[Limit]) -> tuple[str, ...]:
-    """Names of bearings with limited forces; raises UnknownNameError for a name that the press does not have."""
+    """Names of the bearings whose force is limited; raises UnknownNameError for a name that the press does not have."""
     for limit in limits:
         if isinstance(limit, BearingForce) and limit.bearing not in press.bearings:
             raise UnknownNameError("bearing", limit.bearing, press.bearings)
@@ -94,7 +94,7 @@ def caution_flank(press: Linkage, limits: Sequence[Limit], loads: Sequence[Load]
 def motion_problem(
     c: Coefficients, drive: ServoDrive, limits: Sequence[Limit], weights: Mapping[str, float], time: float | None
 ) -> MotionProblem:
-    """The problem of these limits and of those of the drive.
+    """The problem with these limits and the limits of the drive.
 
     Raises:
         PinpressError: the path has no part in a window, a constant speed goes through a dead centre, or the drive cannot hold a rest.
@@ -215,7 +215,7 @@ def _bearing_force(c: Coefficients, limit: BearingForce, place: int) -> Bounded:
     return Bounded(in_words(limit), most, limit.force, "N", first, length=(second, third))
 
 
-# ------------------------------------------------------------------------------------------------------------- what speeds alone take
+# ------------------------------------------------------------------------------------------------------------ least time by limits of speed
 
 
 class SpeedTimes(NamedTuple):
@@ -232,7 +232,7 @@ class SpeedTimes(NamedTuple):
 
 
 def speed_times(problem: MotionProblem) -> SpeedTimes:
-    """The times that limits of speed take along a path, by quadrature."""
+    """The least times that limits of speed allow along a path, by quadrature."""
     c, n = problem.coefficients, len(problem.coefficients.grid.step)
     travel = np.abs(np.stack([c.travel[:-1], *c.inner_travel, c.travel[1:]], axis=1))  # (N, 4)
     slowness: dict[str, Array] = {}  # times by crank angle [s/rad]

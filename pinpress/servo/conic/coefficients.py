@@ -43,10 +43,10 @@ class PathGrid:
     """Nodes of a path, N segments between them."""
 
     legs: PathLegs
-    marks: Sequence[Array]  # of each leg, crank angles in its order at which nodes must stand [rad]
+    marks: Sequence[Array]  # for each leg, the crank angles that must be nodes, in the order of the leg [rad]
     angle: Array  # (N + 1,) crank angles of the nodes, one after the other [rad]
     leg: NDArray[np.intp]  # (N,) leg of each segment
-    share: Array  # (N + 1,) how far along its leg a node is, 0 to 1; at a rest 0
+    share: Array  # (N + 1,) position of a node on its leg, 0 to 1; 0 at a rest
     rest: NDArray[np.bool_]  # (N + 1,) whether the crank rests at the node
 
     @property
@@ -97,7 +97,7 @@ class Coefficients:
     inner_slope: Array  # (2, N) dM/d(crank angle) there [kg m2/rad]
     inner_torque: Array  # (2, N) G + F there [N m]
     mean_torque: Array  # (N,) mean of G + F over the crank angle of a segment [N m]
-    travel: Array  # (N + 1,) way of the slide by crank angle at the nodes [m/rad]
+    travel: Array  # (N + 1,) slide velocity / crank speed at the nodes [m/rad]
     inner_travel: Array  # (2, N) the same at the inner places [m/rad]
     inner_bend: Array  # (2, N) its derivative there [m/rad2]
     height: Array  # (N + 1,) height of the slide above bottom dead centre [m]
@@ -106,13 +106,13 @@ class Coefficients:
 
 
 def path_marks(press: Linkage, legs: PathLegs, heights: Iterable[float]) -> list[Array]:
-    """Of each leg, the crank angles at which the slide turns back or is at a height above bottom dead centre [m], in their order [rad]."""
+    """For each leg, the crank angles [rad] at which the slide turns back or is at one of the heights [m], in the order of the leg."""
     positions = np.array([*heights], float) + dead_centres(press).bottom_position
     return [_marks(press, start, end, positions) for start, end in itertools.pairwise(legs.angles.tolist())]
 
 
 def path_grid(legs: PathLegs, marks: Sequence[Array], points: int) -> PathGrid:
-    """Nodes along a path with this number of segments, and some more because of the `path_marks`."""
+    """Nodes along a path with this number of segments, and additional nodes at the `path_marks`."""
     ways = np.abs(np.diff(legs.angles))
     angles, leg, share = [legs.angles[:1]], [], [np.zeros(1)]
     for k, (start, end) in enumerate(itertools.pairwise(legs.angles.tolist())):
@@ -243,7 +243,7 @@ def _inner_places(grid: PathGrid, like: PathMotion | None) -> Array:
 
 
 def _inside(values: Array) -> Array:
-    """Values at the inner places, (2, N, ...), from the values at nodes and inner places."""
+    """Values at the inner places, (2, N, ...), taken from the values at nodes and inner places."""
     return np.stack([values[1::3], values[2::3]])
 
 
@@ -308,7 +308,7 @@ def _grade_nodes(start: float, end: float, marks: Array, count: int, even: bool)
     borders = np.concatenate([[0.0], np.interp((marks - start) / (end - start), graded, fine), [1.0]])
     pieces = []
     for low, high in itertools.pairwise(borders.tolist()):
-        # the torque changes in short pieces, between loads and windows
+        # the torque may change much in a short piece between loads and windows, so each piece gets some nodes
         steps = max(1, round(count * ((1.0 - SHARED) * (high - low) + SHARED / (len(borders) - 1))))
         pieces.append(low + (high - low) * _denser_at_ends(np.arange(steps) / steps, BRAKED if len(marks) else 0.0))
     places = np.concatenate([*pieces, [1.0]])

@@ -1,7 +1,7 @@
 """Limits that are not convex in b: the largest power of the motor, and the largest rate of its torque.
 
-Another is a curve of torque that falls with the speed (`torque_curve`). The module finds a motion within the limits, and a bound for all
-motions.
+A curve of torque that falls with the speed is not convex either (`torque_curve`). This module finds a motion within the limits, and a bound
+for all motions.
 
 The motion comes from convex programs. At the speeds of a segment's ends the power P allows the torque 2 P / (v_i + v_{i+1}). This is convex
 in b, so its tangent at the last motion is below it. Each program's motion therefore keeps the limit, and no motion is worse than the one
@@ -164,7 +164,7 @@ def _rate_tangents(problem: MotionProblem, b: Array, rate: float) -> list[Bounde
     speed, h = np.sqrt(b), np.abs(grid.step)
     total = speed[1:] + speed[:-1]
     times = 2.0 * h / total
-    with np.errstate(divide="ignore"):  # at a rest b is no variable
+    with np.errstate(divide="ignore"):  # at a rest b is zero and not an unknown
         slopes = [np.where(each > 0, -h / (total**2 * each), 0.0) for each in (speed[:-1], speed[1:])]
     bounds, half = [], 0.5 * rate
     level = half * sum(times[k] - slopes[0][k] * b[k] - slopes[1][k] * b[k + 1] for k in (first, second))
@@ -233,7 +233,7 @@ def _loaded_nodes(problem: MotionProblem, relaxed: Array, best: Array, power: fl
     """Nodes of segments that use the power in the best or the relaxed motion, and the nodes next to them."""
     segments = (powers(problem, relaxed) > power * (1.0 + 1e-6)) | (powers(problem, best) > NEAR * power)
     nodes = np.append(segments, False) | np.append(False, segments)
-    nodes[:-1] |= nodes[1:]  # one more on each side, where a relaxed time would be stretched next
+    nodes[:-1] |= nodes[1:]  # also the neighbours, because the relaxed program would stretch their time next
     nodes[1:] |= nodes[:-1].copy()
     if problem.coefficients.grid.legs.closed:
         nodes[0] |= nodes[-1]

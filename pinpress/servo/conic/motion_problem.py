@@ -40,7 +40,7 @@ class Affine(NamedTuple):
 
 
 def inner_affine(c: Coefficients, place: int, by_acceleration: Array, by_square: Array, fixed: Array, segments: Index) -> Affine:
-    """by_acceleration x acceleration + by_square x b + fixed at one of the inner places of segments, of values (m,) there."""
+    """by_acceleration x acceleration + by_square x b + fixed at one of the inner places of segments, from coefficients (m,) there."""
     step, share = c.grid.step[segments], c.inner[place][segments]
     change = by_acceleration / (2.0 * step)
     return Affine((1.0 - share) * by_square - change, share * by_square + change, fixed, segments)
@@ -59,17 +59,17 @@ class Bounded:
     power: float = 1.0  # see ``most``: 2 for a speed, whose square is bounded
     equal: bool = False  # whether the quantity equals the bound
     both: bool = False  # whether the negative quantity is bounded too
-    drag: float = 0.0  # part of c_i + c_{i+1} that is added to the quantity, in the sense of the crank's way: the drag of the drive
-    # part of half of c_i + c_{i+1} that is added to the quantity and to its negative: a bound that falls with the speed
+    drag: float = 0.0  # factor of c_i + c_{i+1}, which is added to the quantity in the crank's direction of turning: drag of the drive
+    # factor of (c_i + c_{i+1}) / 2, which is added to the quantity and to its negative: so the bound falls with the speed
     by_speed: float = 0.0
     total: bool = False  # whether the sum of the quantity over the segments is bounded, by the first bound
-    length: tuple[Affine, ...] = ()  # of a vector of forces, quantities of its two further components; then its length is bounded
+    length: tuple[Affine, ...] = ()  # the two other components of a force; if given, the magnitude of the force is bounded
 
 
 def below_tangents(
     torque: Affine, allowed: Array, fall: Array, speed: Array, slopes: tuple[Array, Array], limit: tuple[str, float, str]
 ) -> list[Bounded]:
-    """A torque and its negative below the tangent of what a limit allows, which is convex in b.
+    """Limits of a torque and of its negative, by the tangent of the allowed torque, which is convex in b.
 
     Args:
         torque: the torque of m segments.
@@ -80,7 +80,7 @@ def below_tangents(
         limit: name, number and unit of the limit.
     """
     name, number, unit = limit
-    level = allowed + 0.5 * fall * speed  # the tangent of a root has half its value at b = 0
+    level = allowed + 0.5 * fall * speed  # a root's tangent, continued to b = 0, has half the root's value there
     before, after = (fall * slope for slope in slopes)
     both = (
         Affine(sign * torque.before + before, sign * torque.after + after, sign * torque.fixed, torque.segments) for sign in (1.0, -1.0)

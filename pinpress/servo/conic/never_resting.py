@@ -36,7 +36,7 @@ SHORT = 1e-5  # share by which a cycle may be shorter than the given time
 LATE, TOO_LATE = 1e-5, 1e-4  # a smaller excess of the time ends the rounds; a larger excess after the rounds is refused
 SETTLED, NEARLY = 1e-4, 1e-3  # a smaller change of the value ends the rounds; a note reports a larger change after the rounds
 SLOWEST = 0.1  # least speed of the crank, as a share of its mean speed or of the limit of speed there
-NO_HURRY = 10.0  # share by which a program may exceed the time
+NO_HURRY = 10.0  # share by which a program may exceed the time; in practice no limit
 COARSE, FINER = 36, 4  # segments of the coarse path, and the factor for the next path
 MANY_ROUNDS, SOME_ROUNDS, FEW_ROUNDS = 40, 12, 3  # of tangents on the coarse path, the next one and the last; more if the time is not met
 
@@ -80,7 +80,7 @@ def is_shorter(problem: MotionProblem, b: Array) -> bool:
 
 
 def coarse_turn(coarse: MotionProblem, faster: float) -> CoarseTurn:
-    """The best motion found that takes the problem's time on a coarse path, with a bound for all that do.
+    """The best motion found that takes the problem's time on a coarse path, with a bound for all motions that take this time.
 
     Args:
         coarse: the problem.
@@ -91,7 +91,7 @@ def coarse_turn(coarse: MotionProblem, faster: float) -> CoarseTurn:
     """
     bound, passing = _bound_past_mean_speed(_never_resting(coarse))
     starts = [_even(coarse), *([] if passing is None else [passing])]
-    if coarse.drive.power is not None or coarse.rate is not None or coarse.rms is not None:  # they may not allow an even speed
+    if coarse.drive.power is not None or coarse.rate is not None or coarse.rms is not None:  # these limits may not allow a constant speed
         cool = replace(coarse, drive=replace(coarse.drive, power=None), limits=(), rms=None)
         cool = cool if coarse.rms is None else replace(cool, weights={"heat": 1.0})
         with contextlib.suppress(NoTurnError):
@@ -106,7 +106,7 @@ def coarse_turn(coarse: MotionProblem, faster: float) -> CoarseTurn:
             " this time, wider limits, or path=servo.Stop(), which pauses"
         )
     best = min(turns, key=lambda turn: turn.answer.value)
-    if bound > best.answer.value + 1e-7 * abs(best.answer.value):  # the solver denied a motion that exists
+    if bound > best.answer.value + 1e-7 * abs(best.answer.value):  # the bound contradicts a motion that exists, so the solver was wrong
         bound = -np.inf
     return CoarseTurn(best, max(0.0, (best.answer.value - bound) / abs(best.answer.value)))
 
@@ -114,7 +114,7 @@ def coarse_turn(coarse: MotionProblem, faster: float) -> CoarseTurn:
 def turn_in_time(
     problem: MotionProblem, free: Solution, coarse: CoarseTurn, at: Callable[[int | None, PathMotion], MotionProblem]
 ) -> tuple[Solution, MotionProblem, list[str]]:
-    """The best motion found that takes the problem's time, with a bound for all that do.
+    """The best motion found that takes the problem's time, with a bound for all motions that take this time.
 
     Args:
         problem: the problem, with the most time of a cycle.
@@ -169,7 +169,7 @@ def _rounds(problem: MotionProblem, b: Array, rounds: int) -> TimedTurn:
     """Find the motion by tangents, starting from an approximate motion."""
     assert problem.time is not None
     whole, best, value, least_late = _never_resting(problem), None, np.inf, np.inf
-    for k in range(max(3 * rounds, MANY_ROUNDS)):  # beyond `rounds` while the time is not met
+    for k in range(max(3 * rounds, MANY_ROUNDS)):  # more than `rounds` only while the time is not met
         b = _scale_to_time(problem, b)
         limited = replace(whole, bounds=(*whole.bounds, _time_tangent(problem, b, problem.time), *tangents(problem, b)))
         try:
@@ -194,7 +194,7 @@ def _with_end(problem: MotionProblem) -> MotionProblem:
     """The problem of a turn that takes at least its time, with an upper limit of the time if one is needed.
 
     A feed window and an rms torque refer to the time of the cycle. Without an upper limit of this time a turn could keep both by waiting.
-    The limits of the time outside the window, and of the heat, do not depend on this upper limit.
+    The limits of the time outside the window and of the heat keep their values: they do not depend on this upper limit.
     """
     assert problem.time is not None
     if problem.below is None and problem.rms is None:

@@ -53,7 +53,8 @@ def optimum(problem: MotionProblem) -> Solution:
 
 
 def loses_by_speed(problem: MotionProblem) -> bool:
-    """Whether losses of the drive grow with its speed. Then the program may underestimate them, and the gap is not only rounding."""
+    """Whether losses of the drive grow with its speed. Then the program may underestimate them, and the gap is larger than rounding
+    errors."""
     return bool(problem.drive.viscous or (problem.drive.iron and "energy" in problem.weights))
 
 
@@ -61,8 +62,8 @@ def _with_losses(problem: MotionProblem, answer: Solution) -> Solution:
     """The best motion found if losses grow with the speed and the program underestimates them; the bound remains the program's.
 
     These losses are concave in b, because they follow its root, so they lie below their tangent at any motion. A program with the tangent
-    in place of the losses finds a motion that is no worse than the motion at which the tangent touches. The rounds start at the program's
-    motion, and again at the best motion of a drive without losses.
+    in place of the losses finds a motion that is no worse than the motion at which the tangent touches. The rounds start from the program's
+    motion, and a second time from the best motion of a drive without losses.
     """
     without = replace(problem, drive=replace(problem.drive, viscous=0.0, iron=0.0))
     starts, best = [answer.b], answer

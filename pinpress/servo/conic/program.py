@@ -1,4 +1,4 @@
-"""The best motion along a path as a second-order-cone program, with the proof of its optimum.
+"""The best motion along a path as a second-order cone program, with the proof of its optimum.
 
 The unknowns at the nodes are b, the square of the crank's speed, and its root c. The unknowns of each segment are d = 1 / (c_i + c_{i+1})
 and e = torque^2 d. p is the energy drawn. With h, the absolute step of a segment,
@@ -8,8 +8,8 @@ and e = torque^2 d. p is the energy drawn. With h, the absolute step of a segmen
 A segment takes the time 2 h / (c_i + c_{i+1}), which is exact for a constant acceleration, also from rest. The square of the torque is the
 mean of the squares at two inner places of a segment, by Gauss's rule. Limits of the torque, and work, use the mean torque of the segment,
 which follows exactly from the kinetic energies at the segment's ends.
-(The convexity is that of Verscheure et al. 2009, IEEE Trans. Automatic Control 54(10). Units and cones are scaled by the sizes at each
-node; without this, interior-point methods lose six digits near rests.)
+The convex form is from Verscheure et al. 2009, IEEE Trans. Automatic Control 54(10). Unknowns and cones are scaled by their sizes at each
+node; without scaling, interior-point methods lose six digits near rests.
 
 A cone only allows quantities to be larger than their exact values. So the dual cost is a bound for all motions, even if a cone is not
 tight. The value is computed from b alone. The difference of value and bound is the gap.
@@ -108,7 +108,7 @@ class _Limit(NamedTuple):
 
 
 class _Program:
-    """The columns of the unknowns, and the blocks of rows as they are written."""
+    """The columns of the unknowns, and the blocks of rows written so far."""
 
     def __init__(self, problem: MotionProblem, sizes: Sizes, let_out: Callable[[str], bool] | None) -> None:
         self.problem, self.sizes, self.let_out = problem, sizes, let_out
@@ -149,7 +149,8 @@ class _Program:
         limit: tuple[str, Array, Index, float] | None = None,
         size: int = 3,
     ) -> None:
-        """Add rows, without entries of column -1, whose unknown is 0. ``limit``: name, slope, places and change of the unit."""
+        """Add rows; entries of column -1 are left out, because their unknown is 0. ``limit``: name, slope, places and change of the
+        unit."""
         from scipy import sparse  # to save start-up time
 
         rows, columns, values = (np.concatenate([np.broadcast_to(entry[k], entry[0].shape) for entry in entries]) for k in range(3))
@@ -167,7 +168,7 @@ class _Program:
         self.rows.append(Rows(kind, matrix, bound, name, change, size if kind == CONE else 0))
 
     def affine(self, quantity: Affine, scale: Array | float, rows: Index) -> list[tuple[Index, Index, Array]]:
-        """Entries of a quantity by ``scale``, without its fixed part, in these rows."""
+        """Entries of a quantity divided by ``scale``, without its fixed part, in these rows."""
         at, b = quantity.segments, self.sizes.b
         entries = [
             (rows, self.column[at], quantity.before * b[at] * scale),
@@ -252,7 +253,7 @@ class _Program:
         if base is None:
             return self.speeds(self.segments, h, rows), np.zeros(len(h))
         speed = np.sqrt(base)
-        slope = np.divide(0.5, speed, out=np.zeros_like(speed), where=speed > 0)  # at a rest b is no variable
+        slope = np.divide(0.5, speed, out=np.zeros_like(speed), where=speed > 0)  # at a rest b is zero and not an unknown
         tangent = Affine(h * slope[:-1], h * slope[1:], 0.5 * h * (speed[:-1] + speed[1:]), self.segments)
         return self.affine(tangent, 1.0, rows), tangent.fixed
 
@@ -396,7 +397,7 @@ def solve(
     let_out: Callable[[str], bool] | None = None,
     extreme: tuple[int, float] | None = None,
 ) -> Solution:
-    """The optimum, or with ``let_out`` the least share by which limits with these names must be relaxed.
+    """The optimum; with ``let_out``, the least share by which the named limits must be relaxed.
 
     Args:
         problem: the problem.
@@ -426,7 +427,8 @@ def _solve(problem: MotionProblem, sizes: Sizes, let_out: Callable[[str], bool] 
     x = optimum.x
     # b without a column is 0; rounding errors of the solver must not make b negative
     b = np.where(program.column < 0, 0.0, np.maximum(x[program.column], 1e-12) * sizes.b)
-    bound = optimum.bound - float(np.abs(optimum.slope) @ np.maximum(1.0 - np.abs(x), 0.0))  # of all unknowns up to their sizes
+    # residuals of the dual equations lower the bound, for unknowns up to their sizes
+    bound = optimum.bound - float(np.abs(optimum.slope) @ np.maximum(1.0 - np.abs(x), 0.0))
     prices, where, parts = _prices(program, scale, optimum.prices)
     share = float(x[program.out]) if let_out is not None else 0.0
     value = share if let_out is not None else objective(problem, b) if extreme is None else extreme[1] * float(b[extreme[0]])
@@ -447,7 +449,7 @@ def _prices(
         parts[limited.name] = parts.get(limited.name, 0.0) + float(by_row.sum())
         prices[limited.name] = prices.get(limited.name, 0.0) + float(by_row.sum()) / limited.unit
         rows.append((limited.name, limit.at, by_row))
-    for name, at, by_row in rows:  # a limit may have several blocks, of which one acts
+    for name, at, by_row in rows:  # a limit may have several blocks; only one of them is active
         acts = where.setdefault(name, np.zeros(len(program.segments) + 1, bool))
         acts[at[by_row > 1e-4 * max(parts[name], 1e-300) / len(program.segments)]] = True
     return prices, where, parts

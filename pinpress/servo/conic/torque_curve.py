@@ -48,7 +48,7 @@ def curve_use(problem: MotionProblem, b: Array) -> Array:
 
 
 def curve_tangents(drive: ServoDrive, torque: Affine, speed: Array, slopes: tuple[Array, Array]) -> list[Bounded]:
-    """Torques below tangents of the curve at speeds; for ``speed`` and ``slopes`` see `below_tangents`."""
+    """Limits of the torque by tangents of the curve at these speeds; for ``speed`` and ``slopes`` see `below_tangents`."""
     runs: list[list[TorqueLine]] = []  # parts of the curve that bend upwards
     for line in _lines(_points(drive)):
         if runs and line.fall <= runs[-1][-1].fall:
